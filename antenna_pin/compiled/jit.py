@@ -2,11 +2,13 @@
 
 Numba caches a compiled function by the age of the file it stands in, and does not see that a function it
 calls in another file has changed. The kernels call one another across rooms, so here every cache entry is
-tied to the contents of all kernel files: a change in any of them compiles all of them anew.
+tied to the code of all kernel files: a change in any of them compiles all of them anew, other than of
+docstrings, comments and annotations of functions.
 """
 
 from __future__ import annotations
 
+import ast
 import hashlib
 from collections.abc import Callable
 from functools import cache
@@ -17,10 +19,10 @@ import numba
 
 import antenna_pin.compiled.address_intrinsics  # noqa: F401 - which tells Numba of them
 import antenna_pin.compiled.intrinsics  # noqa: F401 - which tells Numba of them
-from antenna_pin.compiled.kernel_cache import FORMAT, keep
+from antenna_pin.compiled.kernel_cache import FORMAT, keep, remembered
 from antenna_pin.compiled.stand_alone import stand_alone
 
-__all__ = ["dispatcher", "stamped_files"]
+__all__ = ["code_of", "dispatcher", "stamped_files"]
 
 
 def stamped_files() -> tuple[Path, ...]:
@@ -43,11 +45,35 @@ def stamped_files() -> tuple[Path, ...]:
 
 @cache
 def _stamp() -> str:
-    """Return a digest of all kernel files and of Numba's version."""
-    digest = hashlib.sha256(f"{numba.__version__} {FORMAT}".encode())
-    for path in (Path(__file__), *stamped_files()):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
+    """Return a digest of the code of all kernel files and of Numba's version."""
+    texts = [path.read_bytes() for path in (Path(__file__), *stamped_files())]
+    contents = hashlib.sha256(f"{numba.__version__} {FORMAT}".encode())
+    for text in texts:
+        contents.update(text)
+
+    def of_code() -> str:
+        digest = hashlib.sha256(f"{numba.__version__} {FORMAT}".encode())
+        for text in texts:
+            digest.update(code_of(text).encode())
+        return digest.hexdigest()
+
+    return remembered(dispatcher, contents.hexdigest(), of_code)
+
+
+def code_of(text: bytes | str) -> str:
+    """Return the syntax tree of a module, as text, without docstrings and annotations of functions."""
+    tree = ast.parse(text)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef):
+            node.returns = None
+            for argument in ast.walk(node.args):
+                if isinstance(argument, ast.arg):
+                    argument.annotation = None
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
+            first = node.body[0] if node.body else None
+            if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
+                del node.body[0]
+    return ast.dump(tree)
 
 
 def dispatcher(function: Callable[..., Any], kept: bool, alone: bool = False, **options: bool) -> Any:

@@ -34,9 +34,9 @@ try:
 except ImportError:  # none of it is promised by Numba
     FunctionCache = IndexDataCacheFile = NullCache = object
 
-__all__ = ["FORMAT", "KernelCacheWarning", "keep", "told_of_compiling"]
+__all__ = ["FORMAT", "KernelCacheWarning", "keep", "remembered", "told_of_compiling"]
 
-FORMAT = 3  # of what is kept
+FORMAT = 4  # of what is kept
 
 _DIGEST = hashlib.sha256().digest_size
 
@@ -205,6 +205,29 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
             file.write(hashlib.sha256(dumped).digest() + dumped)
 
 
+def remembered(function: Any, contents: str, make: Callable[[], str]) -> str:
+    """Return a text that follows from the contents of files, made once and kept where machine code is.
+
+    Args:
+        function: In Python, defined in the folder beside which the text is kept.
+        contents: Digest of the files.
+        make: Returns the text.
+    """
+    try:
+        cache, owner = FunctionCache(function), os.stat(function.__code__.co_filename).st_uid
+        files = _SealedFiles(cache._cache_path, "stamp", contents, owner)
+    except (RuntimeError, OSError, AttributeError, TypeError):  # nothing can be kept
+        return make()
+    found = files.load(contents)
+    if found is None:
+        found = make()
+        with contextlib.suppress(OSError):
+            cache._impl.locator.ensure_cache_path()
+            if files.closed:
+                files.save(contents, found)
+    return str(found)
+
+
 class _KernelCache(FunctionCache):  # type: ignore[misc]
     """Cache of a function's machine code."""
 
@@ -212,6 +235,8 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         super().__init__(function)
         self._turn = turn
         base, source = self._impl.filename_base, function.__code__.co_filename
+        if "<" not in function.__qualname__:  # there is one of this name, wherever in the file it stands
+            base = base.replace(f"-{function.__code__.co_firstlineno}.", ".")
         owner = os.stat(source).st_uid  # who is trusted with the sources is with what they are compiled to
         # Beside the sources may stand what who installed them has compiled, for others to read.
         beside = InTreeCacheLocator(function, source).get_cache_path()

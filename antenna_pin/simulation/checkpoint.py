@@ -92,6 +92,24 @@ class _Singular(BaseModel):
     way: float
 
 
+# Beyond that two numbers of type float64 that follow one another are not both whole.
+_Count = Annotated[int, Field(ge=0, le=2**53)]
+_Duration = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+
+
+class _Counts(BaseModel):
+    """Counts of steps, and times spent [s]: ``Counts``."""
+
+    model_config = ConfigDict(strict=True, extra="forbid")
+
+    accepted: _Count
+    rejected: _Count
+    relocated: _Count
+    evaluations: _Count
+    wall_seconds: _Duration
+    compile_seconds: _Duration
+
+
 # Fields of a ``ModeChange``.
 _Changed = tuple[str, str, str, float, str, float, float, float, float, float, float, float, float]
 
@@ -104,7 +122,7 @@ class _About(BaseModel):
     format: str
     versions: dict[str, str]
     run: str
-    rows: list[int]
+    rows: list[_Count]
     scenario: str
     system: str
     settings: dict[str, Any]
@@ -115,11 +133,11 @@ class _About(BaseModel):
     state: str
     left: str | None
     begin: float
-    counts: dict[str, float]
+    counts: _Counts
     outcome: str
     message: str
     gap_difference: float
-    paced: tuple[Annotated[int, Field(ge=0, le=2**53)], float]
+    paced: tuple[_Count, float]
     happened: list[tuple[str, float, float]]
     changed: list[_Changed]
     singular: _Singular | None

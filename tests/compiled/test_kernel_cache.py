@@ -12,6 +12,7 @@ import numba
 import pytest
 
 from antenna_pin import load_scenario, simulate
+from antenna_pin.compiled import jit
 from antenna_pin.compiled import kernel_cache as _kernel_cache
 from antenna_pin.compiled import stale_files as _sweep
 from antenna_pin.compiled.kernel_cache import KernelCacheWarning, keep
@@ -193,7 +194,7 @@ print(caller(3), sum(caller.stats.cache_hits.values()), sum(own.stats.cache_hits
 
 @pytest.mark.parametrize(
     ("damaged", "own_is_read"),
-    [((), 0), ((".own-",), 0), ((".nbp",), 1), ((".own-", ".nbp"), 0)],
+    [((), 0), ((".own.py",), 0), ((".nbp",), 1), ((".own.py", ".nbp"), 0)],
     ids=["nothing", "own", "pack", "both"],
 )
 def test_a_kernel_that_stands_alone_is_found_by_callers_that_are_loaded(
@@ -299,3 +300,31 @@ def test_callers_hold_nothing_of_a_kernel_that_stands_alone():
         for called in evaluate.overloads.values():
             assert called.fndesc.mangled_name.encode() not in text
             assert b"antenna_pin.dynamics.kernels:evaluate:" in text
+
+
+def test_words_and_places_are_not_what_code_is_tied_to(source):
+    """A docstring, a comment or an annotation compiles nothing anew; a number does."""
+    code = jit.code_of(_SOURCE)
+    worded = '"""Kernels."""\n# Why.\ndef twice(x: float) -> float:\n    """Return it."""\n    return 2 * x\n'
+    assert jit.code_of(worded) == code != jit.code_of(_SOURCE.replace("2", "3"))
+    record = "class Spring:\n    stiffness: float\n"
+    assert jit.code_of(record) != jit.code_of(record.replace("float", "int"))
+    compiled(source)(2)
+    source.write_text(worded)
+    again = compiled(source)
+    assert (again(2), hits(again)) == (4, 1)
+
+
+def test_a_text_that_follows_from_files_is_made_once(source):
+    function, made = compiled(source).py_func, []
+
+    def make():
+        made.append("text")
+        return "text"
+
+    for contents, times in (("old", 1), ("old", 1), ("new", 2)):
+        assert _kernel_cache.remembered(function, contents, make) == "text"
+        assert len(made) == times
+    for path in files(source, ".nbc"):
+        path.write_bytes(path.read_bytes()[:-1])
+    assert _kernel_cache.remembered(function, "new", make) == "text" and len(made) == 3

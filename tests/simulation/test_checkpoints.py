@@ -330,6 +330,10 @@ def with_about(numbers, **changes):
     return numbers | {"about": np.array(json.dumps(about))}
 
 
+def counts_of(numbers):
+    return json.loads(str(numbers["about"]))["counts"]
+
+
 FORGED = {
     "a billion programs": lambda old: old | {"programs": np.array(10**9)},
     "a change beyond": lambda old: old | {"changed": np.array([[0, 10**9]]), "values": np.array([1])},
@@ -344,6 +348,7 @@ FORGED = {
     "a scenario of another kind": lambda old: with_about(old, scenario="[]"),
     "a pace in words": lambda old: with_about(old, paced=[0, "x"]),
     "a pace beyond": lambda old: with_about(old, paced=[10**400, 0.0]),
+    "steps beyond": lambda old: with_about(old, counts=counts_of(old) | {"accepted": 10**400}),
     "a word more": lambda old: with_about(old, more=1),
     "what happened in words": lambda old: with_about(old, happened=[["x"]]),
 }
