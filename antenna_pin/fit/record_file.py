@@ -269,25 +269,30 @@ def read_mat(path: Path) -> dict[str, Any]:
     """
     import scipy.io  # noqa: F401 - in this process, so that the other has it
 
-    if sys.platform != "linux" or multiprocessing.current_process().daemon:
+    if sys.platform != "linux":
         return _loaded(path)
     ours, theirs = multiprocessing.Pipe(duplex=False)
-    process = multiprocessing.get_context("fork").Process(target=_serve, args=(path, theirs), daemon=True)
-    process.start()
+    number = os.fork()  # multiprocessing starts none from a process that is to end with another, as of a pool
+    if number == 0:
+        try:
+            _serve(path, theirs)
+        finally:
+            os._exit(1)
     theirs.close()
+    ended: int | None = None
     try:
         with contextlib.closing(ours):
             content = ours.recv()
     except EOFError:
-        process.join()
-        number = -(process.exitcode or 0)
-        cause = signal.Signals(number).name if number in set(signal.Signals) else "no answer"
+        _, ended = os.waitpid(number, 0)
+        cause = signal.Signals(os.WTERMSIG(ended)).name if os.WIFSIGNALED(ended) else "no answer"
         raise BadMatFileError(
             f"its reader ended with {cause}: the file is damaged; export it again"
         ) from None
     finally:
-        process.kill()
-        process.join()
+        if ended is None:
+            os.kill(number, signal.SIGKILL)
+            os.waitpid(number, 0)
     if isinstance(content, Exception):
         raise content
     return dict(content)

@@ -1,5 +1,6 @@
 """MAT files that end their reader: one line, whatever becomes of it."""
 
+import multiprocessing
 import os
 import signal
 
@@ -32,6 +33,14 @@ def test_a_reader_that_dies_is_one_line(path, monkeypatch, number):
     monkeypatch.setattr("scipy.io.loadmat", lambda *_, **__: os.kill(os.getpid(), number))
     with pytest.raises(BadMatFileError, match=f"^its reader ended with {number.name}: the file is damaged"):
         read_mat(path)
+
+
+def test_workers_of_a_pool_have_the_file_read_elsewhere_too(path, monkeypatch):
+    """Multiprocessing lets a process that is to end with another start none."""
+    own = os.getpid()
+    monkeypatch.setitem(multiprocessing.current_process()._config, "daemon", True)
+    monkeypatch.setattr("scipy.io.loadmat", lambda *_, **__: {"is_elsewhere": os.getpid() != own})
+    assert read_mat(path) == {"is_elsewhere": True}
 
 
 def test_a_reader_that_wants_all_memory_is_one_line(path, monkeypatch):
