@@ -207,7 +207,14 @@ class Episodes:
         return {name: getattr(book, name) for name in _KEPT} | {"episodes": book.episodes[:count]}
 
     def take_up_all(self, numbers: Mapping[str, NDArray[Any]]) -> None:
-        """Continue with the whole record of another run."""
+        """Continue with the whole record of another run.
+
+        Raises:
+            ValueError: Contacts or episodes of the arrays do not exist.
+        """
+        number, contact = numbers["open"], numbers["episodes"]["contact"]
+        if (number >= len(contact)).any() or (contact < 0).any() or (contact >= len(self)).any():
+            raise ValueError(f"{len(contact)} episodes of {len(self)} contacts, and others")
         for name in _KEPT:
             getattr(self.book, name)[:] = numbers[name]
         count = len(numbers["episodes"])

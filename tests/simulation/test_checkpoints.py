@@ -334,9 +334,17 @@ def counts_of(numbers):
     return json.loads(str(numbers["about"]))["counts"]
 
 
+def of_contact(numbers, contact):
+    episodes = numbers["book_episodes"].copy()
+    episodes["contact"] = contact
+    return episodes
+
+
 FORGED = {
     "a billion programs": lambda old: old | {"programs": np.array(10**9)},
     "a change beyond": lambda old: old | {"changed": np.array([[0, 10**9]]), "values": np.array([1])},
+    "an open episode beyond": lambda old: old | {"book_open": np.full_like(old["book_open"], 2**40)},
+    "an episode of a contact beyond": lambda old: old | {"book_episodes": of_contact(old, 9)},
     "another shape": lambda old: old | {"states": old["states"][:, 1:]},
     "another kind": lambda old: old | {"times": old["times"].astype("f4")},
     "an array less": lambda old: {name: one for name, one in old.items() if name != "late_times"},
