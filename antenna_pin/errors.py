@@ -154,7 +154,7 @@ class UnknownNameError(AntennaPinError, LookupError):
     def __init__(self, place: str, what: str, name: str, known: Iterable[str]) -> None:
         """Compose the one-line message with the nearest known name."""
         names = sorted(known)
-        guess = nearest(name, names)
+        guess = nearest(name, names) if isinstance(name, str) else None  # in Python it may be anything
         hint = f"did you mean {guess}? " if guess else ""
         has = ", ".join(names) if names else "none at all"
         super().__init__(f"{place}: {what} {name!r} is unknown; {hint}known: {has}")

@@ -101,3 +101,4 @@ def test_a_double_letter_is_likelier_than_one_lost_or_added(name, at):
 
 def test_a_message_without_a_guess_says_what_is_known():
     assert str(UnknownNameError("my", "key", "ki", PD[3:5])) == "my: key 'ki' is unknown; known: kd, kp"
+    assert str(UnknownNameError("my", "key", 3, PD[3:5])) == "my: key 3 is unknown; known: kd, kp"
