@@ -171,7 +171,9 @@ def _commanded(words: Sequence[str], folder: Path, strict: bool) -> str | None:
     if code == _REFUSED and "--check" in words and not err:  # many files may be refused
         files = [folder / value for option, value in itertools.pairwise(words) if option == "--out"]
         reports = [out, *(path.read_text(encoding="utf-8") for path in files if path.is_file())]
-        err = "\n".join(line for line in "".join(reports).splitlines() if "refused: " in line)
+        *others, err = [line for line in "".join(reports).splitlines() if "refused: " in line] or [""]
+        for line in others:
+            _line(line, strict)
     notes, last = err.splitlines() if code != _UNBALANCED else [], ""
     if code == _REFUSED:
         last = notes.pop() if notes else ""
