@@ -47,7 +47,7 @@ from antenna_pin.scenario import (
     Scenario,
     moved_joints,
 )
-from antenna_pin.scenario.assumed import said_of_assumed
+from antenna_pin.scenario.clearance import said_of_assumed
 from antenna_pin.scenario.clearance import TouchingSpec
 
 __all__ = ["build_system", "reference_for"]

@@ -102,7 +102,7 @@ def _normal_law(
 
 
 def _flange_law(spec: Any, bore: LineLaw) -> Hertz:
-    """Return the elastic law of one flange beside a law along a line in the bore.
+    """Return the elastic law of a flange for a line law in the bore.
 
     Under point load it is Hertz's with the stiffness of a point contact in the bore (assumed: no source gives
     one for an edge on a plane). Under distributed load it is that of an elastic foundation over the whole

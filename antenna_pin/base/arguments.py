@@ -51,7 +51,7 @@ _EITHER, _NAMED = inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEY
 
 
 def takes(**units: str | tuple[str, ...]) -> Callable[[_T], _T]:
-    """Return a decorator of a function, or of a class, that refuses arguments of a wrong kind.
+    """Return a decorator of a function or class that refuses arguments of wrong type.
 
     Args:
         **units: SI unit of each parameter that may be given as text with a unit, or several; a mapping's
@@ -176,7 +176,7 @@ def _in_si(place: str, value: Any, unit: str | tuple[str, ...]) -> Any:
 
 
 def _hints(function: Any, owner: type[Any] | None) -> dict[str, Any]:
-    """Return the types of a function's parameters; of one whose type is not there at run time, none."""
+    """Return the types of a function's parameters that exist at run time."""
     names = dict(getattr(inspect.unwrap(function), "__globals__", {}))
     if owner is not None:
         names = {**vars(inspect.getmodule(owner)), **names}
@@ -190,7 +190,7 @@ def _hints(function: Any, owner: type[Any] | None) -> dict[str, Any]:
 
 
 def unknown_type(value: object) -> str:
-    """Return a value for a message; with its type unless it is a number or text."""
+    """Return a value for a message, with its type unless a number or text."""
     if value is None or isinstance(value, str | int | float):
         return shown(value)
     return f"{shown(value)} ({type(value).__name__})"
@@ -200,7 +200,7 @@ def unknown_type(value: object) -> str:
 
 
 def fits(value: Any, hint: Any) -> bool:
-    """Return whether a value is of an annotation's type; True for types that cannot be checked at run time.
+    """Return whether a value is of an annotation's type; True for uncheckable types.
 
     NumPy's numbers are numbers, arrays are sequences of what they hold; true and false are no numbers, and
     text is no sequence.
@@ -268,7 +268,7 @@ def _fits_parts(value: Any, origin: Any, inner: tuple[Any, ...]) -> bool:
 
 @functools.cache
 def _without_arrays(kinds: tuple[Any, ...]) -> tuple[bool, list[Any]]:
-    """Return whether ``ArrayLike`` is one of a union's kinds, by its name or its parts, and the others."""
+    """Return whether ``ArrayLike`` is among a union's kinds, and the others."""
     parts = get_args(ArrayLike) or (ArrayLike,)
     if not set(map(str, parts)) <= set(map(str, kinds)):
         return False, list(kinds)
@@ -294,7 +294,7 @@ def is_number(value: Any) -> bool:
 
 
 def _is_array(value: Any, more: str) -> bool:
-    """Return whether a value is an array of numbers, of NumPy's ``more`` kinds too, or of times."""
+    """Return whether a value is an array of numbers, of ``more`` kinds, or of times."""
     if value is None or isinstance(value, str | bytes | Mapping):
         return False
     try:
@@ -441,7 +441,7 @@ def asked(name: str, told: str, rule: str, function: Callable[..., Any], *questi
 
 
 def refused(name: str, told: str, rule: str, error: BaseException) -> BaseException:
-    """Return what is raised where a function raises something: an exit or a want of memory ends no run."""
+    """Return the exception for an exception of a function of the user's."""
     if isinstance(error, FunctionError | FunctionInterrupted):
         return error  # of another that it has asked
     if isinstance(error, KeyboardInterrupt):
@@ -456,7 +456,7 @@ def refused(name: str, told: str, rule: str, error: BaseException) -> BaseExcept
 
 
 def number_in(answer: object) -> float | None:
-    """Return an answer as a number, finite or not; None if it is none: true, text and arrays are none."""
+    """Return an answer as a number, finite or not; None for true, text and arrays."""
     try:
         return float(answer) if fits(answer, float) else None  # type: ignore[arg-type]
     except OverflowError:  # a whole number beyond all floats

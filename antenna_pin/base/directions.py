@@ -1,4 +1,4 @@
-"""Directions as people give them: three numbers of which only the ratio counts, made a unit vector."""
+"""Directions: three numbers with arbitrary length, made unit vectors."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ A_DIRECTION = "three finite numbers, not all zero"
 
 
 def unit(vector: ArrayLike) -> NDArray[np.float64]:
-    """Return the vector of length 1 along one that is finite and not zero, (n,) [-].
+    """Return the unit vector along a finite, nonzero vector, (n,) [-].
 
     It is divided by its largest entry first, so that no square overflows or underflows.
     """

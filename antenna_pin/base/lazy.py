@@ -1,4 +1,4 @@
-"""Names and classes that are loaded when they are first used: a command waits for what it needs only."""
+"""Names and classes that are loaded at first use, for fast commands."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class Classes(Mapping[str, type[Any]]):
 
 
 def go_without(*packages: str) -> None:
-    """Let packages that nobody has loaded seem not to be installed, until somebody takes them back."""
+    """Make unloaded packages seem missing, until :func:`take_back`."""
     for package in packages:
         sys.modules.setdefault(package, None)  # type: ignore[arg-type]
 

@@ -136,7 +136,7 @@ def parameter(
 
 
 def parameters_of(cls: type[Any]) -> dict[str, Parameter]:
-    """Return the parameters of a class by name: the fields that declare a unit, in their order."""
+    """Return the parameters of a class by name, in the order of fields."""
     if cls not in _PARAMETERS:
         _PARAMETERS[cls] = _parameters_of(cls)
     return dict(_PARAMETERS[cls])
@@ -161,7 +161,7 @@ def _parameters_of(cls: type[Any]) -> dict[str, Parameter]:
 
 
 def attribute_docs(cls: type[Any]) -> dict[str, str]:
-    """Return the descriptions of attributes in the docstrings of a class and its bases, by name."""
+    """Return the descriptions of attributes in docstrings of a class and its bases."""
     found: dict[str, str] = {}
     for base in reversed(cls.__mro__):
         _, _, section = (base.__doc__ or "").partition("Attributes:\n")
@@ -173,14 +173,14 @@ def attribute_docs(cls: type[Any]) -> dict[str, str]:
 
 
 def choices_of(hint: Any) -> tuple[str, ...]:
-    """Return the texts that an annotation, such as ``Literal["a", "b"] | None``, allows; () for any."""
+    """Return the texts that an annotation, as ``Literal["a"] | None``, allows; () for any."""
     if get_origin(hint) is Literal:
         return tuple(choice for choice in get_args(hint) if isinstance(choice, str))
     return tuple(choice for part in get_args(hint) for choice in choices_of(part))
 
 
 def check(owner: Any) -> None:
-    """Check the fields of a frozen dataclass by what they declare; tuples of numbers become floats.
+    """Check the fields of a frozen dataclass by their declarations; convert to SI.
 
     Text with a unit becomes the number in SI units. A field whose unit depends on the joint takes either; all
     fields of an object must be for one motion.
@@ -221,7 +221,7 @@ _Declared = tuple[str, bool, bool, Any, tuple[str, ...], Mapping[Any, Any]]
 
 @cache
 def _declared(cls: type[Any]) -> tuple[_Declared, ...]:
-    """Return of each field: name, whether it may be None, is whole, type, texts, what it declares."""
+    """Return of each field: name, optional, whole, type, choices, declaration."""
     hints, found = get_type_hints(cls), []
     for item in dataclasses.fields(cls):
         hint = hints[item.name]
@@ -263,7 +263,7 @@ def _in_si(owner: object, name: str, value: Any, declared: Mapping[Any, Any]) ->
 def _check_motion(
     owner: object, name: str, value: Any, declared: Mapping[Any, Any], motions: dict[str, str]
 ) -> None:
-    """Refuse text with a unit for a sliding joint beside another for a turning joint, or vice versa."""
+    """Refuse units of a sliding joint beside those of a turning joint."""
     units = _units(declared)
     for one in value if isinstance(value, list | tuple) else (value,):
         unit = matching_unit(one, units)
@@ -277,7 +277,7 @@ def _check_motion(
 
 
 def beyond(numbers: Iterable[float], units: str | tuple[str, ...], rule: str = "") -> str:
-    """Return what the size of numbers must be, as it reads after "must be", where it is not; else nothing.
+    """Return the size limit that numbers exceed, as it reads after "must be"; "" for none.
 
     Args:
         numbers: Finite ones.
@@ -331,5 +331,5 @@ def _are_floats(values: Sequence[Any]) -> bool:
 
 
 def _ends(values: tuple[Any, ...]) -> Sequence[Any]:
-    """Return the least and the largest of floats, NaN if one is: as each rule is an interval, they decide."""
+    """Return the extremes of floats, NaN included; they decide an interval rule."""
     return [float(np.min(values)), float(np.max(values))] if _are_floats(values) else values

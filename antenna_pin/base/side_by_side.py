@@ -32,11 +32,7 @@ R = TypeVar("R")
 
 
 def cores_for(memory: float) -> int:
-    """Return how many processes this machine has cores for, and memory beside what is in use.
-
-    Args:
-        memory: What each may take [bytes].
-    """
+    """Return the number of processes for which free cores and memory [bytes] suffice."""
     cores = len(os.sched_getaffinity(0))
     free = free_memory()
     return max(1, cores if free is None else min(cores, int(free / memory)))

@@ -129,7 +129,7 @@ class Unit:
 
 
 def common_unit(name: str) -> Unit | None:
-    """Return one of the units above, or a product of those of SI; None for another."""
+    """Return a common unit by name, or a product of SI units; None for others."""
     if name in _CYCLES:
         return Unit(_CYCLES[name], frozenset({("[time]", -1.0)}), 0.0, True)
     unit, factor = _SCALED.get(name, (name or "1", 1.0))
@@ -211,12 +211,12 @@ def with_weights(name: str) -> str:
 
 
 def without_weights(name: str) -> str:
-    """Return a unit in which kilograms and grams are weights; whoever means them writes ``kgf``, ``gf``."""
+    """Return a unit with kilograms and grams as weights (``kgf``, ``gf``)."""
     return _MASSES.sub(r"\1f", name)
 
 
 def with_point(text: str) -> str | None:
-    """Return a quantity whose number has a decimal comma with a point; None where a comma may be another.
+    """Return a quantity with a decimal point for its comma; None if ambiguous.
 
     One comma is a decimal one unless exactly three digits are behind it, which may be thousands; ``0,125``
     is none of thousands.
@@ -342,7 +342,7 @@ def quantity(value: object, unit: str | tuple[str, ...], place: str) -> float:
 
 
 def any_quantity(value: object) -> tuple[float, str] | None:
-    """Return a number in SI units and the SI unit that its text names; None for what is no quantity.
+    """Return a number in SI units and the SI unit of its text; None if invalid.
 
     For values whose meaning is known elsewhere: whoever uses the number checks its dimension, by the unit.
 
@@ -377,7 +377,7 @@ def any_quantity(value: object) -> tuple[float, str] | None:
 
 
 def _kind_of(seen: Unit) -> str:
-    """Return the SI unit of the kind that a unit is of; nothing if it is of none with a name."""
+    """Return the SI unit of a unit's named kind; "" for none."""
     for unit in _KINDS:
         known = _known_unit(unit)
         is_counted_alike = seen.cycles == known.cycles or len(seen.dimension) > 1  # Hz alone is no rad/s
@@ -387,7 +387,7 @@ def _kind_of(seen: Unit) -> str:
 
 
 def matching_unit(value: object, units: tuple[str, ...]) -> str | None:
-    """Return the one of ``units`` that a text's unit fits; None for a bare number or if none fits."""
+    """Return the first of ``units`` that a text's unit fits; None for bare numbers."""
     for unit in units if isinstance(value, str) else ():
         try:
             _quantity(value, (unit,))
@@ -421,7 +421,7 @@ def unit_factor(name: str, unit: str | tuple[str, ...], place: str) -> float:
 
 
 def describe_unit(unit: str | tuple[str, ...]) -> str:
-    """Return what a quantity of an SI unit is, as it reads after "must be": ``a length [m]``."""
+    """Return the description of a quantity in an SI unit: ``a length [m]``."""
     units = (unit,) if isinstance(unit, str) else unit
     return " or ".join(_describe(one) for one in units)
 
@@ -509,7 +509,7 @@ def _examples(units: tuple[str, ...]) -> str:
 
 
 def _as_weights(name: str) -> Iterator[Unit]:
-    """Yield what a unit is with g as standard gravity, where no mass is left, and with pounds as forces."""
+    """Yield readings of a unit with g as gravity and pounds as forces."""
     name = with_signs(name)
     for other in (_GRAVITY.sub("g_0", name), with_weights(name)):
         found = _parse_unit(other) if other != name else None
@@ -558,7 +558,7 @@ def _known_unit(name: str) -> Unit:
 
 @lru_cache(maxsize=1024)
 def _parse_unit(name: str) -> Unit | None:
-    """Return a unit by name, or None for one that is unknown or not a plain multiple (dB, degC)."""
+    """Return a unit by name; None for unknown units and offsets (dB, degC)."""
     return common_unit(name) or common_unit(with_signs(name)) or _parsed(with_signs(name))
 
 
@@ -587,7 +587,7 @@ def _parsed(name: str) -> Unit | None:
 
 
 def _short(factor: float) -> float:
-    """Return a factor without the round-off of its making, where a short decimal is within that."""
+    """Return a factor rounded to a short decimal within round-off."""
     decimals = float(f"{factor:.12g}")
     return decimals if abs(decimals - factor) <= 1e-15 * factor else factor
 

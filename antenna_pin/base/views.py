@@ -51,12 +51,12 @@ __all__ = [
 
 
 def script(text: str) -> str:
-    """Return a text as a script element can hold it; what would end that early is written in another way."""
+    """Return a text as content of a script element, with its end tags escaped."""
     return "\n" + text.replace("</script", r"<\/script").replace("<!--", r"<\!--") + "\n"
 
 
 def policy(*scripts: str) -> str:
-    """Return the element of a page's head by which it reaches no network and runs no scripts but its own.
+    """Return a page's security policy: no network, no scripts but its own.
 
     Text that got into a page as markup, from a file of a stranger's, could run nothing and send nothing away.
 
@@ -79,7 +79,7 @@ def policy(*scripts: str) -> str:
 
 
 def in_frame(page: str, height: str) -> str:
-    """Return a whole page as a part of a notebook, in a frame of its own that reaches nothing outside.
+    """Return a whole page as an isolated frame in a notebook.
 
     Args:
         page: Its HTML.
@@ -316,7 +316,7 @@ def as_text(result: object) -> str:
 
 
 class View(Generic[T]):
-    """A reader of a result that is found under a name of its class, and loaded when it is used.
+    """A reader of results, found under an attribute's name and loaded at first use.
 
     Attributes:
         name: Of the view, as ``Class.name``.
@@ -327,7 +327,7 @@ class View(Generic[T]):
         self.name = ""
 
     def __set_name__(self, owner: type, name: str) -> None:
-        """Take the name of the class and of the attribute; the first, where a class is made anew."""
+        """Store the name of class and attribute; the first, where a class is rebuilt."""
         self.name = self.name or f"{owner.__name__}.{name}"
 
     @overload

@@ -23,7 +23,7 @@ __all__: list[str] = []
 
 
 class _Block(types.NamedTuple):  # type: ignore[misc]
-    """Numba's type of a named tuple that stands in memory and is known by its address."""
+    """Numba's type of a named tuple that is known by its address."""
 
 
 @register_model(_Block)

@@ -1,4 +1,4 @@
-"""Functions of a user's that Numba has compiled: what they must be, and where they stand.
+"""Functions of a user's compiled by Numba: checks and addresses.
 
 Kernels call them by their addresses (``calls.py``).
 """
@@ -27,7 +27,7 @@ def is_compiled(*functions: object) -> bool:
 
 
 def callable_of(function: Callable[..., float], arguments: int) -> Callable[..., float]:
-    """Return a function of so many floats as Python can call it: a compiled one as kernels call it."""
+    """Return a function of floats as Python can call it, with kernels' results."""
     if not is_compiled(function):
         return function
     of_user = _dispatched(function)
@@ -85,7 +85,7 @@ def _dispatched(function: Any) -> Any:
 
 @cache
 def _compiled(function: Any, arguments: int) -> Any:
-    """Return a function as kernels call it, which gives NaN where it raises: of itself it would give zero."""
+    """Return a function for kernels, which gives NaN where it raises."""
     from numba import cfunc
 
     given = _dispatched(function)

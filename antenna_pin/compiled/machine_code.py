@@ -1,4 +1,4 @@
-"""Machine code of a kernel as it is kept, made callable again without waking Numba's compiler.
+"""Stored machine code of a kernel, made callable without Numba's compiler.
 
 Numba reads a kept function as if it were to be compiled against: it loads its whole compiler, half a second
 of it, parses the function's LLVM code and looks through its symbols. To be called, a function needs none of
@@ -63,10 +63,10 @@ class Part(NamedTuple):
 
 
 class Code:
-    """Machine code that is loaded, in the place of Numba's library: for who calls it, or is to hold it."""
+    """Loaded machine code in place of Numba's library, for its callers."""
 
     def __init__(self, engine: Any, kept: Kept) -> None:
-        """Take what it is loaded by, and what is kept of it."""
+        """Store the engine, and the stored code."""
         self._engine, self._kept = engine, kept
         self._linking_libraries: tuple[Any, ...] = ()
         self._reload_init: frozenset[Any] = frozenset()
@@ -87,7 +87,7 @@ class Code:
 
 
 def kept_of(needs: set[Any], reduced: tuple[Any, ...]) -> Kept | None:
-    """Return what is to be kept of a result as Numba reduces it; None if it is of a form that is not known.
+    """Return the storable form of Numba's reduced result; None for an unknown form.
 
     Args:
         needs: Kernels that it calls by name, each with the types of its arguments.
@@ -101,7 +101,7 @@ def kept_of(needs: set[Any], reduced: tuple[Any, ...]) -> Kept | None:
 
 
 def called(context: Any, kept: Kept) -> Any:
-    """Return a kept function, linked, as a result of Numba's; what it calls by name must have its name.
+    """Return a stored function, linked, as Numba's compile result.
 
     Raises:
         AttributeError: Numba or llvmlite has changed inside.
@@ -148,7 +148,7 @@ def named(symbol: str, address: int) -> None:
 
 
 def link(context: Any, part: Part) -> None:
-    """Load a kernel for those only that call it by name, as the kernels that it calls already are."""
+    """Load a kernel for callers by name, after the kernels that it calls."""
     if part.symbol not in _symbols:
         engine = context.codegen()._engine._ee
         _name_memory()
@@ -159,7 +159,7 @@ def link(context: Any, part: Part) -> None:
 
 
 def _place(engine: Any, environments: tuple[Any, ...]) -> None:
-    """Tell code where its environments are, which stay; all object files share the place of one."""
+    """Set the environments' addresses in code; all object files share one place."""
     for one in environments:
         if _placed.get(one.env_name) is not one:
             _placed[one.env_name] = one
@@ -169,6 +169,6 @@ def _place(engine: Any, environments: tuple[Any, ...]) -> None:
 
 @cache
 def _name_memory() -> None:
-    """Give what Numba's code calls for memory its names, as its compiler would when it wakes."""
+    """Define the names of memory functions that Numba's compiler would define."""
     for name, address in _nrt_python.c_helpers.items():
         add_symbol(name if name.startswith("_") else f"NRT_{name}", address)

@@ -1,4 +1,4 @@
-"""Machine code kept under other stamps is deleted: each change of a kernel would leave its own behind."""
+"""Removal of machine code that was stored under other stamps."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _swept: set[Path] = set()
 
 
 def pack_of(index: str, key: Any) -> str:
-    """Return where a function is packed for arguments of certain types, by its index and their key."""
+    """Return the path of a function's pack for argument types, by index and key."""
     digest = hashlib.sha256(str(key[0]).encode()).hexdigest()
     return f"{index.removesuffix('.nbi')}.{digest[:16]}.nbp"
 

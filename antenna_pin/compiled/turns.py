@@ -61,7 +61,7 @@ class Turn:
 
 @lru_cache
 def _file_in(folder: str) -> int:
-    """Return the file of a folder whose bytes are held; it stays open: who closes it lets go of all."""
+    """Return the open lock file of a folder; closing it releases all turns."""
     return os.open(os.path.join(folder, "kernels.turns"), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
 
 

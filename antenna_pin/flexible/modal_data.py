@@ -182,7 +182,7 @@ def _mode_as_mass(
     omega: float,
     ratio: float,
 ) -> ElasticPart:
-    """Return a mode as a mass on a slide, or with a pitch on a hinge."""
+    """Return a mode as a mass on a slide, or on a hinge."""
     size, reach = float(np.linalg.norm(translation)), link.gyration
     along = translation / size
     if abs(pitch) <= _NOTHING * size * reach:

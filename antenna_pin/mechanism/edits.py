@@ -1,4 +1,4 @@
-"""Changes to the XML of a URDF in place; comments, colours and other tools' tags stay."""
+"""Changes to the XML of a URDF in place; comments and foreign tags stay."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ _HINGES = ("revolute", "continuous")
 
 
 def plane_names(joint: str) -> tuple[str, str]:
-    """Return the names of the massless link and the fixed joint that a joint made planar is written with."""
+    """Return the names of the massless link and the fixed joint behind a planar joint."""
     return f"{joint}_plane", f"{joint}_plane_mount"
 
 
@@ -64,7 +64,7 @@ def change_link(robot: Any, name: str, change: LinkChange, where: str) -> None:
 
 
 def change_joint(robot: Any, name: str, change: JointChange, where: str) -> None:
-    """Write a new origin, axis, bounds and ``<dynamics>`` into a joint, and take its ``<mimic>`` out."""
+    """Change origin, axis, bounds and ``<dynamics>`` of a joint, or remove its ``<mimic>``."""
     joint = named(robot, "joint", name)
     if change.mimic is not None:
         mimic = joint.find("mimic")
@@ -100,7 +100,7 @@ def change_joint(robot: Any, name: str, change: JointChange, where: str) -> None
 
 
 def _change_bounds(joint: Any, name: str, change: JointChange, where: str) -> None:
-    """Write new bounds into ``<limit>``, which is made where there is none."""
+    """Write new bounds into ``<limit>``, created where it is missing."""
     if change.lower is None and change.upper is None:
         return
     kind = joint.get("type")
@@ -129,16 +129,7 @@ def _change_bounds(joint: Any, name: str, change: JointChange, where: str) -> No
 def vary_joint(
     robot: Any, name: str, variant: JointVariant, axis: Vector3, origin: Matrix3, where: str
 ) -> None:
-    """Make a joint ideal, free, locked or planar.
-
-    Args:
-        robot: Root element, changed in place.
-        name: The joint.
-        variant: What to make of it.
-        axis: (3,) its axis in its own frame [-].
-        origin: (3, 3) orientation of its frame in the parent link [-].
-        where: Name of the file, for messages.
-    """
+    """Make a joint ideal, free, locked or planar, by axis (3,) and frame's rotation (3, 3)."""
     joint = named(robot, "joint", name)
     kind = joint.get("type")
     if variant == "ideal":
@@ -172,7 +163,7 @@ def vary_joint(
 
 
 def relocate_meshes(robot: Any, resolve: Any) -> None:
-    """Give every mesh the file name that ``resolve(filename) -> str`` returns."""
+    """Rename the files of all meshes by ``resolve(filename) -> str``."""
     for mesh in meshes(robot):
         mesh.set("filename", resolve(mesh.get("filename")))
 
@@ -260,7 +251,7 @@ def named(robot: Any, kind: str, name: str) -> Any:
 
 
 def child_of(element: Any, tag: str) -> Any:
-    """Return the child of that tag, made where there is none."""
+    """Return the child with a tag, created where it is missing."""
     child = element.find(tag)
     if child is None:
         child = etree.SubElement(element, tag)
@@ -271,7 +262,7 @@ def child_of(element: Any, tag: str) -> Any:
 
 
 def set_numbers(element: Any, new: Mapping[str, Iterable[float] | None]) -> None:
-    """Write the numbers that are given into attributes, and what they were into the comment behind."""
+    """Write numbers into attributes, and the old ones into the comment behind."""
     was = []
     for key, values in new.items():
         if values is not None:
@@ -285,7 +276,7 @@ def set_numbers(element: Any, new: Mapping[str, Iterable[float] | None]) -> None
 
 
 def _remove_remark(element: Any) -> None:
-    """Take out the comment behind an element on its line, if there is one."""
+    """Remove the comment behind an element on its line."""
     after = element.getnext()
     if after is not None and after.tag is etree.Comment and "\n" not in (element.tail or ""):
         element.tail = after.tail
@@ -294,7 +285,7 @@ def _remove_remark(element: Any) -> None:
 
 
 def remove(element: Any) -> None:
-    """Take an element and its remark out and leave the layout of the text."""
+    """Remove an element and its remark without change of the text's layout."""
     _remove_remark(element)
     before, parent = element.getprevious(), element.getparent()
     if before is not None:
@@ -321,14 +312,7 @@ def body_name(part: str) -> str:
 
 
 def add_parts(robot: Any, link_name: str, split: SplitLink, where: str) -> None:
-    """Make of a link its hub, and hang its elastic parts on it.
-
-    Args:
-        robot: Root element, changed in place.
-        link_name: The link.
-        split: Its hub and parts.
-        where: Name of the file, for messages.
-    """
+    """Reduce a link to its hub, and attach its elastic parts, each with a joint."""
     link = named(robot, "link", link_name)
     _write_hub(link, split.hub)
     replaced = [element for shape in split.removes for element in _shapes(link, shape, where)]
@@ -432,7 +416,7 @@ def _material(shapes: Iterable[Any]) -> Any:
 
 
 def _draw(link: Any, drawn: Drawn, name: str, origin: np.ndarray, material: Any) -> None:
-    """Add a shape, placed in the frame of the split link, to a link whose frame is at an origin there."""
+    """Add a shape, placed in the split link's frame, to a part at an origin."""
     assert not isinstance(drawn, Takes)
     visual = etree.SubElement(link, "visual", name=name)
     turn = drawn.placement[:3, :3]
@@ -468,7 +452,7 @@ def edited(
     links: Mapping[str, LinkChange] | None = None,
     origins: Mapping[str, JointChange] | None = None,
 ) -> Any:
-    """Return the root element of a URDF with changes made, with line numbers of the text.
+    """Return the root element of a changed URDF, with line numbers of the text.
 
     Args:
         text: The XML.
@@ -504,14 +488,7 @@ def edited(
 
 
 def turn_planes(robot: Any, where: str) -> None:
-    """Give planar joints of which the normal is not their frame's z a frame of which it is.
-
-    Pinocchio takes z, whatever the axis says.
-
-    Args:
-        robot: Root element, changed in place; its numbers have been judged.
-        where: Name of the file, for messages.
-    """
+    """Turn frames of planar joints so that z, which Pinocchio takes, is the normal."""
     for joint in robot.findall("joint"):
         if joint.get("type") == "planar":
             axis = unit(urdf_xml.axis_of(joint, where))

@@ -29,7 +29,7 @@ _AT_ONCE = 8192  # samples
 
 @takes()
 def link_poses(mechanism: Mechanism, q: ArrayLike, links: Sequence[str] | None = None) -> tuple[Array, Array]:
-    """Return the pose of every link's frame in the world, or of those that are named.
+    """Return the poses of link frames in the world.
 
     Args:
         mechanism: The mechanism.
@@ -72,7 +72,7 @@ def link_poses(mechanism: Mechanism, q: ArrayLike, links: Sequence[str] | None =
 def link_twists(
     mechanism: Mechanism, q: ArrayLike, v: ArrayLike, links: Sequence[str] | None = None
 ) -> Array:
-    """Return the twist of every link's frame relative to the world, in the link's own axes.
+    """Return the twists of link frames relative to the world, in link axes.
 
     Args:
         mechanism: The mechanism.
@@ -101,7 +101,7 @@ def link_twists(
 def link_motion(
     mechanism: Mechanism, link: str, q: ArrayLike, v: ArrayLike, a: ArrayLike
 ) -> tuple[Array, Array]:
-    """Return how the frame of one link moves, in world axes.
+    """Return position, velocity and acceleration of a link's frame, in world axes.
 
     Args:
         mechanism: The mechanism.
@@ -151,7 +151,7 @@ def transmitted_wrenches(
     a: ArrayLike,
     applied: Iterable[tuple[str, ArrayLike]] = (),
 ) -> Array:
-    """Return the wrench that each moving joint passes from parent to child.
+    """Return the wrench that each moving joint transmits from parent to child.
 
     It is what the bodies beyond the joint need for their accelerations, less what else acts on them, so it
     holds for any joint: constraint forces, contact and motor torque together.

@@ -204,7 +204,7 @@ class Mechanism:
 
     @property
     def base_q(self) -> slice:
-        """Free base in ``q``: position [m] and attitude (quaternion xyzw) in the world; empty if fixed."""
+        """Free base in ``q``: position [m] and quaternion xyzw; empty if fixed."""
         return slice(0, 7 if self.base == "free" else 0)
 
     @property
@@ -295,7 +295,7 @@ class _Model(NamedTuple):
 
 @functools.lru_cache(maxsize=4)  # of variants that are made once and used by many systems
 def _read(urdf: Urdf, base: Base) -> _Model:
-    """Return Pinocchio's model of a URDF, checked, with what does not hang on gravity and armature."""
+    """Return a URDF's checked Pinocchio model, without gravity and armature."""
     groups = rigid_groups(urdf.robot)
     try:
         model = pin.buildModelFromXML(
@@ -322,7 +322,7 @@ def _read(urdf: Urdf, base: Base) -> _Model:
 
 
 def _put_armature(model: Any, joints: Mapping[str, JointSlot], armature: Mapping[str, float]) -> None:
-    """Give joints the inertia that their rates alone feel."""
+    """Set the inertia that joints feel by their own rates alone."""
     given = np.zeros(model.nv)
     for name, inertia in armature.items():
         slot = joints.get(name)
@@ -367,7 +367,7 @@ def _slot(model: Any, urdf: Urdf, name: str) -> JointSlot:
 
 
 def _check_world(model: Any, urdf: Urdf) -> None:
-    """Refuse a link that is called the world and is not: a closure to it would hold something else."""
+    """Refuse a link called ``world`` that moves or is displaced from the world."""
     if all(link.name != WORLD for link in urdf.robot.links):
         return
     frame = model.frames[model.getFrameId(WORLD, pin.FrameType.BODY)]

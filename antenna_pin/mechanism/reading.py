@@ -1,4 +1,4 @@
-"""Reading of a URDF: mechanics and visuals stay, all else is counted; numbers and tree are checked."""
+"""Reading of a URDF: removal of parts without mechanical meaning, checks of numbers and tree."""
 
 from __future__ import annotations
 
@@ -76,12 +76,12 @@ class Findings:
     undrawn: list[tuple[str, str]] = field(default_factory=list)
 
     def pass_over(self, what: str, element: Any) -> None:
-        """Note something that means nothing, and where it stands."""
+        """Record an element without meaning, with its line."""
         self.passed_over.setdefault(what, []).append(int(element.sourceline or 0))
 
 
 def clean(robot: Any, name: str) -> Findings:
-    """Take out of a URDF, in place, what does not count.
+    """Remove parts without mechanical meaning from a URDF, in place.
 
     Args:
         robot: Root element.
@@ -149,10 +149,7 @@ def _copied(parent: Any, element: Any, *children: str) -> Any:
 
 
 def _keep_read(element: Any, found: Findings) -> None:
-    """Take out what the format does not define in an element and below: children, attributes, text.
-
-    Shapes are judged as they stand.
-    """
+    """Remove children, attributes and text that the format does not define; shapes stay."""
     defined = FORMAT[element.tag]
     for key in list(element.attrib):
         if key not in defined.attributes:
@@ -188,7 +185,7 @@ def _complete(inertial: Any, found: Findings) -> None:
 
 
 def _rounding(inertia: Any) -> float:
-    r"""Return by how much the rounding of its numbers can break the triangle rule of an inertia [kg m^2].
+    r"""Return the largest violation of the triangle rule by rounding [kg m^2].
 
     The excess :math:`2 \lambda_{max}(I) - tr I` is not positive for a body and is subadditive. So that of
     :math:`I + E` is at most that of the rounding :math:`E`, by Gershgorin's discs the sum of its moments and
@@ -328,7 +325,7 @@ def _clean_joint(joint: Any, found: Findings) -> None:
 
 
 def _clean_limit(limit: Any, found: Findings) -> None:
-    """Take out of a limit what is not looked at: effort, velocity, and bounds where a joint has none."""
+    """Remove unused parts of a limit: effort, velocity, and bounds of unbounded joints."""
     for key in ("effort", "velocity"):
         numbers = numbers_in(limit.get(key))
         if numbers is None or len(numbers) != 1 or not 0.0 <= numbers[0] < math.inf:
@@ -370,7 +367,7 @@ def _leaves_a_way(limit: Any) -> bool:
 
 
 def friction_of(robot: Any) -> dict[str, dict[str, float]]:
-    """Return damping and friction above zero of joints with an axis, by name; what is no number is not."""
+    """Return positive damping and friction of joints with an axis, by name."""
     found = {
         str(joint.get("name")): _numbers(joint)
         for joint in robot.findall("joint")
@@ -380,7 +377,7 @@ def friction_of(robot: Any) -> dict[str, dict[str, float]]:
 
 
 def left_out(robot: Any, where: str) -> tuple[str, ...]:
-    """Return a line for each joint's damping or friction that has no axis to act about."""
+    """Return a message per damping or friction of a joint without an axis."""
     return tuple(
         f"{where}: joint {joint.get('name')!r}: <dynamics> {name}={value:g} is not simulated, for the "
         f"joint is {joint.get('type')} and has no axis; take it out"
@@ -404,13 +401,7 @@ def _numbers(joint: Any) -> dict[str, float]:
 
 
 def check(robot: Robot, where: str, allow_impossible_inertia: Collection[str]) -> None:
-    """Refuse what is not a mechanism.
-
-    Args:
-        robot: Its links and joints.
-        where: Name of the file, for messages.
-        allow_impossible_inertia: Links whose body's inertia may break the triangle rule.
-    """
+    """Refuse a robot that is not a mechanism: tree, mimics, masses, allowed links."""
     links = [link.name for link in robot.links]
     for name in allow_impossible_inertia:
         if name not in links:
@@ -468,7 +459,7 @@ def _check_mimics(robot: Robot, where: str) -> None:
 
 
 class Reading(NamedTuple):
-    """A text as the readers behind see it."""
+    """A checked URDF for its readers: in numbers, and for Pinocchio's parser."""
 
     robot: Robot
     simulated: str  # for Pinocchio's parser
@@ -497,7 +488,7 @@ def written(text: str, where: str) -> str:
 
 @lru_cache(maxsize=64)  # every run of a study reads the same text again, some more than once
 def checked(text: str, where: str, allow_impossible_inertia: tuple[str, ...]) -> Reading:
-    """Return a checked URDF in numbers, which nobody changes, and as Pinocchio reads it."""
+    """Return a checked URDF in numbers, not to be changed, and as Pinocchio reads it."""
     clean, findings = judged(urdf_xml.read(text, where), where)
     robot = robot_of(clean, urdf_xml.write(clean), where)
     check(robot, where, allow_impossible_inertia)
@@ -505,7 +496,7 @@ def checked(text: str, where: str, allow_impossible_inertia: tuple[str, ...]) ->
 
 
 def judged(robot: Any, where: str) -> tuple[Any, Findings]:
-    """Return a root element without what does not count, and what that was; refuse what is no number."""
+    """Return a root element without meaningless parts, and these; refuse invalid numbers."""
     findings = clean(robot, Path(where).stem)
     urdf_xml.judge(robot, where)
     edits.turn_planes(robot, where)

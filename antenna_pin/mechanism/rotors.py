@@ -1,4 +1,4 @@
-"""Rotors of motors: bodies with an inertia about their axis alone, which a joint turns by a ratio.
+"""Rotors of motors: bodies with an inertia about their axis, geared to a joint.
 
 A motor's rotor sits on one of a joint's links, turns about the joint's axis ``ratio`` times as fast as the
 joint, and has a moment of inertia there. It is a body of its own, held to the joint as ``<mimic>`` holds a
@@ -39,7 +39,7 @@ def rotor_joint(name: str) -> str:
 
 @takes()
 def check_turns(urdf: Urdf, name: str, rotor: Rotor) -> None:
-    """Refuse a rotor at a joint that does not turn about an axis of its own.
+    """Refuse a rotor at a joint without a rotation axis of its own.
 
     Raises:
         UnknownNameError: There is no such joint.
@@ -55,7 +55,7 @@ def check_turns(urdf: Urdf, name: str, rotor: Rotor) -> None:
 
 @takes()
 def with_rotor(urdf: Urdf, name: str, rotor: Rotor) -> Urdf:
-    """Return a copy with a rotor: a joint ``<name>_rotor`` that follows the rotor's joint, and its link.
+    """Return a copy with a rotor on the joint ``<name>_rotor``, coupled to the rotor's joint.
 
     Args:
         urdf: The mechanism, its joints as they are to move.

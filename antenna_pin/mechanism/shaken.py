@@ -1,4 +1,4 @@
-"""A base that is shaken: joints between the world and the root of a URDF, which follow given motions.
+"""Shaken base: joints between the world and the root of a URDF, with prescribed motions.
 
 A mechanism on a fixed base stands in the world by its root. Shaken, it is carried by one joint for each
 motion, one on another, those that slide nearest to the world: a direction in the world stays one. The links
@@ -33,7 +33,7 @@ _INDEPENDENT = 1e-6
 
 @takes()
 def with_shaken_base(urdf: Urdf, shakes: Mapping[str, Shake]) -> Urdf:
-    """Return a copy whose base is carried by a joint for each motion, with the motion's name.
+    """Return a copy with a joint below the base for each motion, by its name.
 
     Args:
         urdf: The mechanism; its root is to stand in the world.
@@ -86,7 +86,7 @@ def _joint(name: str, kind: str, parent: str, child: str, place: Any, way: Any) 
 
 
 def _check(urdf: Urdf, shakes: Mapping[str, Shake]) -> None:
-    """Refuse names that are taken, a base that is the world or has no mass, and motions too many."""
+    """Refuse duplicate names, the world as base, a massless base, and dependent motions."""
     place = urdf.where
     if urdf.root == _WORLD:
         raise MechanismError(

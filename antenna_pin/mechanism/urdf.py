@@ -34,7 +34,7 @@ _Named = TypeVar("_Named", Link, Joint)
 @takes()
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Urdf:
-    """A URDF that was checked to be a mechanism: one tree of bodies that can exist.
+    """A URDF checked as a mechanism: one tree of possible bodies.
 
     It is its text and nothing else, so writing it and reading it again gives the same mechanism. At
     construction it refuses XML that is not well-formed; missing, repeated or unknown names; loops and several
@@ -157,7 +157,7 @@ class Urdf:
         origins: Mapping[str, JointChange] | None = None,
         **more: Any,
     ) -> Urdf:
-        """Return the mechanism that a text is with changes made (:meth:`variant`), judged after them.
+        """Return the changed mechanism of a text (:meth:`variant`), checked after the changes.
 
         Args:
             text: The XML.
@@ -213,15 +213,15 @@ class Urdf:
         }
 
     def link(self, name: str) -> Link:
-        """Return a link, to be read only."""
+        """Return a link, not to be changed."""
         return self._named("link", self.robot.links, name)
 
     def joint(self, name: str) -> Joint:
-        """Return a joint, to be read only."""
+        """Return a joint, not to be changed."""
         return self._named("joint", self.robot.joints, name)
 
     def axis(self, joint: str) -> Vector3:
-        """Return the unit axis (3,) of a joint in its own frame [-]; URDF's x by default."""
+        """Return a joint's unit axis (3,) in its own frame [-]; x by default."""
         return unit(self.joint(joint).axis)
 
     def placement(self, joint: str) -> npt.NDArray[np.float64]:
@@ -279,7 +279,7 @@ class Urdf:
         return MassProperties.of(inertial.mass, placement[:3, 3], inertia)
 
     def with_parts(self, link: str, split: SplitLink) -> Urdf:
-        """Return a copy in which a link is a hub with elastic parts, each a link on a joint of its own.
+        """Return a copy with a link as hub and elastic parts on joints.
 
         The parts' joints bear the parts' names, their links ``<part>_body``. URDF has no springs: that of
         each joint stands in a comment.
@@ -294,7 +294,7 @@ class Urdf:
         return replace(self, text=urdf_xml.write(robot))
 
     def mesh_file(self, filename: str) -> Path | None:
-        """Return the file of a mesh of that name, if it exists (``meshes.py`` defines where)."""
+        """Return the existing file of a mesh (``meshes.py`` defines the search)."""
         return mesh_file(filename, self.folder, self.package_path)
 
     def to_xml(self) -> str:
@@ -323,7 +323,7 @@ class Urdf:
         return path, *copies
 
     def _seen_from(self, folder: Path, copy_meshes: bool) -> tuple[str, dict[Path, Path]]:
-        """Return the XML with meshes named as in ``folder``, and sources of copies by their targets."""
+        """Return the XML with mesh names for ``folder``, and sources of copies by targets."""
         start = self.folder
         copies: dict[Path, Path] = {}
         robot = urdf_xml.read(self.text, self.where)

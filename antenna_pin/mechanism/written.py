@@ -1,4 +1,4 @@
-"""A URDF as its file is: names, tree and types of joints, whatever else stands in it.
+"""Unchanged URDF of a file: names, tree, joint types, and parts without meaning.
 
 Its mechanics is judged only in what is made of it: before, a joint can be locked, an inertia given.
 """
@@ -27,7 +27,7 @@ _LINES = 10
 
 
 class WrittenJoint(NamedTuple):
-    """A joint as a file has it: its type, which may be none of URDF's, and the links that it joins."""
+    """A joint of a file: type, which may be invalid, and its links."""
 
     type: str
     parent: str
@@ -93,7 +93,7 @@ def _made(asked: _Asked) -> Urdf:
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class WrittenUrdf:
-    """A URDF of which names and tree are known, its mechanics not judged.
+    """A URDF with known names and tree, its mechanics not yet checked.
 
     Attributes:
         text: The XML as it is in the file.
@@ -153,7 +153,7 @@ class WrittenUrdf:
         links: Mapping[str, LinkChange] | None = None,
         origins: Mapping[str, JointChange] | None = None,
     ) -> Urdf:
-        """Return the mechanism with changes made, judged: :meth:`antenna_pin.mechanism.Urdf.variant`."""
+        """Return the changed and checked mechanism: :meth:`antenna_pin.mechanism.Urdf.variant`."""
         more = {
             "folder": self.folder,
             "package_path": self.package_path,

@@ -8,7 +8,6 @@ from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 from pydantic import Field, model_validator
 
-from antenna_pin.scenario._base import Count, Length, PositiveLength, PositiveSpeed, Quantity, Spec, refuse
 from antenna_pin.scenario.laws import (
     Family,
     LawChange,
@@ -24,6 +23,7 @@ from antenna_pin.scenario.laws import (
     title,
     unit_of,
 )
+from antenna_pin.scenario.spec import Count, Length, PositiveLength, PositiveSpeed, Quantity, Spec, refuse
 
 __all__ = ["KINDS", "RADIAL_PLAY", "Clearance", "Kind", "Variant", "check_play", "law_tables"]
 

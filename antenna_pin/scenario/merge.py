@@ -1,4 +1,4 @@
-"""Laying one table over another, and reading what is set over a file: ``integrator.rtol=1e-9``."""
+"""Overlay of tables, and values set over a file: ``integrator.rtol=1e-9``."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ _SHORT: dict[tuple[str, ...], dict[bool, dict[str, Any]]] = {
 
 
 def _written_out(path: tuple[str, ...], value: Any) -> Any:
-    """Return the table that ``true`` or ``false`` at a place stands for; everything else as it is."""
+    """Return the table that ``true`` or ``false`` stands for at a place."""
     return _SHORT[path][value] if isinstance(value, bool) and path in _SHORT else value
 
 
@@ -94,7 +94,7 @@ def _alternatives(path: tuple[str, ...]) -> Iterator[tuple[frozenset[str], froze
 
 
 def read_overrides(overrides: Overrides) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """Return what is set over a file as one table, and as text to repeat it by.
+    """Return overrides as one table, and as text for repetition.
 
     Args:
         overrides: Dotted keys and values: ``{"integrator.rtol": 1e-9}``, or text as on a command line:

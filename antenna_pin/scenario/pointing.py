@@ -10,7 +10,7 @@ from pydantic import model_validator
 
 from antenna_pin.base.directions import unit
 from antenna_pin.base.units import shown
-from antenna_pin.scenario._base import (
+from antenna_pin.scenario.spec import (
     Direction,
     PositiveLength,
     PositiveTime,
@@ -28,7 +28,7 @@ _ANGLE = 1e-6
 
 
 class OrbitSpec(Spec):
-    """A circular orbit, given by one of altitude, period and rate, and the world's axes in it.
+    """A circular orbit by altitude, period or rate, and its axes.
 
     Attributes:
         altitude: Above the Earth's equatorial radius, 6378.137 km [m].

@@ -34,7 +34,7 @@ from antenna_pin.scenario import (
     ShapeSpec,
     _choices,
 )
-from antenna_pin.scenario._kinds import Tables
+from antenna_pin.scenario._class_tables import Tables
 from antenna_pin.scenario.spec import Spec
 
 PAIRS = [
