@@ -47,8 +47,7 @@ from antenna_pin.scenario import (
     Scenario,
     moved_joints,
 )
-from antenna_pin.scenario.clearance import said_of_assumed
-from antenna_pin.scenario.clearance import TouchingSpec
+from antenna_pin.scenario.clearance import TouchingSpec, said_of_assumed
 
 __all__ = ["build_system", "reference_for"]
 
@@ -116,11 +115,6 @@ def frictions_of(scenario: Scenario, mechanism: Mechanism, others: Collection[st
     """Return the friction of each joint that has some, as ``JOINT.dynamics``.
 
     That of a joint with play acts about its axis, beside the friction of its contacts.
-
-    Args:
-        scenario: Its ``mechanism.joints`` go before the URDF.
-        mechanism: The mechanism, with the freedoms that joints have in this case.
-        others: Names of springs and frictions, which these must differ from.
 
     Raises:
         ScenarioError: Units of another motion, a speed without friction, or a spring of that name.

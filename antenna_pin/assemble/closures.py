@@ -98,14 +98,7 @@ def reversed_axes(scenario: Scenario, mechanism: Mechanism, closures: Mapping[st
 def link_of(
     scenario: Scenario, mechanism: Mechanism, spec: LinkPlaceSpec, *place: str
 ) -> tuple[str, tuple[float, float, float]]:
-    """Return the link of a place or frame, and the frame's axis, z by default.
-
-    Args:
-        scenario: For the refusal of a name that there is not.
-        mechanism: The mechanism.
-        spec: The place.
-        *place: Where in the scenario it stands.
-    """
+    """Return the link of a place or frame, and the frame's axis, z by default."""
     urdf = mechanism.urdf
     links = [link.name for link in urdf.robot.links]
     if spec.link is not None:

@@ -170,10 +170,6 @@ def few(function: Callable[[int], Array], step: float) -> tuple[Array, Array]:
     Where each builds much: by three of values on a straight line, whose second and third differences are
     round-off, with no doubt; by four where fourth order and second differ so little, by h^2 f3 / 6, that what
     fourth leaves out, h^4 f5 / 30, is nothing; else by six. Infinite values have no derivative, and zero.
-
-    Args:
-        function: Of how many steps away, from -3 to 3, ``(j) -> values``.
-        step: That steps are of.
     """
     here, ahead, behind, farther = (np.asarray(function(j), dtype=float) for j in (0, 1, -1, 2))
     noise = _ROUND_OFF * np.abs([here, ahead, behind, farther]).max(axis=0)

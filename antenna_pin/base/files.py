@@ -80,10 +80,6 @@ def absence(path: str | os.PathLike[str], what: str = "file") -> str:
 def check_writable(path: str | os.PathLike[str], suffix: str | None = None) -> Path:
     """Return the path of a writable file; else raise before any work is done.
 
-    Args:
-        path: Of the file.
-        suffix: That its name must have, for what has one format alone.
-
     Raises:
         OutputError: The name ends otherwise, the folder is missing, not writable or full, the name is too
             long, or the path is that of a folder or a device.

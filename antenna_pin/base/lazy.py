@@ -45,9 +45,6 @@ def exported(package: str) -> None:
     The stub beside its file, ``__init__.pyi``, is the one place that lists them, a line each, which type
     checkers read too: ``from antenna_pin.room.file import Name as Name``. ``dir``, and with it completion,
     lists these only.
-
-    Args:
-        package: Its ``__name__``.
     """
     module = sys.modules[package]
     assert module.__file__ is not None
@@ -62,12 +59,7 @@ class Classes(Mapping[str, type[Any]]):
     """Classes by what they are called elsewhere, each loaded when it is first asked for."""
 
     def __init__(self, package: str, homes: Mapping[str, str]) -> None:
-        """Take where they stand.
-
-        Args:
-            package: That holds their files.
-            homes: By what a class is called, its file and its own name: ``"sine.SineDrive"``.
-        """
+        """Store a package, and each class's file and name: ``"sine.SineDrive"``."""
         self.places = {called: f"{package}.{home}" for called, home in homes.items()}
         """Full names of the classes, by what they are called."""
 

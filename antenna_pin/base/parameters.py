@@ -25,10 +25,10 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from antenna_pin.base.arguments import fits, is_number, rule_of, takes, unknown_type
+from antenna_pin.base.arguments import fits, in_si, is_number, rule_of, takes, unknown_type
 from antenna_pin.base.directions import A_DIRECTION, direction
-from antenna_pin.base.readable import decimal_in
-from antenna_pin.base.units import QuantityError, matching_unit, quantity
+from antenna_pin.base.readable import alternatives, decimal_in
+from antenna_pin.base.units import matching_unit
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -137,14 +137,10 @@ def parameter(
 
 def parameters_of(cls: type[Any]) -> dict[str, Parameter]:
     """Return the parameters of a class by name, in the order of fields."""
-    if cls not in _PARAMETERS:
-        _PARAMETERS[cls] = _parameters_of(cls)
-    return dict(_PARAMETERS[cls])
+    return dict(_parameters_of(cls))
 
 
-_PARAMETERS: dict[type[Any], dict[str, Parameter]] = {}
-
-
+@cache
 def _parameters_of(cls: type[Any]) -> dict[str, Parameter]:
     docs = attribute_docs(cls)
     found = {}
@@ -211,9 +207,7 @@ def check(owner: Any) -> None:
         elif not choices and not fits(value, hint):
             raise InvalidParameterError(owner, name, rule_of(hint), said=unknown_type(value))
         elif choices and (not isinstance(value, str) or value not in choices):
-            *first, last = choices
-            rule = f"{', '.join(first)} or {last}" if first else last
-            raise InvalidParameterError(owner, name, rule, value)
+            raise InvalidParameterError(owner, name, alternatives(choices), value)
 
 
 _Declared = tuple[str, bool, bool, Any, tuple[str, ...], Mapping[Any, Any]]
@@ -243,21 +237,11 @@ def holds(value: object, rule: str) -> bool:
 
 
 def _in_si(owner: object, name: str, value: Any, declared: Mapping[Any, Any]) -> Any:
-    """Return a value, or several, with text that carries a unit read in SI units."""
-    if isinstance(value, list | tuple):
-        if _are_floats(value):
-            return value
-        return type(value)(_in_si(owner, f"{name}[{k}]", one, declared) for k, one in enumerate(value))
-    if not isinstance(value, str):
-        return value
+    """Return a value, or several, in SI units; the unit may depend on another field."""
     unit = declared["unit"]
-    for other, _ in re.findall(r"(?<=\*\*)(([a-z]\w*))", unit):
+    for other in re.findall(r"(?<=\*\*)[a-z]\w*", unit):
         unit = unit.replace(f"**{other}", f"**{getattr(owner, other)!r}")
-    try:
-        return quantity(value, (unit, declared["sliding"]) if declared["sliding"] else unit, name)
-    except QuantityError as error:
-        rule, _, said = error.reason.removeprefix("must be ").partition(", got ")
-        raise InvalidParameterError(owner, name, rule, said=said) from None
+    return in_si(owner, name, value, (unit, declared["sliding"]) if declared["sliding"] else unit)
 
 
 def _check_motion(
@@ -277,13 +261,7 @@ def _check_motion(
 
 
 def beyond(numbers: Iterable[float], units: str | tuple[str, ...], rule: str = "") -> str:
-    """Return the size limit that numbers exceed, as it reads after "must be"; "" for none.
-
-    Args:
-        numbers: Finite ones.
-        units: SI unit of them, or several of which one is.
-        rule: One of ``RULES``.
-    """
+    """Return the size limit that numbers exceed, as it reads after "must be"."""
     if rule == A_DIRECTION:
         return ""
     sizes = [abs(float(number)) for number in numbers]

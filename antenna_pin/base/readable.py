@@ -15,6 +15,7 @@ from decimal import Decimal
 from typing import Any
 
 __all__ = [
+    "alternatives",
     "bare",
     "brief",
     "DECIMAL",
@@ -108,6 +109,12 @@ def readable(value: float | None, unit: str = "1", digits: int = 4) -> str:
     factor, printed = prefixed(unit, [value])
     text = number(None if value is None else value * factor, digits)
     return text if not printed or text == MISSING else f"{text}\N{NO-BREAK SPACE}{printed}"
+
+
+def alternatives(names: Iterable[str]) -> str:
+    """Return names as a choice: "a, b or c"."""
+    *others, last = names
+    return f"{', '.join(others)} or {last}" if others else last
 
 
 def lasting(seconds: float) -> str:

@@ -158,11 +158,6 @@ def read_cells(
 def column_of(cells: Cells, name: str, unit: str | tuple[str, ...]) -> tuple[float, ...]:
     """Return a column in SI units, converted from its unit in the text.
 
-    Args:
-        cells: The table.
-        name: Of the column.
-        unit: SI unit of it, or several of which one is; a column without a unit is in SI.
-
     Raises:
         BadTableError: A cell is no finite number, or the unit is of something else.
     """

@@ -220,9 +220,6 @@ def with_point(text: str) -> str | None:
 
     One comma is a decimal one unless exactly three digits are behind it, which may be thousands; ``0,125``
     is none of thousands.
-
-    Args:
-        text: A number with its unit, such as ``0,2 mm``.
     """
     match = _DECIMAL_COMMA.fullmatch(text)
     if match is None:
@@ -234,63 +231,35 @@ def with_point(text: str) -> str | None:
 
 
 # --- quantities ---------------------------------------------------------------------------------------------
-#
-# ``quantity("0.2 mm", "m", place)`` is 0.0002. The dimension is checked, and so are angles: a frequency
-# [Hz] and an angular rate [rad/s] have the same dimension but differ by 2 pi, so neither is taken for the
-# other. Decimal text is converted exactly and rounded once: "9.8 mm" is the float 0.0098. Units may be
-# spelled as data sheets spell them (:mod:`antenna_pin.base.units`): mNm, gcm², in-lb. What is a mass
-# elsewhere is a weight where a force or a torque is asked for: pounds and ounces; and g is standard gravity
-# in what holds no mass.
 
-# Unit, and what a quantity of it is called; the first that fits names a quantity seen.
+# Unit, name of its quantities, and examples of spellings; the first that fits names a quantity.
 _KINDS = {
-    "1": "a pure number",
-    "rad": "an angle",
-    "m": "a length",
-    "m**2": "an area",
-    "m**3": "a volume",
-    "s": "a time",
-    "kg": "a mass",
-    "m/s": "a speed",
-    "m/s**2": "an acceleration",
-    "m**2/s**3": "a spectral density of acceleration",
-    "rad**2/s**3": "a spectral density of angular acceleration",
-    "Hz": "a frequency",
-    "rad/s": "an angular rate",
-    "rad/s**2": "an angular acceleration",
-    "N": "a force",
-    "N*m": "a torque",
-    "N*m/rad": "a torsional stiffness",
-    "N*m*s/rad": "a torsional damping",
-    "N/m": "a stiffness",
-    "N*s/m": "a damping",
-    "W": "a power",
-    "Pa": "a pressure",
-    "kg/m**3": "a density",
-    "kg*m**2": "a moment of inertia",
+    "1": ("a pure number", ""),
+    "rad": ("an angle", "rad, deg, arcmin"),
+    "m": ("a length", "m, mm, um, in"),
+    "m**2": ("an area", ""),
+    "m**3": ("a volume", ""),
+    "s": ("a time", "s, ms, min"),
+    "kg": ("a mass", "kg, g, lb"),
+    "m/s": ("a speed", "m/s, mm/s"),
+    "m/s**2": ("an acceleration", "m/s^2, g"),
+    "m**2/s**3": ("a spectral density of acceleration", "g^2/Hz, (m/s^2)^2/Hz"),
+    "rad**2/s**3": ("a spectral density of angular acceleration", ""),
+    "Hz": ("a frequency", "Hz, kHz"),
+    "rad/s": ("an angular rate", "rad/s, deg/s, rpm"),
+    "rad/s**2": ("an angular acceleration", ""),
+    "N": ("a force", "N, kN, lbf, kgf"),
+    "N*m": ("a torque", "N*m, mN*m, lbf*in, kgf*cm"),
+    "N*m/rad": ("a torsional stiffness", "N*m/rad, N*m/deg, N*m/arcmin"),
+    "N*m*s/rad": ("a torsional damping", "N*m*s/rad"),
+    "N/m": ("a stiffness", "N/m, N/mm, lbf/in"),
+    "N*s/m": ("a damping", "N*s/m"),
+    "W": ("a power", ""),
+    "Pa": ("a pressure", "Pa, MPa, psi"),
+    "kg/m**3": ("a density", "kg/m^3, g/cm^3"),
+    "kg*m**2": ("a moment of inertia", "kg*m^2, g*cm^2, lb*in^2"),
 }
 _PURE = ("1", "-", "")
-# Spellings that a message offers beside an unknown unit.
-_EXAMPLES = {
-    "rad": ("rad", "deg", "arcmin"),
-    "m": ("m", "mm", "um", "in"),
-    "s": ("s", "ms", "min"),
-    "kg": ("kg", "g", "lb"),
-    "m/s": ("m/s", "mm/s"),
-    "m/s**2": ("m/s^2", "g"),
-    "m**2/s**3": ("g^2/Hz", "(m/s^2)^2/Hz"),
-    "Hz": ("Hz", "kHz"),
-    "rad/s": ("rad/s", "deg/s", "rpm"),
-    "N": ("N", "kN", "lbf", "kgf"),
-    "N*m": ("N*m", "mN*m", "lbf*in", "kgf*cm"),
-    "N*m/rad": ("N*m/rad", "N*m/deg", "N*m/arcmin"),
-    "N*m*s/rad": ("N*m*s/rad",),
-    "N/m": ("N/m", "N/mm", "lbf/in"),
-    "N*s/m": ("N*s/m",),
-    "Pa": ("Pa", "MPa", "psi"),
-    "kg/m**3": ("kg/m^3", "g/cm^3"),
-    "kg*m**2": ("kg*m^2", "g*cm^2", "lb*in^2"),
-}
 
 _QUANTITY = re.compile(rf"({DECIMAL})\s*(.*)", re.DOTALL)
 _THOUSANDS = re.compile(r"([+-]?[1-9][0-9]{0,2}),([0-9]{3})(?![0-9,.])")
@@ -342,12 +311,9 @@ def quantity(value: object, unit: str | tuple[str, ...], place: str) -> float:
 
 
 def any_quantity(value: object) -> tuple[float, str] | None:
-    """Return a number in SI units and the SI unit of its text; None if invalid.
+    """Return a number in SI units and its text's SI unit; None if invalid.
 
     For values whose meaning is known elsewhere: whoever uses the number checks its dimension, by the unit.
-
-    Args:
-        value: A number, of no unit said (""), or text such as ``"0.2 mm"``, which is 0.0002 and "m".
     """
     if isinstance(value, bool) or not isinstance(value, Real | str):
         return None
@@ -504,7 +470,7 @@ def _is_any(seen: Unit, units: tuple[str, ...]) -> bool:
 
 
 def _examples(units: tuple[str, ...]) -> str:
-    known = [one for unit in units for one in _EXAMPLES.get(unit, ())]
+    known = [_KINDS[unit][1] for unit in units if unit in _KINDS and _KINDS[unit][1]]
     return f"; known are {', '.join(known)} and others" if known else ""
 
 
@@ -531,14 +497,14 @@ def scaled(digits: str, factor: float) -> float:
 
 def _describe(unit: str) -> str:
     if unit in _PURE:
-        return _KINDS["1"]
+        return _KINDS["1"][0]
     if unit in _KINDS:
-        return f"{_KINDS[unit]} [{unit}]"
+        return f"{_KINDS[unit][0]} [{unit}]"
     return f"a stiffness [{unit}]" if unit.startswith("N/m**") else f"a quantity [{unit}]"
 
 
 def _name_of(name: str, seen: Unit) -> str:
-    for unit, kind in _KINDS.items():
+    for unit, (kind, _) in _KINDS.items():
         known = _known_unit(unit)
         if (known.dimension, known.radian) == (seen.dimension, seen.radian):
             return kind.split(" ", 1)[1]

@@ -59,9 +59,6 @@ def policy(*scripts: str) -> str:
     """Return a page's security policy: no network, no scripts but its own.
 
     Text that got into a page as markup, from a file of a stranger's, could run nothing and send nothing away.
-
-    Args:
-        *scripts: The contents of its script elements, to the letter (:func:`script`).
     """
     digests = (hashlib.sha256(text.encode()).digest() for text in scripts)
     own = " ".join(f"'sha256-{base64.b64encode(digest).decode()}'" for digest in digests) or "'none'"
@@ -79,12 +76,7 @@ def policy(*scripts: str) -> str:
 
 
 def in_frame(page: str, height: str) -> str:
-    """Return a whole page as an isolated frame in a notebook.
-
-    Args:
-        page: Its HTML.
-        height: CSS height of the frame.
-    """
+    """Return a whole page as an isolated frame in a notebook."""
     source = escape(page, quote=True)
     return (
         f'<iframe srcdoc="{source}" sandbox="allow-scripts" style="width:100%;height:{height};border:0" '
@@ -262,11 +254,6 @@ class NamedFigures(Protocol):
 
 
 # --- views --------------------------------------------------------------------------------------------------
-#
-# Readers stand above what they read, and are made of libraries that take a while to load. So a class of
-# results names a reader of the room ``views`` by a :class:`View`, which fetches it when it is used;
-# :data:`VIEWS` is the table of all of them, and the one place where what lies below knows the name of what
-# lies above. The protocols say to editors and type checkers what comes of it.
 
 T = TypeVar("T")
 Path_ = str | os.PathLike[str]

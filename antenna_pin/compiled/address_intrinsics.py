@@ -49,7 +49,7 @@ def _type_of(value: Any, context: Any) -> Any:
 
 @lower_getattr_generic(_Block)
 def _lowered_part(context: Any, builder: Any, kind: Any, block: Any, name: str) -> Any:
-    """Read a part of a block, which nobody changes: LLVM may read it once for all, whatever is written."""
+    """Read a part of a block, an invariant load for LLVM."""
     number = kind.fields.index(name)
     part = kind.types[number]
     before = len(builder.block.instructions)

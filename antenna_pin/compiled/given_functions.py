@@ -45,12 +45,6 @@ def callable_of(function: Callable[..., float], arguments: int) -> Callable[...,
 def address_of(place: str, name: str, function: Any, arguments: int) -> float:
     """Return where a compiled function of so many floats stands, which gives a float.
 
-    Args:
-        place: Whose it is, for the refusal.
-        name: Which one, for the refusal.
-        function: Compiled by ``numba.njit`` or ``numba.cfunc``.
-        arguments: How many floats it takes.
-
     Raises:
         InvalidParameterError: It does not take them, or gives something else.
     """

@@ -206,13 +206,7 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
 
 
 def remembered(function: Any, contents: str, make: Callable[[], str]) -> str:
-    """Return a text derived from files' contents, made once and stored beside machine code.
-
-    Args:
-        function: In Python, defined in the folder beside which the text is kept.
-        contents: Digest of the files.
-        make: Returns the text.
-    """
+    """Return a text derived from files' contents, made once and stored beside machine code."""
     try:
         cache, owner = FunctionCache(function), os.stat(function.__code__.co_filename).st_uid
         files = _SealedFiles(cache._cache_path, "stamp", contents, owner)

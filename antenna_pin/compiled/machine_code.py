@@ -87,12 +87,7 @@ class Code:
 
 
 def kept_of(needs: set[Any], reduced: tuple[Any, ...]) -> Kept | None:
-    """Return the storable form of Numba's reduced result; None for an unknown form.
-
-    Args:
-        needs: Kernels that it calls by name, each with the types of its arguments.
-        reduced: What Numba would keep.
-    """
+    """Return the storable form of Numba's reduced result; None for an unknown form."""
     (_, form, code), description, environment, signature, objectmode, _, _, reload_init, others = reduced
     if form != "object" or objectmode or reload_init:
         return None

@@ -26,11 +26,6 @@ def sweep(index: str, read: Callable[[str], Any], stamp: tuple[Any, Any]) -> Non
 
     A process that was about to read some of it finds nothing, and compiles. What cannot be read is left: it
     may be somebody else's.
-
-    Args:
-        index: Its path, ``NAME.py311.nbi``.
-        read: Returns the version, the stamp and the files of entries by their keys, of an index.
-        stamp: Version and stamp of what is kept now.
     """
     folder = Path(index).parent
     if folder in _swept:

@@ -99,12 +99,7 @@ def shares_taken(whole: MassProperties, moments: Array) -> Array:
 
 
 def least_share(whole: MassProperties, left: Array) -> float:
-    """Return the least share of a body's moments in a pseudo-inertia, (4, 4) [-].
-
-    Args:
-        whole: The body.
-        left: What is left of it; with a negative share no body can have it.
-    """
+    """Return the least share of moments in a pseudo-inertia (4, 4) [-]; negative if impossible."""
     return float(np.linalg.eigvalsh(_measured(whole, left))[0])
 
 

@@ -387,10 +387,6 @@ class ModalData(FlexibleKind):
 
         Masses sit where their modes' forces act; where that does not leave a hub that can exist, all go where
         they take the least of the link.
-
-        Args:
-            name: Of the flexible link; the parts' names begin with it.
-            link: The whole link.
         """
         ratios = np.broadcast_to(self.damping_ratio, len(self.frequency))
         found: list[ElasticPart] = []

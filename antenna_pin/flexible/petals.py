@@ -169,12 +169,7 @@ class Petals(FlexibleKind):
         return (CylinderShape(self.hub_radius, thickness, self.placement @ disc),)
 
     def parts(self, name: str, link: MassProperties) -> list[ElasticPart]:
-        """Return the petals.
-
-        Args:
-            name: Of the flexible link; the parts' names begin with it.
-            link: The whole link.
-        """
+        """Return the petals."""
         body, moment = self.body, self.moment
         omega = 2.0 * math.pi * self.natural_frequency
         found = []

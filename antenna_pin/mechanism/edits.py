@@ -129,7 +129,7 @@ def _change_bounds(joint: Any, name: str, change: JointChange, where: str) -> No
 def vary_joint(
     robot: Any, name: str, variant: JointVariant, axis: Vector3, origin: Matrix3, where: str
 ) -> None:
-    """Make a joint ideal, free, locked or planar, by axis (3,) and frame's rotation (3, 3)."""
+    """Make a joint ideal, free, locked or planar, by axis (3,) and rotation (3, 3)."""
     joint = named(robot, "joint", name)
     kind = joint.get("type")
     if variant == "ideal":
@@ -174,16 +174,9 @@ def meshes(robot: Any) -> list[Any]:
 
 
 def make_planar(robot: Any, joint: Any, axis: Vector3, origin: Matrix3, where: str) -> None:
-    """Turn the joint frame so that z is its axis, and turn back behind a massless link.
+    """Align a joint frame's z with its axis, and align back behind a massless link.
 
     The fixed joint keeps the axis as it was, in the axes of the frame as it was: a reader finds both again.
-
-    Args:
-        robot: Root element, changed in place.
-        joint: The joint's element.
-        axis: (3,) its axis in its own frame [-].
-        origin: (3, 3) orientation of its frame in the parent link [-].
-        where: Name of the file, for messages.
     """
     link_name, mount_name = plane_names(joint.get("name"))
     for kind, new in (("link", link_name), ("joint", mount_name)):
@@ -453,13 +446,6 @@ def edited(
     origins: Mapping[str, JointChange] | None = None,
 ) -> Any:
     """Return the root element of a changed URDF, with line numbers of the text.
-
-    Args:
-        text: The XML.
-        where: Name of the file, for messages.
-        joints: What to make of joints, by name.
-        links: New inertial properties and shapes, by link.
-        origins: New places, axes and bounds of joints, applied before ``joints``.
 
     Raises:
         MechanismError: The text is no URDF, or a change makes no sense.

@@ -179,7 +179,7 @@ class Idle(NamedTuple):
 
 
 def is_regular_everywhere(model: Any) -> bool:
-    """Return whether each body's own inertia keeps the mass matrix regular in every pose.
+    """Return whether own inertias make the mass matrix regular in every pose.
 
     The articulated inertia of a body is at least its own. False says nothing: then poses have to be tried.
     """

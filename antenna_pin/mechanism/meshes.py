@@ -97,13 +97,6 @@ def planned_copies(
     A name that leads down from ``start`` is kept; of any other the last part is. Materials and images that a
     Wavefront mesh names go with it.
 
-    Args:
-        folder: Where the copies go.
-        start: Where relative names start; None if that is unknown.
-        filenames: The meshes as they are called now.
-        where: What messages call the URDF.
-        package_path: Folders with packages.
-
     Returns:
         New name of each mesh, and source of each copy, by its target.
 

@@ -50,16 +50,7 @@ _PINOCCHIO = 3 * 4 * 8
 
 @takes()
 def check_size(where: str, freedoms: int, way_out: str = "leave joints out or lock some") -> None:
-    """Refuse a mechanism that would not fit into memory.
-
-    Args:
-        where: Place, for the message.
-        freedoms: How many it has, or at least has.
-        way_out: What is to be done.
-
-    Raises:
-        TooLargeError: It does not fit.
-    """
+    """Refuse a number of degrees of freedom that would not fit into memory."""
     more = "as Pinocchio's buffers grow with the cube of that number"
     check_fits(where, f"{freedoms} degrees of freedom", _PINOCCHIO * freedoms**3, f"{way_out}, {more}")
 
@@ -264,7 +255,7 @@ def build_mechanism(
 
 
 def _ties_of(mechanism: Mechanism) -> NDArray[np.float64]:
-    """Return what the couplings of a URDF tie rates by, (k, nv)."""
+    """Return the rate constraints by the URDF's couplings, (k, nv)."""
     rows = []
     for name, mimic in mechanism.urdf.mimics.items():
         row = np.zeros(mechanism.model.nv)

@@ -24,15 +24,7 @@ def write_frame_change(
     places: Records[Place],
     out: Floats,
 ) -> None:
-    """Write the displacement by a change of a frame's place on its parent.
-
-    Args:
-        frame: Rotation and position of the frame.
-        change: By how much these change.
-        parent: The body, -1 for the world.
-        places: Where bodies are, PLACE.
-        out: The way, about the first body's origin.
-    """
+    """Write the displacement by a change of a frame's place on its parent."""
     (r, p), (m, d) = frame, change
     x, y, z = 0.0, 0.0, 0.0
     # The turn is that of R' R^T.

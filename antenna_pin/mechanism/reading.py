@@ -83,10 +83,6 @@ class Findings:
 def clean(robot: Any, name: str) -> Findings:
     """Remove parts without mechanical meaning from a URDF, in place.
 
-    Args:
-        robot: Root element.
-        name: Of the robot where it bears none.
-
     Returns:
         What it was, and where.
     """

@@ -57,11 +57,6 @@ def check_turns(urdf: Urdf, name: str, rotor: Rotor) -> None:
 def with_rotor(urdf: Urdf, name: str, rotor: Rotor) -> Urdf:
     """Return a copy with a rotor on the joint ``<name>_rotor``, coupled to the rotor's joint.
 
-    Args:
-        urdf: The mechanism, its joints as they are to move.
-        name: Of the rotor.
-        rotor: Joint, inertia, ratio and carrier.
-
     Raises:
         UnknownNameError: There is no such joint.
         MechanismError: The joint does not turn about an axis of its own, or a name is taken.

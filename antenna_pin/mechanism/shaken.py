@@ -35,10 +35,6 @@ _INDEPENDENT = 1e-6
 def with_shaken_base(urdf: Urdf, shakes: Mapping[str, Shake]) -> Urdf:
     """Return a copy with a joint below the base for each motion, by its name.
 
-    Args:
-        urdf: The mechanism; its root is to stand in the world.
-        shakes: Motions of the base, by name.
-
     Raises:
         MechanismError: A name is taken, the base has no mass, or one motion does what others do.
     """

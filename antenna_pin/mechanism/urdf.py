@@ -157,16 +157,7 @@ class Urdf:
         origins: Mapping[str, JointChange] | None = None,
         **more: Any,
     ) -> Urdf:
-        """Return the changed mechanism of a text (:meth:`variant`), checked after the changes.
-
-        Args:
-            text: The XML.
-            where: What messages call it.
-            joints: What to make of joints, by name.
-            links: New inertial properties and shapes, by link.
-            origins: New places, axes and bounds of joints, applied before ``joints``.
-            **more: Other fields.
-        """
+        """Return the changed mechanism of a text (:meth:`variant`), checked after the changes."""
         changes = joints, links, origins
         if not any(changes):
             return cls.from_text(text, where, **more)
@@ -283,10 +274,6 @@ class Urdf:
 
         The parts' joints bear the parts' names, their links ``<part>_body``. URDF has no springs: that of
         each joint stands in a comment.
-
-        Args:
-            link: Name of the link.
-            split: Its hub and parts.
         """
         self.link(link)
         robot = urdf_xml.parsed(self.text)

@@ -261,10 +261,6 @@ def check_names(element: Any, where: str) -> None:
 
     An attribute that is written as an element counts too, and an element as an attribute, and text that
     stands for attributes. Names with a prefix are other tools'.
-
-    Args:
-        element: Of the format.
-        where: Name of the file, for messages.
     """
     defined = FORMAT[element.tag]
     if not defined.children and (text := text_in(element)):

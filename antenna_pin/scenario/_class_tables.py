@@ -140,7 +140,7 @@ def _table(
 def made_of(
     cls: type[Any], base: type[_Spec], kind: Any, module: str, without: tuple[str, ...], **nested: Any
 ) -> type[_Spec]:
-    """Return the table of a kind, derived from a class in one step, with its key ``kind``."""
+    """Return the table of a kind, derived from a class, with its key ``kind``."""
     names = {item.name for item in dataclasses.fields(cls)} - {*without}
     keys = {"kind": kind, **_keys(cls, names, nested)}
     return _table(name_of_table(cls.__name__), base, cls.__doc__, module, cls, keys)
@@ -193,12 +193,7 @@ class Tables(Mapping[str, type[Any]]):
     """Classes of tables by kind, each created at first use."""
 
     def __init__(self, kinds: Iterable[str], make: Callable[[str], type[Spec]]) -> None:
-        """Take what makes them.
-
-        Args:
-            kinds: The kinds that there are, in the order in which they are told.
-            make: Returns the class of a kind; asked once for each.
-        """
+        """Store the kinds in order, and a function that creates a kind's class."""
         self._kinds = tuple(kinds)
         self._make = functools.cache(make)
 

@@ -38,11 +38,6 @@ def read_table(
 ) -> tuple[tuple[tuple[float, ...], ...], Motion | None]:
     """Return columns of a table in SI units, of which the first increases.
 
-    Args:
-        text: The file's text.
-        columns: Their names, as its header must have them.
-        units: SI unit of each, or those of a turning and of a sliding joint.
-
     Returns:
         The numbers, and what the units in the text say of the joint's motion; None without any.
 
@@ -107,7 +102,7 @@ class Source:
         return dict(merged)
 
     def place(self, location: Location) -> Place:
-        """Return where a value stands, or is missing: in the file, in its case, or in an override."""
+        """Return the place of a value or missing key: file, case, or override."""
         lower = [self.base, *(table for _, table in self.below)]
         if from_layer(self.overrides, location, *lower, self.case_table):
             return Place(f"{self.label}: {dotted(location)}", " (set by an override)")
@@ -120,7 +115,7 @@ class Source:
         return Place(f"{self.label}: {dotted(location)}", self.note, self._stale(location[:-1]))
 
     def _stale(self, table: Location) -> str:
-        """Say why a key of the file may have become unknown: what is laid over it has changed the kind."""
+        """Return a hint for a key made unknown by another kind in a layer above."""
         cases = [(f"case {case}", table) for case, table in ((self.case, self.case_table), *self.below[::-1])]
         for layer, values in (("an override", self.overrides), *cases):
             for key in ("kind", "law"):
@@ -145,11 +140,6 @@ def read_layer(overrides: Overrides) -> tuple[dict[str, Any], tuple[str, ...]]:
 
 def built(kind: type[S], carried: dict[str, Any], source: Source) -> S:
     """Return the scenario of all layers, with the files it names.
-
-    Args:
-        kind: The class of a scenario.
-        carried: What it carries beside the values of the layers.
-        source: The layers.
 
     Raises:
         ScenarioError: With one line that gives file, place, rule, the value seen and a way out.
@@ -208,7 +198,7 @@ def _without_file(family: str, _: str, table: Any) -> Any:
 
 
 def _stand_in(table: object, family: str) -> dict[str, tuple[float, ...]]:
-    """Return the least numbers that a table needs in place of a file; {} for a table without one."""
+    """Return least numbers in place of a table's file; {} for tables without one."""
     if family != "flexible":
         return dict.fromkeys(file_columns(table, family) or (), (0.0, 1.0))
     is_modal = isinstance(table, Mapping) and table.get("kind") == "modal-data"
@@ -275,7 +265,7 @@ def _read_file(
 
 
 def from_layer(layer: Mapping[str, Any], location: Location, *below: Mapping[str, Any]) -> bool:
-    """Return whether a value is given in a layer, or is missing in a table that only this layer has."""
+    """Return whether a value, or its missing key, belongs to a layer."""
     outer = location[:-1]
     if _holds(layer, location):
         return True

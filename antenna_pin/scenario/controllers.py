@@ -141,12 +141,7 @@ ControllerSpec = PidSpec | StateFeedbackSpec | AttitudeSpec | BangBangSpec
 
 
 def check_commands(controllers: Mapping[str, Any], families: Mapping[str, Mapping[str, Any]]) -> None:
-    """Refuse, in a validator, controllers of elements that take no commands.
-
-    Args:
-        controllers: The tables of controllers by name.
-        families: Those of elements, by family and name.
-    """
+    """Refuse, in a validator, controllers of elements that take no commands."""
     known = [
         name
         for table, named in families.items()

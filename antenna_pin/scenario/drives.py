@@ -92,11 +92,7 @@ class PointsSpec(_ForceSpec):
     second: PlaceSpec = Field(...)
 
     def build(self, **more: Any) -> Any:
-        """Return the element; ends that are frames have to be given.
-
-        Args:
-            **more: ``first`` and ``second`` as the element takes them, where the URDF has told.
-        """
+        """Return the element; ends that are frames have to be given."""
         said = {
             name: (side.link or side.frame, side.point or (0.0, 0.0, 0.0))
             for name, side in (("first", self.first), ("second", self.second))
@@ -134,11 +130,7 @@ class AtPointSpec(AllLinksSpec):
         return self
 
     def build(self, **more: Any) -> Any:
-        """Return the element; a place that is a frame has to be given.
-
-        Args:
-            **more: ``at`` as the element takes it, where the URDF has told.
-        """
+        """Return the element; a place that is a frame has to be given."""
         said = {"at": (self.at.link or self.at.frame, self.at.point or (0.0, 0.0, 0.0))}
         return super().build(**said | more)
 
@@ -258,12 +250,7 @@ def is_between_points(family: str, kind: object) -> bool:
 
 
 def file_columns(table: object, family: str) -> tuple[str, ...] | None:
-    """Return the columns of the file that a table may name; None if none.
-
-    Args:
-        table: Of an element, or of a reference.
-        family: The table that it stands in, of ``WITH_FILES``.
-    """
+    """Return the columns of the file that a table may name; None if none."""
     return getattr(_class_of(table, family), "columns", None)
 
 
@@ -284,12 +271,7 @@ def _class_of(table: object, family: str) -> Any:
 
 
 def check_references(references: Mapping[str, Any], followed: Mapping[tuple[str, ...], str]) -> None:
-    """Refuse references to unknown references, or to themselves.
-
-    Args:
-        references: Tables by name.
-        followed: Names that are followed, by the place of the key.
-    """
+    """Refuse references to unknown references, or to themselves."""
     for place, name in followed.items():
         if name not in references:
             refuse_name("reference", name, sorted(references), *place)

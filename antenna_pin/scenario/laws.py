@@ -149,16 +149,7 @@ def read_parameters(
     location: tuple[str, ...] = (),
     dissipation: str | None = None,
 ) -> dict[str, float]:
-    """Return a table's parameters in SI units, or refuse the first wrong one.
-
-    Args:
-        law: Name of the law.
-        known: The laws by name.
-        table: The parameters as they were given.
-        common: Parameters that hold where the table says nothing.
-        location: Where the table stands.
-        dissipation: Name of the dissipation beside the law, if there is one.
-    """
+    """Return a table's parameters in SI units, or refuse the first wrong one."""
     declared = declared_parameters(law, known, dissipation)
     for name in table:
         if name not in declared:

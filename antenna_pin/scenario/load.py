@@ -186,12 +186,7 @@ def _lines(table: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[str]:
 
 @takes()
 def found_from(scenario: Scenario, folder: Path) -> Scenario:
-    """Return a scenario whose URDF and packages are found from another folder than its own.
-
-    Args:
-        scenario: The scenario.
-        folder: In which its file is to stand, without links.
-    """
+    """Return a scenario with its files found from another folder, without links."""
 
     def there(name: str) -> str:
         path = (scenario.folder / name).resolve()

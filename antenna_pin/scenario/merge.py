@@ -58,11 +58,6 @@ def merge(base: Mapping[str, Any], over: Mapping[str, Any], path: tuple[str, ...
     Tables are merged key by key; numbers, text and arrays are replaced. A table with ``replace = true``
     replaces the one below instead. A key that excludes another, as ``journal_radius`` does
     ``radial_clearance``, removes the other.
-
-    Args:
-        base: The table below.
-        over: The table above.
-        path: The keys that lead to both.
     """
     merged = dict(base)
     for one, other in _alternatives(path):

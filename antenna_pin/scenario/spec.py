@@ -287,7 +287,7 @@ class Spec(BaseModel):
         raise InvalidParameterError(type(self).__name__, name, rule, said="del")
 
     def __dir__(self) -> list[str]:
-        """Return what completion is to find: keys and functions of its own, not those of its base."""
+        """Return names for completion: own keys and functions, not pydantic's."""
         return [name for name in super().__dir__() if name.startswith("_") or name not in _OF_BASE]
 
     @classmethod
@@ -332,12 +332,12 @@ class Spec(BaseModel):
 
 
 def _is_of_numpy(value: Any) -> bool:
-    """Return whether a value is a NumPy scalar, which pydantic takes for no bool, text or number."""
+    """Return whether a value is a NumPy scalar."""
     return hasattr(value, "item") and getattr(value, "ndim", None) == 0
 
 
 def _plain(cls: type[Spec], data: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Yield the given keys of a type of true, false or numbers only, and that type."""
+    """Yield given keys with plain types bool or float, and the type."""
     for name, field in cls.model_fields.items():
         kinds = [kind for kind in get_args(field.annotation) or (field.annotation,) if kind is not type(None)]
         if kinds in ([bool], [float]) and not field.metadata and data.get(name) is not None:
@@ -400,17 +400,12 @@ Line = tuple[Location, Mapping[str, Any]]
 
 
 def explained(error: ValidationError, place: Callable[[Location], Place]) -> AntennaPinError:
-    """Return the first thing that pydantic found as an error of one line."""
+    """Return the first fault found by pydantic as an error of one line."""
     return explained_line(located_lines(error)[0], place)
 
 
 def explained_line(line: Line, place: Callable[[Location], Place]) -> AntennaPinError:
-    """Return one thing that pydantic found as an error of one line.
-
-    Args:
-        line: What it found.
-        place: Returns the place of a location.
-    """
+    """Return a fault found by pydantic as an error of one line."""
     location, detail = line
     where, note, stale = place(location)
     context = detail.get("ctx", {})

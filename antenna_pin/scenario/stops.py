@@ -67,9 +67,6 @@ def with_urdf_limits(data: Mapping[str, Any]) -> Any:
     ``mechanism.joints`` changes it; the table ``[stops."*"]`` becomes a stop at each joint with limits that
     has none, and ``stops = true`` rigid stops there, of restitution 0; rigid ones at no joint that a motion
     moves, itself or by couplings.
-
-    Args:
-        data: All of the scenario, not yet validated.
     """
     stops = merge({}, {"stops": data.get("stops")})["stops"]
     known = isinstance(data.get("urdf_text"), str) and isinstance(data.get("mechanism"), Mapping)
@@ -113,11 +110,7 @@ def _changed(data: Mapping[str, Any]) -> dict[str, dict[str, float]]:
 
 @takes()
 def moved_joints(data: Mapping[str, Any]) -> set[str]:
-    """Return the joints that motions move, directly or by couplings.
-
-    Args:
-        data: All of a scenario, validated or not yet.
-    """
+    """Return the joints that motions move, directly or by couplings."""
     found = {
         str(drive.get("joint", name))
         for name, one in tables(data.get("drives")).items()

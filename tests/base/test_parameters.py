@@ -32,7 +32,7 @@ from antenna_pin.scenario import (
     PlaceSpec,
     ScalesSpec,
     ShapeSpec,
-    _choices,
+    _class_tables,
 )
 from antenna_pin.scenario._class_tables import Tables
 from antenna_pin.scenario.spec import Spec
@@ -96,7 +96,7 @@ def _flags() -> Iterator[tuple[type, str]]:
 
 def test_true_and_false_are_themselves() -> None:
     """Of every key of every table, whatever else it lacks: nothing but true and false, NumPy's too."""
-    for tables in (*FAMILY_SPECS.values(), REFERENCE_SPECS, *vars(_choices).values()):
+    for tables in (*FAMILY_SPECS.values(), REFERENCE_SPECS, *vars(_class_tables).values()):
         if isinstance(tables, Tables | Classes):
             dict(tables)  # each is made when it is first asked for
     assert len(set(_flags())) >= 10
