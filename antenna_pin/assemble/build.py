@@ -216,7 +216,7 @@ def elements_of(scenario: Scenario, mechanism: Mechanism, family: str) -> dict[s
         elif isinstance(spec, AtPointSpec):
             link, _ = link_of(scenario, mechanism, spec.at, family, name, "at")
             found[name] = spec.build(
-                at=(link, spec.at.point or (0.0, 0.0, 0.0)), **_followed(scenario, spec, None)
+                at=(link, spec.at.point or (0.0, 0.0, 0.0)), **_reference_of(scenario, spec, None)
             )
         elif isinstance(spec, AllLinksSpec):
             found[name] = spec.build()
@@ -232,12 +232,12 @@ def elements_of(scenario: Scenario, mechanism: Mechanism, family: str) -> dict[s
             check_motion(scenario, slot, spec.motion, *place)
             if (other := getattr(spec, "measures", None)) is not None:
                 check_known(scenario, [other], "moving joint", mechanism.joints, *place, "measures")
-            found[name] = spec.build(**_followed(scenario, spec, slot))
+            found[name] = spec.build(**_reference_of(scenario, spec, slot))
     return found
 
 
-def _followed(scenario: Scenario, spec: Any, slot: JointSlot | None) -> dict[str, Any]:
-    """Return the reference that a table follows, if it names one."""
+def _reference_of(scenario: Scenario, spec: Any, slot: JointSlot | None) -> dict[str, Any]:
+    """Return the reference of a table as its argument ``follows``, if it names one."""
     follows = getattr(spec, "follows", None)
     return {} if follows is None else {"follows": reference_for(scenario, follows, slot, slot is None)}
 
@@ -277,18 +277,9 @@ def couplings_of(scenario: Scenario, mechanism: Mechanism) -> dict[str, Coupling
 
 
 def _built(spec: CouplingSpec | DifferentialSpec | PlanetarySpec) -> Coupling:
-    if isinstance(spec, DifferentialSpec):
-        return Coupling.differential(carrier=spec.carrier, first=spec.first, second=spec.second)
-    if isinstance(spec, PlanetarySpec):
-        return Coupling.planetary(carrier=spec.carrier, sun=spec.sun, ring=spec.ring, ratio=spec.ratio)
-    return Coupling(
-        follower=spec.follower,
-        leader=spec.leader,
-        multiplier=spec.multiplier,
-        offset=spec.offset,
-        second=spec.second,
-        second_multiplier=spec.second_multiplier,
-    )
+    make = {"differential": Coupling.differential, "planetary": Coupling.planetary}.get(spec.kind, Coupling)
+    fields = type(spec).model_fields.keys() - {"kind", "motion", "conversion"}
+    return make(**{name: getattr(spec, name) for name in fields})
 
 
 def _check_units(scenario: Scenario, mechanism: Mechanism, spec: CouplingSpec, *place: str) -> None:

@@ -124,13 +124,13 @@ def _stiffness(
     scenario: Scenario,
     spec: Any,
     declared: Mapping[str, Parameter],
-    given: Mapping[str, float],
+    parameters: Mapping[str, float],
     radial: CompiledNormalLaw | None,
     place: str,
 ) -> float:
     """Return the default stiffness of a power law: the bore's, or a Hertz contact's."""
     default = declared["exponent"].default if "exponent" in declared else None
-    exponent = given.get("exponent", 1.5 if default is None else default)
+    exponent = parameters.get("exponent", 1.5 if default is None else default)
     bore = None if radial is None else radial.parts.elastic
     if isinstance(bore, Hertz):
         if bore.exponent != exponent:

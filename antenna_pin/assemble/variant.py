@@ -139,22 +139,24 @@ def with_shaken(scenario: Scenario, urdf: Urdf) -> Urdf:
         raise MechanismError(f"{where(scenario, 'shake')}: {error}") from None
 
 
-def elements_by_family(scenario: Scenario, found: dict[str, dict[str, Any]]) -> Mapping[str, dict[str, Any]]:
+def elements_by_family(
+    scenario: Scenario, families: dict[str, dict[str, Any]]
+) -> Mapping[str, dict[str, Any]]:
     """Return elements by the system's families, from whichever scenario tables.
 
     Raises:
         ScenarioError: Two of one family have one name.
     """
-    kept: dict[str, dict[str, Any]] = {}
-    for table, elements in found.items():
+    merged: dict[str, dict[str, Any]] = {}
+    for table, elements in families.items():
         own = FAMILIES[table].among or table
-        for name in elements.keys() & kept.get(own, {}).keys():
+        for name in elements.keys() & merged.get(own, {}).keys():
             raise ScenarioError(
                 f"{where(scenario, table, name)}: must have another name than {own}.{name}, as both are "
                 f"{own} of a system; rename one"
             )
-        kept[own] = {**kept.get(own, {}), **elements}
-    return kept
+        merged[own] = {**merged.get(own, {}), **elements}
+    return merged
 
 
 # --- variants of a URDF -------------------------------------------------------------------------------------

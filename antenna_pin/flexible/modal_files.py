@@ -22,6 +22,7 @@ from antenna_pin.base.readable import alternatives, decimal_in, whole_in
 from antenna_pin.base.tables import BadTableError, column_of, headings, read_cells
 from antenna_pin.base.units import shown
 from antenna_pin.errors import FileFormatError
+from antenna_pin.flexible.modal_data import FACTORS
 
 __all__ = [
     "BadModalTableError",
@@ -35,9 +36,6 @@ __all__ = [
 
 
 # --- modal tables -------------------------------------------------------------------------------------------
-
-#: Names of the participation factors of a mode: translation, then rotation.
-FACTORS = ("tx", "ty", "tz", "rx", "ry", "rz")
 
 
 class BadModalTableError(FileFormatError):

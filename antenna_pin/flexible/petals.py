@@ -177,14 +177,15 @@ class Petals(FlexibleKind):
             place = self.placement @ _turned(2.0 * math.pi * k / self.petals)
             turn = place[:3, :3]
             found.append(
-                ElasticPart(
+                ElasticPart.swinging(
+                    moment,
+                    omega,
+                    self.damping_ratio,
                     name=f"{name}_{key}",
                     slides=False,
                     origin=turn @ self.root + place[:3, 3],
                     axis=-turn[:, 1],
                     body=body.moved(place),
-                    stiffness=moment * omega**2,
-                    damping=2.0 * self.damping_ratio * omega * moment,
                     drawn=self._drawn(place),
                 )
             )

@@ -28,7 +28,7 @@ from antenna_pin.mechanism.robot import Joint, Link, Robot
 
 __all__ = ["Urdf"]
 
-_Named = TypeVar("_Named", Link, Joint)
+_Element = TypeVar("_Element", Link, Joint)
 
 
 @takes()
@@ -205,11 +205,11 @@ class Urdf:
 
     def link(self, name: str) -> Link:
         """Return a link, not to be changed."""
-        return self._named("link", self.robot.links, name)
+        return self._element("link", self.robot.links, name)
 
     def joint(self, name: str) -> Joint:
         """Return a joint, not to be changed."""
-        return self._named("joint", self.robot.joints, name)
+        return self._element("joint", self.robot.joints, name)
 
     def axis(self, joint: str) -> Vector3:
         """Return a joint's unit axis (3,) in its own frame [-]; x by default."""
@@ -323,7 +323,7 @@ class Urdf:
             edits.relocate_meshes(robot, lambda filename: meshes.name_from(folder, start, filename))
         return urdf_xml.write(robot), copies
 
-    def _named(self, kind: str, elements: Iterable[_Named], name: str) -> _Named:
+    def _element(self, kind: str, elements: Iterable[_Element], name: str) -> _Element:
         for element in elements:
             if element.name == name:
                 return element

@@ -106,16 +106,16 @@ def _mended(text: str, parser: Any) -> str:
     if "ERR_UNKNOWN_VERSION" in faults:
         return _VERSION.sub(r'\1"1.0"', text)
     if "ERR_HYPHEN_IN_COMMENT" in faults:
-        return _COMMENT.sub(lambda found: f"<!--{_without_hyphens(found[1])}-->", text)
+        return _COMMENT.sub(lambda match: f"<!--{_without_hyphens(match[1])}-->", text)
     if faults == {"NS_ERR_UNDEFINED_NAMESPACE"}:
         prefixes = dict.fromkeys(
-            found[1] for fault in parser.error_log if (found := _PREFIX.search(fault.message))
+            match[1] for fault in parser.error_log if (match := _PREFIX.search(fault.message))
         )
         declared = "".join(
             f' xmlns:{prefix}="{_XACRO if prefix == "xacro" else f"undeclared:{prefix}"}"'
             for prefix in prefixes
         )
-        bare = _COMMENT.sub(lambda found: " " * len(found[0]), text)  # a root in a comment is none
+        bare = _COMMENT.sub(lambda match: " " * len(match[0]), text)  # a root in a comment is none
         start = re.search(r"<[A-Za-z_][^\s/>]*", bare)
         if declared and start:
             return text[: start.end()] + declared + text[start.end() :]
@@ -147,6 +147,9 @@ SHAPES: dict[str, dict[str, int]] = {
     "sphere": {"radius": 1},
     "mesh": {},
 }
+
+# URDF wants limits of hinges and slides. These are none: nothing gets there.
+NO_LIMIT = {"lower": "-1e9", "upper": "1e9", "effort": "1e9", "velocity": "1e9"}
 
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
@@ -385,10 +388,10 @@ def judge(robot: Any, where: str) -> None:
     for inertial in robot.iterfind("link/inertial"):
         _refuse_repeated(inertial, _SINGLE["inertial"], where)
         check_origin(inertial, where)
-        _numbers(_child(inertial, "mass", where), "value", (1,), where)
+        _numbers(_child(inertial, "mass", where), "value", 1, where)
         inertia = _child(inertial, "inertia", where)
         for moment in MOMENTS:
-            _numbers(inertia, moment, (1,), where)
+            _numbers(inertia, moment, 1, where)
     for joint in robot.findall("joint"):
         _check_joint(joint, where)
 
@@ -411,11 +414,11 @@ def _refuse_xacro(robot: Any, where: str) -> None:
 
 def _refuse_repeated(element: Any, tags: Iterable[str], where: str) -> None:
     for tag in tags:
-        found = element.findall(tag)
-        if len(found) > 1:
+        first, *others = element.findall(tag) or [None]
+        if others:
             raise MechanismError(
-                f"{placed(found[1], where)}: <{element.tag}> must have one <{tag}>, got {len(found)}, the "
-                f"first in line {found[0].sourceline}; remove the others"
+                f"{placed(others[0], where)}: <{element.tag}> must have one <{tag}>, got {len(others) + 1}, "
+                f"the first in line {first.sourceline}; remove the others"
             )
 
 
@@ -461,14 +464,14 @@ def _check_joint(joint: Any, where: str) -> None:
         _attribute(mimic, "joint", where)
         for name in ("multiplier", "offset"):
             if name in mimic.attrib:
-                _numbers(mimic, name, (1,), where)
+                _numbers(mimic, name, 1, where)
     axis_of(joint, where)
     check_dynamics(joint, where)
     limit = joint.find("limit")
     if limit is not None:
         for name in ("lower", "upper"):
             if name in limit.attrib:
-                _numbers(limit, name, (1,), where, infinite=True)
+                _numbers(limit, name, 1, where, infinite=True)
 
 
 def check_dynamics(joint: Any, where: str) -> None:
@@ -477,7 +480,7 @@ def check_dynamics(joint: Any, where: str) -> None:
     dynamics = joint.find("dynamics")
     if dynamics is not None:
         for name in ("damping", "friction"):
-            if name in dynamics.attrib and _numbers(dynamics, name, (1,), where)[0] < 0.0:
+            if name in dynamics.attrib and _numbers(dynamics, name, 1, where)[0] < 0.0:
                 raise MechanismError(
                     f"{placed(dynamics, where)}: <dynamics> {name} must be zero or more, "
                     f"got {dynamics.get(name)!r}"
@@ -490,7 +493,7 @@ def axis_of(joint: Any, where: str) -> tuple[float, ...]:
     axis = joint.find("axis")
     if axis is None:
         return 1.0, 0.0, 0.0
-    numbers = _numbers(axis, "xyz", (3,), where, any_size=True)
+    numbers = _numbers(axis, "xyz", 3, where, any_size=True)
     if not any(numbers):
         raise MechanismError(f"{placed(axis, where)}: axis must be nonzero, got {axis.get('xyz')!r}")
     return numbers
@@ -501,7 +504,7 @@ def check_origin(element: Any, where: str) -> tuple[float, ...]:
     origin = element.find("origin")
     if origin is None:
         return 0.0, 0.0, 0.0
-    found = [_numbers(origin, name, (3,), where) if name in origin.attrib else () for name in ("xyz", "rpy")]
+    found = [_numbers(origin, name, 3, where) if name in origin.attrib else () for name in ("xyz", "rpy")]
     return found[1] or (0.0, 0.0, 0.0)
 
 
@@ -524,7 +527,7 @@ def _attribute(element: Any, name: str, where: str) -> str:
 def _numbers(
     element: Any,
     name: str,
-    counts: Iterable[int],
+    count: int,
     where: str,
     *,
     infinite: bool = False,
@@ -536,15 +539,13 @@ def _numbers(
     """
     text: str | None = element.get(name)
     _refuse_expression(element, text or "", where)
-    counts = tuple(counts)
     numbers = numbers_in(text) or ()
-    if len(numbers) not in counts or not all(
+    if len(numbers) != count or not all(
         math.isfinite(number) or (infinite and not math.isnan(number)) for number in numbers
     ):
         got = "none" if text is None else repr(text)
         raise MechanismError(
-            f"{placed(element, where)}: <{element.tag}> {name} must be {' or '.join(str(c) for c in counts)} "
-            f"finite number(s), got {got}"
+            f"{placed(element, where)}: <{element.tag}> {name} must be {count} finite number(s), got {got}"
         )
     if not any_size and any(LARGEST < abs(number) < math.inf for number in numbers):
         raise MechanismError(

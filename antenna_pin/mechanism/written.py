@@ -72,7 +72,7 @@ def _outline(text: str, where: str) -> _Outline:
     return _Outline(links, joints, friction, left_out, passed)
 
 
-class _Asked(NamedTuple):
+class _VariantKey(NamedTuple):
     """Identity of a variant: equal for equal readings, each number to its last digit."""
 
     said: str
@@ -83,12 +83,12 @@ class _Asked(NamedTuple):
         return hash(self.said)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Asked) and self.said == other.said
+        return isinstance(other, _VariantKey) and self.said == other.said
 
 
 @lru_cache(maxsize=4)  # what is tried over and over differs in play, laws, drives; a URDF may be large
-def _made(asked: _Asked) -> Urdf:
-    return Urdf.made(*asked.changed, **asked.more)
+def _variant(key: _VariantKey) -> Urdf:
+    return Urdf.made(*key.changed, **key.more)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -160,7 +160,7 @@ class WrittenUrdf:
             "allow_impossible_inertia": self.allow_impossible_inertia,
         }
         changed = self.text, self.where, joints, links, origins
-        return _made(_Asked(repr((changed, more)), changed, more))
+        return _variant(_VariantKey(repr((changed, more)), changed, more))
 
     def said_of_passed_over(self) -> str | None:
         """Return one line on what was passed over, None if nothing was."""
