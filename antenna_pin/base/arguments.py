@@ -160,7 +160,7 @@ def _check_count(place: str, name: str, value: Any, hint: Any) -> None:
 
 
 def in_si(owner: object, name: str, value: Any, unit: str | tuple[str, ...]) -> Any:
-    """Return a value, or each of several, in SI units where it is text with a unit.
+    """Return a value, or each of several, in SI units if it is text.
 
     Raises:
         InvalidParameterError: A text is not a quantity of the unit.

@@ -137,7 +137,8 @@ def parameter(
 
 def parameters_of(cls: type[Any]) -> dict[str, Parameter]:
     """Return the parameters of a class by name, in the order of fields."""
-    return dict(_parameters_of(cls))
+    owner: Any = cls
+    return dict(_parameters_of(owner))
 
 
 @cache

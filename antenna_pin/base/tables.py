@@ -279,7 +279,7 @@ def _rows(
 
 
 def _header(
-    first: list[str],
+    row: list[str],
     line: int,
     lines: Sequence[str],
     wanted: Sequence[str],
@@ -289,13 +289,13 @@ def _header(
 ) -> tuple[list[str], bool]:
     """Return the names of the columns, and whether the first row has numbers."""
     if layout.names is not None:
-        return list(layout.names), bool(first)
-    cells = [cell.strip() for cell in first]
+        return list(layout.names), bool(row)
+    cells = [cell.strip() for cell in row]
     if not cells or any(cell and decimal_in(_plain(cell, ",")) is None for cell in cells):
         return cells, False
     for remark in reversed(lines[: line - 1]):  # as numpy.savetxt writes them
         bare = remark.strip().removeprefix(layout.comment).strip()
-        names = [cell.strip() for _, row in _cells_of([bare], delimiter) for cell in row]
+        names = [cell.strip() for _, other in _cells_of([bare], delimiter) for cell in other]
         if bare and all(_is_there(name, names) for name in wanted):
             return names, True
     while len(cells) > 2 and not cells[-1]:

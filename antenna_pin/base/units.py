@@ -342,12 +342,12 @@ def any_quantity(value: object) -> tuple[float, str] | None:
     return (number, text) if known_text is not None and known_text.factor == 1.0 else None
 
 
-def _kind_of(seen: Unit) -> str:
+def _kind_of(own: Unit) -> str:
     """Return the SI unit of a unit's named kind; "" for none."""
     for unit in _KINDS:
         known = _known_unit(unit)
-        is_counted_alike = seen.cycles == known.cycles or len(seen.dimension) > 1  # Hz alone is no rad/s
-        if (known.dimension, known.radian) == (seen.dimension, seen.radian) and is_counted_alike:
+        is_counted_alike = own.cycles == known.cycles or len(own.dimension) > 1  # Hz alone is no rad/s
+        if (known.dimension, known.radian) == (own.dimension, own.radian) and is_counted_alike:
             return unit
     return ""
 
@@ -434,10 +434,10 @@ def _pointed(text: str) -> str:
     return (with_point(text) or text) if "," in text else text
 
 
-def _from_text(given: str, units: tuple[str, ...]) -> float:
-    if len(given.strip()) > _LONGEST:
-        raise _Refused(f" ({len(given.strip())} letters; a quantity has at most {_LONGEST})")
-    text = _pointed(given)
+def _from_text(written: str, units: tuple[str, ...]) -> float:
+    if len(written.strip()) > _LONGEST:
+        raise _Refused(f" ({len(written.strip())} letters; a quantity has at most {_LONGEST})")
+    text = _pointed(written)
     if _NOT_FINITE.fullmatch(text):
         raise _Refused(" (not finite)")
     if thousands := _THOUSANDS.match(text):
@@ -465,8 +465,8 @@ def _from_text(given: str, units: tuple[str, ...]) -> float:
     return number
 
 
-def _is_any(seen: Unit, units: tuple[str, ...]) -> bool:
-    return any(seen.fits(_known_unit(unit)) for unit in units)
+def _is_any(own: Unit, units: tuple[str, ...]) -> bool:
+    return any(own.fits(_known_unit(unit)) for unit in units)
 
 
 def _examples(units: tuple[str, ...]) -> str:
@@ -503,10 +503,10 @@ def _describe(unit: str) -> str:
     return f"a stiffness [{unit}]" if unit.startswith("N/m**") else f"a quantity [{unit}]"
 
 
-def _name_of(name: str, seen: Unit) -> str:
+def _name_of(name: str, own: Unit) -> str:
     for unit, (kind, _) in _KINDS.items():
         known = _known_unit(unit)
-        if (known.dimension, known.radian) == (seen.dimension, seen.radian):
+        if (known.dimension, known.radian) == (own.dimension, own.radian):
             return kind.split(" ", 1)[1]
     return _base_units(name)
 

@@ -21,7 +21,7 @@ try:
 except ImportError:  # neither is promised by Numba
     _dynfunc = _nrt_python = compile_result = None
 
-__all__ = ["Code", "Kept", "Part", "called", "kept_of", "link", "named"]
+__all__ = ["Code", "Kept", "Part", "called", "kept_of", "link", "add_kernel_symbol"]
 
 
 class Kept(NamedTuple):
@@ -65,9 +65,9 @@ class Part(NamedTuple):
 class Code:
     """Loaded machine code in place of Numba's library, for its callers."""
 
-    def __init__(self, engine: Any, kept: Kept) -> None:
+    def __init__(self, engine: Any, code: Kept) -> None:
         """Store the engine, and the stored code."""
-        self._engine, self._kept = engine, kept
+        self._engine, self._stored = engine, code
         self._linking_libraries: tuple[Any, ...] = ()
         self._reload_init: frozenset[Any] = frozenset()
 
@@ -83,7 +83,7 @@ class Code:
 
     @cached_property
     def _module(self) -> Any:
-        return parse_bitcode(self._kept.bitcode)
+        return parse_bitcode(self._stored.bitcode)
 
 
 def kept_of(needs: set[Any], reduced: tuple[Any, ...]) -> Kept | None:
@@ -95,37 +95,37 @@ def kept_of(needs: set[Any], reduced: tuple[Any, ...]) -> Kept | None:
     return Kept(needs, machine_code, bitcode, description, (environment, *others), signature)
 
 
-def called(context: Any, kept: Kept) -> Any:
+def called(context: Any, code: Kept) -> Any:
     """Return a stored function, linked, as Numba's compile result.
 
     Raises:
         AttributeError: Numba or llvmlite has changed inside.
     """
-    description, environment = kept.description, kept.environments[0]
+    description, environment = code.description, code.environments[0]
     engine = context.codegen()._engine._ee
     _name_memory()
-    if description.llvm_func_name not in _linked or _linked[description.llvm_func_name] != hash(kept.object):
-        engine.add_object_file(ObjectFileRef.from_data(kept.object))
-    code = Code(engine, kept)
+    if description.llvm_func_name not in _linked or _linked[description.llvm_func_name] != hash(code.object):
+        engine.add_object_file(ObjectFileRef.from_data(code.object))
+    library = Code(engine, code)
     entry = _dynfunc.make_function(
         description.lookup_module(),
         description.qualname.split(".")[-1],
         f"compiled wrapper for {description.qualname!r}",
-        code.get_pointer_to_function(description.llvm_cpython_wrapper_name),
+        library.get_pointer_to_function(description.llvm_cpython_wrapper_name),
         environment,
-        (code,),
+        (library,),
     )
-    _place(engine, kept.environments)
+    _place(engine, code.environments)
     return compile_result(
         target_context=context,
         typing_context=context.typing_context,
-        library=code,
+        library=library,
         environment=environment,
         entry_point=entry,
         fndesc=description,
-        signature=kept.signature,
+        signature=code.signature,
         objectmode=False,
-        referenced_envs=kept.environments,
+        referenced_envs=code.environments,
     )
 
 
@@ -136,7 +136,7 @@ _linked: dict[str, int] = {}
 _placed: dict[str, Any] = {}
 
 
-def named(symbol: str, address: int) -> None:
+def add_kernel_symbol(symbol: str, address: int) -> None:
     """Let loaded code call a function by a name."""
     _symbols[symbol] = address
     add_symbol(symbol, address)
@@ -149,7 +149,7 @@ def link(context: Any, part: Part) -> None:
         _name_memory()
         engine.add_object_file(ObjectFileRef.from_data(part.object))
         _linked[part.function] = hash(part.object)
-        named(part.symbol, engine.get_function_address(part.function))
+        add_kernel_symbol(part.symbol, engine.get_function_address(part.function))
         _place(engine, part.environments)
 
 

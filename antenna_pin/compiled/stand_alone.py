@@ -13,7 +13,7 @@ import importlib
 import itertools
 from typing import Any
 
-from antenna_pin.compiled.machine_code import Kept, Part, named
+from antenna_pin.compiled.machine_code import Kept, Part, add_kernel_symbol
 
 try:
     from numba.core.base import OverloadSelector
@@ -60,7 +60,7 @@ def _publish(name: str, context: Any, result: Any) -> None:
     """Register a compiled function under its process-independent name, for calls by name."""
     arguments = tuple(result.signature.args)
     symbol = _symbol(name, arguments)
-    named(symbol, result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
+    add_kernel_symbol(symbol, result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
     alias = copy.copy(result.fndesc)
     alias.mangled_name = symbol
     call = user_function(alias, ())
@@ -99,15 +99,15 @@ def all_needs(library: Any) -> set[Any]:
 _parts: dict[str, Part] = {}
 
 
-def symbols_of(kept: Kept) -> tuple[str, ...]:
+def symbols_of(code: Kept) -> tuple[str, ...]:
     """Return the symbols of the kernels that a function calls."""
-    return tuple(sorted(itertools.starmap(_symbol, kept.needs)))
+    return tuple(sorted(itertools.starmap(_symbol, code.needs)))
 
 
-def noted(name: str, kept: Kept) -> None:
+def noted(name: str, code: Kept) -> None:
     """Record a kernel's part for its callers."""
-    symbol, function = _symbol(name, kept.signature.args), kept.description.llvm_func_name
-    _parts[symbol] = Part(symbol, function, symbols_of(kept), kept.object, kept.environments)
+    symbol, function = _symbol(name, code.signature.args), code.description.llvm_func_name
+    _parts[symbol] = Part(symbol, function, symbols_of(code), code.object, code.environments)
 
 
 def parts_of(symbols: tuple[str, ...]) -> tuple[Part, ...]:
@@ -116,11 +116,11 @@ def parts_of(symbols: tuple[str, ...]) -> tuple[Part, ...]:
     return tuple(found.values()) if _gather(symbols, found) else ()
 
 
-def _gather(needs: tuple[str, ...], found: dict[str, Part]) -> bool:
+def _gather(needs: tuple[str, ...], parts: dict[str, Part]) -> bool:
     for symbol in needs:
-        if symbol not in found:
+        if symbol not in parts:
             part = _parts.get(symbol)
-            if part is None or not _gather(part.needs, found):
+            if part is None or not _gather(part.needs, parts):
                 return False
-            found[symbol] = part
+            parts[symbol] = part
     return True

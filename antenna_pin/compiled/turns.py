@@ -29,13 +29,13 @@ class Turn:
         self._file: int | None = None
 
     @property
-    def taken(self) -> bool:
+    def is_held(self) -> bool:
         """Return whether this process has the turn."""
         return self._file is not None
 
     def begin(self, folder: str) -> None:
         """Take the turn to compile the kernel into a folder, after whoever has it."""
-        if self.taken:
+        if self.is_held:
             return
         end = time.monotonic() + _LONGEST
         with contextlib.suppress(OSError):

@@ -126,7 +126,7 @@ class ElasticPart:
 
     @classmethod
     def swinging(cls, moment: float, omega: float, ratio: float, **more: Any) -> ElasticPart:
-        """Return a part by the natural angular frequency [rad/s] and damping ratio [-] with the hub held.
+        """Return a part by natural frequency and damping ratio with the hub held.
 
         Args:
             moment: Mass [kg] or moment of inertia [kg m^2] that the joint moves.

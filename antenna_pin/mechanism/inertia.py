@@ -46,19 +46,19 @@ class RigidGroup:
     placements: tuple[Array, ...]
 
     @property
-    def first(self) -> str:
+    def first_link(self) -> str:
         """Name of the first link."""
         return str(self.links[0].name)
 
     @property
     def name(self) -> str:
         """Name of the body: its first link with an inertial, else its first link."""
-        return str(next((link.name for link in self.links if link.inertial is not None), self.first))
+        return str(next((link.name for link in self.links if link.inertial is not None), self.first_link))
 
     @property
     def called(self) -> str:
         """Name in messages."""
-        having = [link.name for link in self.links if link.inertial is not None] or [self.first]
+        having = [link.name for link in self.links if link.inertial is not None] or [self.first_link]
         name, others = having[0], ", ".join(map(repr, having[1:]))
         return f"link {name!r}" + (f" together with {others}, fixed to it" if others else "")
 

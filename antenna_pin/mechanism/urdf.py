@@ -148,7 +148,7 @@ class Urdf:
             raise
 
     @classmethod
-    def made(
+    def changed_from(
         cls,
         text: str,
         where: str,
@@ -244,7 +244,7 @@ class Urdf:
             links: New inertial properties and shapes, by link.
             origins: New places, axes and bounds of joints, applied before ``joints``.
         """
-        return self.made(
+        return self.changed_from(
             self.text,
             self.where,
             joints,

@@ -40,8 +40,8 @@ class PassedOver(NamedTuple):
     what: str
     lines: tuple[int, ...]
 
-    def said(self) -> str:
-        """Return how many there are, of what, and in which lines, in words."""
+    def text(self) -> str:
+        """Return count, kind and lines as text."""
         lines = list(dict.fromkeys(self.lines))
         numbers = ", ".join(map(str, lines[:_LINES])) + (", ..." if len(lines) > _LINES else "")
         return f"{len(self.lines)} {self.what}, line{'s' * (len(lines) > 1)} {numbers}"
@@ -88,7 +88,7 @@ class _VariantKey(NamedTuple):
 
 @lru_cache(maxsize=4)  # what is tried over and over differs in play, laws, drives; a URDF may be large
 def _variant(key: _VariantKey) -> Urdf:
-    return Urdf.made(*key.changed, **key.more)
+    return Urdf.changed_from(*key.changed, **key.more)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

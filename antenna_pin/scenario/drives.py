@@ -270,9 +270,9 @@ def _class_of(table: object, family: str) -> Any:
     return (REFERENCES if family == "references" else FAMILIES[family].kinds).get(table["kind"])
 
 
-def check_references(references: Mapping[str, Any], followed: Mapping[tuple[str, ...], str]) -> None:
+def check_references(references: Mapping[str, Any], names: Mapping[tuple[str, ...], str]) -> None:
     """Refuse references to unknown references, or to themselves."""
-    for place, name in followed.items():
+    for place, name in names.items():
         if name not in references:
             refuse_name("reference", name, sorted(references), *place)
     for name in references:

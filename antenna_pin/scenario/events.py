@@ -195,7 +195,7 @@ def numbers_to_set(
 
 def _number_to_set(
     whole: str,
-    given: bool | float | str,
+    value: bool | float | str,
     tables: Mapping[str, Mapping[str, Spec]],
     place: tuple[str, ...],
     entry: tuple[str, ...],
@@ -213,13 +213,13 @@ def _number_to_set(
     quantities = _quantities(tables[kind][name])
     switched = "on" in type(tables[kind][name]).model_fields
     if key == "on" and switched:
-        if not isinstance(given, bool):
-            refuse(f"must be true or false, got {shown(given)}", *value_at, value=given)
-        return float(given)
+        if not isinstance(value, bool):
+            refuse(f"must be true or false, got {shown(value)}", *value_at, value=value)
+        return float(value)
     if key not in quantities:
         refuse_key(f"sets {key!r}, which {unknown_key([*quantities, *(['on'] * switched)], key)}", *at)
     unit = quantities[key]
-    return read_quantity(given, unit.unit, unit.rule, *value_at)
+    return read_quantity(value, unit.unit, unit.rule, *value_at)
 
 
 def _quantities(table: Spec) -> dict[str, Quantity]:

@@ -79,14 +79,14 @@ def with_number(scenario: Scenario, key: str, value: float) -> Scenario:
     name, index = _parted(key)
     if index is None:
         table, _, own = key.rpartition(".")
-        return scenario.with_overrides({**_beside(scenario, table, own), key: value})
+        return scenario.with_overrides({**_other_numbers(scenario, table, own), key: value})
     below: Any = scenario.model_dump()
     for part in name.split("."):
         below = below[part]
     return scenario.with_overrides({name: [value if i == index else old for i, old in enumerate(below)]})
 
 
-def _beside(scenario: Scenario, table: str, own: str) -> dict[str, float]:
+def _other_numbers(scenario: Scenario, table: str, own: str) -> dict[str, float]:
     """Return the other numbers of a law's table, by their keys, if it is one."""
     first, *middle, last = table.split(".") if table.count(".") else ("", "")
     if first != "clearance" or len(middle) != 1 or middle[0] not in scenario.clearance:

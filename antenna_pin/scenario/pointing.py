@@ -103,10 +103,10 @@ def _angle(a: Vector3, b: Vector3) -> float:
     return math.atan2(float(np.linalg.norm(np.cross(one, other))), float(one @ other))
 
 
-def _check_second(second: Vector3 | None, first: Vector3, name: str, other: str) -> None:
+def _check_second(second: Vector3 | None, axis: Vector3, name: str, other: str) -> None:
     """Refuse a second axis parallel to the first."""
     if second is None:
         return
-    angle = _angle(second, first)
+    angle = _angle(second, axis)
     if min(angle, math.pi - angle) <= _ANGLE:
-        refuse(f"must not lie along {other} = {shown(first)}, got {shown(second)}", name, value=second)
+        refuse(f"must not lie along {other} = {shown(axis)}, got {shown(second)}", name, value=second)

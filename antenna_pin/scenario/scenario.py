@@ -224,7 +224,7 @@ class Scenario(FamilyTables):
         for place in FAMILY_SPECS:
             done = with_each(done, place, partial(_at_its_joint, place))
         for place, key in (("flexible", "link"), ("rotors", "joint")):
-            done = with_each(done, place, partial(_named, key))
+            done = with_each(done, place, partial(_with_name, key))
         done = with_each(done, "couplings", _at_its_carrier)
         choices = {
             "couplings": COUPLING_SPECS,
@@ -295,7 +295,7 @@ class Scenario(FamilyTables):
                 )
 
 
-def _named(key: str, name: str, table: object) -> object:
+def _with_name(key: str, name: str, table: object) -> object:
     """Return a table with its own name as default of a key."""
     return {key: name, **table} if isinstance(table, Mapping) else table
 
@@ -317,7 +317,7 @@ def _at_its_joint(place: str, name: str, table: object) -> object:
                 "joint",
             )
         return table
-    return _named("joint", name, table) if is_at_joint(place, table.get("kind")) else table
+    return _with_name("joint", name, table) if is_at_joint(place, table.get("kind")) else table
 
 
 def _at_its_carrier(name: str, table: object) -> object:
@@ -326,7 +326,7 @@ def _at_its_carrier(name: str, table: object) -> object:
         return table
     table = {"kind": next(iter(COUPLING_SPECS)), **table}
     spec = COUPLING_SPECS.get(str(table["kind"]))
-    return table if spec is None else _named(spec.roles["follower"], name, table)
+    return table if spec is None else _with_name(spec.roles["follower"], name, table)
 
 
 def _check_choice(data: Mapping[str, Any], place: str, key: str, values: Mapping[str, type[Any]]) -> None:
