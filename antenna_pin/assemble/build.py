@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from typing import Any, NamedTuple
 
 from antenna_pin.assemble.closures import closures_of, link_of
@@ -277,9 +277,10 @@ def couplings_of(scenario: Scenario, mechanism: Mechanism) -> dict[str, Coupling
 
 
 def _built(spec: CouplingSpec | DifferentialSpec | PlanetarySpec) -> Coupling:
-    make = {"differential": Coupling.differential, "planetary": Coupling.planetary}.get(spec.kind, Coupling)
+    makers: dict[str, Callable[..., Coupling]]
+    makers = {"differential": Coupling.differential, "planetary": Coupling.planetary}
     fields = type(spec).model_fields.keys() - {"kind", "motion", "conversion"}
-    return make(**{name: getattr(spec, name) for name in fields})
+    return makers.get(spec.kind, Coupling)(**{name: getattr(spec, name) for name in fields})
 
 
 def _check_units(scenario: Scenario, mechanism: Mechanism, spec: CouplingSpec, *place: str) -> None:

@@ -447,7 +447,7 @@ def test_every_key_refuses_what_it_does_not_declare(folder):
     """A foreign unit, a number against the rule, a number for a text, and the lack of a required key."""
     counts = Counter()
     for place, field in keys_of(folder.load()):
-        kinds = [kind for kind in get_args(field.annotation) or (field.annotation,) if kind is not type(None)]
+        kinds = [one for one in get_args(field.annotation) or (field.annotation,) if one is not type(None)]
         annotations = [*field.metadata, *(one for kind in kinds for one in get_args(kind))]
         wrong = [(3, "must be text, got 3")] if kinds == [str] else []
         for quantity in (one for one in annotations if isinstance(one, Quantity)):
@@ -455,7 +455,11 @@ def test_every_key_refuses_what_it_does_not_declare(folder):
             wrong += [(-1, f"must be {quantity.rule}, got -1")] if quantity.rule else []
         for value, rule in wrong:
             assert folder.refusal({place: value}) == f"{place} {rule}"
-        if field.is_required() and in_file(place) and place.rpartition(".")[2] not in ("kind", "model", "joint"):
+        if (
+            field.is_required()
+            and in_file(place)
+            and place.split(".")[-1] not in ("kind", "model", "joint")
+        ):
             assert folder.refusal({place: DELETED}).startswith(f"{place} is missing")
             counts["required"] += 1
         counts.update("text" if value == 3 else "quantity" for value, _ in wrong)
