@@ -455,11 +455,7 @@ def test_every_key_refuses_what_it_does_not_declare(folder):
             wrong += [(-1, f"must be {quantity.rule}, got -1")] if quantity.rule else []
         for value, rule in wrong:
             assert folder.refusal({place: value}) == f"{place} {rule}"
-        if (
-            field.is_required()
-            and in_file(place)
-            and place.split(".")[-1] not in ("kind", "model", "joint")
-        ):
+        if field.is_required() and in_file(place) and place.split(".")[-1] not in ("kind", "model", "joint"):
             assert folder.refusal({place: DELETED}).startswith(f"{place} is missing")
             counts["required"] += 1
         counts.update("text" if value == 3 else "quantity" for value, _ in wrong)
