@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from typing import Any, NamedTuple
 
 from antenna_pin.assemble.closures import closures_of, link_of
@@ -47,8 +47,7 @@ from antenna_pin.scenario import (
     Scenario,
     moved_joints,
 )
-from antenna_pin.scenario.assumed import said_of_assumed
-from antenna_pin.scenario.clearance import TouchingSpec
+from antenna_pin.scenario.clearance import TouchingSpec, said_of_assumed
 
 __all__ = ["build_system", "reference_for"]
 
@@ -116,11 +115,6 @@ def frictions_of(scenario: Scenario, mechanism: Mechanism, others: Collection[st
     """Return the friction of each joint that has some, as ``JOINT.dynamics``.
 
     That of a joint with play acts about its axis, beside the friction of its contacts.
-
-    Args:
-        scenario: Its ``mechanism.joints`` go before the URDF.
-        mechanism: The mechanism, with the freedoms that joints have in this case.
-        others: Names of springs and frictions, which these must differ from.
 
     Raises:
         ScenarioError: Units of another motion, a speed without friction, or a spring of that name.
@@ -222,7 +216,7 @@ def elements_of(scenario: Scenario, mechanism: Mechanism, family: str) -> dict[s
         elif isinstance(spec, AtPointSpec):
             link, _ = link_of(scenario, mechanism, spec.at, family, name, "at")
             found[name] = spec.build(
-                at=(link, spec.at.point or (0.0, 0.0, 0.0)), **_followed(scenario, spec, None)
+                at=(link, spec.at.point or (0.0, 0.0, 0.0)), **_reference_of(scenario, spec, None)
             )
         elif isinstance(spec, AllLinksSpec):
             found[name] = spec.build()
@@ -238,12 +232,12 @@ def elements_of(scenario: Scenario, mechanism: Mechanism, family: str) -> dict[s
             check_motion(scenario, slot, spec.motion, *place)
             if (other := getattr(spec, "measures", None)) is not None:
                 check_known(scenario, [other], "moving joint", mechanism.joints, *place, "measures")
-            found[name] = spec.build(**_followed(scenario, spec, slot))
+            found[name] = spec.build(**_reference_of(scenario, spec, slot))
     return found
 
 
-def _followed(scenario: Scenario, spec: Any, slot: JointSlot | None) -> dict[str, Any]:
-    """Return the reference that a table follows, if it names one."""
+def _reference_of(scenario: Scenario, spec: Any, slot: JointSlot | None) -> dict[str, Any]:
+    """Return the reference of a table as its argument ``follows``, if it names one."""
     follows = getattr(spec, "follows", None)
     return {} if follows is None else {"follows": reference_for(scenario, follows, slot, slot is None)}
 
@@ -283,18 +277,10 @@ def couplings_of(scenario: Scenario, mechanism: Mechanism) -> dict[str, Coupling
 
 
 def _built(spec: CouplingSpec | DifferentialSpec | PlanetarySpec) -> Coupling:
-    if isinstance(spec, DifferentialSpec):
-        return Coupling.differential(carrier=spec.carrier, first=spec.first, second=spec.second)
-    if isinstance(spec, PlanetarySpec):
-        return Coupling.planetary(carrier=spec.carrier, sun=spec.sun, ring=spec.ring, ratio=spec.ratio)
-    return Coupling(
-        follower=spec.follower,
-        leader=spec.leader,
-        multiplier=spec.multiplier,
-        offset=spec.offset,
-        second=spec.second,
-        second_multiplier=spec.second_multiplier,
-    )
+    makers: dict[str, Callable[..., Coupling]]
+    makers = {"differential": Coupling.differential, "planetary": Coupling.planetary}
+    fields = type(spec).model_fields.keys() - {"kind", "motion", "conversion"}
+    return makers.get(spec.kind, Coupling)(**{name: getattr(spec, name) for name in fields})
 
 
 def _check_units(scenario: Scenario, mechanism: Mechanism, spec: CouplingSpec, *place: str) -> None:

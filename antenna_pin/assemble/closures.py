@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from antenna_pin.assemble.initial import given
+from antenna_pin.assemble.initial import given_state
 from antenna_pin.assemble.places import check_known, where
 from antenna_pin.constraints import CLOSURES, OPPOSITE, Anchor, Closure
 from antenna_pin.errors import ScenarioError
@@ -69,7 +69,7 @@ def _opposite(scenario: Scenario, mechanism: Mechanism, closures: dict[str, Clos
         return []
     links = [side.link for one in lines.values() for side in (one.first, one.second) if side.link != WORLD]
     names = list(dict.fromkeys(links))
-    _, attitudes = link_poses(mechanism, given(scenario, mechanism)[0][np.newaxis], names)
+    _, attitudes = link_poses(mechanism, given_state(scenario, mechanism)[0][np.newaxis], names)
     turns = {name: rotation(attitude) for name, attitude in zip(names, attitudes[0], strict=True)} | {
         WORLD: np.eye(3)
     }
@@ -98,14 +98,7 @@ def reversed_axes(scenario: Scenario, mechanism: Mechanism, closures: Mapping[st
 def link_of(
     scenario: Scenario, mechanism: Mechanism, spec: LinkPlaceSpec, *place: str
 ) -> tuple[str, tuple[float, float, float]]:
-    """Return the link of a place or frame, and the frame's axis, z by default.
-
-    Args:
-        scenario: For the refusal of a name that there is not.
-        mechanism: The mechanism.
-        spec: The place.
-        *place: Where in the scenario it stands.
-    """
+    """Return the link of a place or frame, and the frame's axis, z by default."""
     urdf = mechanism.urdf
     links = [link.name for link in urdf.robot.links]
     if spec.link is not None:

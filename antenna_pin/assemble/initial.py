@@ -16,7 +16,7 @@ from antenna_pin.errors import MechanismError, ScenarioError
 from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
 from antenna_pin.scenario import InitialBaseSpec, Scenario
 
-__all__ = ["given", "guess_of", "initial_angles", "initial_state"]
+__all__ = ["given_state", "guess_of", "initial_angles", "initial_state"]
 
 Array = NDArray[np.float64]
 
@@ -87,12 +87,12 @@ def guess_of(scenario: Scenario, system: System) -> tuple[Array, Array]:
 
     Joints that follow others are where these lead them.
     """
-    q, v = given(scenario, system.mechanism)
+    q, v = given_state(scenario, system.mechanism)
     put_followers(system.mechanism, system.couplings.values(), q, _known_places(scenario, system))
     return q, v
 
 
-def given(scenario: Scenario, mechanism: Mechanism) -> tuple[Array, Array]:
+def given_state(scenario: Scenario, mechanism: Mechanism) -> tuple[Array, Array]:
     """Return the URDF's pose, (nq,), with what the scenario gives, and its velocity, (nv,)."""
     q, v = pin.neutral(mechanism.model), np.zeros(mechanism.model.nv)
     initial = scenario.initial
@@ -111,11 +111,11 @@ def given(scenario: Scenario, mechanism: Mechanism) -> tuple[Array, Array]:
                 _invert(slot, q, v)
             continue
         for key in ("journal_position", "journal_tilt", "journal_velocity", "journal_angular_velocity"):
-            given = getattr(spec, key)
-            if given is not None and any(given):
+            vector = getattr(spec, key)
+            if vector is not None and any(vector):
                 raise ScenarioError(
                     f"{where(scenario, 'initial.joints', name, key)}: must be zero or left out at a joint "
-                    f"without play, got {given}"
+                    f"without play, got {vector}"
                 )
         angle = _angle(spec)
         rate = spec.velocity if spec.velocity is not None else spec.rate or 0.0

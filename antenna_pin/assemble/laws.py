@@ -102,7 +102,7 @@ def _normal_law(
 
 
 def _flange_law(spec: Any, bore: LineLaw) -> Hertz:
-    """Return the elastic law of one flange beside a law along a line in the bore.
+    """Return the elastic law of a flange for a line law in the bore.
 
     Under point load it is Hertz's with the stiffness of a point contact in the bore (assumed: no source gives
     one for an edge on a plane). Under distributed load it is that of an elastic foundation over the whole
@@ -124,13 +124,13 @@ def _stiffness(
     scenario: Scenario,
     spec: Any,
     declared: Mapping[str, Parameter],
-    given: Mapping[str, float],
+    parameters: Mapping[str, float],
     radial: CompiledNormalLaw | None,
     place: str,
 ) -> float:
     """Return the default stiffness of a power law: the bore's, or a Hertz contact's."""
     default = declared["exponent"].default if "exponent" in declared else None
-    exponent = given.get("exponent", 1.5 if default is None else default)
+    exponent = parameters.get("exponent", 1.5 if default is None else default)
     bore = None if radial is None else radial.parts.elastic
     if isinstance(bore, Hertz):
         if bore.exponent != exponent:

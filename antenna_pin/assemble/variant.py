@@ -8,6 +8,7 @@ from typing import Any
 from antenna_pin.assemble.places import check_known, where
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.changes import JointChange
+from antenna_pin.base.readable import alternatives
 from antenna_pin.elements import FAMILIES
 from antenna_pin.errors import MechanismError, ScenarioError
 from antenna_pin.flexible import ElasticPart, split
@@ -138,22 +139,24 @@ def with_shaken(scenario: Scenario, urdf: Urdf) -> Urdf:
         raise MechanismError(f"{where(scenario, 'shake')}: {error}") from None
 
 
-def elements_by_family(scenario: Scenario, found: dict[str, dict[str, Any]]) -> Mapping[str, dict[str, Any]]:
+def elements_by_family(
+    scenario: Scenario, families: dict[str, dict[str, Any]]
+) -> Mapping[str, dict[str, Any]]:
     """Return elements by the system's families, from whichever scenario tables.
 
     Raises:
         ScenarioError: Two of one family have one name.
     """
-    kept: dict[str, dict[str, Any]] = {}
-    for table, elements in found.items():
+    merged: dict[str, dict[str, Any]] = {}
+    for table, elements in families.items():
         own = FAMILIES[table].among or table
-        for name in elements.keys() & kept.get(own, {}).keys():
+        for name in elements.keys() & merged.get(own, {}).keys():
             raise ScenarioError(
                 f"{where(scenario, table, name)}: must have another name than {own}.{name}, as both are "
                 f"{own} of a system; rename one"
             )
-        kept[own] = {**kept.get(own, {}), **elements}
-    return kept
+        merged[own] = {**merged.get(own, {}), **elements}
+    return merged
 
 
 # --- variants of a URDF -------------------------------------------------------------------------------------
@@ -180,7 +183,7 @@ def _way_out(scenario: Scenario, urdf: WrittenUrdf, name: str) -> str:
     loop = [joint for joint in _loop(scenario, urdf, name) if types[joint] != "fixed"]
     ideal = [joint for joint in loop if not isinstance(scenario.clearance.get(joint), TouchingSpec)]
     if not ideal:
-        which = f" ({_or(loop)})" if loop else ""
+        which = f" ({alternatives(loop)})" if loop else ""
         return f"nothing is left to cut: give one joint of the loop no play{which}"
     elements = [one for named in scenario.families.values() for one in named.values()]
     acting = {one.joint for one in elements if isinstance(one, ElementSpec)}
@@ -191,12 +194,7 @@ def _way_out(scenario: Scenario, urdf: WrittenUrdf, name: str) -> str:
             f"all joints of its loop without play ({', '.join(ideal)}) have drives or springs, which act at "
             "joints of the tree: take them off one of these to cut the loop there"
         )
-    return f"cut the loop at {_or(free)} instead, so that {name} can be a joint of the URDF"
-
-
-def _or(names: list[str]) -> str:
-    *others, last = names
-    return f"{', '.join(others)} or {last}" if others else last
+    return f"cut the loop at {alternatives(free)} instead, so that {name} can be a joint of the URDF"
 
 
 def _loop(scenario: Scenario, urdf: WrittenUrdf, name: str) -> list[str]:
@@ -276,8 +274,7 @@ def variant_and_parts(scenario: Scenario) -> tuple[Urdf, tuple[ElasticPart, ...]
     for name, clearance in scenario.clearance.items():
         kind = urdf.joints[name].type
         if kind not in clearance.urdf_types:
-            *others, last = clearance.urdf_types
-            names = f"{', '.join(others)} or {last}" if others else last
+            names = alternatives(clearance.urdf_types)
             raise MechanismError(
                 f"{where(scenario, 'clearance', name)}: a clearance joint must be {names} in the URDF, "
                 f"got {kind} (model = {clearance.model!r}); name another joint or change the URDF"

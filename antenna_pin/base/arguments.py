@@ -21,20 +21,22 @@ import types
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from numbers import Integral
-from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin
+from typing import Any, Literal, Protocol, TypeVar, Union, cast, get_args, get_origin
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.interruption import FunctionInterrupted
+from antenna_pin.base.readable import alternatives
 from antenna_pin.base.units import QuantityError, quantity, shown
 from antenna_pin.errors import AntennaPinError, FunctionError, InvalidParameterError
 
 __all__ = [
-    "asked",
+    "answer_of",
     "AskedFunction",
     "check_takes",
     "fits",
+    "in_si",
     "is_number",
     "number_in",
     "refused",
@@ -51,7 +53,7 @@ _EITHER, _NAMED = inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEY
 
 
 def takes(**units: str | tuple[str, ...]) -> Callable[[_T], _T]:
-    """Return a decorator of a function, or of a class, that refuses arguments of a wrong kind.
+    """Return a decorator of a function or class that refuses arguments of wrong type.
 
     Args:
         **units: SI unit of each parameter that may be given as text with a unit, or several; a mapping's
@@ -78,13 +80,13 @@ def _checked(
         return read
 
     @functools.cache
-    def asked() -> tuple[inspect.Signature, dict[str, Any]]:
+    def parameters() -> tuple[inspect.Signature, dict[str, Any]]:
         return inspect.signature(function), _hints(function, owner)
 
     @functools.cache
     def by_name() -> tuple[tuple[str, ...], dict[str, Any], frozenset[str]]:
-        """Return the names that may come by place, types of all that may be given, and those that must be."""
-        signature, hints = asked()
+        """Return names of positional, types of all, and names of required parameters."""
+        signature, hints = parameters()
         kinds = {name: one.kind for name, one in signature.parameters.items()}
         plain = not set(kinds.values()) - {_EITHER, _NAMED}
         needed = (name for name, one in signature.parameters.items() if one.default is one.empty)
@@ -92,16 +94,16 @@ def _checked(
         return places, {name: hints.get(name, Any) for name in kinds if plain}, frozenset(needed)
 
     @functools.wraps(function)
-    def wrapped(*arguments: Any, **named: Any) -> Any:
+    def wrapped(*arguments: Any, **more: Any) -> Any:
         places, known, needed = by_name()
         # Nearly all calls: what Python itself would bind, for a fraction of what it takes to do it by hand.
         given = dict(zip(places, arguments, strict=False))
-        if len(given) == len(arguments) and known.keys() >= named.keys() and not given.keys() & named.keys():
-            given.update(named)
+        if len(given) == len(arguments) and known.keys() >= more.keys() and not given.keys() & more.keys():
+            given.update(more)
             if given.keys() >= needed:
                 return function(**{k: checked(k, given[k], hint) for k, hint in known.items() if k in given})
-        signature, hints = asked()
-        bound = signature.bind(*arguments, **named)
+        signature, hints = parameters()
+        bound = signature.bind(*arguments, **more)
         for name, value in bound.arguments.items():
             kind = signature.parameters[name].kind
             hint = hints.get(name, Any)
@@ -120,9 +122,10 @@ def _checked(
 def _read(place: str, name: str, value: Any, hint: Any, unit: str | tuple[str, ...] | None) -> Any:
     """Return an argument, text with a unit as a number, or refuse it."""
     if unit is not None:
-        value = _in_si(f"{place}: {name}", value, unit)
+        value = in_si(place, name, value, unit)
     if not fits(value, hint):
-        rule = rule_of(hint) + ("" if unit is None else f", in {_either(unit)} or with a unit")
+        units = (unit,) if isinstance(unit, str) else unit or ()
+        rule = rule_of(hint) + (f", in {' or '.join(units)} or with a unit" if units else "")
         raise InvalidParameterError(place, name, rule, said=unknown_type(value))
     if get_origin(hint) is Iterable and isinstance(value, Iterator):
         return _each(place, name, value, hint)
@@ -156,27 +159,27 @@ def _check_count(place: str, name: str, value: Any, hint: Any) -> None:
         raise InvalidParameterError(place, name, rule, said=f"one of {signature}") from None
 
 
-def _either(unit: str | tuple[str, ...]) -> str:
-    return unit if isinstance(unit, str) else " or ".join(unit)
+def in_si(owner: object, name: str, value: Any, unit: str | tuple[str, ...]) -> Any:
+    """Return a value, or each of several, in SI units if it is text.
 
-
-def _in_si(place: str, value: Any, unit: str | tuple[str, ...]) -> Any:
+    Raises:
+        InvalidParameterError: A text is not a quantity of the unit.
+    """
     if isinstance(value, str):
         try:
-            return quantity(value, unit, place)
+            return quantity(value, unit, name)
         except QuantityError as error:
-            at, _, parameter = place.partition(": ")
             rule, _, said = error.reason.removeprefix("must be ").partition(", got ")
-            raise InvalidParameterError(at, parameter, rule, said=said) from None
+            raise InvalidParameterError(owner, name, rule, said=said) from None
     if isinstance(value, Mapping):
-        return {key: _in_si(f"{place}[{key!r}]", one, unit) for key, one in value.items()}
-    if isinstance(value, list | tuple) and any(isinstance(one, str) for one in value):
-        return type(value)(_in_si(f"{place}[{k}]", one, unit) for k, one in enumerate(value))
+        return {key: in_si(owner, f"{name}[{key!r}]", one, unit) for key, one in value.items()}
+    if isinstance(value, list | tuple) and any(issubclass(kind, str) for kind in set(map(type, value))):
+        return type(value)(in_si(owner, f"{name}[{k}]", one, unit) for k, one in enumerate(value))
     return value
 
 
 def _hints(function: Any, owner: type[Any] | None) -> dict[str, Any]:
-    """Return the types of a function's parameters; of one whose type is not there at run time, none."""
+    """Return the types of a function's parameters that exist at run time."""
     names = dict(getattr(inspect.unwrap(function), "__globals__", {}))
     if owner is not None:
         names = {**vars(inspect.getmodule(owner)), **names}
@@ -190,7 +193,7 @@ def _hints(function: Any, owner: type[Any] | None) -> dict[str, Any]:
 
 
 def unknown_type(value: object) -> str:
-    """Return a value for a message; with its type unless it is a number or text."""
+    """Return a value for a message, with its type unless a number or text."""
     if value is None or isinstance(value, str | int | float):
         return shown(value)
     return f"{shown(value)} ({type(value).__name__})"
@@ -200,7 +203,7 @@ def unknown_type(value: object) -> str:
 
 
 def fits(value: Any, hint: Any) -> bool:
-    """Return whether a value is of an annotation's type; True for types that cannot be checked at run time.
+    """Return whether a value is of an annotation's type; True for uncheckable types.
 
     NumPy's numbers are numbers, arrays are sequences of what they hold; true and false are no numbers, and
     text is no sequence.
@@ -268,7 +271,7 @@ def _fits_parts(value: Any, origin: Any, inner: tuple[Any, ...]) -> bool:
 
 @functools.cache
 def _without_arrays(kinds: tuple[Any, ...]) -> tuple[bool, list[Any]]:
-    """Return whether ``ArrayLike`` is one of a union's kinds, by its name or its parts, and the others."""
+    """Return whether ``ArrayLike`` is among a union's kinds, and the others."""
     parts = get_args(ArrayLike) or (ArrayLike,)
     if not set(map(str, parts)) <= set(map(str, kinds)):
         return False, list(kinds)
@@ -294,7 +297,7 @@ def is_number(value: Any) -> bool:
 
 
 def _is_array(value: Any, more: str) -> bool:
-    """Return whether a value is an array of numbers, of NumPy's ``more`` kinds too, or of times."""
+    """Return whether a value is an array of numbers, of ``more`` kinds, or of times."""
     if value is None or isinstance(value, str | bytes | Mapping):
         return False
     try:
@@ -304,10 +307,8 @@ def _is_array(value: Any, more: str) -> bool:
 
 
 def _members(protocol: Any) -> set[str]:
-    found: set[str] = set()
-    for base in protocol.__mro__:
-        if getattr(base, "_is_protocol", False) and base.__name__ != "Protocol":
-            found |= {name for name in {*vars(base), *getattr(base, "__annotations__", {})}}
+    bases = (one for one in protocol.__mro__ if getattr(one, "_is_protocol", False) and one is not Protocol)
+    found = {name for base in bases for name in (*vars(base), *getattr(base, "__annotations__", {}))}
     return {name for name in found if not name.startswith("_") or name == "__call__"}
 
 
@@ -321,6 +322,8 @@ _WORDS: Mapping[Any, str] = {
     None: "None",
     type(None): "None",
     os.PathLike: "a path",
+    type: "a class",
+    Callable: "a function",
 }
 
 
@@ -338,17 +341,11 @@ def rule_of(hint: Any) -> str:
         arrays, others = _without_arrays(inner)
         said = ["an array of numbers"] * arrays
         said += [rule_of(one) for one in others if one not in (None, type(None))]
-        *first, last = dict.fromkeys(said)
-        return f"{', '.join(first)} or {last}" if first else last
+        return alternatives(dict.fromkeys(said))
     if origin is Literal:
-        *first, last = (shown(one) for one in inner)
-        return f"{', '.join(first)} or {last}" if first else last
-    if origin is type:
-        return "a class"
-    if origin is os.PathLike:
-        return "a path"
-    if origin is Callable:
-        return "a function"
+        return alternatives(map(shown, inner))
+    if origin is not None and origin in _WORDS:
+        return _WORDS[origin]
     if isinstance(origin, type) and issubclass(origin, Mapping):
         return f"a mapping of names to {_many(inner[1])}" if len(inner) == 2 else "a mapping"
     if origin is tuple and inner and inner[-1] is not ...:
@@ -368,9 +365,9 @@ def _many(hint: Any) -> str:
 
 # --- functions of a user's ----------------------------------------------------------------------------------
 #
-# Drives, laws, motions, backends, events: whatever is asked in the middle of a run is asked through here,
-# so that an answer that is none (NaN, infinity, text, an array, a complex number, an exception) is found
-# where it is given, under the name of the function, with the question.
+# Drives, laws, motions, backends, events: functions that a run calls are called through here, so that an
+# invalid answer (NaN, infinity, text, an array, a complex number, an exception) is refused under the name of
+# the function, with its arguments.
 
 _FINITE = "a finite number"
 
@@ -379,10 +376,10 @@ class AskedFunction:
     """A function that answers with a finite number, or is refused by its name.
 
     Args:
-        name: Whose it is and what it is called.
+        name: Owner and name, for messages.
         function: The function.
-        told: Returns a question in words.
-        least: The answer is this or more.
+        describe: Returns its arguments as text.
+        least: Least valid answer.
     """
 
     __slots__ = ("_function", "_least", "name", "told")
@@ -391,18 +388,18 @@ class AskedFunction:
         self,
         name: str,
         function: Callable[..., float],
-        told: Callable[[Any], str],
+        describe: Callable[[Any], str],
         least: float = -math.inf,
     ) -> None:
-        """Take them as they are."""
-        self.name, self.told = name, told
+        """Store them."""
+        self.name, self.told = name, describe
         self._function, self._least = function, least
 
     def __call__(self, *question: Any) -> float:
-        """Return the answer to a question.
+        """Return the answer for given arguments.
 
         Raises:
-            FunctionError: There is none.
+            FunctionError: It is invalid.
         """
         try:
             answer = self._function(*question)
@@ -421,42 +418,35 @@ class AskedFunction:
         return _FINITE if self._least == -math.inf else f"{_FINITE}, {self._least:g} or more"
 
 
-def asked(name: str, told: str, rule: str, function: Callable[..., Any], *question: Any) -> Any:
+def answer_of(name: str, question: str, rule: str, function: Callable[..., Any], *arguments: Any) -> Any:
     """Return the value of a function, unchecked.
-
-    Args:
-        name: Whose it is and what it is called.
-        told: The question in words.
-        rule: What it must answer, as it reads after "must give".
-        function: The function.
-        *question: What it is asked.
 
     Raises:
         FunctionError: It raises something.
     """
     try:
-        return function(*question)
+        return function(*arguments)
     except BaseException as error:
-        raise refused(name, told, rule, error) from error
+        raise refused(name, question, rule, error) from error
 
 
-def refused(name: str, told: str, rule: str, error: BaseException) -> BaseException:
-    """Return what is raised where a function raises something: an exit or a want of memory ends no run."""
+def refused(name: str, question: str, rule: str, error: BaseException) -> BaseException:
+    """Return the exception for an exception of a function of the user's."""
     if isinstance(error, FunctionError | FunctionInterrupted):
         return error  # of another that it has asked
     if isinstance(error, KeyboardInterrupt):
         return FunctionInterrupted()
     said = " ".join(str(error).split())
     if isinstance(error, AntennaPinError):  # which says where itself
-        return FunctionError(name, told, rule, said)
+        return FunctionError(name, question, rule, said)
     where = traceback.extract_tb(error.__traceback__)[-1]
     line = f"{os.path.basename(where.filename)}, line {where.lineno}"
     got = f"the error {type(error).__name__}{': ' if said else ''}{said} ({line})"
-    return FunctionError(name, told, rule, got)
+    return FunctionError(name, question, rule, got)
 
 
 def number_in(answer: object) -> float | None:
-    """Return an answer as a number, finite or not; None if it is none: true, text and arrays are none."""
+    """Return an answer as a number, finite or not; None for true, text and arrays."""
     try:
         return float(answer) if fits(answer, float) else None  # type: ignore[arg-type]
     except OverflowError:  # a whole number beyond all floats
@@ -464,23 +454,17 @@ def number_in(answer: object) -> float | None:
 
 
 def told_numbers(words: Sequence[tuple[str, str]]) -> Callable[[Sequence[float]], str]:
-    """Return a function's numerical arguments in words, by the name and the unit of each."""
-    return partial(_told, tuple(words))
+    """Return a function that describes numerical arguments by their names and units."""
+    return partial(_with_units, tuple(words))
 
 
-def _told(words: Sequence[tuple[str, str]], question: Sequence[float]) -> str:
-    told = zip(words, question, strict=True)
-    return ", ".join(f"{name} = {value:.9g} {unit}" for (name, unit), value in told)
+def _with_units(words: Sequence[tuple[str, str]], numbers: Sequence[float]) -> str:
+    pairs = zip(words, numbers, strict=True)
+    return ", ".join(f"{name} = {value:.9g} {unit}" for (name, unit), value in pairs)
 
 
 def check_takes(place: object, name: str, function: Any, *arguments: str) -> None:
     """Refuse objects that cannot be called with given arguments: no function, a class, other arguments.
-
-    Args:
-        place: Whose it is, for the refusal.
-        name: Which one.
-        function: The function.
-        *arguments: Names of what it is asked, in their order.
 
     Raises:
         InvalidParameterError: With what was expected and what was got.

@@ -38,7 +38,7 @@ def root_between(
     relative: float = _LAST_DIGIT,
     ends: tuple[float, float] | None = None,
 ) -> float:
-    """Return where a function that has different signs at two places is zero (Brent's method).
+    """Return the zero of a function between places of different sign (Brent's method).
 
     Args:
         function: Of a number.
@@ -67,7 +67,7 @@ def root_between(
 def least_between(
     function: Callable[[float], float], a: float, b: float, *, absolute: float
 ) -> tuple[float, float]:
-    """Return where between two numbers a function is least, to ``absolute``, and its value there.
+    """Return the minimum of a function between two numbers, and its value there.
 
     Args:
         function: Of a number, with one minimum between them.
@@ -109,7 +109,7 @@ _OF_THIRDS = 0.6745 * 20.0**0.5
 
 
 def roughness(values: Array) -> Array:
-    """Return by how much evenly spaced values scatter that are else smooth, or that have one kink: (n,).
+    """Return the scatter of evenly spaced values about a smooth curve, (n,).
 
     By the median of their third differences, of which a kink shows in three.
 
@@ -170,10 +170,6 @@ def few(function: Callable[[int], Array], step: float) -> tuple[Array, Array]:
     Where each builds much: by three of values on a straight line, whose second and third differences are
     round-off, with no doubt; by four where fourth order and second differ so little, by h^2 f3 / 6, that what
     fourth leaves out, h^4 f5 / 30, is nothing; else by six. Infinite values have no derivative, and zero.
-
-    Args:
-        function: Of how many steps away, from -3 to 3, ``(j) -> values``.
-        step: That steps are of.
     """
     here, ahead, behind, farther = (np.asarray(function(j), dtype=float) for j in (0, 1, -1, 2))
     noise = _ROUND_OFF * np.abs([here, ahead, behind, farther]).max(axis=0)
@@ -197,7 +193,7 @@ def few(function: Callable[[int], Array], step: float) -> tuple[Array, Array]:
 def gradient(
     function: Callable[[Array], Array], ways: Array, steps: Sequence[float] = STEPS
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Return derivatives of a function of a vector at zero along some ways, (values, m), and which are none.
+    """Return directional derivatives of a vector function at zero, (values, m), and kinks.
 
     Along ways of the latter the function has a kink or a jump, there or next to it.
 

@@ -20,7 +20,7 @@ JOINT_VARIANTS: tuple[JointVariant, ...] = get_args(JointVariant)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShapeChange:
-    """Other dimensions of a named visual or collision shape of a link. Looks only: no inertia follows.
+    """Other dimensions of a named shape of a link, without effect on inertia.
 
     Attributes:
         radius: Of a cylinder or sphere [m].
@@ -93,7 +93,7 @@ class JointChange:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rotor:
-    """The rotor of a motor at a joint that turns, geared to it: as a body, exactly, or as plain armature.
+    """The rotor of a motor, geared to a joint: exact body, or plain armature.
 
     Exactly it is a body on the joint's axis: what carries it takes its reaction, and its spin bends with it.
     As armature the joint's rate alone feels :math:`r^2 J`: nothing reacts on the carrier, there is no

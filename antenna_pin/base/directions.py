@@ -1,4 +1,4 @@
-"""Directions as people give them: three numbers of which only the ratio counts, made a unit vector."""
+"""Directions: three numbers with arbitrary length, made unit vectors."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ A_DIRECTION = "three finite numbers, not all zero"
 
 
 def unit(vector: ArrayLike) -> NDArray[np.float64]:
-    """Return the vector of length 1 along one that is finite and not zero, (n,) [-].
+    """Return the unit vector along a finite, nonzero vector, (n,) [-].
 
     It is divided by its largest entry first, so that no square overflows or underflows.
     """
@@ -24,11 +24,11 @@ def unit(vector: ArrayLike) -> NDArray[np.float64]:
     return np.asarray(given / np.linalg.norm(given))
 
 
-def direction(given: ArrayLike, place: object, name: str) -> NDArray[np.float64]:
+def direction(value: ArrayLike, place: object, name: str) -> NDArray[np.float64]:
     """Return the unit vector along a direction, (3,) [-], or refuse what is none.
 
     Args:
-        given: Of any length [-].
+        value: Of any length [-].
         place: Whose it is, an object or the name of a place, for the message.
         name: What it is called there.
 
@@ -36,9 +36,9 @@ def direction(given: ArrayLike, place: object, name: str) -> NDArray[np.float64]
         InvalidParameterError: It is zero, or not finite, or not three numbers.
     """
     try:
-        vector = np.asarray(given, dtype=np.float64)
+        vector = np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         vector = np.zeros(0)
     if vector.shape != (3,) or not np.isfinite(vector).all() or not vector.any():
-        raise InvalidParameterError(place, name, A_DIRECTION, said=shown(given))
+        raise InvalidParameterError(place, name, A_DIRECTION, said=shown(value))
     return unit(vector)

@@ -1,4 +1,4 @@
-"""Files written complete or not at all, sealed, and paths checked before any work is done.
+"""Complete, sealed files, and checks of paths before any work.
 
 A file is written under a temporary name beside its place and moved there when it is whole and on the disk.
 The temporary one is locked while its process lives, so that what a killed process has left can be told and
@@ -48,7 +48,7 @@ _SEAL_SIZE = len(_SEAL % (b"0" * 64))
 
 
 def decoded(data: bytes) -> str:
-    """Return the text of an XML file: by its byte order mark, the encoding it declares, UTF-8, or Latin-1.
+    """Return an XML file's text: by byte order mark, declared encoding, UTF-8, or Latin-1.
 
     The first that fits: files are met that declare another encoding than theirs. Latin-1 fits any.
 
@@ -72,17 +72,13 @@ def marked_encoding(data: bytes) -> str | None:
 
 
 def absence(path: str | os.PathLike[str], what: str = "file") -> str:
-    """Return why a path is no file to be read, as it reads after its name: no such thing, or a device."""
+    """Return the reason why a path is no readable file: missing, or a device."""
     there = os.path.exists(path) and not os.path.isdir(path) and not os.path.isfile(path)
     return "must be a regular file, got a device or a pipe" if there else f"no such {what}"
 
 
 def check_writable(path: str | os.PathLike[str], suffix: str | None = None) -> Path:
-    """Return the path if a file can be written there; else raise before any work is done.
-
-    Args:
-        path: Of the file.
-        suffix: That its name must have, for what has one format alone.
+    """Return the path of a writable file; else raise before any work is done.
 
     Raises:
         OutputError: The name ends otherwise, the folder is missing, not writable or full, the name is too
@@ -132,7 +128,7 @@ def check_writable(path: str | os.PathLike[str], suffix: str | None = None) -> P
 
 @contextlib.contextmanager
 def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Yield a temporary name beside a file; what is written there becomes the file if all goes well.
+    """Yield a temporary path whose content replaces a file on success.
 
     Whatever goes wrong, Ctrl-C and a full disk included, the file is left as it was and nothing stays beside
     it. A link keeps pointing at the file that is written.
@@ -155,7 +151,7 @@ def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def _partial_in(folder: Path) -> Iterator[tuple[Path, int]]:
-    """Yield a new, locked file in a folder, which is removed in the end unless it was moved away."""
+    """Yield a new, locked file in a folder; it is removed unless moved away."""
     _sweep(folder)
     while True:
         # Short whatever the file is called, and another one in each thread.
@@ -194,7 +190,7 @@ def _sweep(folder: Path) -> None:
 
 
 def _locked(descriptor: int) -> bool:
-    """Lock a new file, or return False if somebody else has; a file system without locks is never swept."""
+    """Lock a new file; return False if another process holds the lock."""
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError as error:
@@ -211,7 +207,7 @@ def is_there(path: Path, descriptor: int) -> bool:
 
 
 def _flush(path: Path) -> None:
-    """Have a file put on the disk, which may be full in truth only now."""
+    """Write a file's buffers to the disk, which may be full."""
     descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
     try:
         os.fsync(descriptor)
@@ -220,7 +216,7 @@ def _flush(path: Path) -> None:
 
 
 def _short(path: Path, most: int = 60) -> str:
-    """Return a path as a message shows it that is about its length."""
+    """Return a path, shortened for a message."""
     text = str(path)
     return text if len(text) <= most else f"{text[:most]}... ({len(text)} letters)"
 
@@ -237,17 +233,17 @@ def seal(path: Path) -> None:
 
 
 def is_unicode(text: str) -> bool:
-    """Return whether a text has no part of a name or an argument that was no UTF-8."""
+    """Return whether a text has no bytes of a name that is not UTF-8."""
     return text.isascii() or not _UNDECODED.search(text)
 
 
 def escaped(text: str) -> str:
-    r"""Return a text as a file in UTF-8 can hold it: what of a name is no UTF-8 stands as ``\udcff``."""
+    r"""Return a text for a file in UTF-8; other bytes become ``\udcff``."""
     return text if is_unicode(text) else text.encode("utf-8", "backslashreplace").decode()
 
 
 def path_as_text(path: Path) -> str:
-    """Return a path as text that every file can hold; a ``file:`` URI where its bytes are no UTF-8."""
+    """Return a path as text; a ``file:`` URI where its bytes are not UTF-8."""
     text = str(path)
     return text if is_unicode(text) else path.absolute().as_uri()
 
@@ -287,7 +283,7 @@ def has_whole_seal(path: Path) -> bool | None:
 
 
 class PatientFile(io.RawIOBase):
-    """A file for libraries that cannot stand one that cannot be written: HDF5 crashes where a disk is full.
+    """A file whose writes always succeed; HDF5 crashes on failed ones.
 
     All writes succeed. From the first one on that did not, what is written is kept in memory, so that the
     library stays in a state in which it can be closed; :meth:`check` then says what was wrong.

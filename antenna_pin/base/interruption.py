@@ -1,4 +1,4 @@
-"""Ctrl-C and requests to end as flags, for work that must not be left half done.
+"""Ctrl-C and termination signals as flags, for work that must finish.
 
 A script in Python is left its own ways with SIGTERM and SIGHUP, which mostly end it at once. The command line
 asks that they count as Ctrl-C does, by :func:`ending_by_signals`: batch queues send the one when the time is
@@ -47,11 +47,11 @@ _LATEST = 10.0  # [s] after a signal that an error may be of its making
 
 
 class Ended(KeyboardInterrupt):
-    """SIGTERM or SIGHUP has come: as Ctrl-C."""
+    """SIGTERM or SIGHUP, handled as Ctrl-C."""
 
 
 class FunctionInterrupted(KeyboardInterrupt):
-    """Ctrl-C has come in a function of a user's, between what must not be left half done."""
+    """Ctrl-C in a function of the user's, within work that must finish."""
 
 
 # The signal that stopped or interrupted work last, and when one was last raised as an exception [s].
@@ -97,7 +97,7 @@ def _is_import(frame: FrameType) -> bool:
 
 
 def ending_by_signals() -> None:
-    """Let SIGTERM and SIGHUP end work in this process as Ctrl-C does, unless they are ignored (``nohup``)."""
+    """Handle SIGTERM and SIGHUP as Ctrl-C, unless they are ignored (``nohup``)."""
     for number in _ENDING:
         if signal.getsignal(number) is signal.SIG_DFL:
             signal.signal(number, _end)
@@ -116,7 +116,7 @@ _hook: list[Callable[[sys.UnraisableHookArgs], object]] = []
 
 
 def _come_again(unraisable: sys.UnraisableHookArgs) -> None:
-    """Have a signal come once more that came where Python drops exceptions, as when an object is removed."""
+    """Send a signal again whose exception Python has dropped, as in a destructor."""
     if not isinstance(unraisable.exc_value, KeyboardInterrupt):
         _hook[-1](unraisable)
         return
@@ -125,7 +125,7 @@ def _come_again(unraisable: sys.UnraisableHookArgs) -> None:
 
 
 def _send_again(number: int, after: float = _SOON) -> None:
-    """Send a signal once more after a time [s]: raised here it would be dropped, or a returned result lost.
+    """Send a signal again after a time [s].
 
     A handler must start no thread, as it may interrupt the start of another; a script may have its own alarm.
     """
@@ -153,7 +153,7 @@ def _alarm(number: int, frame: FrameType | None) -> None:
 
 
 def acknowledge() -> None:
-    """Cancel a signal that is to be sent again: what it has interrupted ends, or goes on knowingly."""
+    """Cancel the signal to be sent again, as its interruption was handled."""
     _again.clear()
     _dropped.clear()
     if signal.getsignal(signal.SIGALRM) is _alarm:
@@ -210,7 +210,7 @@ def _come(number: int) -> None:
 
 @contextmanager
 def interruptible() -> Iterator[Callable[[], bool]]:
-    """Turn Ctrl-C into a flag that a loop reads between steps, so that nothing is left half done.
+    """Turn Ctrl-C into a flag that a loop reads between steps.
 
     An impatient second one changes nothing; a third interrupts at once. One that came after the flag was last
     read comes again at once behind this.
@@ -236,7 +236,7 @@ def interruptible() -> Iterator[Callable[[], bool]]:
 
 
 def uninterrupted(run: _Run) -> _Run:
-    """Return a run; raise KeyboardInterrupt if a signal has ended it, which it alone knows of."""
+    """Return a run, or raise KeyboardInterrupt if a signal has ended it."""
     if run.outcome.name == "INTERRUPTED":
         raise KeyboardInterrupt
     return run
@@ -244,7 +244,7 @@ def uninterrupted(run: _Run) -> _Run:
 
 @contextmanager
 def held_back() -> Iterator[list[int]]:
-    """Let work be done to its end, such as a file written, before Ctrl-C has its effect.
+    """Delay the effect of Ctrl-C until work, such as writing a file, is complete.
 
     Yields:
         Signals that have come; none of them has an effect where the work ends with an exception.
@@ -274,7 +274,7 @@ def sheltered_processes() -> Iterator[None]:
 
 @contextmanager
 def _handled_by(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
-    """Have Ctrl-C, and the signals that the command line has asked for, handled; not if they are ignored."""
+    """Handle Ctrl-C, and the command line's signals, unless they are ignored."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return

@@ -1,4 +1,4 @@
-"""Names and classes that are loaded when they are first used: a command waits for what it needs only."""
+"""Names and classes that are loaded at first use, for fast commands."""
 
 from __future__ import annotations
 
@@ -45,9 +45,6 @@ def exported(package: str) -> None:
     The stub beside its file, ``__init__.pyi``, is the one place that lists them, a line each, which type
     checkers read too: ``from antenna_pin.room.file import Name as Name``. ``dir``, and with it completion,
     lists these only.
-
-    Args:
-        package: Its ``__name__``.
     """
     module = sys.modules[package]
     assert module.__file__ is not None
@@ -62,12 +59,7 @@ class Classes(Mapping[str, type[Any]]):
     """Classes by what they are called elsewhere, each loaded when it is first asked for."""
 
     def __init__(self, package: str, homes: Mapping[str, str]) -> None:
-        """Take where they stand.
-
-        Args:
-            package: That holds their files.
-            homes: By what a class is called, its file and its own name: ``"sine.SineDrive"``.
-        """
+        """Store a package, and each class's file and name: ``"sine.SineDrive"``."""
         self.places = {called: f"{package}.{home}" for called, home in homes.items()}
         """Full names of the classes, by what they are called."""
 
@@ -87,7 +79,7 @@ class Classes(Mapping[str, type[Any]]):
 
 
 def go_without(*packages: str) -> None:
-    """Let packages that nobody has loaded seem not to be installed, until somebody takes them back."""
+    """Make unloaded packages seem missing, until :func:`take_back`."""
     for package in packages:
         sys.modules.setdefault(package, None)  # type: ignore[arg-type]
 

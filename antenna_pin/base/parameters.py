@@ -25,10 +25,10 @@ from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
 
-from antenna_pin.base.arguments import fits, is_number, rule_of, takes, unknown_type
+from antenna_pin.base.arguments import fits, in_si, is_number, rule_of, takes, unknown_type
 from antenna_pin.base.directions import A_DIRECTION, direction
-from antenna_pin.base.readable import decimal_in
-from antenna_pin.base.units import QuantityError, matching_unit, quantity
+from antenna_pin.base.readable import alternatives, decimal_in
+from antenna_pin.base.units import matching_unit
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -136,15 +136,12 @@ def parameter(
 
 
 def parameters_of(cls: type[Any]) -> dict[str, Parameter]:
-    """Return the parameters of a class by name: the fields that declare a unit, in their order."""
-    if cls not in _PARAMETERS:
-        _PARAMETERS[cls] = _parameters_of(cls)
-    return dict(_PARAMETERS[cls])
+    """Return the parameters of a class by name, in the order of fields."""
+    owner: Any = cls
+    return dict(_parameters_of(owner))
 
 
-_PARAMETERS: dict[type[Any], dict[str, Parameter]] = {}
-
-
+@cache
 def _parameters_of(cls: type[Any]) -> dict[str, Parameter]:
     docs = attribute_docs(cls)
     found = {}
@@ -161,7 +158,7 @@ def _parameters_of(cls: type[Any]) -> dict[str, Parameter]:
 
 
 def attribute_docs(cls: type[Any]) -> dict[str, str]:
-    """Return the descriptions of attributes in the docstrings of a class and its bases, by name."""
+    """Return the descriptions of attributes in docstrings of a class and its bases."""
     found: dict[str, str] = {}
     for base in reversed(cls.__mro__):
         _, _, section = (base.__doc__ or "").partition("Attributes:\n")
@@ -173,14 +170,14 @@ def attribute_docs(cls: type[Any]) -> dict[str, str]:
 
 
 def choices_of(hint: Any) -> tuple[str, ...]:
-    """Return the texts that an annotation, such as ``Literal["a", "b"] | None``, allows; () for any."""
+    """Return the texts that an annotation, as ``Literal["a"] | None``, allows; () for any."""
     if get_origin(hint) is Literal:
         return tuple(choice for choice in get_args(hint) if isinstance(choice, str))
     return tuple(choice for part in get_args(hint) for choice in choices_of(part))
 
 
 def check(owner: Any) -> None:
-    """Check the fields of a frozen dataclass by what they declare; tuples of numbers become floats.
+    """Check the fields of a frozen dataclass by their declarations; convert to SI.
 
     Text with a unit becomes the number in SI units. A field whose unit depends on the joint takes either; all
     fields of an object must be for one motion.
@@ -211,9 +208,7 @@ def check(owner: Any) -> None:
         elif not choices and not fits(value, hint):
             raise InvalidParameterError(owner, name, rule_of(hint), said=unknown_type(value))
         elif choices and (not isinstance(value, str) or value not in choices):
-            *first, last = choices
-            rule = f"{', '.join(first)} or {last}" if first else last
-            raise InvalidParameterError(owner, name, rule, value)
+            raise InvalidParameterError(owner, name, alternatives(choices), value)
 
 
 _Declared = tuple[str, bool, bool, Any, tuple[str, ...], Mapping[Any, Any]]
@@ -221,7 +216,7 @@ _Declared = tuple[str, bool, bool, Any, tuple[str, ...], Mapping[Any, Any]]
 
 @cache
 def _declared(cls: type[Any]) -> tuple[_Declared, ...]:
-    """Return of each field: name, whether it may be None, is whole, type, texts, what it declares."""
+    """Return of each field: name, optional, whole, type, choices, declaration."""
     hints, found = get_type_hints(cls), []
     for item in dataclasses.fields(cls):
         hint = hints[item.name]
@@ -243,27 +238,17 @@ def holds(value: object, rule: str) -> bool:
 
 
 def _in_si(owner: object, name: str, value: Any, declared: Mapping[Any, Any]) -> Any:
-    """Return a value, or several, with text that carries a unit read in SI units."""
-    if isinstance(value, list | tuple):
-        if _are_floats(value):
-            return value
-        return type(value)(_in_si(owner, f"{name}[{k}]", one, declared) for k, one in enumerate(value))
-    if not isinstance(value, str):
-        return value
+    """Return a value, or several, in SI units; the unit may depend on another field."""
     unit = declared["unit"]
-    for other, _ in re.findall(r"(?<=\*\*)(([a-z]\w*))", unit):
+    for other in re.findall(r"(?<=\*\*)[a-z]\w*", unit):
         unit = unit.replace(f"**{other}", f"**{getattr(owner, other)!r}")
-    try:
-        return quantity(value, (unit, declared["sliding"]) if declared["sliding"] else unit, name)
-    except QuantityError as error:
-        rule, _, said = error.reason.removeprefix("must be ").partition(", got ")
-        raise InvalidParameterError(owner, name, rule, said=said) from None
+    return in_si(owner, name, value, (unit, declared["sliding"]) if declared["sliding"] else unit)
 
 
 def _check_motion(
     owner: object, name: str, value: Any, declared: Mapping[Any, Any], motions: dict[str, str]
 ) -> None:
-    """Refuse text with a unit for a sliding joint beside another for a turning joint, or vice versa."""
+    """Refuse units of a sliding joint beside those of a turning joint."""
     units = _units(declared)
     for one in value if isinstance(value, list | tuple) else (value,):
         unit = matching_unit(one, units)
@@ -277,13 +262,7 @@ def _check_motion(
 
 
 def beyond(numbers: Iterable[float], units: str | tuple[str, ...], rule: str = "") -> str:
-    """Return what the size of numbers must be, as it reads after "must be", where it is not; else nothing.
-
-    Args:
-        numbers: Finite ones.
-        units: SI unit of them, or several of which one is.
-        rule: One of ``RULES``.
-    """
+    """Return the size limit that numbers exceed, as it reads after "must be"."""
     if rule == A_DIRECTION:
         return ""
     sizes = [abs(float(number)) for number in numbers]
@@ -331,5 +310,5 @@ def _are_floats(values: Sequence[Any]) -> bool:
 
 
 def _ends(values: tuple[Any, ...]) -> Sequence[Any]:
-    """Return the least and the largest of floats, NaN if one is: as each rule is an interval, they decide."""
+    """Return the extremes of floats, NaN included; they decide an interval rule."""
     return [float(np.min(values)), float(np.max(values))] if _are_floats(values) else values

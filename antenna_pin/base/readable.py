@@ -15,6 +15,7 @@ from decimal import Decimal
 from typing import Any
 
 __all__ = [
+    "alternatives",
     "bare",
     "brief",
     "DECIMAL",
@@ -52,13 +53,13 @@ _POWER = re.compile(r"\^(-?[\d.]+)")
 
 
 def printed_unit(unit: str) -> str:
-    """Return a unit as it is printed: ``rad/s**2`` is rad/s², ``N*m`` is N m, ``1`` is nothing."""
+    """Return a unit in print: ``rad/s**2`` is rad/s², ``N*m`` is N m, ``1`` nothing."""
     text = unit.replace("**", "^").replace("*", " ").strip()
     return "" if text in ("1", "-") else _POWER.sub(lambda power: power[1].translate(_SUPERSCRIPTS), text)
 
 
 def number(value: float | None, digits: int = 4) -> str:
-    """Return a number with so many significant digits, as a power of ten where it is far from one.
+    """Return a number with given significant digits, if need be a power of ten.
 
     Args:
         value: The number; None and NaN give a dash.
@@ -110,8 +111,14 @@ def readable(value: float | None, unit: str = "1", digits: int = 4) -> str:
     return text if not printed or text == MISSING else f"{text}\N{NO-BREAK SPACE}{printed}"
 
 
+def alternatives(names: Iterable[str]) -> str:
+    """Return names as a choice: "a, b or c"."""
+    *others, last = names
+    return f"{', '.join(others)} or {last}" if others else last
+
+
 def lasting(seconds: float) -> str:
-    """Return a time that somebody waits, in the largest unit of which it has one or more: "3.5 h"."""
+    """Return a waiting time in the largest fitting unit: "3.5 h"."""
     for size, unit in ((365.25 * 86400.0, "years"), (86400.0, "days"), (3600.0, "h"), (60.0, "min")):
         if seconds >= size:
             return f"{number(seconds / size, 2)} {unit}"
@@ -125,7 +132,7 @@ _SEVERAL = 4
 
 
 def brief(self: object) -> str:
-    """Return a dataclass, or what is given of a scenario's table, on one line; what is long by kind and size.
+    """Return a dataclass, or a scenario's table, on one line.
 
     For use as ``__repr__ = brief`` in the class.
     """
@@ -139,7 +146,7 @@ def brief(self: object) -> str:
 
 
 def of_size(value: Any) -> str:
-    """Return a value as Python shows it, or its kind and size where that is long."""
+    """Return a value's representation, or kind and size if that is long."""
     kind = type(value).__name__
     if hasattr(value, "data_vars"):
         sizes = ", ".join(f"{size} {name}" for name, size in list(value.sizes.items())[:_SEVERAL])
@@ -176,7 +183,7 @@ _MOST_LETTERS = 1000  # letters of a number; Python refuses to read whole ones o
 
 
 def decimal_in(text: str, *, infinite: bool = False) -> float | None:
-    """Return the finite number that a text is, blanks around it left out; None if it is none.
+    """Return the finite number in a text, without surrounding blanks; None if invalid.
 
     Args:
         text: ASCII digits, with sign, point and exponent or without.
@@ -193,12 +200,12 @@ def decimal_in(text: str, *, infinite: bool = False) -> float | None:
 
 
 def whole_in(text: str) -> int | None:
-    """Return the whole number that a text is, blanks around it left out; None if it is none."""
+    """Return the whole number in a text, without surrounding blanks; None if invalid."""
     word = text.strip(_BLANKS)
     return int(word) if len(word) <= _MOST_LETTERS and _WHOLE.fullmatch(word) else None
 
 
 def bare(text: str) -> str | float:
-    """Return the number that a text is, in SI units then; else the text, which may carry a unit."""
+    """Return the number in a text, in SI units; else the text itself."""
     number = decimal_in(text)
     return text.strip() if number is None else number

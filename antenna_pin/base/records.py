@@ -1,4 +1,4 @@
-"""Layouts of the numbers that compiled code and classes share: each is declared once, and read by name.
+"""Layouts of records that compiled code and classes share, read by field names.
 
 Kernels work on flat arrays of 8-byte words; a part of such an array is read as a record, at the cost of an
 offset: ``record(words[at : at + words_of(POSE)], POSE).axis[2]``, with ``record`` of ``compiled.decorators``.
@@ -118,7 +118,7 @@ def fields_of(kind: type[Record]) -> dict[str, Any]:
 
 
 def layout(kind: type[_Record]) -> Layout[_Record]:
-    """Return the layout of a record in 8-byte numbers, its fields in the order of their annotations.
+    """Return the layout of a record in 8-byte numbers, fields in order.
 
     Args:
         kind: A class with fields ``float``, ``int``, or an array of these, as :data:`Vector3`.

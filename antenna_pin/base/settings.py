@@ -47,7 +47,7 @@ def choice_for(accuracy: float) -> tuple[Method, float]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ErrorScales:
-    """Error scales, one unit of each kind of quantity: step error below rtol (scale + ``|value|``).
+    """Error scales of each kind of quantity: step error below rtol (scale + ``|value|``).
 
     A clearance of a fraction of a millimetre and a satellite of tonnes do not share a scale. At a clearance
     joint positions are measured in clearances. Scales of a free base are multiplied by ``base``; left out,
@@ -184,7 +184,7 @@ class RunSettings:
             raise InvalidParameterError(place, name, rule, said=f"{span:.6g} s")
 
     def check_span(self, begin: float, end: float) -> None:
-        """Refuse steps and samples with which a run would never come to its end, or outgrow any memory.
+        """Refuse steps and samples for which a run would never end, or outgrow memory.
 
         Args:
             begin: Of the run [s].

@@ -32,11 +32,7 @@ R = TypeVar("R")
 
 
 def cores_for(memory: float) -> int:
-    """Return how many processes this machine has cores for, and memory beside what is in use.
-
-    Args:
-        memory: What each may take [bytes].
-    """
+    """Return the number of processes for which free cores and memory [bytes] suffice."""
     cores = len(os.sched_getaffinity(0))
     free = free_memory()
     return max(1, cores if free is None else min(cores, int(free / memory)))
@@ -57,7 +53,7 @@ def side_by_side(work: Callable[[T], R], pieces: Sequence[T], processes: int = 1
         return
     with contextlib.closing(_Pool(work, pieces, count)) as pool:
         for number, piece in enumerate(pieces):
-            made = pool.made(number)
+            made = pool.result_of(number)
             yield work(piece) if made is None else made[0]
 
 
@@ -90,7 +86,7 @@ class _Pool(Generic[T, R]):
             self.close()
             raise
 
-    def made(self, number: int) -> tuple[R] | None:
+    def result_of(self, number: int) -> tuple[R] | None:
         """Return what was made of a piece; None if its process has not made it."""
         while number not in self._made and number in self._at_work.values():
             for pipe in wait(list(self._at_work)):

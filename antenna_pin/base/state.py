@@ -112,7 +112,7 @@ class ControllerMemory(_Value):
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class State(_Value):
-    """A state that a run can start from: compared bit for bit, pickled, stored as text.
+    """A state to start from: compared bit for bit, pickled, stored as text.
 
     A run's last steps are cut to end in time. So that going on gives bit for bit what one long run gives, the
     state that a run leaves is that before the first step so cut: ``time`` lies before ``reached`` by up to
@@ -209,12 +209,12 @@ class StateBreach(NamedTuple):
 
 
 def breach_of_state(state: State) -> StateBreach | None:
-    """Return the first part of a state that no run leaves; None of a whole one."""
+    """Return the first invalid part of a state; None for a valid state."""
     return next(_breaches(state), None)
 
 
 def _fields(content: Any) -> Mapping[str, Any]:
-    """Return the fields of a value, or of the JSON object that it is written as."""
+    """Return the fields of a value, or of its JSON object."""
     if isinstance(content, Mapping):
         return content
     return {item.name: getattr(content, item.name) for item in dataclasses.fields(content)}
@@ -280,7 +280,7 @@ def _of_pairs(pairs: Any, place: str, rule: str) -> Iterator[StateBreach]:
 
 
 def _of_array(values: Any, place: str, shape: tuple[int, ...]) -> Iterator[StateBreach]:
-    """Yield reasons why values are no array of finite numbers of a shape; -1 is any length."""
+    """Yield breaches of a finite array of given shape; -1 for any length."""
     if not isinstance(values, np.ndarray):
         if not isinstance(values, list | tuple):
             yield StateBreach(place, "a list of numbers", values)

@@ -1,4 +1,4 @@
-"""Tables in text: columns of numbers as spreadsheets, loggers and programs write them, and the CSV writer.
+"""Tables of numbers in text, in the layouts of spreadsheets, loggers and programs.
 
 Detected unless given: the delimiter (``;``, tabulators, commas, else blanks), a decimal comma, the line of
 names, units in it (``time [s]``, ``time (ms)``, ``Time/s``) or in a line beneath. Columns go by name,
@@ -156,12 +156,7 @@ def read_cells(
 
 
 def column_of(cells: Cells, name: str, unit: str | tuple[str, ...]) -> tuple[float, ...]:
-    """Return a column as numbers in SI units, converted from the unit that the text gives of it.
-
-    Args:
-        cells: The table.
-        name: Of the column.
-        unit: SI unit of it, or several of which one is; a column without a unit is in SI.
+    """Return a column in SI units, converted from its unit in the text.
 
     Raises:
         BadTableError: A cell is no finite number, or the unit is of something else.
@@ -213,7 +208,7 @@ def _csv_cell(value: Any) -> Any:
 
 
 def hint(cell: str) -> str:
-    """Return the way out behind a cell that is no number; nothing if there is none."""
+    """Return the way out behind an invalid cell; "" without one."""
     if _COMMA.fullmatch(cell):
         return "; a decimal comma needs another delimiter, such as ;"
     return "; units stand in the header, as in time [s]" if any_quantity(cell) is not None else ""
@@ -237,7 +232,7 @@ def bare_name(heading: str) -> str:
 
 
 def _split(heading: str) -> tuple[str, str]:
-    """Return name and unit of a heading such as ``time [s]``; no unit if it has none."""
+    """Return name and unit of a heading such as ``time [s]``; unit "" without one."""
     heading = heading.strip()
     if heading.startswith("'") and heading[1:].startswith(_FORMULA):  # as :func:`write_csv` writes it
         heading = heading[1:]
@@ -258,7 +253,7 @@ def _delimiter(lines: Sequence[str], comment: str) -> str:
 
 
 def _cells_of(lines: Sequence[str], delimiter: str) -> Iterator[tuple[int, list[str]]]:
-    """Yield the rows of lines with the number of the line that each ends in, from 1."""
+    """Yield rows with the number of their last line, from 1."""
     if delimiter == " ":
         lines = [
             " ".join(_BRACKETS.sub(lambda match: match[1].replace(" ", "*"), line).split()) for line in lines
@@ -284,7 +279,7 @@ def _rows(
 
 
 def _header(
-    first: list[str],
+    row: list[str],
     line: int,
     lines: Sequence[str],
     wanted: Sequence[str],
@@ -292,15 +287,15 @@ def _header(
     layout: TextLayout,
     headless: bool,
 ) -> tuple[list[str], bool]:
-    """Return the names of the columns, and whether the first row is one of numbers already."""
+    """Return the names of the columns, and whether the first row has numbers."""
     if layout.names is not None:
-        return list(layout.names), bool(first)
-    cells = [cell.strip() for cell in first]
+        return list(layout.names), bool(row)
+    cells = [cell.strip() for cell in row]
     if not cells or any(cell and decimal_in(_plain(cell, ",")) is None for cell in cells):
         return cells, False
     for remark in reversed(lines[: line - 1]):  # as numpy.savetxt writes them
         bare = remark.strip().removeprefix(layout.comment).strip()
-        names = [cell.strip() for _, row in _cells_of([bare], delimiter) for cell in row]
+        names = [cell.strip() for _, other in _cells_of([bare], delimiter) for cell in other]
         if bare and all(_is_there(name, names) for name in wanted):
             return names, True
     while len(cells) > 2 and not cells[-1]:
@@ -315,7 +310,7 @@ def _is_there(name: str, header: Sequence[str]) -> bool:
 
 
 def _place(name: str, header: Sequence[str], wanted: Sequence[str], line: int) -> int:
-    """Return the place of a column: by its heading, by the name in it, by that without regard to capitals."""
+    """Return a column's index: by heading, by name, by name without regard to case."""
     bare = [bare_name(cell) for cell in header]
     lower = [cell.lower() for cell in bare]
     for key, names in ((name, list(header)), (name, bare), (name.lower(), lower)):
@@ -329,7 +324,7 @@ def _place(name: str, header: Sequence[str], wanted: Sequence[str], line: int) -
 
 
 def _check_length(row: Sequence[str], header: Sequence[str], last: int, line: int, delimiter: str) -> None:
-    """Refuse a row that is longer than the names, or ends before a column that is wanted."""
+    """Refuse a row longer than the header, or without a required column."""
     count = len(row)
     while count > len(header) and not row[count - 1].strip():  # a delimiter at the end is no cell
         count -= 1
@@ -360,7 +355,7 @@ def _bare_unit(cell: str) -> str:
 
 
 def _decimal(columns: dict[str, list[str]], lines: Sequence[int], delimiter: str) -> Literal[".", ","]:
-    """Return the decimal sign of cells, or refuse what may be decimals as well as thousands."""
+    """Return the decimal sign of cells, or refuse ambiguous numbers."""
     pointed = any(_POINT.fullmatch(cell) for cells in columns.values() for cell in cells)
     doubtful = ""
     for name, cells in columns.items():

@@ -129,7 +129,7 @@ class Unit:
 
 
 def common_unit(name: str) -> Unit | None:
-    """Return one of the units above, or a product of those of SI; None for another."""
+    """Return a common unit by name, or a product of SI units; None for others."""
     if name in _CYCLES:
         return Unit(_CYCLES[name], frozenset({("[time]", -1.0)}), 0.0, True)
     unit, factor = _SCALED.get(name, (name or "1", 1.0))
@@ -211,18 +211,15 @@ def with_weights(name: str) -> str:
 
 
 def without_weights(name: str) -> str:
-    """Return a unit in which kilograms and grams are weights; whoever means them writes ``kgf``, ``gf``."""
+    """Return a unit with kilograms and grams as weights (``kgf``, ``gf``)."""
     return _MASSES.sub(r"\1f", name)
 
 
 def with_point(text: str) -> str | None:
-    """Return a quantity whose number has a decimal comma with a point; None where a comma may be another.
+    """Return a quantity with a decimal point for its comma; None if ambiguous.
 
     One comma is a decimal one unless exactly three digits are behind it, which may be thousands; ``0,125``
     is none of thousands.
-
-    Args:
-        text: A number with its unit, such as ``0,2 mm``.
     """
     match = _DECIMAL_COMMA.fullmatch(text)
     if match is None:
@@ -234,63 +231,35 @@ def with_point(text: str) -> str | None:
 
 
 # --- quantities ---------------------------------------------------------------------------------------------
-#
-# ``quantity("0.2 mm", "m", place)`` is 0.0002. The dimension is checked, and so are angles: a frequency
-# [Hz] and an angular rate [rad/s] have the same dimension but differ by 2 pi, so neither is taken for the
-# other. Decimal text is converted exactly and rounded once: "9.8 mm" is the float 0.0098. Units may be
-# spelled as data sheets spell them (:mod:`antenna_pin.base.units`): mNm, gcm², in-lb. What is a mass
-# elsewhere is a weight where a force or a torque is asked for: pounds and ounces; and g is standard gravity
-# in what holds no mass.
 
-# Unit, and what a quantity of it is called; the first that fits names a quantity seen.
+# Unit, name of its quantities, and examples of spellings; the first that fits names a quantity.
 _KINDS = {
-    "1": "a pure number",
-    "rad": "an angle",
-    "m": "a length",
-    "m**2": "an area",
-    "m**3": "a volume",
-    "s": "a time",
-    "kg": "a mass",
-    "m/s": "a speed",
-    "m/s**2": "an acceleration",
-    "m**2/s**3": "a spectral density of acceleration",
-    "rad**2/s**3": "a spectral density of angular acceleration",
-    "Hz": "a frequency",
-    "rad/s": "an angular rate",
-    "rad/s**2": "an angular acceleration",
-    "N": "a force",
-    "N*m": "a torque",
-    "N*m/rad": "a torsional stiffness",
-    "N*m*s/rad": "a torsional damping",
-    "N/m": "a stiffness",
-    "N*s/m": "a damping",
-    "W": "a power",
-    "Pa": "a pressure",
-    "kg/m**3": "a density",
-    "kg*m**2": "a moment of inertia",
+    "1": ("a pure number", ""),
+    "rad": ("an angle", "rad, deg, arcmin"),
+    "m": ("a length", "m, mm, um, in"),
+    "m**2": ("an area", ""),
+    "m**3": ("a volume", ""),
+    "s": ("a time", "s, ms, min"),
+    "kg": ("a mass", "kg, g, lb"),
+    "m/s": ("a speed", "m/s, mm/s"),
+    "m/s**2": ("an acceleration", "m/s^2, g"),
+    "m**2/s**3": ("a spectral density of acceleration", "g^2/Hz, (m/s^2)^2/Hz"),
+    "rad**2/s**3": ("a spectral density of angular acceleration", ""),
+    "Hz": ("a frequency", "Hz, kHz"),
+    "rad/s": ("an angular rate", "rad/s, deg/s, rpm"),
+    "rad/s**2": ("an angular acceleration", ""),
+    "N": ("a force", "N, kN, lbf, kgf"),
+    "N*m": ("a torque", "N*m, mN*m, lbf*in, kgf*cm"),
+    "N*m/rad": ("a torsional stiffness", "N*m/rad, N*m/deg, N*m/arcmin"),
+    "N*m*s/rad": ("a torsional damping", "N*m*s/rad"),
+    "N/m": ("a stiffness", "N/m, N/mm, lbf/in"),
+    "N*s/m": ("a damping", "N*s/m"),
+    "W": ("a power", ""),
+    "Pa": ("a pressure", "Pa, MPa, psi"),
+    "kg/m**3": ("a density", "kg/m^3, g/cm^3"),
+    "kg*m**2": ("a moment of inertia", "kg*m^2, g*cm^2, lb*in^2"),
 }
 _PURE = ("1", "-", "")
-# Spellings that a message offers beside an unknown unit.
-_EXAMPLES = {
-    "rad": ("rad", "deg", "arcmin"),
-    "m": ("m", "mm", "um", "in"),
-    "s": ("s", "ms", "min"),
-    "kg": ("kg", "g", "lb"),
-    "m/s": ("m/s", "mm/s"),
-    "m/s**2": ("m/s^2", "g"),
-    "m**2/s**3": ("g^2/Hz", "(m/s^2)^2/Hz"),
-    "Hz": ("Hz", "kHz"),
-    "rad/s": ("rad/s", "deg/s", "rpm"),
-    "N": ("N", "kN", "lbf", "kgf"),
-    "N*m": ("N*m", "mN*m", "lbf*in", "kgf*cm"),
-    "N*m/rad": ("N*m/rad", "N*m/deg", "N*m/arcmin"),
-    "N*m*s/rad": ("N*m*s/rad",),
-    "N/m": ("N/m", "N/mm", "lbf/in"),
-    "N*s/m": ("N*s/m",),
-    "Pa": ("Pa", "MPa", "psi"),
-    "kg/m**3": ("kg/m^3", "g/cm^3"),
-    "kg*m**2": ("kg*m^2", "g*cm^2", "lb*in^2"),
-}
 
 _QUANTITY = re.compile(rf"({DECIMAL})\s*(.*)", re.DOTALL)
 _THOUSANDS = re.compile(r"([+-]?[1-9][0-9]{0,2}),([0-9]{3})(?![0-9,.])")
@@ -342,12 +311,9 @@ def quantity(value: object, unit: str | tuple[str, ...], place: str) -> float:
 
 
 def any_quantity(value: object) -> tuple[float, str] | None:
-    """Return a number in SI units and the SI unit that its text names; None for what is no quantity.
+    """Return a number in SI units and its text's SI unit; None if invalid.
 
     For values whose meaning is known elsewhere: whoever uses the number checks its dimension, by the unit.
-
-    Args:
-        value: A number, of no unit said (""), or text such as ``"0.2 mm"``, which is 0.0002 and "m".
     """
     if isinstance(value, bool) or not isinstance(value, Real | str):
         return None
@@ -376,18 +342,18 @@ def any_quantity(value: object) -> tuple[float, str] | None:
     return (number, text) if known_text is not None and known_text.factor == 1.0 else None
 
 
-def _kind_of(seen: Unit) -> str:
-    """Return the SI unit of the kind that a unit is of; nothing if it is of none with a name."""
+def _kind_of(own: Unit) -> str:
+    """Return the SI unit of a unit's named kind; "" for none."""
     for unit in _KINDS:
         known = _known_unit(unit)
-        is_counted_alike = seen.cycles == known.cycles or len(seen.dimension) > 1  # Hz alone is no rad/s
-        if (known.dimension, known.radian) == (seen.dimension, seen.radian) and is_counted_alike:
+        is_counted_alike = own.cycles == known.cycles or len(own.dimension) > 1  # Hz alone is no rad/s
+        if (known.dimension, known.radian) == (own.dimension, own.radian) and is_counted_alike:
             return unit
     return ""
 
 
 def matching_unit(value: object, units: tuple[str, ...]) -> str | None:
-    """Return the one of ``units`` that a text's unit fits; None for a bare number or if none fits."""
+    """Return the first of ``units`` that a text's unit fits; None for bare numbers."""
     for unit in units if isinstance(value, str) else ():
         try:
             _quantity(value, (unit,))
@@ -421,7 +387,7 @@ def unit_factor(name: str, unit: str | tuple[str, ...], place: str) -> float:
 
 
 def describe_unit(unit: str | tuple[str, ...]) -> str:
-    """Return what a quantity of an SI unit is, as it reads after "must be": ``a length [m]``."""
+    """Return the description of a quantity in an SI unit: ``a length [m]``."""
     units = (unit,) if isinstance(unit, str) else unit
     return " or ".join(_describe(one) for one in units)
 
@@ -468,10 +434,10 @@ def _pointed(text: str) -> str:
     return (with_point(text) or text) if "," in text else text
 
 
-def _from_text(given: str, units: tuple[str, ...]) -> float:
-    if len(given.strip()) > _LONGEST:
-        raise _Refused(f" ({len(given.strip())} letters; a quantity has at most {_LONGEST})")
-    text = _pointed(given)
+def _from_text(written: str, units: tuple[str, ...]) -> float:
+    if len(written.strip()) > _LONGEST:
+        raise _Refused(f" ({len(written.strip())} letters; a quantity has at most {_LONGEST})")
+    text = _pointed(written)
     if _NOT_FINITE.fullmatch(text):
         raise _Refused(" (not finite)")
     if thousands := _THOUSANDS.match(text):
@@ -499,17 +465,17 @@ def _from_text(given: str, units: tuple[str, ...]) -> float:
     return number
 
 
-def _is_any(seen: Unit, units: tuple[str, ...]) -> bool:
-    return any(seen.fits(_known_unit(unit)) for unit in units)
+def _is_any(own: Unit, units: tuple[str, ...]) -> bool:
+    return any(own.fits(_known_unit(unit)) for unit in units)
 
 
 def _examples(units: tuple[str, ...]) -> str:
-    known = [one for unit in units for one in _EXAMPLES.get(unit, ())]
+    known = [_KINDS[unit][1] for unit in units if unit in _KINDS and _KINDS[unit][1]]
     return f"; known are {', '.join(known)} and others" if known else ""
 
 
 def _as_weights(name: str) -> Iterator[Unit]:
-    """Yield what a unit is with g as standard gravity, where no mass is left, and with pounds as forces."""
+    """Yield readings of a unit with g as gravity and pounds as forces."""
     name = with_signs(name)
     for other in (_GRAVITY.sub("g_0", name), with_weights(name)):
         found = _parse_unit(other) if other != name else None
@@ -531,16 +497,16 @@ def scaled(digits: str, factor: float) -> float:
 
 def _describe(unit: str) -> str:
     if unit in _PURE:
-        return _KINDS["1"]
+        return _KINDS["1"][0]
     if unit in _KINDS:
-        return f"{_KINDS[unit]} [{unit}]"
+        return f"{_KINDS[unit][0]} [{unit}]"
     return f"a stiffness [{unit}]" if unit.startswith("N/m**") else f"a quantity [{unit}]"
 
 
-def _name_of(name: str, seen: Unit) -> str:
-    for unit, kind in _KINDS.items():
+def _name_of(name: str, own: Unit) -> str:
+    for unit, (kind, _) in _KINDS.items():
         known = _known_unit(unit)
-        if (known.dimension, known.radian) == (seen.dimension, seen.radian):
+        if (known.dimension, known.radian) == (own.dimension, own.radian):
             return kind.split(" ", 1)[1]
     return _base_units(name)
 
@@ -558,7 +524,7 @@ def _known_unit(name: str) -> Unit:
 
 @lru_cache(maxsize=1024)
 def _parse_unit(name: str) -> Unit | None:
-    """Return a unit by name, or None for one that is unknown or not a plain multiple (dB, degC)."""
+    """Return a unit by name; None for unknown units and offsets (dB, degC)."""
     return common_unit(name) or common_unit(with_signs(name)) or _parsed(with_signs(name))
 
 
@@ -587,7 +553,7 @@ def _parsed(name: str) -> Unit | None:
 
 
 def _short(factor: float) -> float:
-    """Return a factor without the round-off of its making, where a short decimal is within that."""
+    """Return a factor rounded to a short decimal within round-off."""
     decimals = float(f"{factor:.12g}")
     return decimals if abs(decimals - factor) <= 1e-15 * factor else factor
 

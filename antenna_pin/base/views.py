@@ -51,17 +51,14 @@ __all__ = [
 
 
 def script(text: str) -> str:
-    """Return a text as a script element can hold it; what would end that early is written in another way."""
+    """Return a text as content of a script element, with its end tags escaped."""
     return "\n" + text.replace("</script", r"<\/script").replace("<!--", r"<\!--") + "\n"
 
 
 def policy(*scripts: str) -> str:
-    """Return the element of a page's head by which it reaches no network and runs no scripts but its own.
+    """Return a page's security policy: no network, no scripts but its own.
 
     Text that got into a page as markup, from a file of a stranger's, could run nothing and send nothing away.
-
-    Args:
-        *scripts: The contents of its script elements, to the letter (:func:`script`).
     """
     digests = (hashlib.sha256(text.encode()).digest() for text in scripts)
     own = " ".join(f"'sha256-{base64.b64encode(digest).decode()}'" for digest in digests) or "'none'"
@@ -79,12 +76,7 @@ def policy(*scripts: str) -> str:
 
 
 def in_frame(page: str, height: str) -> str:
-    """Return a whole page as a part of a notebook, in a frame of its own that reaches nothing outside.
-
-    Args:
-        page: Its HTML.
-        height: CSS height of the frame.
-    """
+    """Return a whole page as an isolated frame in a notebook."""
     source = escape(page, quote=True)
     return (
         f'<iframe srcdoc="{source}" sandbox="allow-scripts" style="width:100%;height:{height};border:0" '
@@ -262,11 +254,6 @@ class NamedFigures(Protocol):
 
 
 # --- views --------------------------------------------------------------------------------------------------
-#
-# Readers stand above what they read, and are made of libraries that take a while to load. So a class of
-# results names a reader of the room ``views`` by a :class:`View`, which fetches it when it is used;
-# :data:`VIEWS` is the table of all of them, and the one place where what lies below knows the name of what
-# lies above. The protocols say to editors and type checkers what comes of it.
 
 T = TypeVar("T")
 Path_ = str | os.PathLike[str]
@@ -316,7 +303,7 @@ def as_text(result: object) -> str:
 
 
 class View(Generic[T]):
-    """A reader of a result that is found under a name of its class, and loaded when it is used.
+    """A reader of results, found under an attribute's name and loaded at first use.
 
     Attributes:
         name: Of the view, as ``Class.name``.
@@ -327,7 +314,7 @@ class View(Generic[T]):
         self.name = ""
 
     def __set_name__(self, owner: type, name: str) -> None:
-        """Take the name of the class and of the attribute; the first, where a class is made anew."""
+        """Store the name of class and attribute; the first, where a class is rebuilt."""
         self.name = self.name or f"{owner.__name__}.{name}"
 
     @overload

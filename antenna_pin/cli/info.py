@@ -193,7 +193,7 @@ def _of_file(facts: dict[str, Any]) -> Iterator[str]:
     from antenna_pin.mechanism import PassedOver
 
     for what, lines in facts["passed_over"].items():
-        yield f"passed over in the URDF: {PassedOver(what, tuple(lines)).said()}"
+        yield f"passed over in the URDF: {PassedOver(what, tuple(lines)).text()}"
     if facts["unbounded"]:
         yield f"without bounds in the URDF: {', '.join(facts['unbounded'])}"
     if facts["points"]:

@@ -187,7 +187,7 @@ def _verdict(
 
 
 def _said(written: WrittenUrdf) -> list[str]:
-    return [f"passed over: {kind.said()}" for kind in written.passed_over]
+    return [f"passed over: {kind.text()}" for kind in written.passed_over]
 
 
 def _built(made: Urdf) -> Mechanism:

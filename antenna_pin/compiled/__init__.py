@@ -1,1 +1,1 @@
-"""All that knows Numba's inside: decorators of kernels, machine code kept in files, calls by address."""
+"""Numba's internals: decorators of kernels, stored machine code, calls by address."""

@@ -23,7 +23,7 @@ __all__: list[str] = []
 
 
 class _Block(types.NamedTuple):  # type: ignore[misc]
-    """Numba's type of a named tuple that stands in memory and is known by its address."""
+    """Numba's type of a named tuple that is known by its address."""
 
 
 @register_model(_Block)
@@ -49,7 +49,7 @@ def _type_of(value: Any, context: Any) -> Any:
 
 @lower_getattr_generic(_Block)
 def _lowered_part(context: Any, builder: Any, kind: Any, block: Any, name: str) -> Any:
-    """Read a part of a block, which nobody changes: LLVM may read it once for all, whatever is written."""
+    """Read a part of a block, an invariant load for LLVM."""
     number = kind.fields.index(name)
     part = kind.types[number]
     before = len(builder.block.instructions)

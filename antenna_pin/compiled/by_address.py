@@ -16,7 +16,7 @@ _classes: set[type] = set()
 
 
 def by_address(cls: _Class) -> _Class:
-    """Let compiled code hand a named tuple on by its address; it can be read there, not made or returned."""
+    """Mark a named tuple class for passing by address, read-only in compiled code."""
     _classes.add(cls)
     return cls
 

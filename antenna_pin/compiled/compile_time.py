@@ -1,4 +1,4 @@
-"""Time of compilation of kernels: spent once on a machine, and no part of a run's time."""
+"""Time of compilation of kernels, excluded from a run's time."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _KIND = "numba:compile"
 
 
 class CompileClock(event.Listener):  # type: ignore[misc]
-    """Adds up the time that this thread compiles, what is compiled for something else counted once.
+    """Clock of this thread's compilation time, nested compilation counted once.
 
     What is found compiled on the disk takes none.
     """

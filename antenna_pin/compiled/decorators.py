@@ -1,4 +1,4 @@
-"""The decorators of the compiled kernels, which wait: Numba is loaded when the first of them is needed.
+"""Decorators of compiled kernels, which load Numba at first use.
 
 A module of kernels is imported by many who call none of them, as a command that only tells of a scenario.
 What stands in for a kernel becomes Numba's when it is called, and when Numba meets it in a caller.
@@ -23,7 +23,7 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 
 
 def kernel(function: _Function) -> _Function:
-    """Compile a function at its first call and keep the machine code, which stands alone.
+    """Compile a function at its first call, separately, and store the machine code.
 
     Division by zero gives infinity there, not an exception. Nothing may be allocated: references to arrays
     are not counted, which would take as long as all the arithmetic.
@@ -38,12 +38,12 @@ def released(function: _Function) -> _Function:
 
 
 def inlined(function: _Function) -> _Function:
-    """Compile a small function that is always put into its callers: a call would cost more than it."""
+    """Compile a small function that is always inlined into its callers."""
     return _later(function, kept=True, forceinline=True)
 
 
 def composed(function: _Function) -> _Function:
-    """Compile a function that is made from kernels when a module is imported; it is put into its callers.
+    """Compile a function composed of kernels at import, inlined into its callers.
 
     Nothing of it is kept: its callers' machine code holds it; what it is made from stands under the stamp.
     """
@@ -51,7 +51,7 @@ def composed(function: _Function) -> _Function:
 
 
 def composed_later(make: Callable[[], Any]) -> Any:
-    """Return what ``make`` composes, which it does once it is called or met by Numba in a caller.
+    """Return the composition by ``make``, delayed until its first call or compilation.
 
     A process that finds its callers compiled never does, and loads nothing of what it is made from.
     """
@@ -62,7 +62,7 @@ def composed_later(make: Callable[[], Any]) -> Any:
 
 
 def in_python(function: _Function) -> _Function:
-    """Return a compiled function as it is written: whole numbers are the same, without loading Numba."""
+    """Return the Python function of a compiled one: same whole numbers, without Numba."""
     return getattr(function, "__wrapped__", function)
 
 
@@ -82,7 +82,7 @@ def _plain() -> bool:
 
 @functools.cache
 def _as_compiled() -> types.SimpleNamespace:
-    """Return what ``math`` is to compiled code, which does not raise: there is NaN, or infinity.
+    """Return the ``math`` of compiled code, which gives NaN or infinity instead of errors.
 
     Nor does it warn, and from here on NumPy does not either.
     """
@@ -115,7 +115,7 @@ _MAKING = threading.RLock()
 
 
 class _Later:
-    """A function that Numba has not seen yet: called, or looked at, it is what Numba makes of it."""
+    """A function that is compiled by Numba at its first use."""
 
     __wrapped__: Callable[..., Any]
     _made: Any  # Numba's, once it is needed

@@ -1,4 +1,4 @@
-"""Functions of a user's that Numba has compiled: what they must be, and where they stand.
+"""Functions of a user's compiled by Numba: checks and addresses.
 
 Kernels call them by their addresses (``calls.py``).
 """
@@ -27,7 +27,7 @@ def is_compiled(*functions: object) -> bool:
 
 
 def callable_of(function: Callable[..., float], arguments: int) -> Callable[..., float]:
-    """Return a function of so many floats as Python can call it: a compiled one as kernels call it."""
+    """Return a function of floats as Python can call it, with kernels' results."""
     if not is_compiled(function):
         return function
     of_user = _dispatched(function)
@@ -44,12 +44,6 @@ def callable_of(function: Callable[..., float], arguments: int) -> Callable[...,
 
 def address_of(place: str, name: str, function: Any, arguments: int) -> float:
     """Return where a compiled function of so many floats stands, which gives a float.
-
-    Args:
-        place: Whose it is, for the refusal.
-        name: Which one, for the refusal.
-        function: Compiled by ``numba.njit`` or ``numba.cfunc``.
-        arguments: How many floats it takes.
 
     Raises:
         InvalidParameterError: It does not take them, or gives something else.
@@ -85,7 +79,7 @@ def _dispatched(function: Any) -> Any:
 
 @cache
 def _compiled(function: Any, arguments: int) -> Any:
-    """Return a function as kernels call it, which gives NaN where it raises: of itself it would give zero."""
+    """Return a function for kernels, which gives NaN where it raises."""
     from numba import cfunc
 
     given = _dispatched(function)

@@ -1,4 +1,4 @@
-"""What compiled code does in the place of a few functions: a record, a lane, a call by an address.
+"""Compiled forms of a few functions: a record, a lane, a call by address.
 
 Loaded with the first kernel that is needed, for Numba; the functions themselves stand where no Numba is.
 """

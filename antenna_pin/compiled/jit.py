@@ -26,7 +26,7 @@ __all__ = ["code_of", "dispatcher", "stamped_files"]
 
 
 def stamped_files() -> tuple[Path, ...]:
-    """Return the files to whose contents compiled code is tied: all kernels, their constants and records."""
+    """Return the files whose contents define the stamp of compiled code."""
     folder = Path(__file__).parents[1]
     names = (
         "*/*kernels.py",
@@ -95,7 +95,7 @@ def dispatcher(function: Callable[..., Any], kept: bool, alone: bool = False, **
 
 
 def _take_constants_as_numbers(compiled: Any) -> None:
-    """Let a function that a kernel calls with a plain constant be the one that is called with a number.
+    """Let calls with a plain constant use the function compiled for numbers.
 
     Numba makes of a constant a type of its own: the function, and all that it calls, would be compiled once
     more for each.

@@ -1,4 +1,4 @@
-"""Machine code of kernels kept in files: checked when it is read, and done without where it cannot be kept.
+"""Store of kernels' machine code in files, verified when read, and optional.
 
 Numba trusts its files: one that was cut off ends in an error of pickle, one with a flipped bit is called.
 Here every file starts with the digest of the rest and names what it was compiled for; one that does not hold
@@ -42,11 +42,11 @@ _DIGEST = hashlib.sha256().digest_size
 
 
 class KernelCacheWarning(RuntimeWarning):
-    """Compiled kernels cannot be kept, so that every process compiles them anew."""
+    """Compiled kernels cannot be stored, so that every process compiles them anew."""
 
 
 def keep(dispatcher: Any, stamp: str) -> None:
-    """Let a compiled function be kept in the first folder that can be written, tied to a stamp.
+    """Store a compiled function in the first writable folder, under a stamp.
 
     These are NUMBA_CACHE_DIR, the sources' ``__pycache__`` and the user's cache, in this order. If there is
     none, a :class:`KernelCacheWarning` says so once, when something has been compiled.
@@ -105,7 +105,7 @@ _listeners: list[Callable[[], None]] = []
 
 @contextlib.contextmanager
 def told_of_compiling(listener: Callable[[], None]) -> Iterator[None]:
-    """Call a function whenever a kernel is about to be compiled, because no file holds it."""
+    """Call a function before each compilation of a kernel without a file."""
     _listeners.append(listener)
     try:
         yield
@@ -128,7 +128,7 @@ def _closed(folder: str, owner: int) -> bool:
 
 
 class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
-    """An index and its entries, each behind its digest, in a folder that is nobody else's."""
+    """An index and its entries, each with a digest, in a closed folder."""
 
     def __init__(self, cache_path: str, filename_base: str, stamp: str, owner: int) -> None:
         super().__init__(cache_path, filename_base, stamp)
@@ -170,7 +170,7 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
         self._write(self._data_path(name), data)
 
     def read_pack(self, key: Any) -> Any:
-        """Return what is kept of all that an entry needs.
+        """Return the stored parts that an entry needs.
 
         Raises:
             Exception: There is nothing that holds.
@@ -182,7 +182,7 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
         self._write(self._pack_path(key), content)
 
     def sweep(self) -> None:
-        """Delete what is kept beside it under other stamps: nobody reads that any more."""
+        """Delete machine code of other stamps beside the index."""
         if self.closed:
             sweep(self._index_path, self._read, (self._version, self._source_stamp))
 
@@ -206,13 +206,7 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
 
 
 def remembered(function: Any, contents: str, make: Callable[[], str]) -> str:
-    """Return a text that follows from the contents of files, made once and kept where machine code is.
-
-    Args:
-        function: In Python, defined in the folder beside which the text is kept.
-        contents: Digest of the files.
-        make: Returns the text.
-    """
+    """Return a text derived from files' contents, made once and stored beside machine code."""
     try:
         cache, owner = FunctionCache(function), os.stat(function.__code__.co_filename).st_uid
         files = _SealedFiles(cache._cache_path, "stamp", contents, owner)
@@ -247,7 +241,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         self._unpacked: Any = None
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """Return what is kept of a function for arguments of certain types, None if nothing is."""
+        """Return a function's stored code for argument types; None without any."""
         key = self._index_key(sig, target_context.codegen())
         self._unpacked = None
         kept = self._kept(key)
@@ -280,12 +274,12 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         return result
 
     def _note(self, key: Any, kept: Kept) -> None:
-        """Remember what a pack is made of: that of this function, or one to which it belongs."""
+        """Record the parts of a pack: of this function, or of its caller."""
         noted(self._turn.kernel, kept)
         self._unpacked = key, symbols_of(kept)
 
     def _pack(self, key: Any) -> tuple[Part, ...]:
-        """Return all that a function needs, each part after those it needs; nothing if it is not packed."""
+        """Return a function's parts in order of dependence; nothing without a pack."""
         for files in self._all_files:
             with contextlib.suppress(Exception):  # pickle promises no certain ones
                 whose, parts = files.read_pack(key)
@@ -294,7 +288,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         return ()
 
     def pack(self) -> None:
-        """Pack what a function needs that has been read from many files, or compiled, into one."""
+        """Pack a function's parts, read from many files or compiled, into one."""
         (key, needs), self._unpacked = self._unpacked or (None, ()), None
         parts = parts_of(needs)
         if parts and self._cache_file.closed:
@@ -316,7 +310,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
 
 
 class _NoCache(NullCache):  # type: ignore[misc]
-    """Keeps nothing, and says so when there would be something to keep."""
+    """Cache that stores nothing, and warns of it."""
 
     def __init__(self, reason: str) -> None:
         self._reason = reason

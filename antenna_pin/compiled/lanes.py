@@ -1,4 +1,4 @@
-"""Four numbers at once in compiled code, as processors multiply them: written down, not left to be found.
+"""Four numbers at once in compiled code, in one register of the processor.
 
 Compilers make such code of sums only if they may change the order of additions, which changes results. Here
 each of the four goes its own way: what comes out are the numbers of as many loops, to the last bit. Lanes
@@ -24,17 +24,17 @@ def lane(numbers: Any, at: int) -> Any:
 
 
 def put_lane(numbers: Any, at: int, value: Any) -> None:
-    """Write a lane into ``numbers[at : at + LANES]`` of a contiguous array; nothing is checked."""
+    """Write a lane into ``numbers[at : at + LANES]`` of a contiguous array, unchecked."""
     numbers[at : at + LANES] = value
 
 
 def lane_of_row(rows: Any, r: int, k: int) -> Any:
-    """Return ``rows[r, k : k + LANES]`` of a contiguous array; nothing is checked."""
+    """Return ``rows[r, k : k + LANES]`` of a contiguous array, unchecked."""
     return rows[r, k : k + LANES].copy()
 
 
 def put_lane_of_row(rows: Any, r: int, k: int, value: Any) -> None:
-    """Write a lane into ``rows[r, k : k + LANES]`` of a contiguous array; nothing is checked."""
+    """Write a lane into ``rows[r, k : k + LANES]`` of a contiguous array, unchecked."""
     rows[r, k : k + LANES] = value
 
 

@@ -1,4 +1,4 @@
-"""Machine code of a kernel as it is kept, made callable again without waking Numba's compiler.
+"""Stored machine code of a kernel, made callable without Numba's compiler.
 
 Numba reads a kept function as if it were to be compiled against: it loads its whole compiler, half a second
 of it, parses the function's LLVM code and looks through its symbols. To be called, a function needs none of
@@ -21,7 +21,7 @@ try:
 except ImportError:  # neither is promised by Numba
     _dynfunc = _nrt_python = compile_result = None
 
-__all__ = ["Code", "Kept", "Part", "called", "kept_of", "link", "named"]
+__all__ = ["Code", "Kept", "Part", "called", "kept_of", "link", "add_kernel_symbol"]
 
 
 class Kept(NamedTuple):
@@ -63,11 +63,11 @@ class Part(NamedTuple):
 
 
 class Code:
-    """Machine code that is loaded, in the place of Numba's library: for who calls it, or is to hold it."""
+    """Loaded machine code in place of Numba's library, for its callers."""
 
-    def __init__(self, engine: Any, kept: Kept) -> None:
-        """Take what it is loaded by, and what is kept of it."""
-        self._engine, self._kept = engine, kept
+    def __init__(self, engine: Any, code: Kept) -> None:
+        """Store the engine, and the stored code."""
+        self._engine, self._stored = engine, code
         self._linking_libraries: tuple[Any, ...] = ()
         self._reload_init: frozenset[Any] = frozenset()
 
@@ -83,16 +83,11 @@ class Code:
 
     @cached_property
     def _module(self) -> Any:
-        return parse_bitcode(self._kept.bitcode)
+        return parse_bitcode(self._stored.bitcode)
 
 
 def kept_of(needs: set[Any], reduced: tuple[Any, ...]) -> Kept | None:
-    """Return what is to be kept of a result as Numba reduces it; None if it is of a form that is not known.
-
-    Args:
-        needs: Kernels that it calls by name, each with the types of its arguments.
-        reduced: What Numba would keep.
-    """
+    """Return the storable form of Numba's reduced result; None for an unknown form."""
     (_, form, code), description, environment, signature, objectmode, _, _, reload_init, others = reduced
     if form != "object" or objectmode or reload_init:
         return None
@@ -100,37 +95,37 @@ def kept_of(needs: set[Any], reduced: tuple[Any, ...]) -> Kept | None:
     return Kept(needs, machine_code, bitcode, description, (environment, *others), signature)
 
 
-def called(context: Any, kept: Kept) -> Any:
-    """Return a kept function, linked, as a result of Numba's; what it calls by name must have its name.
+def called(context: Any, code: Kept) -> Any:
+    """Return a stored function, linked, as Numba's compile result.
 
     Raises:
         AttributeError: Numba or llvmlite has changed inside.
     """
-    description, environment = kept.description, kept.environments[0]
+    description, environment = code.description, code.environments[0]
     engine = context.codegen()._engine._ee
     _name_memory()
-    if description.llvm_func_name not in _linked or _linked[description.llvm_func_name] != hash(kept.object):
-        engine.add_object_file(ObjectFileRef.from_data(kept.object))
-    code = Code(engine, kept)
+    if description.llvm_func_name not in _linked or _linked[description.llvm_func_name] != hash(code.object):
+        engine.add_object_file(ObjectFileRef.from_data(code.object))
+    library = Code(engine, code)
     entry = _dynfunc.make_function(
         description.lookup_module(),
         description.qualname.split(".")[-1],
         f"compiled wrapper for {description.qualname!r}",
-        code.get_pointer_to_function(description.llvm_cpython_wrapper_name),
+        library.get_pointer_to_function(description.llvm_cpython_wrapper_name),
         environment,
-        (code,),
+        (library,),
     )
-    _place(engine, kept.environments)
+    _place(engine, code.environments)
     return compile_result(
         target_context=context,
         typing_context=context.typing_context,
-        library=code,
+        library=library,
         environment=environment,
         entry_point=entry,
         fndesc=description,
-        signature=kept.signature,
+        signature=code.signature,
         objectmode=False,
-        referenced_envs=kept.environments,
+        referenced_envs=code.environments,
     )
 
 
@@ -141,25 +136,25 @@ _linked: dict[str, int] = {}
 _placed: dict[str, Any] = {}
 
 
-def named(symbol: str, address: int) -> None:
+def add_kernel_symbol(symbol: str, address: int) -> None:
     """Let loaded code call a function by a name."""
     _symbols[symbol] = address
     add_symbol(symbol, address)
 
 
 def link(context: Any, part: Part) -> None:
-    """Load a kernel for those only that call it by name, as the kernels that it calls already are."""
+    """Load a kernel for callers by name, after the kernels that it calls."""
     if part.symbol not in _symbols:
         engine = context.codegen()._engine._ee
         _name_memory()
         engine.add_object_file(ObjectFileRef.from_data(part.object))
         _linked[part.function] = hash(part.object)
-        named(part.symbol, engine.get_function_address(part.function))
+        add_kernel_symbol(part.symbol, engine.get_function_address(part.function))
         _place(engine, part.environments)
 
 
 def _place(engine: Any, environments: tuple[Any, ...]) -> None:
-    """Tell code where its environments are, which stay; all object files share the place of one."""
+    """Set the environments' addresses in code; all object files share one place."""
     for one in environments:
         if _placed.get(one.env_name) is not one:
             _placed[one.env_name] = one
@@ -169,6 +164,6 @@ def _place(engine: Any, environments: tuple[Any, ...]) -> None:
 
 @cache
 def _name_memory() -> None:
-    """Give what Numba's code calls for memory its names, as its compiler would when it wakes."""
+    """Define the names of memory functions that Numba's compiler would define."""
     for name, address in _nrt_python.c_helpers.items():
         add_symbol(name if name.startswith("_") else f"NRT_{name}", address)

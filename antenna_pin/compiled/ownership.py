@@ -1,4 +1,4 @@
-"""Owners of files: code is read only from where no other user can have written it.
+"""Ownership of files: code is loaded from closed folders only.
 
 The rule is that of ssh for its keys: every folder on the way belongs to one who is trusted, and is not open
 to others for writing; a folder like ``/tmp``, in which nobody may move what is another's, may be on the way.
@@ -17,7 +17,7 @@ __all__ = ["open_to", "stranger_of"]
 
 
 def stranger_of(folder: str | os.PathLike[str], trusted: int) -> str | None:
-    """Return in words who else may write to a folder or move it; None where nobody can.
+    """Return, as text, a further user with write access to a folder; None without one.
 
     Args:
         folder: It must be there.
@@ -35,7 +35,7 @@ def stranger_of(folder: str | os.PathLike[str], trusted: int) -> str | None:
 
 
 def open_to(about: os.stat_result, trusted: int, *, sticky: bool = False) -> str | None:
-    """Return in words who else may write what a ``stat`` is of; None for nobody.
+    """Return, as text, a further user with write access by a ``stat``; None without one.
 
     Args:
         about: Of a file or folder.

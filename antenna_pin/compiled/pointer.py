@@ -1,4 +1,4 @@
-"""An address that stands as a number among numbers, as a pointer in compiled functions of a user's."""
+"""Address stored as a number, as a pointer in compiled functions of a user's."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ _Record = TypeVar("_Record", bound=np.generic)
 if TYPE_CHECKING:
 
     class Layout(np.dtype[Any], Generic[_Record]):  # type: ignore[misc]  # final in NumPy's stubs
-        """The ``dtype`` of a kind of record. Of arrays made with it mypy allows fields by name, too."""
+        """The ``dtype`` of a kind of record, with fields by name for type checkers."""
 
 else:
     Layout = np.dtype

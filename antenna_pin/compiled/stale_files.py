@@ -1,4 +1,4 @@
-"""Machine code kept under other stamps is deleted: each change of a kernel would leave its own behind."""
+"""Removal of machine code that was stored under other stamps."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _swept: set[Path] = set()
 
 
 def pack_of(index: str, key: Any) -> str:
-    """Return where a function is packed for arguments of certain types, by its index and their key."""
+    """Return the path of a function's pack for argument types, by index and key."""
     digest = hashlib.sha256(str(key[0]).encode()).hexdigest()
     return f"{index.removesuffix('.nbi')}.{digest[:16]}.nbp"
 
@@ -26,11 +26,6 @@ def sweep(index: str, read: Callable[[str], Any], stamp: tuple[Any, Any]) -> Non
 
     A process that was about to read some of it finds nothing, and compiles. What cannot be read is left: it
     may be somebody else's.
-
-    Args:
-        index: Its path, ``NAME.py311.nbi``.
-        read: Returns the version, the stamp and the files of entries by their keys, of an index.
-        stamp: Version and stamp of what is kept now.
     """
     folder = Path(index).parent
     if folder in _swept:

@@ -1,4 +1,4 @@
-"""Kernels that stand alone: their callers know a name that holds in every process, and nothing else of them.
+"""Separately compiled kernels: callers refer to them by process-independent names.
 
 Numba puts all that a function calls into it and optimises it there once more, so that what is called from
 ten places is compiled ten times over. What stands alone is compiled once; its callers find it when they are
@@ -13,7 +13,7 @@ import importlib
 import itertools
 from typing import Any
 
-from antenna_pin.compiled.machine_code import Kept, Part, named
+from antenna_pin.compiled.machine_code import Kept, Part, add_kernel_symbol
 
 try:
     from numba.core.base import OverloadSelector
@@ -57,10 +57,10 @@ def _symbol(name: str, arguments: Any) -> str:
 
 
 def _publish(name: str, context: Any, result: Any) -> None:
-    """Give a compiled function a name that holds in every process, and let it be called by that."""
+    """Register a compiled function under its process-independent name, for calls by name."""
     arguments = tuple(result.signature.args)
     symbol = _symbol(name, arguments)
-    named(symbol, result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
+    add_kernel_symbol(symbol, result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
     alias = copy.copy(result.fndesc)
     alias.mangled_name = symbol
     call = user_function(alias, ())
@@ -76,7 +76,7 @@ def _publish(name: str, context: Any, result: Any) -> None:
 
 
 def needs_of(library: Any) -> set[Any]:
-    """Return the set of what machine code calls by name: kernels, each with the types of its arguments."""
+    """Return the kernels that machine code calls by name, with their argument types."""
     if "needs" not in vars(library):
         library.needs = set()
     needs: set[Any] = library.needs
@@ -99,28 +99,28 @@ def all_needs(library: Any) -> set[Any]:
 _parts: dict[str, Part] = {}
 
 
-def symbols_of(kept: Kept) -> tuple[str, ...]:
-    """Return the names by which a function calls others."""
-    return tuple(sorted(itertools.starmap(_symbol, kept.needs)))
+def symbols_of(code: Kept) -> tuple[str, ...]:
+    """Return the symbols of the kernels that a function calls."""
+    return tuple(sorted(itertools.starmap(_symbol, code.needs)))
 
 
-def noted(name: str, kept: Kept) -> None:
-    """Remember what callers of a kernel need of it."""
-    symbol, function = _symbol(name, kept.signature.args), kept.description.llvm_func_name
-    _parts[symbol] = Part(symbol, function, symbols_of(kept), kept.object, kept.environments)
+def noted(name: str, code: Kept) -> None:
+    """Record a kernel's part for its callers."""
+    symbol, function = _symbol(name, code.signature.args), code.description.llvm_func_name
+    _parts[symbol] = Part(symbol, function, symbols_of(code), code.object, code.environments)
 
 
 def parts_of(symbols: tuple[str, ...]) -> tuple[Part, ...]:
-    """Return kernels and all they need, each after those it needs; nothing if one of them is not noted."""
+    """Return kernels in order of dependence; nothing if one is unknown."""
     found: dict[str, Part] = {}
     return tuple(found.values()) if _gather(symbols, found) else ()
 
 
-def _gather(needs: tuple[str, ...], found: dict[str, Part]) -> bool:
+def _gather(needs: tuple[str, ...], parts: dict[str, Part]) -> bool:
     for symbol in needs:
-        if symbol not in found:
+        if symbol not in parts:
             part = _parts.get(symbol)
-            if part is None or not _gather(part.needs, found):
+            if part is None or not _gather(part.needs, parts):
                 return False
-            found[symbol] = part
+            parts[symbol] = part
     return True

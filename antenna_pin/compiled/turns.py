@@ -29,13 +29,13 @@ class Turn:
         self._file: int | None = None
 
     @property
-    def taken(self) -> bool:
+    def is_held(self) -> bool:
         """Return whether this process has the turn."""
         return self._file is not None
 
     def begin(self, folder: str) -> None:
         """Take the turn to compile the kernel into a folder, after whoever has it."""
-        if self.taken:
+        if self.is_held:
             return
         end = time.monotonic() + _LONGEST
         with contextlib.suppress(OSError):
@@ -61,7 +61,7 @@ class Turn:
 
 @lru_cache
 def _file_in(folder: str) -> int:
-    """Return the file of a folder whose bytes are held; it stays open: who closes it lets go of all."""
+    """Return the open lock file of a folder; closing it releases all turns."""
     return os.open(os.path.join(folder, "kernels.turns"), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
 
 

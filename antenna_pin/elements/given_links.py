@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, ClassVar, Protocol
 
-from antenna_pin.base.arguments import asked, check_takes, unknown_type
+from antenna_pin.base.arguments import answer_of, check_takes, unknown_type
 from antenna_pin.elements.desk_kernels import clear
 from antenna_pin.elements.element import ForceElement, Integral
 from antenna_pin.elements.on_links import BOOKED, AtPoint, OnLinks
@@ -283,7 +283,7 @@ class CallableElement(OnLinks):
         clear(desk)
         whole, links, joints, states = desk
         name, told = f"{place}: act", f"t = {t:.9g} s"
-        asked(name, told, _GIVES, self.act, t, np.array(self.tail()), links, joints, states, whole[0])
+        answer_of(name, told, _GIVES, self.act, t, np.array(self.tail()), links, joints, states, whole[0])
         for what, part in (("force", links), ("torque", links), ("torque", joints), ("rate", states)):
             if not np.isfinite(part[what]).all():
                 raise FunctionError(name, told, _GIVES, f"a {what} of {part[what].tolist()}")
@@ -343,7 +343,7 @@ class CallableForce(AtPoint):
         pose[:3, :3], pose[:3, 3] = link.rotation, link.place
         twist = np.concatenate([link.velocity, link.spin])
         name, told, rule = f"{place}: wrench", f"t = {t:.9g} s", "six finite numbers"
-        answer = asked(name, told, rule, self.wrench, t, pose, twist)
+        answer = answer_of(name, told, rule, self.wrench, t, pose, twist)
         try:
             six = np.asarray(answer, dtype=float)
         except (TypeError, ValueError):

@@ -95,20 +95,15 @@ def share_taken(whole: MassProperties, part: MassProperties) -> float:
 
 def shares_taken(whole: MassProperties, moments: Array) -> Array:
     """Return the same of parts by their pseudo-inertias, (n, 4, 4), as (n,)."""
-    return np.asarray(np.linalg.eigvalsh(_measured(whole, moments))[..., -1])
+    return np.asarray(np.linalg.eigvalsh(_in_metric(whole, moments))[..., -1])
 
 
 def least_share(whole: MassProperties, left: Array) -> float:
-    """Return the least share of a body's moments in a pseudo-inertia, (4, 4) [-].
-
-    Args:
-        whole: The body.
-        left: What is left of it; with a negative share no body can have it.
-    """
-    return float(np.linalg.eigvalsh(_measured(whole, left))[0])
+    """Return the least share of moments in a pseudo-inertia (4, 4) [-]; negative if impossible."""
+    return float(np.linalg.eigvalsh(_in_metric(whole, left))[0])
 
 
-def _measured(whole: MassProperties, moments: Array) -> Array:
+def _in_metric(whole: MassProperties, moments: Array) -> Array:
     """Return pseudo-inertias, (..., 4, 4), in the metric of a body's principal axes."""
     values, axes = np.linalg.eigh(whole.spread)
     values = np.maximum(values, _FLAT * values.sum())

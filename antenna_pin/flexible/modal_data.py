@@ -34,7 +34,7 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.flexible.inertia import MassProperties, inertia_of, least_share, share_taken, shares_taken
 from antenna_pin.flexible.parts import ElasticPart, FlexibleKind, SphereShape
 
-__all__ = ["ModalData", "balanced_rotor", "hinged", "realised", "sliding_mass"]
+__all__ = ["FACTORS", "ModalData", "balanced_rotor", "hinged", "realised", "sliding_mass"]
 
 Array = NDArray[np.float64]
 
@@ -68,14 +68,9 @@ def sliding_mass(
         ratio: Damping ratio with the hub held [-].
     """
     own = inertia_of(_OWN * mass / link.mass * link.spread)
-    return ElasticPart(
-        name=name,
-        slides=True,
-        origin=place,
-        axis=direction,
-        body=MassProperties(mass, place, own),
-        stiffness=mass * omega**2,
-        damping=2.0 * ratio * omega * mass,
+    body = MassProperties(mass, place, own)
+    return ElasticPart.swinging(
+        mass, omega, ratio, name=name, slides=True, origin=place, axis=direction, body=body
     )
 
 
@@ -104,14 +99,9 @@ def balanced_rotor(
     mass = link.mass * inertia / float(direction @ link.inertia @ direction)
     across = np.eye(3) - np.outer(direction, direction)
     spread = 0.5 * inertia * (across + _OWN * np.outer(direction, direction))
-    return ElasticPart(
-        name=name,
-        slides=False,
-        origin=place,
-        axis=direction,
-        body=MassProperties(mass, place, inertia_of(spread)),
-        stiffness=inertia * omega**2,
-        damping=2.0 * ratio * omega * inertia,
+    body = MassProperties(mass, place, inertia_of(spread))
+    return ElasticPart.swinging(
+        inertia, omega, ratio, name=name, slides=False, origin=place, axis=direction, body=body
     )
 
 
@@ -182,7 +172,7 @@ def _mode_as_mass(
     omega: float,
     ratio: float,
 ) -> ElasticPart:
-    """Return a mode as a mass on a slide, or with a pitch on a hinge."""
+    """Return a mode as a mass on a slide, or on a hinge."""
     size, reach = float(np.linalg.norm(translation)), link.gyration
     along = translation / size
     if abs(pitch) <= _NOTHING * size * reach:
@@ -223,15 +213,15 @@ def hinged(
     axis, centre, mass, root, spread = axes[0], centres[0], float(masses[0]), float(roots[0]), spreads[0]
     size = float(np.linalg.norm(translation))
     along = translation / size
-    moment = root**2
-    return ElasticPart(
+    return ElasticPart.swinging(
+        root**2,
+        omega,
+        ratio,
         name=name,
         slides=False,
         origin=centre - size * lever / extra * np.cross(along, axis),
         axis=axis,
         body=MassProperties(mass, centre, inertia_of(spread)),
-        stiffness=moment * omega**2,
-        damping=2.0 * ratio * omega * moment,
     )
 
 
@@ -292,8 +282,8 @@ def _hinged_moments(
 
 # --- appendages ---------------------------------------------------------------------------------------------
 
-# What the numbers of a mode are called, in files too.
-_COLUMNS = ("tx", "ty", "tz", "rx", "ry", "rz")
+#: Names of the participation factors of a mode: translation, then rotation.
+FACTORS = ("tx", "ty", "tz", "rx", "ry", "rz")
 # A mode with less than that in all six has a mass that is none [sqrt(kg)], [sqrt(kg) m].
 _FELT = 1e-50
 # Radius of the ball that stands for a mode in pictures, over the link's radius of gyration.
@@ -378,7 +368,7 @@ class ModalData(FlexibleKind):
         most = int(np.argmax(effective / whole))
         what, unit = ("mass", "kg") if most < 3 else ("moment of inertia about the root", "kg m^2")
         return (
-            f"; {self._place(part)}, column {_COLUMNS[most]}: an effective {what} of {effective[most]:.4g} "
+            f"; {self._place(part)}, column {FACTORS[most]}: an effective {what} of {effective[most]:.4g} "
             f"{unit}, of the link's {whole[most]:.4g} {unit}"
         )
 
@@ -387,10 +377,6 @@ class ModalData(FlexibleKind):
 
         Masses sit where their modes' forces act; where that does not leave a hub that can exist, all go where
         they take the least of the link.
-
-        Args:
-            name: Of the flexible link; the parts' names begin with it.
-            link: The whole link.
         """
         ratios = np.broadcast_to(self.damping_ratio, len(self.frequency))
         found: list[ElasticPart] = []

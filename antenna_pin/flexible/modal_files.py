@@ -18,10 +18,11 @@ from collections.abc import Container, Sequence
 from dataclasses import dataclass, field
 
 from antenna_pin.base.parameters import RULES, SWINGS
-from antenna_pin.base.readable import decimal_in, whole_in
+from antenna_pin.base.readable import alternatives, decimal_in, whole_in
 from antenna_pin.base.tables import BadTableError, column_of, headings, read_cells
 from antenna_pin.base.units import shown
 from antenna_pin.errors import FileFormatError
+from antenna_pin.flexible.modal_data import FACTORS
 
 __all__ = [
     "BadModalTableError",
@@ -35,9 +36,6 @@ __all__ = [
 
 
 # --- modal tables -------------------------------------------------------------------------------------------
-
-#: Names of the participation factors of a mode: translation, then rotation.
-FACTORS = ("tx", "ty", "tz", "rx", "ry", "rz")
 
 
 class BadModalTableError(FileFormatError):
@@ -242,10 +240,6 @@ class _Reader:
 def read_printed(text: str, or_else: str) -> ModalTable:
     """Return the modes of a printed table.
 
-    Args:
-        text: The file's text.
-        or_else: What else a file may be, for the message of one that is neither.
-
     Raises:
         BadModalTableError: There is no such table, or a line is not what it should be.
     """
@@ -322,9 +316,9 @@ def _printed(word: str, name: str, place: str) -> _Printed:
 def _eigenvalue(words: Sequence[str], columns: Sequence[str], place: str) -> _Printed:
     """Return the frequency [Hz] of a mode's line, checked against its other numbers."""
     if len(words) != len(columns):
-        *first, last = (f"{count} ({', '.join(names)})" for count, names in _EIGENVALUES.items())
+        counts = (f"{count} ({', '.join(names)})" for count, names in _EIGENVALUES.items())
         raise BadModalTableError(
-            f"{place}: a row of the REAL EIGENVALUES must have {', '.join(first)} or {last} numbers, "
+            f"{place}: a row of the REAL EIGENVALUES must have {alternatives(counts)} numbers, "
             f"got {len(words)}"
         )
     row = {name: _printed(word, name, place) for name, word in zip(columns, words, strict=True)}

@@ -68,12 +68,7 @@ class EffectiveMode:
         return math.sqrt(self.stiffness / (self.mass or self.inertia or math.nan)) / (2.0 * math.pi)
 
     def part(self, name: str, link: MassProperties) -> ElasticPart:
-        """Return the body on a joint that it is.
-
-        Args:
-            name: Of the part.
-            link: The whole link.
-        """
+        """Return the body on a joint that it is."""
         along = unit(self.direction)
         place = link.centre if self.place is None else np.array(self.place)
         omega = 2.0 * math.pi * self.natural_frequency
@@ -110,10 +105,5 @@ class EffectiveModes(FlexibleKind):
         return {name: mode.natural_frequency for name, mode in self.modes.items()}
 
     def parts(self, name: str, link: MassProperties) -> list[ElasticPart]:
-        """Return the bodies on joints that the modes are.
-
-        Args:
-            name: Of the flexible link; the parts' names begin with it.
-            link: The whole link.
-        """
+        """Return the modes as bodies on joints."""
         return [mode.part(f"{name}_{key}", link) for key, mode in self.modes.items()]

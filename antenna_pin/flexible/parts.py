@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -123,6 +123,18 @@ class ElasticPart:
     stiffness: float
     damping: float
     drawn: tuple[Drawn, ...] = ()
+
+    @classmethod
+    def swinging(cls, moment: float, omega: float, ratio: float, **more: Any) -> ElasticPart:
+        """Return a part by natural frequency and damping ratio with the hub held.
+
+        Args:
+            moment: Mass [kg] or moment of inertia [kg m^2] that the joint moves.
+            omega: Natural angular frequency [rad/s].
+            ratio: Damping ratio [-].
+            **more: Other fields.
+        """
+        return cls(stiffness=moment * omega**2, damping=2.0 * ratio * omega * moment, **more)
 
     @property
     def moved(self) -> float:

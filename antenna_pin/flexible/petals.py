@@ -169,12 +169,7 @@ class Petals(FlexibleKind):
         return (CylinderShape(self.hub_radius, thickness, self.placement @ disc),)
 
     def parts(self, name: str, link: MassProperties) -> list[ElasticPart]:
-        """Return the petals.
-
-        Args:
-            name: Of the flexible link; the parts' names begin with it.
-            link: The whole link.
-        """
+        """Return the petals."""
         body, moment = self.body, self.moment
         omega = 2.0 * math.pi * self.natural_frequency
         found = []
@@ -182,14 +177,15 @@ class Petals(FlexibleKind):
             place = self.placement @ _turned(2.0 * math.pi * k / self.petals)
             turn = place[:3, :3]
             found.append(
-                ElasticPart(
+                ElasticPart.swinging(
+                    moment,
+                    omega,
+                    self.damping_ratio,
                     name=f"{name}_{key}",
                     slides=False,
                     origin=turn @ self.root + place[:3, 3],
                     axis=-turn[:, 1],
                     body=body.moved(place),
-                    stiffness=moment * omega**2,
-                    damping=2.0 * self.damping_ratio * omega * moment,
                     drawn=self._drawn(place),
                 )
             )

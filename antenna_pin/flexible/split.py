@@ -38,12 +38,6 @@ class SplitLink:
 def split(kind: FlexibleKind, name: str, link: MassProperties, where: str) -> SplitLink:
     """Return a link as a hub with elastic parts.
 
-    Args:
-        kind: How it is flexible.
-        name: What the parts' names begin with.
-        link: The whole link.
-        where: Its place, for messages.
-
     Raises:
         MechanismError: No body can be what is left; it says which part asks too much.
     """

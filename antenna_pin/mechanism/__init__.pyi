@@ -4,6 +4,10 @@ from antenna_pin.base.changes import JointVariant as JointVariant
 from antenna_pin.base.changes import LinkChange as LinkChange
 from antenna_pin.base.changes import Rotor as Rotor
 from antenna_pin.base.changes import ShapeChange as ShapeChange
+from antenna_pin.mechanism.additions import check_turns as check_turns
+from antenna_pin.mechanism.additions import rotor_joint as rotor_joint
+from antenna_pin.mechanism.additions import with_rotor as with_rotor
+from antenna_pin.mechanism.additions import with_shaken_base as with_shaken_base
 from antenna_pin.mechanism.frames import frame_aligning_z as frame_aligning_z
 from antenna_pin.mechanism.frames import quaternion as quaternion
 from antenna_pin.mechanism.frames import quaternions as quaternions
@@ -20,10 +24,6 @@ from antenna_pin.mechanism.model import JointSlot as JointSlot
 from antenna_pin.mechanism.model import Mechanism as Mechanism
 from antenna_pin.mechanism.model import build_mechanism as build_mechanism
 from antenna_pin.mechanism.model import check_size as check_size
-from antenna_pin.mechanism.rotors import check_turns as check_turns
-from antenna_pin.mechanism.rotors import rotor_joint as rotor_joint
-from antenna_pin.mechanism.rotors import with_rotor as with_rotor
-from antenna_pin.mechanism.shaken import with_shaken_base as with_shaken_base
 from antenna_pin.mechanism.tree import BODY as BODY
 from antenna_pin.mechanism.tree import CHANGE as CHANGE
 from antenna_pin.mechanism.tree import LANES as LANES

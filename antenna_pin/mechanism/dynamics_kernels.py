@@ -82,7 +82,7 @@ def aba(
 
 @inlined
 def _hand_on_inertia(own: BodyRoom, on: BodyRoom) -> None:
-    """Add the inertia that a joint leaves, and the wrench that goes with it, to the body it is on."""
+    """Add a joint's remaining inertia and its wrench to the parent body."""
     a, b, d, c, s, f, m = (
         own.block_a,
         own.block_b,

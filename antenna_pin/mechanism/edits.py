@@ -1,4 +1,4 @@
-"""Changes to the XML of a URDF in place; comments, colours and other tools' tags stay."""
+"""Changes to the XML of a URDF in place; comments and foreign tags stay."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from lxml import etree
 
 from antenna_pin.base.changes import JOINT_VARIANTS, JointChange, JointVariant, LinkChange, ShapeChange
 from antenna_pin.base.directions import unit
+from antenna_pin.base.readable import alternatives
 from antenna_pin.base.units import shown
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.flexible import (
@@ -44,28 +45,23 @@ _HINGES = ("revolute", "continuous")
 
 
 def plane_names(joint: str) -> tuple[str, str]:
-    """Return the names of the massless link and the fixed joint that a joint made planar is written with."""
+    """Return the names of the massless link and the fixed joint behind a planar joint."""
     return f"{joint}_plane", f"{joint}_plane_mount"
 
 
 def change_link(robot: Any, name: str, change: LinkChange, where: str) -> None:
     """Write new inertial properties and dimensions into a link."""
-    link = named(robot, "link", name)
+    link = element_named(robot, "link", name, where)
     if (change.mass, change.inertia, change.centre_of_mass) != (None, None, None):
         _change_inertial(link, change, where)
-    shapes = [shape for tag in ("visual", "collision") for shape in link.findall(tag)]
     for shape_name, shape_change in change.shapes.items():
-        same = [shape for shape in shapes if shape.get("name") == shape_name]
-        if not same:
-            known = {shape.get("name") for shape in shapes if shape.get("name")}
-            raise UnknownNameError(f"{where}: link {name!r}", "shape", shape_name, known)
-        for shape in same:
+        for shape in _shapes(link, shape_name, where):
             _change_shape(shape, shape_change, f"{where}: link {name!r}: shape {shape_name!r}")
 
 
 def change_joint(robot: Any, name: str, change: JointChange, where: str) -> None:
-    """Write a new origin, axis, bounds and ``<dynamics>`` into a joint, and take its ``<mimic>`` out."""
-    joint = named(robot, "joint", name)
+    """Change origin, axis, bounds and ``<dynamics>`` of a joint, or remove its ``<mimic>``."""
+    joint = element_named(robot, "joint", name, where)
     if change.mimic is not None:
         mimic = joint.find("mimic")
         if change.mimic or mimic is None:
@@ -100,7 +96,7 @@ def change_joint(robot: Any, name: str, change: JointChange, where: str) -> None
 
 
 def _change_bounds(joint: Any, name: str, change: JointChange, where: str) -> None:
-    """Write new bounds into ``<limit>``, which is made where there is none."""
+    """Write new bounds into ``<limit>``, created where it is missing."""
     if change.lower is None and change.upper is None:
         return
     kind = joint.get("type")
@@ -127,20 +123,10 @@ def _change_bounds(joint: Any, name: str, change: JointChange, where: str) -> No
 
 
 def vary_joint(
-    robot: Any, name: str, variant: JointVariant, axis: Vector3, origin: Matrix3, where: str
+    robot: Any, joint: Any, variant: JointVariant, axis: Vector3, origin: Matrix3, where: str
 ) -> None:
-    """Make a joint ideal, free, locked or planar.
-
-    Args:
-        robot: Root element, changed in place.
-        name: The joint.
-        variant: What to make of it.
-        axis: (3,) its axis in its own frame [-].
-        origin: (3, 3) orientation of its frame in the parent link [-].
-        where: Name of the file, for messages.
-    """
-    joint = named(robot, "joint", name)
-    kind = joint.get("type")
+    """Make a joint ideal, free, locked or planar, by axis (3,) and rotation (3, 3)."""
+    name, kind = joint.get("name"), joint.get("type")
     if variant == "ideal":
         if kind in ("floating", "planar"):
             raise MechanismError(
@@ -150,9 +136,8 @@ def vary_joint(
         return
     allowed = {"planar": _HINGES, "free": (*_HINGES, "prismatic")}.get(variant)
     if allowed is not None and kind not in allowed:
-        others = f"{', '.join(allowed[:-1])} or {allowed[-1]}"
         raise MechanismError(
-            f"{where}: joint {name!r} is {kind}; only a {others} joint can be made {variant}, "
+            f"{where}: joint {name!r} is {kind}; only a {alternatives(allowed)} joint can be made {variant}, "
             "for its axis is the bearing's"
         )
     tags = ("limit", "dynamics", "safety_controller", "calibration")
@@ -172,7 +157,7 @@ def vary_joint(
 
 
 def relocate_meshes(robot: Any, resolve: Any) -> None:
-    """Give every mesh the file name that ``resolve(filename) -> str`` returns."""
+    """Rename the files of all meshes by ``resolve(filename) -> str``."""
     for mesh in meshes(robot):
         mesh.set("filename", resolve(mesh.get("filename")))
 
@@ -183,23 +168,12 @@ def meshes(robot: Any) -> list[Any]:
 
 
 def make_planar(robot: Any, joint: Any, axis: Vector3, origin: Matrix3, where: str) -> None:
-    """Turn the joint frame so that z is its axis, and turn back behind a massless link.
+    """Align a joint frame's z with its axis, and align back behind a massless link.
 
     The fixed joint keeps the axis as it was, in the axes of the frame as it was: a reader finds both again.
-
-    Args:
-        robot: Root element, changed in place.
-        joint: The joint's element.
-        axis: (3,) its axis in its own frame [-].
-        origin: (3, 3) orientation of its frame in the parent link [-].
-        where: Name of the file, for messages.
     """
     link_name, mount_name = plane_names(joint.get("name"))
-    for kind, new in (("link", link_name), ("joint", mount_name)):
-        if any(element.get("name") == new for element in robot.findall(kind)):
-            raise MechanismError(
-                f"{where}: {kind} name {new!r} is needed to make a joint planar; rename yours"
-            )
+    refuse_taken(robot, mount_name, link_name, where, "to make a joint planar; rename yours")
     rotation = frame_aligning_z(axis)
     child = joint.find("child").get("link")
     joint.set("type", "planar")
@@ -207,11 +181,8 @@ def make_planar(robot: Any, joint: Any, axis: Vector3, origin: Matrix3, where: s
     set_numbers(child_of(joint, "origin"), {"rpy": roll_pitch_yaw(origin @ rotation)})
     set_numbers(child_of(joint, "axis"), {"xyz": (0.0, 0.0, 1.0)})
     link = etree.Element("link", name=link_name)
-    mount = etree.Element("joint", name=mount_name, type="fixed")
-    etree.SubElement(mount, "parent", link=link_name)
-    etree.SubElement(mount, "child", link=child)
-    etree.SubElement(mount, "origin", xyz=text_of((0.0, 0.0, 0.0)), rpy=text_of(roll_pitch_yaw(rotation.T)))
-    etree.SubElement(mount, "axis", xyz=text_of(axis))
+    origin_of_mount = origin_at((0.0, 0.0, 0.0), roll_pitch_yaw(rotation.T))
+    mount = new_joint(mount_name, "fixed", link_name, child, origin_of_mount, axis)
     etree.indent(mount, level=1)
     for element in (mount, link):
         element.tail = joint.tail
@@ -255,12 +226,51 @@ def _change_shape(shape: Any, change: ShapeChange, place: str) -> None:
     set_numbers(geometry, new)
 
 
-def named(robot: Any, kind: str, name: str) -> Any:
-    return next(element for element in robot.findall(kind) if element.get("name") == name)
+def element_named(robot: Any, kind: str, name: str, where: str) -> Any:
+    """Return a link or joint by name, or refuse an unknown name."""
+    known = {str(element.get("name")): element for element in robot.findall(kind)}
+    if name not in known:
+        raise UnknownNameError(where, kind, name, known)
+    return known[name]
+
+
+def refuse_taken(robot: Any, joint: str, link: str, where: str, purpose: str) -> None:
+    """Refuse names of a new joint and a new link that the URDF has already."""
+    for kind, name in (("link", link), ("joint", joint)):
+        if any(element.get("name") == name for element in robot.findall(kind)):
+            raise MechanismError(f"{where}: {kind} name {name!r} is needed {purpose}")
+
+
+def origin_at(xyz: Iterable[float], rpy: Iterable[float] = (0.0, 0.0, 0.0)) -> dict[str, str]:
+    """Return the attributes of an origin [m], [rad]."""
+    return {"xyz": text_of(xyz), "rpy": text_of(rpy)}
+
+
+def new_joint(
+    name: str, kind: str, parent: str, child: str, origin: Mapping[str, str] | None, axis: Any
+) -> Any:
+    """Return a joint with attributes of an origin and an axis (3,), None for none."""
+    joint = etree.Element("joint", name=name, type=kind)
+    etree.SubElement(joint, "parent", link=parent)
+    etree.SubElement(joint, "child", link=child)
+    if origin is not None:
+        etree.SubElement(joint, "origin", dict(origin))
+    if axis is not None:
+        etree.SubElement(joint, "axis", xyz=text_of(axis))
+    return joint
+
+
+def insert_behind(element: Any, *others: Any) -> Any:
+    """Insert elements behind an element, each after an empty line; return the last."""
+    for other in others:
+        other.tail, element.tail = element.tail, "\n\n  "
+        element.addnext(other)
+        element = other
+    return element
 
 
 def child_of(element: Any, tag: str) -> Any:
-    """Return the child of that tag, made where there is none."""
+    """Return the child with a tag, created where it is missing."""
     child = element.find(tag)
     if child is None:
         child = etree.SubElement(element, tag)
@@ -271,7 +281,7 @@ def child_of(element: Any, tag: str) -> Any:
 
 
 def set_numbers(element: Any, new: Mapping[str, Iterable[float] | None]) -> None:
-    """Write the numbers that are given into attributes, and what they were into the comment behind."""
+    """Write numbers into attributes, and the old ones into the comment behind."""
     was = []
     for key, values in new.items():
         if values is not None:
@@ -285,7 +295,7 @@ def set_numbers(element: Any, new: Mapping[str, Iterable[float] | None]) -> None
 
 
 def _remove_remark(element: Any) -> None:
-    """Take out the comment behind an element on its line, if there is one."""
+    """Remove the comment behind an element on its line."""
     after = element.getnext()
     if after is not None and after.tag is etree.Comment and "\n" not in (element.tail or ""):
         element.tail = after.tail
@@ -294,7 +304,7 @@ def _remove_remark(element: Any) -> None:
 
 
 def remove(element: Any) -> None:
-    """Take an element and its remark out and leave the layout of the text."""
+    """Remove an element and its remark without change of the text's layout."""
     _remove_remark(element)
     before, parent = element.getprevious(), element.getparent()
     if before is not None:
@@ -311,9 +321,6 @@ def text_of(values: Iterable[float] | Vector3) -> str:
 
 # --- elastic parts of links ---------------------------------------------------------------------------------
 
-# URDF wants limits of hinges and slides. These are none: nothing gets there.
-_NO_LIMIT = {"lower": "-1e9", "upper": "1e9", "effort": "1e9", "velocity": "1e9"}
-
 
 def body_name(part: str) -> str:
     """Return the name of the link that an elastic part is."""
@@ -321,15 +328,8 @@ def body_name(part: str) -> str:
 
 
 def add_parts(robot: Any, link_name: str, split: SplitLink, where: str) -> None:
-    """Make of a link its hub, and hang its elastic parts on it.
-
-    Args:
-        robot: Root element, changed in place.
-        link_name: The link.
-        split: Its hub and parts.
-        where: Name of the file, for messages.
-    """
-    link = named(robot, "link", link_name)
+    """Reduce a link to its hub, and attach its elastic parts, each with a joint."""
+    link = element_named(robot, "link", link_name, where)
     _write_hub(link, split.hub)
     replaced = [element for shape in split.removes for element in _shapes(link, shape, where)]
     material = _material(replaced or link.findall("visual"))
@@ -338,64 +338,52 @@ def add_parts(robot: Any, link_name: str, split: SplitLink, where: str) -> None:
     for k, drawn in enumerate(split.hub_shapes):
         _draw(link, drawn, f"hub{k + 1}", np.zeros(3), material)
     last = link
-    taken: set[str] = set()  # a shape that several parts move is on the first
+    moved: set[str] = set()  # a shape that several parts move is on the first
+    purpose = f"for an elastic part of link {link_name!r}; rename yours, or the part"
     for part in split.parts:
-        for kind, name in (("joint", part.name), ("link", body_name(part.name))):
-            if any(element.get("name") == name for element in robot.findall(kind)):
-                raise MechanismError(
-                    f"{where}: {kind} name {name!r} is needed for an elastic part of link {link_name!r}; "
-                    "rename yours, or the part"
-                )
-        joint, body = _joint(part, link_name), _body(part, link, material, taken, where)
-        for element in (joint, body):
-            element.tail, last.tail = last.tail, "\n\n  "
-            last.addnext(element)
-            last = element
+        refuse_taken(robot, part.name, body_name(part.name), where, purpose)
+        body = _body(part, link, material, moved, where)
+        last = insert_behind(last, _joint(part, link_name), body)
 
 
 def _write_hub(link: Any, hub: MassProperties) -> None:
     inertial = child_of(link, "inertial")
     set_numbers(child_of(inertial, "origin"), {"xyz": hub.centre, "rpy": (0.0, 0.0, 0.0)})
     set_numbers(child_of(inertial, "mass"), {"value": (hub.mass,)})
-    set_numbers(child_of(inertial, "inertia"), _moments(hub))
+    set_numbers(child_of(inertial, "inertia"), moments_of(hub.inertia))
 
 
-def _moments(body: MassProperties) -> dict[str, Iterable[float] | None]:
-    inertia = body.inertia
+def moments_of(inertia: np.ndarray) -> dict[str, Iterable[float] | None]:
+    """Return the moments of an inertia (3, 3), by the attributes of URDF."""
     values = (*np.diag(inertia), inertia[0, 1], inertia[0, 2], inertia[1, 2])
     return {key: (float(value),) for key, value in zip(MOMENTS, values, strict=True)}
 
 
 def _joint(part: ElasticPart, parent: str) -> Any:
-    joint = etree.Element("joint", name=part.name, type="prismatic" if part.slides else "revolute")
-    per = ("N/m", "N s/m") if part.slides else ("N m/rad", "N m s/rad")
-    joint.append(
-        etree.Comment(
-            f" antenna_pin: held at zero by a spring of {part.stiffness!r} {per[0]}, "
-            f"with a damper of {part.damping!r} {per[1]} "
-        )
+    kind, per = ("prismatic", ("N/m", "N s/m")) if part.slides else ("revolute", ("N m/rad", "N m s/rad"))
+    joint = new_joint(part.name, kind, parent, body_name(part.name), origin_at(part.origin), part.axis)
+    note = (
+        f" antenna_pin: held at zero by a spring of {part.stiffness!r} {per[0]}, "
+        f"with a damper of {part.damping!r} {per[1]} "
     )
-    etree.SubElement(joint, "parent", link=parent)
-    etree.SubElement(joint, "child", link=body_name(part.name))
-    etree.SubElement(joint, "origin", xyz=text_of(part.origin), rpy=text_of((0.0, 0.0, 0.0)))
-    etree.SubElement(joint, "axis", xyz=text_of(part.axis))
-    etree.SubElement(joint, "limit", _NO_LIMIT)
+    joint.insert(0, etree.Comment(note))
+    etree.SubElement(joint, "limit", urdf_xml.NO_LIMIT)
     etree.indent(joint, level=1)
     return joint
 
 
-def _body(part: ElasticPart, link: Any, material: Any, taken: set[str], where: str) -> Any:
+def _body(part: ElasticPart, link: Any, material: Any, moved: set[str], where: str) -> Any:
     body = etree.Element("link", name=body_name(part.name))
     inertial = etree.SubElement(body, "inertial")
     etree.SubElement(inertial, "origin", xyz=text_of(part.body.centre - part.origin), rpy="0 0 0")
     etree.SubElement(inertial, "mass", value=text_of((part.body.mass,)))
-    moments = {key: text_of(values or ()) for key, values in _moments(part.body).items()}
+    moments = {key: text_of(values or ()) for key, values in moments_of(part.body.inertia).items()}
     etree.SubElement(inertial, "inertia", moments)
     for k, drawn in enumerate(part.drawn):
         if isinstance(drawn, Takes):
-            if drawn.shape in taken:
+            if drawn.shape in moved:
                 continue
-            taken.add(drawn.shape)
+            moved.add(drawn.shape)
             for element in _shapes(link, drawn.shape, where):
                 _shift(element, -part.origin, f"{where}: shape {drawn.shape!r} of link {link.get('name')!r}")
                 element.getparent().remove(element)
@@ -432,16 +420,11 @@ def _material(shapes: Iterable[Any]) -> Any:
 
 
 def _draw(link: Any, drawn: Drawn, name: str, origin: np.ndarray, material: Any) -> None:
-    """Add a shape, placed in the frame of the split link, to a link whose frame is at an origin there."""
+    """Add a shape, placed in the split link's frame, to a part at an origin."""
     assert not isinstance(drawn, Takes)
     visual = etree.SubElement(link, "visual", name=name)
     turn = drawn.placement[:3, :3]
-    etree.SubElement(
-        visual,
-        "origin",
-        xyz=text_of(drawn.placement[:3, 3] - origin),
-        rpy=text_of(roll_pitch_yaw(turn)),
-    )
+    etree.SubElement(visual, "origin", origin_at(drawn.placement[:3, 3] - origin, roll_pitch_yaw(turn)))
     geometry = etree.SubElement(visual, "geometry")
     if isinstance(drawn, SphereShape):
         etree.SubElement(geometry, "sphere", radius=text_of((drawn.radius,)))
@@ -468,14 +451,7 @@ def edited(
     links: Mapping[str, LinkChange] | None = None,
     origins: Mapping[str, JointChange] | None = None,
 ) -> Any:
-    """Return the root element of a URDF with changes made, with line numbers of the text.
-
-    Args:
-        text: The XML.
-        where: Name of the file, for messages.
-        joints: What to make of joints, by name.
-        links: New inertial properties and shapes, by link.
-        origins: New places, axes and bounds of joints, applied before ``joints``.
+    """Return the root element of a changed URDF, with line numbers of the text.
 
     Raises:
         MechanismError: The text is no URDF, or a change makes no sense.
@@ -483,44 +459,28 @@ def edited(
     """
     robot = urdf_xml.read(text, where)
     for name, link_change in (links or {}).items():
-        _check_known(robot, where, "link", name)
         change_link(robot, name, link_change, where)
     for name, joint_change in (origins or {}).items():
-        _check_known(robot, where, "joint", name)
         change_joint(robot, name, joint_change, where)
     for name, kind in (joints or {}).items():
-        _check_known(robot, where, "joint", name)
+        joint = element_named(robot, "joint", name, where)
         if kind not in JOINT_VARIANTS:
             raise UnknownNameError(f"{where}: joint {name!r}", "kind", str(kind), JOINT_VARIANTS)
         axis, turn = np.array([1.0, 0.0, 0.0]), np.eye(3)
-        joint = named(robot, "joint", name)
         if kind in ("free", "planar") and joint.get("type") in urdf_xml.WITH_AXIS:
             # Axis and friction are those of a bearing from here on, and the joint has none to be judged by.
             axis = unit(urdf_xml.axis_of(joint, where))
             urdf_xml.check_dynamics(joint, where)
             turn = of_roll_pitch_yaw(*urdf_xml.check_origin(joint, where))
-        vary_joint(robot, name, kind, axis, turn, where)
+        vary_joint(robot, joint, kind, axis, turn, where)
     return robot
 
 
 def turn_planes(robot: Any, where: str) -> None:
-    """Give planar joints of which the normal is not their frame's z a frame of which it is.
-
-    Pinocchio takes z, whatever the axis says.
-
-    Args:
-        robot: Root element, changed in place; its numbers have been judged.
-        where: Name of the file, for messages.
-    """
+    """Turn frames of planar joints so that z, which Pinocchio takes, is the normal."""
     for joint in robot.findall("joint"):
         if joint.get("type") == "planar":
             axis = unit(urdf_xml.axis_of(joint, where))
             if np.any(axis[:2] != 0.0) or axis[2] < 0.0:
                 turn = of_roll_pitch_yaw(*urdf_xml.check_origin(joint, where))
                 make_planar(robot, joint, axis, turn, where)
-
-
-def _check_known(robot: Any, where: str, kind: str, name: str) -> None:
-    known = [str(element.get("name")) for element in robot.findall(kind)]
-    if name not in known:
-        raise UnknownNameError(where, kind, name, known)

@@ -102,7 +102,7 @@ def of_roll_pitch_yaw(roll: float, pitch: float, yaw: float) -> Matrix3:
 
 @takes()
 def quaternions(rotations: npt.ArrayLike) -> npt.NDArray[np.float64]:
-    """Return rotations over time as quaternions xyzw that do not jump in sign from one to the next.
+    """Return rotations over time as quaternions xyzw without jumps of sign.
 
     Args:
         rotations: Rotation matrices, (n, ..., 3, 3) [-].

@@ -46,24 +46,24 @@ class RigidGroup:
     placements: tuple[Array, ...]
 
     @property
-    def first(self) -> str:
+    def first_link(self) -> str:
         """Name of the first link."""
         return str(self.links[0].name)
 
     @property
     def name(self) -> str:
-        """Name of the body: that of its first link that has an inertial, or of the first of all."""
-        return str(next((link.name for link in self.links if link.inertial is not None), self.first))
+        """Name of the body: its first link with an inertial, else its first link."""
+        return str(next((link.name for link in self.links if link.inertial is not None), self.first_link))
 
     @property
     def called(self) -> str:
         """Name in messages."""
-        having = [link.name for link in self.links if link.inertial is not None] or [self.first]
+        having = [link.name for link in self.links if link.inertial is not None] or [self.first_link]
         name, others = having[0], ", ".join(map(repr, having[1:]))
         return f"link {name!r}" + (f" together with {others}, fixed to it" if others else "")
 
     def composite(self) -> tuple[float, Array, Array]:
-        """Return mass [kg], mass centre (3,) [m] and inertia about it (3, 3) [kg m^2], as the first link."""
+        """Return mass [kg], mass centre (3,) [m] and central inertia (3, 3) [kg m^2]."""
         masses, centres, inertias = [], [], []
         for link, placement in zip(self.links, self.placements, strict=True):
             if (own := link.inertial) is not None:
@@ -106,7 +106,7 @@ def rigid_groups(robot: Robot) -> dict[str, RigidGroup]:
 
 
 def check_masses(robot: Robot, where: str) -> None:
-    """Refuse negative masses, of each link: a wrong sign and a hole look alike."""
+    """Refuse negative masses, link by link."""
     for link in robot.links:
         if link.inertial is not None and not link.inertial.mass >= 0.0:
             raise MechanismError(
@@ -116,7 +116,7 @@ def check_masses(robot: Robot, where: str) -> None:
 
 
 class Impossible(NamedTuple):
-    """A body with principal moments of inertia about its mass centre that no body can have.
+    """A body whose principal moments of inertia are not those of any body.
 
     Attributes:
         said: What it is and why not, in words.
@@ -130,7 +130,7 @@ class Impossible(NamedTuple):
 def impossible_inertia(
     group: RigidGroup, allowed: Collection[str], rounding: Mapping[str, float]
 ) -> Impossible | None:
-    """Return what no body can have of a group's principal moments of inertia; None if one may have them.
+    """Return the violation by a group's principal moments of inertia; None without one.
 
     Args:
         group: The links.
@@ -179,7 +179,7 @@ class Idle(NamedTuple):
 
 
 def is_regular_everywhere(model: Any) -> bool:
-    """Return whether each body has so much inertia of its own that no pose can take it from its joint.
+    """Return whether own inertias make the mass matrix regular in every pose.
 
     The articulated inertia of a body is at least its own. False says nothing: then poses have to be tried.
     """
@@ -203,7 +203,7 @@ def is_regular_everywhere(model: Any) -> bool:
 
 
 def idle_joint(model: Any, q: Array) -> Idle | None:
-    r"""Return the first joint from the tips that can move without any inertia in a pose, if there is one.
+    r"""Return the first joint from the tips without inertia in a pose; None without one.
 
     From the tips inwards each joint is taken out of the mass matrix: what is left of its block is the
     inertia of what it moves while all joints beyond are let go, by which forward dynamics divides
@@ -314,7 +314,7 @@ def check_regular(
 
 
 def said_of_idle(model: Any, idle: Idle, moved: Mapping[str, RigidGroup], base: str) -> str:
-    """Say which joint moves without any inertia, what it moves, and what to do."""
+    """Return a message about a joint without inertia: body, numbers, way out."""
     name = model.names[idle.joint]
     body = moved[name]
     mass, _, inertia = body.composite()
@@ -337,7 +337,7 @@ def said_of_idle(model: Any, idle: Idle, moved: Mapping[str, RigidGroup], base: 
 
 
 def _carries_nothing(model: Any) -> list[str]:
-    """Return the joints beyond which there is no mass and no inertia at all, by name."""
+    """Return the names of joints beyond which there is no mass and no inertia."""
     carried = [inertia.mass + float(np.trace(inertia.inertia)) for inertia in model.inertias]
     for i in range(model.njoints - 1, 0, -1):
         carried[model.parents[i]] += carried[i]
@@ -345,7 +345,7 @@ def _carries_nothing(model: Any) -> list[str]:
 
 
 def _at(model: Any, q: Array) -> tuple[Any, Array]:
-    """Return Pinocchio's data with joints placed in a pose, and the mass matrix there, (nv, nv)."""
+    """Return Pinocchio's data with joints placed in a pose, and the mass matrix (nv, nv)."""
     data = model.createData()
     matrix = np.triu(pin.crba(model, data, q))
     matrix += np.triu(matrix, 1).T
@@ -364,7 +364,7 @@ def _turns(joint: Any) -> NDArray[np.bool_]:
 
 
 def _poses(model: Any) -> Iterator[Array]:
-    """Yield poses anywhere: angles of 1 rad either way, ways of the mechanism's size."""
+    """Yield random poses: angles up to 1 rad, displacements of the mechanism's size."""
     arms = [np.linalg.norm(place.translation) for place in model.jointPlacements]
     arms += [np.linalg.norm(inertia.lever) for inertia in model.inertias]
     size = float(max(arms)) or 1.0

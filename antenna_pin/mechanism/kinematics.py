@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -29,7 +30,7 @@ _AT_ONCE = 8192  # samples
 
 @takes()
 def link_poses(mechanism: Mechanism, q: ArrayLike, links: Sequence[str] | None = None) -> tuple[Array, Array]:
-    """Return the pose of every link's frame in the world, or of those that are named.
+    """Return the poses of link frames in the world.
 
     Args:
         mechanism: The mechanism.
@@ -72,7 +73,7 @@ def link_poses(mechanism: Mechanism, q: ArrayLike, links: Sequence[str] | None =
 def link_twists(
     mechanism: Mechanism, q: ArrayLike, v: ArrayLike, links: Sequence[str] | None = None
 ) -> Array:
-    """Return the twist of every link's frame relative to the world, in the link's own axes.
+    """Return the twists of link frames relative to the world, in link axes.
 
     Args:
         mechanism: The mechanism.
@@ -101,7 +102,7 @@ def link_twists(
 def link_motion(
     mechanism: Mechanism, link: str, q: ArrayLike, v: ArrayLike, a: ArrayLike
 ) -> tuple[Array, Array]:
-    """Return how the frame of one link moves, in world axes.
+    """Return position, velocity and acceleration of a link's frame, in world axes.
 
     Args:
         mechanism: The mechanism.
@@ -116,10 +117,7 @@ def link_motion(
         [rad/s^2].
     """
     model = mechanism.model
-    states = [
-        _rows("link_motion", name, values, width)
-        for name, values, width in zip("qva", (q, v, a), (model.nq, model.nv, model.nv), strict=True)
-    ]
+    states = _states("link_motion", model, q, v, a)
     data, frame = model.createData(), mechanism.frame(link)
     world = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
     count = states[0].shape[0]
@@ -133,11 +131,16 @@ def link_motion(
     return placements[:, :3, :3], found.reshape(count, 5, 3)
 
 
-def _rows(place: str, name: str, value: ArrayLike, width: int) -> Array:
+def _rows(place: str, name: str, value: ArrayLike, width: int, count: int | None = None) -> Array:
     rows = np.ascontiguousarray(value, dtype=float)
-    if rows.ndim != 2 or rows.shape[1] != width:
+    if rows.ndim != 2 or rows.shape != (len(rows) if count is None else count, width):
         raise InvalidParameterError(place, name, f"of shape (n, {width})", rows.shape)
     return rows
+
+
+def _states(place: str, model: Any, q: ArrayLike, v: ArrayLike, a: ArrayLike) -> list[Array]:
+    first = _rows(place, "q", q, model.nq)
+    return [first, *(_rows(place, name, x, model.nv, len(first)) for name, x in (("v", v), ("a", a)))]
 
 
 # --- loads of joints ----------------------------------------------------------------------------------------
@@ -151,7 +154,7 @@ def transmitted_wrenches(
     a: ArrayLike,
     applied: Iterable[tuple[str, ArrayLike]] = (),
 ) -> Array:
-    """Return the wrench that each moving joint passes from parent to child.
+    """Return the wrench that each moving joint transmits from parent to child.
 
     It is what the bodies beyond the joint need for their accelerations, less what else acts on them, so it
     holds for any joint: constraint forces, contact and motor torque together.
@@ -169,10 +172,7 @@ def transmitted_wrenches(
         world axes; joints in the order of ``mechanism.joints``.
     """
     model = mechanism.model
-    states = [np.ascontiguousarray(x, dtype=float) for x in (q, v, a)]
-    for name, array, width in zip("qva", states, (model.nq, model.nv, model.nv), strict=True):
-        if array.ndim != 2 or array.shape != (states[0].shape[0], width):
-            raise InvalidParameterError("transmitted_wrenches", name, f"of shape (n, {width})", array.shape)
+    states = _states("transmitted_wrenches", model, q, v, a)
     n = states[0].shape[0]
     others = np.zeros((n, model.njoints, 6))
     for link, wrench in applied:

@@ -1,4 +1,4 @@
-"""Mass matrix of a tree of bodies, and what gravity and velocities ask of its joints, compiled.
+"""Mass matrix of a tree of bodies, and bias force of gravity and velocities, compiled.
 
 ``M a + bias = tau``. The matrix is made of composite bodies: a column is the wrench that accelerates all that
 a joint moves along one of its directions, as the joints below it feel it; bias is inverse dynamics at rest of
@@ -60,7 +60,7 @@ def mass_and_bias(
 
 @inlined
 def _rest(body: Body, gravity: Floats, places: Records[Place], place: Place, own: BodyRoom) -> None:
-    """Write a body's inertia and the wrench at its origin that it takes while no velocity changes."""
+    """Write a body's inertia and its wrench at zero generalized acceleration."""
     r, axis, c, m, w = place.rotation, body.axis, body.centre, body.mass, place.spin
     own.turn[0], own.turn[1], own.turn[2] = turned(r, axis[0], axis[1], axis[2])
     for k in range(3):
@@ -102,7 +102,7 @@ def _rest(body: Body, gravity: Floats, places: Records[Place], place: Place, own
 
 @inlined
 def _project_bias(body: Body, place: Place, own: BodyRoom, bias: Floats) -> None:
-    """Write what a joint must give of the wrench that its body needs."""
+    """Write the bias force of a joint from its body's wrench."""
     f, m, k, axis = own.force, own.moment, body.v, own.turn
     if body.kind == RIGID or body.kind == ROTATION or body.kind == PLANE:
         fx, fy, fz = turned_back(place.rotation, f[0], f[1], f[2])
@@ -122,7 +122,7 @@ def _project_bias(body: Body, place: Place, own: BodyRoom, bias: Floats) -> None
 
 @inlined
 def _hand_on(own: BodyRoom, on: BodyRoom) -> None:
-    """Add wrench, mass, first moment and inertia of a body with all it carries to the one it is on."""
+    """Add wrench, mass, first moment and inertia of a body to its parent's."""
     f, n, m, h, p, d, inertia = (
         own.force,
         own.moment,
@@ -158,7 +158,7 @@ def _hand_on(own: BodyRoom, on: BodyRoom) -> None:
 def _columns(
     tree: Records[Body], places: Records[Place], room: Records[BodyRoom], b: int, mass: Floats
 ) -> None:
-    """Write what the mass matrix has of a joint: with itself, and with those that carry it."""
+    """Write the entries of a joint in the mass matrix: its own and its ancestors'."""
     body, own, r = tree[b], room[b], places[b].rotation
     m, h, d, k, turn = own.block_a[0], own.block_b, own.block_d, body.v, own.turn
     kind, bodies, axis = body.kind, (tree, places, room), (turn[0], turn[1], turn[2])
@@ -217,7 +217,7 @@ def _column(
     moment: Triple,
     mass: Floats,
 ) -> None:
-    """Write a column and its mirror image: what a wrench on a body is to its joint and those below."""
+    """Write a column and its mirror image by projection of a wrench on joints."""
     tree, places, room = bodies
     fx, fy, fz = force
     mx, my, mz = moment

@@ -1,4 +1,4 @@
-"""Mesh files of a URDF: where they are, and how a URDF in another folder names them."""
+"""Mesh files of a URDF: location, and names in a URDF of another folder."""
 
 from __future__ import annotations
 
@@ -74,16 +74,7 @@ _IMAGE_KEYS = ("map_", "bump", "disp", "decal", "refl", "norm")
 
 
 def name_from(folder: Path, start: Path, filename: str) -> str:
-    """Return what a mesh is called in a file in ``folder``.
-
-    That is its relative path, or its absolute one where there is none (another drive). A file that does not
-    exist keeps its name, and so does one in a package, which others find as well.
-
-    Args:
-        folder: Where the file goes.
-        start: Where relative names have started so far.
-        filename: The mesh as it is called now.
-    """
+    """Return a mesh's name in ``folder``; unchanged if missing or in a package."""
     mesh = None if "://" in filename else mesh_file(filename, start)
     if mesh is None:
         return filename
@@ -101,17 +92,10 @@ def planned_copies(
     where: str,
     package_path: Iterable[Path] = (),
 ) -> tuple[dict[str, str], dict[Path, Path]]:
-    """Return how meshes are called once they are copied to ``folder``, and what is to be copied there.
+    """Return the names of meshes after copying to ``folder``, and the files to copy.
 
     A name that leads down from ``start`` is kept; of any other the last part is. Materials and images that a
     Wavefront mesh names go with it.
-
-    Args:
-        folder: Where the copies go.
-        start: Where relative names start; None if that is unknown.
-        filenames: The meshes as they are called now.
-        where: What messages call the URDF.
-        package_path: Folders with packages.
 
     Returns:
         New name of each mesh, and source of each copy, by its target.
@@ -140,11 +124,7 @@ def planned_copies(
 
 
 def copy_all(copies: dict[Path, Path]) -> None:
-    """Copy files, each complete or not at all.
-
-    Args:
-        copies: Source of each copy, by its target; folders are made.
-    """
+    """Copy files, each complete or not at all; sources by targets."""
     for target, source in copies.items():
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
@@ -160,7 +140,7 @@ def _kept_name(filename: str) -> str:
 
 
 def _companions(source: Path, below: PurePosixPath) -> list[tuple[Path, PurePosixPath]]:
-    """Return the files that a Wavefront mesh or material names beside or below itself, and theirs."""
+    """Return the files that a Wavefront mesh or material names beside or below itself."""
     suffix = source.suffix.lower()
     if suffix not in (".obj", ".mtl"):
         return []

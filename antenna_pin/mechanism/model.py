@@ -50,16 +50,7 @@ _PINOCCHIO = 3 * 4 * 8
 
 @takes()
 def check_size(where: str, freedoms: int, way_out: str = "leave joints out or lock some") -> None:
-    """Refuse a mechanism that would not fit into memory.
-
-    Args:
-        where: Place, for the message.
-        freedoms: How many it has, or at least has.
-        way_out: What is to be done.
-
-    Raises:
-        TooLargeError: It does not fit.
-    """
+    """Refuse a number of degrees of freedom that would not fit into memory."""
     more = "as Pinocchio's buffers grow with the cube of that number"
     check_fits(where, f"{freedoms} degrees of freedom", _PINOCCHIO * freedoms**3, f"{way_out}, {more}")
 
@@ -204,7 +195,7 @@ class Mechanism:
 
     @property
     def base_q(self) -> slice:
-        """Free base in ``q``: position [m] and attitude (quaternion xyzw) in the world; empty if fixed."""
+        """Free base in ``q``: position [m] and quaternion xyzw; empty if fixed."""
         return slice(0, 7 if self.base == "free" else 0)
 
     @property
@@ -264,7 +255,7 @@ def build_mechanism(
 
 
 def _ties_of(mechanism: Mechanism) -> NDArray[np.float64]:
-    """Return what the couplings of a URDF tie rates by, (k, nv)."""
+    """Return the rate constraints by the URDF's couplings, (k, nv)."""
     rows = []
     for name, mimic in mechanism.urdf.mimics.items():
         row = np.zeros(mechanism.model.nv)
@@ -295,7 +286,7 @@ class _Model(NamedTuple):
 
 @functools.lru_cache(maxsize=4)  # of variants that are made once and used by many systems
 def _read(urdf: Urdf, base: Base) -> _Model:
-    """Return Pinocchio's model of a URDF, checked, with what does not hang on gravity and armature."""
+    """Return a URDF's checked Pinocchio model, without gravity and armature."""
     groups = rigid_groups(urdf.robot)
     try:
         model = pin.buildModelFromXML(
@@ -322,7 +313,7 @@ def _read(urdf: Urdf, base: Base) -> _Model:
 
 
 def _put_armature(model: Any, joints: Mapping[str, JointSlot], armature: Mapping[str, float]) -> None:
-    """Give joints the inertia that their rates alone feel."""
+    """Set the inertia that joints feel by their own rates alone."""
     given = np.zeros(model.nv)
     for name, inertia in armature.items():
         slot = joints.get(name)
@@ -367,7 +358,7 @@ def _slot(model: Any, urdf: Urdf, name: str) -> JointSlot:
 
 
 def _check_world(model: Any, urdf: Urdf) -> None:
-    """Refuse a link that is called the world and is not: a closure to it would hold something else."""
+    """Refuse a link called ``world`` that moves or is displaced from the world."""
     if all(link.name != WORLD for link in urdf.robot.links):
         return
     frame = model.frames[model.getFrameId(WORLD, pin.FrameType.BODY)]

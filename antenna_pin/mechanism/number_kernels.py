@@ -1,4 +1,4 @@
-"""How the forces that a tree's motion takes change with numbers of the tree itself, compiled.
+"""Derivatives of a tree's inverse dynamics with respect to numbers of the tree, compiled.
 
 Masses, centres and moments of inertia act by the wrench of their own body, which is linear in mass, first
 moment and moment of inertia: ``I' A + V x* I' V``. A joint's place in its parent is a way d of all behind it,
@@ -24,15 +24,7 @@ def write_frame_change(
     places: Records[Place],
     out: Floats,
 ) -> None:
-    """Write the way that a change of a frame's place on a body, or on the world, is.
-
-    Args:
-        frame: Rotation and position of the frame.
-        change: By how much these change.
-        parent: The body, -1 for the world.
-        places: Where bodies are, PLACE.
-        out: The way, about the first body's origin.
-    """
+    """Write the displacement by a change of a frame's place on its parent."""
     (r, p), (m, d) = frame, change
     x, y, z = 0.0, 0.0, 0.0
     # The turn is that of R' R^T.
@@ -55,7 +47,7 @@ def write_frame_change(
 
 @inlined
 def _inertia_change(body: Body, change: Body, rotation: Floats, own: Change, out: Change) -> None:
-    """Write how mass, first moment and moment of inertia of a body about the point change."""
+    """Write changes of mass, first moment and moment of inertia about the point."""
     c, s, i, j, h = body.centre, change.centre, change.inertia, out.inertia, out.first
     m, dm = body.mass, change.mass
     x, y, z = turned(rotation, c[0], c[1], c[2])

@@ -1,4 +1,4 @@
-"""Reading of a URDF: mechanics and visuals stay, all else is counted; numbers and tree are checked."""
+"""Reading of a URDF: removal of parts without mechanical meaning, checks of numbers and tree."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from antenna_pin.mechanism.robot import Robot, robot_of
 from antenna_pin.mechanism.urdf_xml import (
     FORMAT,
     MOMENTS,
+    NO_LIMIT,
     SHAPES,
     half_unit,
     name_of,
@@ -51,9 +52,6 @@ _SHAPES = ("visual", "collision")
 
 _BOUNDED = ("prismatic", "revolute")
 
-# Bounds in place of none, for a reader that takes none for 0.
-_FAR = {"lower": "-1e9", "upper": "1e9", "effort": "1e9", "velocity": "1e9"}
-
 
 @dataclass(frozen=True, slots=True)
 class Findings:
@@ -76,42 +74,38 @@ class Findings:
     undrawn: list[tuple[str, str]] = field(default_factory=list)
 
     def pass_over(self, what: str, element: Any) -> None:
-        """Note something that means nothing, and where it stands."""
+        """Record an element without meaning, with its line."""
         self.passed_over.setdefault(what, []).append(int(element.sourceline or 0))
 
 
 def clean(robot: Any, name: str) -> Findings:
-    """Take out of a URDF, in place, what does not count.
-
-    Args:
-        robot: Root element.
-        name: Of the robot where it bears none.
+    """Remove parts without mechanical meaning from a URDF, in place.
 
     Returns:
         What it was, and where.
     """
-    found = Findings()
+    findings = Findings()
     etree.strip_tags(robot, etree.Comment, etree.ProcessingInstruction, etree.Entity)
     if not robot.get("name", "").strip():
         robot.set("name", name)
-        found.pass_over("<robot> without a name", robot)
+        findings.pass_over("<robot> without a name", robot)
     robot.attrib.pop("version", None)
     for inertial in robot.iterfind("link/inertial"):
-        _complete(inertial, found)
-    _keep_read(robot, found)
-    _clean_materials(robot, found)
+        _complete(inertial, findings)
+    _keep_read(robot, findings)
+    _clean_materials(robot, findings)
     for link in robot.findall("link"):
         for inertial in link.findall("inertial"):
             if _is_of_zeros(inertial):
-                found.pass_over("<inertial> of zeros", inertial)
+                findings.pass_over("<inertial> of zeros", inertial)
                 link.remove(inertial)
             for inertia in inertial.findall("inertia"):
-                found.rounding[str(link.get("name"))] = _rounding(inertia)
+                findings.rounding[str(link.get("name"))] = _rounding(inertia)
         for shape in (shape for tag in _SHAPES for shape in link.findall(tag)):
-            _clean_shape(shape, str(link.get("name")), found)
+            _clean_shape(shape, str(link.get("name")), findings)
     for joint in robot.findall("joint"):
-        _clean_joint(joint, found)
-    return found
+        _clean_joint(joint, findings)
+    return findings
 
 
 def for_pinocchio(robot: Any) -> str:
@@ -126,7 +120,7 @@ def for_pinocchio(robot: Any) -> str:
         for axis in copy.findall("axis"):
             _make_moderate(axis)
         if joint.get("type") in _BOUNDED:
-            etree.SubElement(copy, "limit", _FAR)
+            etree.SubElement(copy, "limit", NO_LIMIT)  # without, the parser takes 0
     return str(etree.tostring(bare, encoding="unicode"))
 
 
@@ -148,27 +142,24 @@ def _copied(parent: Any, element: Any, *children: str) -> Any:
     return copy
 
 
-def _keep_read(element: Any, found: Findings) -> None:
-    """Take out what the format does not define in an element and below: children, attributes, text.
-
-    Shapes are judged as they stand.
-    """
+def _keep_read(element: Any, findings: Findings) -> None:
+    """Remove children, attributes and text that the format does not define; shapes stay."""
     defined = FORMAT[element.tag]
     for key in list(element.attrib):
         if key not in defined.attributes:
-            found.pass_over(f"<{element.tag} {name_of(element, key)}>", element)
+            findings.pass_over(f"<{element.tag} {name_of(element, key)}>", element)
             element.attrib.pop(key)
     if text_in(element):
-        found.pass_over(f"text in <{element.tag}>", element)
+        findings.pass_over(f"text in <{element.tag}>", element)
     for child in list(element):
         if child.tag not in defined.children:
-            found.pass_over(f"<{tag_of(child)}>", child)
+            findings.pass_over(f"<{tag_of(child)}>", child)
             element.remove(child)
         elif child.tag not in _SHAPES:
-            _keep_read(child, found)
+            _keep_read(child, findings)
 
 
-def _complete(inertial: Any, found: Findings) -> None:
+def _complete(inertial: Any, findings: Findings) -> None:
     """Put into an inertial what it leaves out and the format takes for zero.
 
     A mass alone is a point at the inertial's origin, an inertial of nothing a frame. Moments need a mass, and
@@ -178,7 +169,7 @@ def _complete(inertial: Any, found: Findings) -> None:
     if "mass" in given and "inertia" not in given:
         etree.SubElement(inertial, "inertia", dict.fromkeys(MOMENTS, "0"))
         if not _is_of_zeros(inertial):
-            found.points.append(str(inertial.getparent().get("name")))
+            findings.points.append(str(inertial.getparent().get("name")))
     elif "mass" not in given and given <= {"origin", "inertia"}:
         mass = etree.SubElement(inertial, "mass", value="0")
         if "inertia" not in given:
@@ -188,7 +179,7 @@ def _complete(inertial: Any, found: Findings) -> None:
 
 
 def _rounding(inertia: Any) -> float:
-    r"""Return by how much the rounding of its numbers can break the triangle rule of an inertia [kg m^2].
+    r"""Return the largest violation of the triangle rule by rounding [kg m^2].
 
     The excess :math:`2 \lambda_{max}(I) - tr I` is not positive for a body and is subadditive. So that of
     :math:`I + E` is at most that of the rounding :math:`E`, by Gershgorin's discs the sum of its moments and
@@ -210,56 +201,56 @@ def _is_of_zeros(inertial: Any) -> bool:
 # --- looks -------------------------------------------------------------------------------------------------
 
 
-def _clean_materials(robot: Any, found: Findings) -> None:
+def _clean_materials(robot: Any, findings: Findings) -> None:
     """Keep of materials the first of each name."""
     names: set[str] = set()
     for material in robot.findall("material"):
         name = material.get("name", "")
         if not name.strip() or name in names:
-            found.pass_over(
+            findings.pass_over(
                 "<material> of a name that is taken" if name.strip() else "<material> without a name",
                 material,
             )
             robot.remove(material)
             continue
         names.add(name)
-        _clean_material(material, found)
+        _clean_material(material, findings)
 
 
-def _clean_material(material: Any, found: Findings) -> None:
+def _clean_material(material: Any, findings: Findings) -> None:
     colours = material.findall("color")
     for other in colours[1:]:
-        found.pass_over("<color> beside another", other)
+        findings.pass_over("<color> beside another", other)
         material.remove(other)
     for colour in colours[:1]:
         rgba = numbers_in(colour.get("rgba"))
         if rgba is None or len(rgba) not in (3, 4) or not all(map(math.isfinite, rgba)):
-            found.pass_over("<color> that is none", colour)
+            findings.pass_over("<color> that is none", colour)
             material.remove(colour)
         elif len(rgba) == 3:
-            found.pass_over("<color> of three numbers", colour)
+            findings.pass_over("<color> of three numbers", colour)
             colour.set("rgba", f"{colour.get('rgba')} 1")
 
 
-def _clean_shape(shape: Any, link: str, found: Findings) -> None:
+def _clean_shape(shape: Any, link: str, findings: Findings) -> None:
     """Remove a shape that nothing can draw; leave one material of the others."""
     problem = _problem_of_shape(shape)
     if problem is not None:
-        found.pass_over(f"<{shape.tag}> that cannot be drawn", shape)
+        findings.pass_over(f"<{shape.tag}> that cannot be drawn", shape)
         if shape.tag == "visual":
-            found.undrawn.append((link, problem))
+            findings.undrawn.append((link, problem))
         shape.getparent().remove(shape)
         return
-    _keep_read(shape, found)
+    _keep_read(shape, findings)
     first, *others = shape.findall("material") or [None]
     for other in others:
-        found.pass_over("<material> beside another", other)
+        findings.pass_over("<material> beside another", other)
         shape.remove(other)
     if first is not None:
         if not first.get("name", "").strip():
-            found.pass_over("<material> without a name", first)
+            findings.pass_over("<material> without a name", first)
             first.attrib.pop("name", None)
-        _clean_material(first, found)
+        _clean_material(first, findings)
 
 
 def _problem_of_shape(shape: Any) -> str | None:
@@ -294,13 +285,13 @@ def _sound(text: str | None, counts: tuple[int, ...]) -> bool:
 # --- joints ------------------------------------------------------------------------------------------------
 
 
-def _clean_joint(joint: Any, found: Findings) -> None:
+def _clean_joint(joint: Any, findings: Findings) -> None:
     kind = joint.get("type")
     if kind in ("fixed", "floating"):
         for axis in joint.findall("axis"):
             numbers = numbers_in(axis.get("xyz")) or ()
             if len(numbers) != 3 or not all(map(math.isfinite, numbers)) or not any(numbers):
-                found.pass_over(f"<axis> of a {kind} joint", axis)
+                findings.pass_over(f"<axis> of a {kind} joint", axis)
                 joint.remove(axis)
     meaningless = {
         "fixed": ("limit", "dynamics", "mimic"),
@@ -309,16 +300,16 @@ def _clean_joint(joint: Any, found: Findings) -> None:
     }
     for tag in meaningless.get(kind, ()):
         for element in joint.findall(tag):
-            found.pass_over(f"<{tag}> of a {kind} joint", element)
+            findings.pass_over(f"<{tag}> of a {kind} joint", element)
             joint.remove(element)
     limits = joint.findall("limit")
     if kind in (*_BOUNDED, "continuous"):
         for limit in limits:
-            _clean_limit(limit, found)
+            _clean_limit(limit, findings)
     if kind in _BOUNDED and len(limits) < 2:
         bounded = any(map(_leaves_a_way, limits))
         if not bounded:
-            found.unbounded.append(str(joint.get("name")))
+            findings.unbounded.append(str(joint.get("name")))
         for limit in limits:
             for key in ("lower", "upper"):
                 if bounded:
@@ -327,19 +318,19 @@ def _clean_joint(joint: Any, found: Findings) -> None:
                     limit.attrib.pop(key, None)
 
 
-def _clean_limit(limit: Any, found: Findings) -> None:
-    """Take out of a limit what is not looked at: effort, velocity, and bounds where a joint has none."""
+def _clean_limit(limit: Any, findings: Findings) -> None:
+    """Remove unused parts of a limit: effort, velocity, and bounds of unbounded joints."""
     for key in ("effort", "velocity"):
         numbers = numbers_in(limit.get(key))
         if numbers is None or len(numbers) != 1 or not 0.0 <= numbers[0] < math.inf:
             got = "without" if key not in limit.attrib else "with an unsound"
-            found.pass_over(f"<limit> {got} {key}", limit)
+            findings.pass_over(f"<limit> {got} {key}", limit)
             limit.set(key, "0")
     joint = limit.getparent()
     if joint.get("type") == "continuous":
         if _leaves_a_way(limit):
             bounds = f"{limit.get('lower', '0')} to {limit.get('upper', '0')} rad"
-            found.unlimited.append((str(joint.get("name")), bounds))
+            findings.unlimited.append((str(joint.get("name")), bounds))
         for key in ("lower", "upper"):
             limit.attrib.pop(key, None)
     for key in ("lower", "upper"):
@@ -370,7 +361,7 @@ def _leaves_a_way(limit: Any) -> bool:
 
 
 def friction_of(robot: Any) -> dict[str, dict[str, float]]:
-    """Return damping and friction above zero of joints with an axis, by name; what is no number is not."""
+    """Return positive damping and friction of joints with an axis, by name."""
     found = {
         str(joint.get("name")): _numbers(joint)
         for joint in robot.findall("joint")
@@ -380,7 +371,7 @@ def friction_of(robot: Any) -> dict[str, dict[str, float]]:
 
 
 def left_out(robot: Any, where: str) -> tuple[str, ...]:
-    """Return a line for each joint's damping or friction that has no axis to act about."""
+    """Return a message per damping or friction of a joint without an axis."""
     return tuple(
         f"{where}: joint {joint.get('name')!r}: <dynamics> {name}={value:g} is not simulated, for the "
         f"joint is {joint.get('type')} and has no axis; take it out"
@@ -404,13 +395,7 @@ def _numbers(joint: Any) -> dict[str, float]:
 
 
 def check(robot: Robot, where: str, allow_impossible_inertia: Collection[str]) -> None:
-    """Refuse what is not a mechanism.
-
-    Args:
-        robot: Its links and joints.
-        where: Name of the file, for messages.
-        allow_impossible_inertia: Links whose body's inertia may break the triangle rule.
-    """
+    """Refuse a robot that is not a mechanism: tree, mimics, masses, allowed links."""
     links = [link.name for link in robot.links]
     for name in allow_impossible_inertia:
         if name not in links:
@@ -468,7 +453,7 @@ def _check_mimics(robot: Robot, where: str) -> None:
 
 
 class Reading(NamedTuple):
-    """A text as the readers behind see it."""
+    """A checked URDF for its readers: in numbers, and for Pinocchio's parser."""
 
     robot: Robot
     simulated: str  # for Pinocchio's parser
@@ -497,7 +482,7 @@ def written(text: str, where: str) -> str:
 
 @lru_cache(maxsize=64)  # every run of a study reads the same text again, some more than once
 def checked(text: str, where: str, allow_impossible_inertia: tuple[str, ...]) -> Reading:
-    """Return a checked URDF in numbers, which nobody changes, and as Pinocchio reads it."""
+    """Return a checked URDF in numbers, not to be changed, and as Pinocchio reads it."""
     clean, findings = judged(urdf_xml.read(text, where), where)
     robot = robot_of(clean, urdf_xml.write(clean), where)
     check(robot, where, allow_impossible_inertia)
@@ -505,7 +490,7 @@ def checked(text: str, where: str, allow_impossible_inertia: tuple[str, ...]) ->
 
 
 def judged(robot: Any, where: str) -> tuple[Any, Findings]:
-    """Return a root element without what does not count, and what that was; refuse what is no number."""
+    """Return a root element without meaningless parts, and these; refuse invalid numbers."""
     findings = clean(robot, Path(where).stem)
     urdf_xml.judge(robot, where)
     edits.turn_planes(robot, where)

@@ -1,4 +1,4 @@
-"""A URDF's links and joints in numbers; how they look is yourdfpy's to read, once somebody draws them.
+"""Links and joints of a URDF in numbers; visuals are read by yourdfpy on demand.
 
 Loading yourdfpy, and trimesh with it, takes longer than all else that leads to a short run.
 """
@@ -84,7 +84,7 @@ class Link:
 
 @dataclass(frozen=True, slots=True)
 class Limit:
-    """Bounds of a joint [rad, m; N m, N; rad/s, m/s], None where none is written."""
+    """Bounds of a joint [rad, m; N m, N; rad/s, m/s], None for missing ones."""
 
     lower: float | None
     upper: float | None
@@ -141,13 +141,7 @@ class Robot:
 
 
 def robot_of(element: Any, text: str, where: str) -> Robot:
-    """Return a URDF in numbers.
-
-    Args:
-        element: Its root, of which only what counts is left, judged.
-        text: The same as text.
-        where: Name of the file, for messages.
-    """
+    """Return a URDF in numbers, from its checked root element and the same as text."""
     looks = _Looks(text, where)
     return Robot(
         str(element.get("name")),

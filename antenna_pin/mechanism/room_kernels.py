@@ -1,4 +1,4 @@
-"""What the dynamics of a tree share, compiled: motion of bodies in their own axes, symmetric matrices.
+"""Shared kernels of a tree's dynamics, compiled: body motion, symmetric matrices.
 
 Spatial coordinates as in Pinocchio: linear part first, at a body's origin and in its own axes. A symmetric
 3 x 3 matrix is given by xx, xy, xz, yy, yz, zz; any other one row after row.
@@ -20,7 +20,7 @@ class Carrying(Record):
 
 
 class BodyRoom(Place, Carrying):
-    """Room for a body, to be written to: its place, and inertia and forces of what it carries.
+    """Workspace of a body: its place, and the inertia and forces it carries.
 
     It does not begin as :class:`Place` does: Numba would take it for one, which it warns of.
     """
@@ -44,7 +44,7 @@ Nine = tuple[float, float, float, float, float, float, float, float, float]
 
 @inlined
 def turned(r: Floats, x: float, y: float, z: float) -> Triple:
-    """Return R a: a vector of the body in the axes of the one it is on."""
+    """Return R a: a vector of the body in its parent's axes."""
     return (
         r[0, 0] * x + r[0, 1] * y + r[0, 2] * z,
         r[1, 0] * x + r[1, 1] * y + r[1, 2] * z,
@@ -108,7 +108,7 @@ def turned_matrix(r: Floats, s: Floats) -> Nine:
 
 @inlined
 def move(body: Body, y: Floats, nq: int, room: Records[BodyRoom], own: BodyRoom, way: BodyRoom) -> None:
-    """Write a body's place in the one it is on, its velocity, and the acceleration that velocities add.
+    """Write a body's place in its parent, its velocity, and its velocity-dependent acceleration.
 
     With u and w of the joint, all in the body's axes: ``spin x u + velocity x w`` and ``spin x w``.
     """
@@ -156,7 +156,7 @@ def carried_acceleration(body: Body, gravity: Floats, room: Records[BodyRoom], o
 
 @inlined
 def hand_on(own: BodyRoom, on: BodyRoom, force: Triple, moment: Triple) -> None:
-    """Add a wrench at a body's origin, in its axes, to that of the body it is on."""
+    """Add a wrench at a body's origin, in its axes, to its parent's."""
     fx, fy, fz = turned(own.rotation, force[0], force[1], force[2])
     mx, my, mz = turned(own.rotation, moment[0], moment[1], moment[2])
     cx, cy, cz = crossed(own.origin[0], own.origin[1], own.origin[2], fx, fy, fz)
@@ -170,7 +170,7 @@ def hand_on(own: BodyRoom, on: BodyRoom, force: Triple, moment: Triple) -> None:
 
 @inlined
 def gyroscopic_wrench(body: Body, own: BodyRoom) -> Six:
-    """Return the wrench at a body's origin that keeps its velocity, as a spatial one, constant.
+    """Return the wrench at a body's origin for constant spatial velocity.
 
     With the centre's velocity u: ``f = w x m u`` and ``c x f + w x (I w)``, I about the centre.
     """
@@ -187,7 +187,7 @@ def gyroscopic_wrench(body: Body, own: BodyRoom) -> Six:
 
 @inlined
 def inertia_at_origin(body: Body) -> Six:
-    """Return a body's moment by its angular acceleration, at its origin: a symmetric matrix."""
+    """Return a body's inertia about its origin: a symmetric matrix."""
     c, i = body.centre, body.inertia
     x, y, z = c[0], c[1], c[2]
     mx, my, mz = body.mass * x, body.mass * y, body.mass * z

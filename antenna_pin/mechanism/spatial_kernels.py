@@ -1,4 +1,4 @@
-"""Spatial vectors of six numbers in the axes of the world: motions (linear, angular), wrenches, compiled."""
+"""Spatial vectors of six numbers in world axes, motions and wrenches, compiled."""
 
 from __future__ import annotations
 

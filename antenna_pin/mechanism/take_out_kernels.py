@@ -1,4 +1,4 @@
-"""Joints taken out of the inertia of what they move, compiled: the step of articulated bodies at one joint.
+"""Elimination of a joint from an articulated body's inertia, compiled.
 
 Along the directions that a joint leaves free, a body's acceleration is ``driven - ratio a``, with a the
 acceleration that it has along the others. What remains of its inertia and force is felt along these only.
@@ -14,7 +14,7 @@ from antenna_pin.mechanism.tree_kernels import Body
 
 @inlined
 def _factors(xx: float, xy: float, xz: float, yy: float, yz: float, zz: float) -> Six:
-    """Return L (three entries) and the inverse of D (three) of a symmetric matrix, L D L^T."""
+    """Return the factors L (3) and D^-1 (3) of a symmetric matrix, L D L^T."""
     x = 1.0 / xx
     a, b = xy * x, xz * x
     y = 1.0 / (yy - a * xy)
@@ -66,7 +66,7 @@ def sum_inertia(body: Body, own: BodyRoom) -> None:
 
 @inlined
 def let_go(body: Body, own: BodyRoom, tau: Floats) -> None:
-    """Write the acceleration of a body whose joint leaves all six degrees of freedom: it is its own."""
+    """Write the acceleration of a body whose joint leaves all six freedoms."""
     k, c = body.v, body.centre
     fx, fy, fz = tau[k] - own.force[0], tau[k + 1] - own.force[1], tau[k + 2] - own.force[2]
     mx, my, mz = tau[k + 3] - own.moment[0], tau[k + 4] - own.moment[1], tau[k + 5] - own.moment[2]
@@ -112,7 +112,7 @@ def let_go(body: Body, own: BodyRoom, tau: Floats) -> None:
 
 @inlined
 def take_out_axis(body: Body, own: BodyRoom, tau: Floats) -> None:
-    """Take a hinge or a slide out of the inertia of what it moves."""
+    """Eliminate a hinge or a slide from the inertia of its body."""
     a, b, d, ratio, f, m = own.block_a, own.block_b, own.block_d, own.ratio, own.force, own.moment
     x, y, z = body.axis[0], body.axis[1], body.axis[2]
     if body.kind == SLIDE:
@@ -176,7 +176,7 @@ def take_out_axis(body: Body, own: BodyRoom, tau: Floats) -> None:
 
 @inlined
 def _condense(own: BodyRoom, k: Floats | Six, n: Nine, q: Floats | Six, x: float, y: float, z: float) -> Nine:
-    """Take three free directions out of an inertia of six: K among them, N to the others, Q among those.
+    """Eliminate three free directions: K among them, N to the others, Q among those.
 
     Writes ``K^-1 N`` and ``K^-1 (x, y, z)`` for the accelerations; returns what is left of Q, and what the
     force (x, y, z) along the free directions does along the others.
@@ -205,7 +205,7 @@ def _condense(own: BodyRoom, k: Floats | Six, n: Nine, q: Floats | Six, x: float
 
 @inlined
 def take_out_rotation(body: Body, own: BodyRoom, tau: Floats) -> None:
-    """Take a joint that turns every way out: no moment goes through but its own."""
+    """Eliminate a joint with three rotations: only its own moment is transmitted."""
     a, b, d, f, m, v = own.block_a, own.block_b, own.block_d, own.force, own.moment, body.v
     n = (b[0], b[3], b[6], b[1], b[4], b[7], b[2], b[5], b[8])
     x, y, z = tau[v] - m[0], tau[v + 1] - m[1], tau[v + 2] - m[2]
@@ -222,7 +222,7 @@ def take_out_rotation(body: Body, own: BodyRoom, tau: Floats) -> None:
 
 @inlined
 def take_out_plane(body: Body, own: BodyRoom, tau: Floats) -> None:
-    """Take a joint in the plane of x and y out: along these and about z nothing goes through but its own."""
+    """Eliminate a joint in the plane of x and y, with rotation about z."""
     a, b, d, f, m, v = own.block_a, own.block_b, own.block_d, own.force, own.moment, body.v
     among = (a[0], a[1], b[2], a[3], b[5], d[5])
     to_others = (a[2], b[0], b[1], a[4], b[3], b[4], b[8], d[2], d[4])

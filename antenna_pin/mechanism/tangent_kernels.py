@@ -1,4 +1,4 @@
-"""How the acceleration of a tree changes with its state and its forces, compiled.
+"""Derivative of a tree's forward dynamics with respect to state and forces, compiled.
 
 By ``M a + b(q, v) = tau`` a displacement (w, dv) of the state, w and dv in the coordinates of velocities, and
 one of the forces make
@@ -42,7 +42,7 @@ LANES = 16
 
 @inlined
 def _along_joint(body: Body, rotation: Floats, own: Change, x: Floats, out: Floats) -> None:
-    """Write the motion of a body that the joint's part of a generalized velocity makes."""
+    """Write the motion of a body by its joint's part of a generalized velocity."""
     k, kind, axis = body.v, body.kind, body.axis
     ux, uy, uz, wx, wy, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if kind == FIXED_AXIS or kind == CIRCLE:
@@ -64,7 +64,7 @@ def _along_joint(body: Body, rotation: Floats, own: Change, x: Floats, out: Floa
 
 @inlined
 def _onto_joint(body: Body, rotation: Floats, own: Change, out: Floats) -> None:
-    """Subtract from the joint's part of ``out`` what the change of its wrench does along it."""
+    """Subtract a wrench's change, projected on the joint, from ``out``."""
     f, p, k, kind, axis = own.wrench_change, own.origin, body.v, body.kind, body.axis
     x, y, z = crossed(p[0], p[1], p[2], f[0], f[1], f[2])
     mx, my, mz = turned_back(rotation, f[3] - x, f[4] - y, f[5] - z)
@@ -99,7 +99,7 @@ def read_bodies(
     a: Floats,
     bodies: Records[Change],
 ) -> None:
-    """Write how bodies move about the first one's origin, accelerating by a, and the wrenches that takes."""
+    """Write bodies' motions about the first origin at acceleration a, and their wrenches."""
     count = tree.shape[0]
     point = places[0].origin
     for b in range(count):
@@ -145,7 +145,7 @@ def read_bodies(
 
 @inlined
 def change_motion(parent: int, bodies: Records[Change], own: Change, gravity: Floats) -> None:
-    """Write how a body's motion, and the wrench of itself, change with its way and what its parent does.
+    """Write changes of a body's motion and own wrench by displacement and parent.
 
     ``own`` has its way, and what its joint adds to the change of velocity.
     """
@@ -174,7 +174,7 @@ def change_motion(parent: int, bodies: Records[Change], own: Change, gravity: Fl
 def subtract_wrenches(
     tree: Records[Body], places: Records[Place], bodies: Records[Change], out: Floats
 ) -> None:
-    """Subtract from ``out`` what changes of all bodies' wrenches do along the joints."""
+    """Subtract the changes of all bodies' wrenches, projected on joints, from ``out``."""
     for b in range(tree.shape[0] - 1, -1, -1):
         body, own = tree[b], bodies[b]
         _onto_joint(body, places[b].rotation, own, out)
@@ -193,7 +193,7 @@ def write_changes(
     gravity: Floats,
     bodies: Records[Change],
 ) -> None:
-    """Write how bodies' motions and own wrenches change along a displacement, after :func:`read_bodies`.
+    """Write changes of bodies' motions and own wrenches along a displacement, after :func:`read_bodies`.
 
     What these do along the joints, :func:`subtract_wrenches` makes of them: how M a + b changes.
 
@@ -214,7 +214,7 @@ def write_changes(
 
 @kernel
 def factorize_tree(mass: Floats, below: Ints) -> None:
-    """Factorize a tree's mass matrix in place: L^T D L with D on the diagonal and the unit L below it.
+    """Factorize a tree's mass matrix in place: L^T D L, unit L below D.
 
     ``below``: the freedom next below each one, -1 at the root, (nv,); where a freedom is not below another
     the matrix and L have zeros, which are not looked at.
@@ -249,7 +249,7 @@ def solve_tree(factors: Floats, below: Ints, x: Floats) -> None:
 
 @kernel
 def solve_trees(factors: Floats, below: Ints, lanes: Floats, x: Floats) -> None:
-    """Do so for each row of x, (k, nv): one after the other they would wait for the ways through the tree.
+    """Solve M x = x for each row of x, (k, nv), in interleaved lanes.
 
     So many as ``lanes``, (nv, LANES), holds go side by side there.
     """
@@ -296,7 +296,7 @@ def prepare_changes(
     scratch: tuple[Records[Place], Records[BodyRoom], Floats, Floats],
     bodies: Records[Change],
 ) -> None:
-    """Write how a tree moves and accelerates under forces, and the factors of its mass matrix.
+    """Write motions and accelerations of bodies under forces, and the mass matrix's factors.
 
     Args:
         y: State, q and v first.

@@ -76,7 +76,7 @@ def body_tree(mechanism: Mechanism) -> NDArray[Any]:
 
 @takes()
 def freedoms_below(tree: NDArray[Any]) -> NDArray[np.int64]:
-    """Return the freedom next below each one of a tree, towards its root, -1 where there is none, (nv,).
+    """Return the next freedom towards the root of each one, -1 without one, (nv,).
 
     Args:
         tree: Bodies, parents first, ``BODY``, (bodies,).
@@ -134,7 +134,7 @@ class TreeDynamics:
                 )
 
     def room(self) -> NDArray[Any]:
-        """Return what the kernels of one run write to, ROOM, (bodies + 1,)."""
+        """Return the workspace of the kernels, ROOM, (bodies + 1,)."""
         return np.zeros(len(self.tree) + 1, ROOM)
 
     def acceleration(self, q: ArrayLike, v: ArrayLike, tau: ArrayLike) -> Array:
@@ -210,5 +210,5 @@ class TreeDynamics:
 
 
 def _over(deviation: Array, whole: Array) -> float:
-    """Return the largest of the deviations over the largest number of the whole."""
+    """Return the largest deviation over the largest number of the whole."""
     return float(np.abs(deviation).max() / np.abs(whole).max())

@@ -1,4 +1,4 @@
-"""A tree of bodies in numbers, compiled: where its bodies are and how they move.
+"""Tree of bodies in numbers, compiled: places and motions of its bodies.
 
 ``tree`` has one :data:`BODY` for each moving body, in the model's order: parents stand before their children.
 """
@@ -24,7 +24,7 @@ from antenna_pin.compiled.decorators import inlined, kernel
 
 
 class Body(Record):
-    """A moving body and the joint that moves it; lengths and axes in the joint's frame."""
+    """A moving body and its joint; lengths and axes in the joint's frame."""
 
     parent: int  # index of the body that it is on; -1: the world
     kind: int  # how the joint moves: FIXED_AXIS, CIRCLE, ...
@@ -61,7 +61,7 @@ PLACE = layout(Place)
 
 @inlined
 def unwrapped(angle: float, near: float) -> float:
-    """Return the angle that is ``angle`` but for whole turns and within half a turn of ``near`` [rad]."""
+    """Return an angle shifted by whole turns to within half a turn of ``near`` [rad]."""
     return angle + 2.0 * math.pi * math.floor((near - angle) / (2.0 * math.pi) + 0.5)
 
 
@@ -86,7 +86,7 @@ def _of_quaternion(q: Floats, i: int, m: Floats) -> None:
 
 @inlined
 def relative(body: Body, y: Floats, nq: int, way: Place) -> None:
-    """Write how a joint places and moves its body, in a ``PLACE``.
+    """Write displacement and velocity of a body by its joint, in a ``PLACE``.
 
     Its rotation; its displacement in the joint's frame; its velocities in the body's own.
     """
@@ -130,7 +130,7 @@ def relative(body: Body, y: Floats, nq: int, way: Place) -> None:
 
 @kernel
 def place_bodies(y: Floats, nq: int, tree: Records[Body], places: Records[Place]) -> None:
-    """Write where the bodies are and how they move, in the world.
+    """Write poses and motions of the bodies in the world.
 
     Args:
         y: State, q and v first.
@@ -167,7 +167,7 @@ def cross(a: Floats, b: Floats, k: int) -> float:
 
 @kernel
 def bias_accelerations(tree: Records[Body], places: Records[Place]) -> None:
-    """Write the accelerations that bodies have while no component of the velocity changes.
+    """Write the accelerations of bodies at zero generalized acceleration.
 
     With r from the parent's origin, u the velocity that the joint adds and w angular velocities,
     a = a_p + alpha_p x r + w_p x (w_p x r + u) + w x u and alpha = alpha_p + w_p x (w - w_p).
@@ -223,7 +223,7 @@ def _place_on(body: Body, on: Place, own: Place) -> None:
 
 @inlined
 def _move(own: Place, way: Place) -> None:
-    """Turn and displace a joint's frame, in place, by what the joint does: the body's frame."""
+    """Turn and displace a joint's frame, in place, to the body's frame."""
     m = way.rotation
     for k in range(3):
         a, b, c = own.rotation[k, 0], own.rotation[k, 1], own.rotation[k, 2]
@@ -234,7 +234,7 @@ def _move(own: Place, way: Place) -> None:
 
 @inlined
 def _carry(on: Place, own: Place) -> None:
-    """Write the velocity that a body's origin has from the body that it is on."""
+    """Write the velocity of a body's origin that its parent causes."""
     dx = own.origin[0] - on.origin[0]
     dy = own.origin[1] - on.origin[1]
     dz = own.origin[2] - on.origin[2]

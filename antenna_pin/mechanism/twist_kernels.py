@@ -1,4 +1,4 @@
-"""How far a body is turned about an axis, compiled: its turn there as swing and twist.
+"""Twist of a body about an axis, from its swing and twist, compiled.
 
 The vector part (hx, hy, hz) and the scalar qw of a rotation's quaternion, in axes of which z is the axis.
 """
@@ -13,7 +13,7 @@ from antenna_pin.compiled.decorators import inlined
 
 @inlined
 def twist_angle(hx: float, hy: float, hz: float, qw: float) -> Triple:
-    """Return the twist about z [rad], in (-pi, pi], and gx, gy of its rate gx wx + gy wy + wz.
+    """Return the twist about z [rad], (-pi, pi], and gx, gy of its rate.
 
     The angular velocity w is the turned body's, in its own axes.
     """
@@ -29,7 +29,7 @@ def twist_angle(hx: float, hy: float, hz: float, qw: float) -> Triple:
 
 @inlined
 def twist_slopes(h: Triple, qw: float, way: Triple) -> tuple[float, float]:
-    """Return how gx and gy of :func:`twist_angle` change as the body turns by a small way, in its own axes.
+    """Return the changes of gx and gy of :func:`twist_angle` by a small rotation.
 
     By h' = (qw w + h x w) / 2 and qw' = -h . w / 2.
     """
@@ -51,6 +51,6 @@ def twist_slopes(h: Triple, qw: float, way: Triple) -> tuple[float, float]:
 
 @inlined
 def twist_bias(h: Triple, qw: float, w: Triple) -> float:
-    """Return what the twist accelerates by at constant w: gx' wx + gy' wy [rad/s^2]."""
+    """Return the twist's acceleration at constant w: gx' wx + gy' wy [rad/s^2]."""
     first, second = twist_slopes(h, qw, w)
     return first * w[0] + second * w[1]

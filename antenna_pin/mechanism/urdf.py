@@ -28,13 +28,13 @@ from antenna_pin.mechanism.robot import Joint, Link, Robot
 
 __all__ = ["Urdf"]
 
-_Named = TypeVar("_Named", Link, Joint)
+_Element = TypeVar("_Element", Link, Joint)
 
 
 @takes()
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Urdf:
-    """A URDF that was checked to be a mechanism: one tree of bodies that can exist.
+    """A URDF checked as a mechanism: one tree of possible bodies.
 
     It is its text and nothing else, so writing it and reading it again gives the same mechanism. At
     construction it refuses XML that is not well-formed; missing, repeated or unknown names; loops and several
@@ -148,7 +148,7 @@ class Urdf:
             raise
 
     @classmethod
-    def made(
+    def changed_from(
         cls,
         text: str,
         where: str,
@@ -157,16 +157,7 @@ class Urdf:
         origins: Mapping[str, JointChange] | None = None,
         **more: Any,
     ) -> Urdf:
-        """Return the mechanism that a text is with changes made (:meth:`variant`), judged after them.
-
-        Args:
-            text: The XML.
-            where: What messages call it.
-            joints: What to make of joints, by name.
-            links: New inertial properties and shapes, by link.
-            origins: New places, axes and bounds of joints, applied before ``joints``.
-            **more: Other fields.
-        """
+        """Return the changed mechanism of a text (:meth:`variant`), checked after the changes."""
         changes = joints, links, origins
         if not any(changes):
             return cls.from_text(text, where, **more)
@@ -213,15 +204,15 @@ class Urdf:
         }
 
     def link(self, name: str) -> Link:
-        """Return a link, to be read only."""
-        return self._named("link", self.robot.links, name)
+        """Return a link, not to be changed."""
+        return self._element("link", self.robot.links, name)
 
     def joint(self, name: str) -> Joint:
-        """Return a joint, to be read only."""
-        return self._named("joint", self.robot.joints, name)
+        """Return a joint, not to be changed."""
+        return self._element("joint", self.robot.joints, name)
 
     def axis(self, joint: str) -> Vector3:
-        """Return the unit axis (3,) of a joint in its own frame [-]; URDF's x by default."""
+        """Return a joint's unit axis (3,) in its own frame [-]; x by default."""
         return unit(self.joint(joint).axis)
 
     def placement(self, joint: str) -> npt.NDArray[np.float64]:
@@ -253,7 +244,7 @@ class Urdf:
             links: New inertial properties and shapes, by link.
             origins: New places, axes and bounds of joints, applied before ``joints``.
         """
-        return self.made(
+        return self.changed_from(
             self.text,
             self.where,
             joints,
@@ -279,14 +270,10 @@ class Urdf:
         return MassProperties.of(inertial.mass, placement[:3, 3], inertia)
 
     def with_parts(self, link: str, split: SplitLink) -> Urdf:
-        """Return a copy in which a link is a hub with elastic parts, each a link on a joint of its own.
+        """Return a copy with a link as hub and elastic parts on joints.
 
         The parts' joints bear the parts' names, their links ``<part>_body``. URDF has no springs: that of
         each joint stands in a comment.
-
-        Args:
-            link: Name of the link.
-            split: Its hub and parts.
         """
         self.link(link)
         robot = urdf_xml.parsed(self.text)
@@ -294,7 +281,7 @@ class Urdf:
         return replace(self, text=urdf_xml.write(robot))
 
     def mesh_file(self, filename: str) -> Path | None:
-        """Return the file of a mesh of that name, if it exists (``meshes.py`` defines where)."""
+        """Return the existing file of a mesh (``meshes.py`` defines the search)."""
         return mesh_file(filename, self.folder, self.package_path)
 
     def to_xml(self) -> str:
@@ -323,7 +310,7 @@ class Urdf:
         return path, *copies
 
     def _seen_from(self, folder: Path, copy_meshes: bool) -> tuple[str, dict[Path, Path]]:
-        """Return the XML with meshes named as in ``folder``, and sources of copies by their targets."""
+        """Return the XML with mesh names for ``folder``, and sources of copies by targets."""
         start = self.folder
         copies: dict[Path, Path] = {}
         robot = urdf_xml.read(self.text, self.where)
@@ -336,7 +323,7 @@ class Urdf:
             edits.relocate_meshes(robot, lambda filename: meshes.name_from(folder, start, filename))
         return urdf_xml.write(robot), copies
 
-    def _named(self, kind: str, elements: Iterable[_Named], name: str) -> _Named:
+    def _element(self, kind: str, elements: Iterable[_Element], name: str) -> _Element:
         for element in elements:
             if element.name == name:
                 return element

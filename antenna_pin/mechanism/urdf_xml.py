@@ -38,15 +38,7 @@ _MENDS = 8
 
 
 def root_of(text: str, where: str) -> Any:
-    """Return the root element of a text, by names without the root's own namespace.
-
-    Args:
-        text: The XML.
-        where: Name of the file, for messages.
-
-    Raises:
-        MechanismError: It is not well-formed XML.
-    """
+    """Return the root element of well-formed XML, by names without the root's own namespace."""
     text = text.removeprefix("\ufeff")
     early = _BEFORE_DECLARATION.match(text)
     if early and early[1]:
@@ -67,7 +59,7 @@ def root_of(text: str, where: str) -> Any:
 
 
 def parsed(text: str) -> Any:
-    """Return the root element of a text that :func:`write` has made."""
+    """Return the root element of a text by :func:`write`."""
     return _parsed(text, _parser())
 
 
@@ -82,13 +74,13 @@ def write(robot: Any) -> str:
 
 
 def tag_of(element: Any) -> str:
-    """Return the name of an element as it is written: with its prefix, if it has one."""
+    """Return the written name of an element, with its prefix."""
     name = etree.QName(element).localname
     return f"{element.prefix}:{name}" if element.prefix else str(name)
 
 
 def name_of(element: Any, key: str) -> str:
-    """Return the name of an attribute as it is written: with its prefix, if it has one."""
+    """Return the written name of an attribute, with its prefix."""
     name = etree.QName(key)
     prefix = next((one for one, space in element.nsmap.items() if space == name.namespace), None)
     return f"{prefix}:{name.localname}" if prefix else str(name.localname)
@@ -109,21 +101,21 @@ def _parsed(text: str, parser: Any) -> Any:
 
 
 def _mended(text: str, parser: Any) -> str:
-    """Return a text in which what a parser stumbled over is mended, if it can be."""
+    """Return a text with the parser's faults mended where possible."""
     faults = {fault.type_name for fault in parser.error_log}
     if "ERR_UNKNOWN_VERSION" in faults:
         return _VERSION.sub(r'\1"1.0"', text)
     if "ERR_HYPHEN_IN_COMMENT" in faults:
-        return _COMMENT.sub(lambda found: f"<!--{_without_hyphens(found[1])}-->", text)
+        return _COMMENT.sub(lambda match: f"<!--{_without_hyphens(match[1])}-->", text)
     if faults == {"NS_ERR_UNDEFINED_NAMESPACE"}:
         prefixes = dict.fromkeys(
-            found[1] for fault in parser.error_log if (found := _PREFIX.search(fault.message))
+            match[1] for fault in parser.error_log if (match := _PREFIX.search(fault.message))
         )
         declared = "".join(
             f' xmlns:{prefix}="{_XACRO if prefix == "xacro" else f"undeclared:{prefix}"}"'
             for prefix in prefixes
         )
-        bare = _COMMENT.sub(lambda found: " " * len(found[0]), text)  # a root in a comment is none
+        bare = _COMMENT.sub(lambda match: " " * len(match[0]), text)  # a root in a comment is none
         start = re.search(r"<[A-Za-z_][^\s/>]*", bare)
         if declared and start:
             return text[: start.end()] + declared + text[start.end() :]
@@ -155,6 +147,9 @@ SHAPES: dict[str, dict[str, int]] = {
     "sphere": {"radius": 1},
     "mesh": {},
 }
+
+# URDF wants limits of hinges and slides. These are none: nothing gets there.
+NO_LIMIT = {"lower": "-1e9", "upper": "1e9", "effort": "1e9", "velocity": "1e9"}
 
 MOMENTS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
 
@@ -223,7 +218,7 @@ _OF_JOINTS = {
 
 
 def broken_numbers(robot: Any, where: str) -> tuple[str, ...]:
-    """Return a line for each attribute of a joint that holds something else than its numbers.
+    """Return a message for each attribute of a joint without valid numbers.
 
     Where it acts it is refused; what is left has been given another value, or has no meaning for its joint.
     """
@@ -245,10 +240,7 @@ def _is_sound(text: str, count: int, infinite: bool) -> bool:
 
 
 def half_unit(text: str | None) -> float:
-    """Return half a unit of the last digit behind the point that a number is written with.
-
-    That is how far it may be off. Zeros and whole numbers are exact, and what is no number is not told.
-    """
+    """Return half a unit of a number's last decimal; zero for whole and invalid numbers."""
     try:
         number = Decimal((text or "").strip())
         last = number.as_tuple().exponent
@@ -268,14 +260,10 @@ def placed(element: Any, where: str) -> str:
 
 
 def check_names(element: Any, where: str) -> None:
-    """Refuse names, in an element and below, that are almost ones that the format defines at their place.
+    """Refuse names that are almost those of the format at their place.
 
     An attribute that is written as an element counts too, and an element as an attribute, and text that
     stands for attributes. Names with a prefix are other tools'.
-
-    Args:
-        element: Of the format.
-        where: Name of the file, for messages.
     """
     defined = FORMAT[element.tag]
     if not defined.children and (text := text_in(element)):
@@ -302,7 +290,7 @@ def check_names(element: Any, where: str) -> None:
 
 
 def _meant(name: str, known: tuple[str, ...], element: Any) -> str | None:
-    """Return the name of the format that a name which is none is a slip of: rather one that is missing."""
+    """Return the format's name that an unknown name misspells, preferably a missing one."""
     if name in known or name in _NO_SLIPS or name.startswith("{"):
         return None
     children, attributes = FORMAT[element.tag]
@@ -327,7 +315,7 @@ def _repeats(element: Any, name: str, meant: str) -> bool:
 
 
 def text_in(element: Any) -> str:
-    """Return the text that stands in an element, without that of elements in it."""
+    """Return the text of an element without that of its children."""
     return " ".join([element.text or "", *(child.tail or "" for child in element)]).strip()
 
 
@@ -367,12 +355,7 @@ _OTHERS = {
 
 
 def read(text: str, where: str) -> Any:
-    """Return the root element of a URDF whose outline is sound.
-
-    Args:
-        text: The XML.
-        where: Name of the file, for messages.
-    """
+    """Return the root element of a URDF with a valid outline, or refuse the text."""
     if where.endswith(".xacro"):
         raise MechanismError(f"{where}: a xacro file is not URDF yet; {_EXPAND}")
     robot = root_of(text, where)
@@ -393,12 +376,7 @@ def read(text: str, where: str) -> Any:
 
 
 def judge(robot: Any, where: str) -> None:
-    """Refuse numbers that are none, where the mechanics needs them, and names that Pinocchio has itself.
-
-    Args:
-        robot: Root element, without what does not count.
-        where: Name of the file, for messages.
-    """
+    """Refuse invalid numbers of the mechanics, and names reserved by Pinocchio."""
     for element in (*robot.findall("link"), *robot.findall("joint")):
         name = element.get("name")
         if name in _RESERVED and element.get("type") != "fixed":  # one that is fixed is a frame
@@ -410,16 +388,16 @@ def judge(robot: Any, where: str) -> None:
     for inertial in robot.iterfind("link/inertial"):
         _refuse_repeated(inertial, _SINGLE["inertial"], where)
         check_origin(inertial, where)
-        _numbers(_child(inertial, "mass", where), "value", (1,), where)
+        _numbers(_child(inertial, "mass", where), "value", 1, where)
         inertia = _child(inertial, "inertia", where)
         for moment in MOMENTS:
-            _numbers(inertia, moment, (1,), where)
+            _numbers(inertia, moment, 1, where)
     for joint in robot.findall("joint"):
         _check_joint(joint, where)
 
 
 def _refuse_xacro(robot: Any, where: str) -> None:
-    """Refuse macros among what is read; what stands in other elements is not looked at.
+    """Refuse xacro macros in links and joints; other elements are skipped.
 
     Definitions that were left behind mean nothing: what used them is an expression or a macro's call.
     """
@@ -436,16 +414,16 @@ def _refuse_xacro(robot: Any, where: str) -> None:
 
 def _refuse_repeated(element: Any, tags: Iterable[str], where: str) -> None:
     for tag in tags:
-        found = element.findall(tag)
-        if len(found) > 1:
+        first, *others = element.findall(tag) or [None]
+        if others:
             raise MechanismError(
-                f"{placed(found[1], where)}: <{element.tag}> must have one <{tag}>, got {len(found)}, the "
-                f"first in line {found[0].sourceline}; remove the others"
+                f"{placed(others[0], where)}: <{element.tag}> must have one <{tag}>, got {len(others) + 1}, "
+                f"the first in line {first.sourceline}; remove the others"
             )
 
 
 def _check_own_names(robot: Any, where: str) -> None:
-    """Names are present and unique."""
+    """Refuse missing and repeated names of links and joints."""
     for kind in ("link", "joint"):
         elements = robot.findall(kind)
         if kind == "link" and not elements:
@@ -486,14 +464,14 @@ def _check_joint(joint: Any, where: str) -> None:
         _attribute(mimic, "joint", where)
         for name in ("multiplier", "offset"):
             if name in mimic.attrib:
-                _numbers(mimic, name, (1,), where)
+                _numbers(mimic, name, 1, where)
     axis_of(joint, where)
     check_dynamics(joint, where)
     limit = joint.find("limit")
     if limit is not None:
         for name in ("lower", "upper"):
             if name in limit.attrib:
-                _numbers(limit, name, (1,), where, infinite=True)
+                _numbers(limit, name, 1, where, infinite=True)
 
 
 def check_dynamics(joint: Any, where: str) -> None:
@@ -502,7 +480,7 @@ def check_dynamics(joint: Any, where: str) -> None:
     dynamics = joint.find("dynamics")
     if dynamics is not None:
         for name in ("damping", "friction"):
-            if name in dynamics.attrib and _numbers(dynamics, name, (1,), where)[0] < 0.0:
+            if name in dynamics.attrib and _numbers(dynamics, name, 1, where)[0] < 0.0:
                 raise MechanismError(
                     f"{placed(dynamics, where)}: <dynamics> {name} must be zero or more, "
                     f"got {dynamics.get(name)!r}"
@@ -510,31 +488,23 @@ def check_dynamics(joint: Any, where: str) -> None:
 
 
 def axis_of(joint: Any, where: str) -> tuple[float, ...]:
-    """Return the axis of a joint as it is written, URDF's x where there is none (3,) [-].
-
-    Raises:
-        MechanismError: It is no direction.
-    """
+    """Return the written axis of a joint (3,) [-], by default URDF's x."""
     _refuse_repeated(joint, ("axis",), where)
     axis = joint.find("axis")
     if axis is None:
         return 1.0, 0.0, 0.0
-    numbers = _numbers(axis, "xyz", (3,), where, any_size=True)
+    numbers = _numbers(axis, "xyz", 3, where, any_size=True)
     if not any(numbers):
         raise MechanismError(f"{placed(axis, where)}: axis must be nonzero, got {axis.get('xyz')!r}")
     return numbers
 
 
 def check_origin(element: Any, where: str) -> tuple[float, ...]:
-    """Return roll, pitch and yaw of an element's origin [rad], zeros where it has none.
-
-    Raises:
-        MechanismError: Its numbers are none.
-    """
+    """Return roll, pitch, yaw of an element's origin [rad], zeros without one."""
     origin = element.find("origin")
     if origin is None:
         return 0.0, 0.0, 0.0
-    found = [_numbers(origin, name, (3,), where) if name in origin.attrib else () for name in ("xyz", "rpy")]
+    found = [_numbers(origin, name, 3, where) if name in origin.attrib else () for name in ("xyz", "rpy")]
     return found[1] or (0.0, 0.0, 0.0)
 
 
@@ -557,7 +527,7 @@ def _attribute(element: Any, name: str, where: str) -> str:
 def _numbers(
     element: Any,
     name: str,
-    counts: Iterable[int],
+    count: int,
     where: str,
     *,
     infinite: bool = False,
@@ -569,15 +539,13 @@ def _numbers(
     """
     text: str | None = element.get(name)
     _refuse_expression(element, text or "", where)
-    counts = tuple(counts)
     numbers = numbers_in(text) or ()
-    if len(numbers) not in counts or not all(
+    if len(numbers) != count or not all(
         math.isfinite(number) or (infinite and not math.isnan(number)) for number in numbers
     ):
         got = "none" if text is None else repr(text)
         raise MechanismError(
-            f"{placed(element, where)}: <{element.tag}> {name} must be {' or '.join(str(c) for c in counts)} "
-            f"finite number(s), got {got}"
+            f"{placed(element, where)}: <{element.tag}> {name} must be {count} finite number(s), got {got}"
         )
     if not any_size and any(LARGEST < abs(number) < math.inf for number in numbers):
         raise MechanismError(

@@ -1,4 +1,4 @@
-"""A URDF as its file is: names, tree and types of joints, whatever else stands in it.
+"""Unchanged URDF of a file: names, tree, joint types, and parts without meaning.
 
 Its mechanics is judged only in what is made of it: before, a joint can be locked, an inertia given.
 """
@@ -27,7 +27,7 @@ _LINES = 10
 
 
 class WrittenJoint(NamedTuple):
-    """A joint as a file has it: its type, which may be none of URDF's, and the links that it joins."""
+    """A joint of a file: type, which may be invalid, and its links."""
 
     type: str
     parent: str
@@ -40,8 +40,8 @@ class PassedOver(NamedTuple):
     what: str
     lines: tuple[int, ...]
 
-    def said(self) -> str:
-        """Return how many there are, of what, and in which lines, in words."""
+    def text(self) -> str:
+        """Return count, kind and lines as text."""
         lines = list(dict.fromkeys(self.lines))
         numbers = ", ".join(map(str, lines[:_LINES])) + (", ..." if len(lines) > _LINES else "")
         return f"{len(self.lines)} {self.what}, line{'s' * (len(lines) > 1)} {numbers}"
@@ -72,7 +72,7 @@ def _outline(text: str, where: str) -> _Outline:
     return _Outline(links, joints, friction, left_out, passed)
 
 
-class _Asked(NamedTuple):
+class _VariantKey(NamedTuple):
     """Identity of a variant: equal for equal readings, each number to its last digit."""
 
     said: str
@@ -83,17 +83,17 @@ class _Asked(NamedTuple):
         return hash(self.said)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Asked) and self.said == other.said
+        return isinstance(other, _VariantKey) and self.said == other.said
 
 
 @lru_cache(maxsize=4)  # what is tried over and over differs in play, laws, drives; a URDF may be large
-def _made(asked: _Asked) -> Urdf:
-    return Urdf.made(*asked.changed, **asked.more)
+def _variant(key: _VariantKey) -> Urdf:
+    return Urdf.changed_from(*key.changed, **key.more)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class WrittenUrdf:
-    """A URDF of which names and tree are known, its mechanics not judged.
+    """A URDF with known names and tree, its mechanics not yet checked.
 
     Attributes:
         text: The XML as it is in the file.
@@ -153,14 +153,14 @@ class WrittenUrdf:
         links: Mapping[str, LinkChange] | None = None,
         origins: Mapping[str, JointChange] | None = None,
     ) -> Urdf:
-        """Return the mechanism with changes made, judged: :meth:`antenna_pin.mechanism.Urdf.variant`."""
+        """Return the changed and checked mechanism: :meth:`antenna_pin.mechanism.Urdf.variant`."""
         more = {
             "folder": self.folder,
             "package_path": self.package_path,
             "allow_impossible_inertia": self.allow_impossible_inertia,
         }
         changed = self.text, self.where, joints, links, origins
-        return _made(_Asked(repr((changed, more)), changed, more))
+        return _variant(_VariantKey(repr((changed, more)), changed, more))
 
     def said_of_passed_over(self) -> str | None:
         """Return one line on what was passed over, None if nothing was."""

@@ -26,7 +26,7 @@ from antenna_pin.mechanism import Mechanism
 from antenna_pin.report._page import Section, Statement
 from antenna_pin.report._runs import ReportedRun, labels_of
 from antenna_pin.scenario import ClearanceSpec, PointingSpec, Scenario, TouchingSpec
-from antenna_pin.scenario.assumed import words_of_assumed
+from antenna_pin.scenario.clearance import words_of_assumed
 
 __all__ = ["scenario_sections"]
 

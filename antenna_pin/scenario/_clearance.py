@@ -8,7 +8,6 @@ from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 from pydantic import Field, model_validator
 
-from antenna_pin.scenario._base import Count, Length, PositiveLength, PositiveSpeed, Quantity, Spec, refuse
 from antenna_pin.scenario.laws import (
     Family,
     LawChange,
@@ -24,6 +23,7 @@ from antenna_pin.scenario.laws import (
     title,
     unit_of,
 )
+from antenna_pin.scenario.spec import Count, Length, PositiveLength, PositiveSpeed, Quantity, Spec, refuse
 
 __all__ = ["KINDS", "RADIAL_PLAY", "Clearance", "Kind", "Variant", "check_play", "law_tables"]
 
@@ -133,7 +133,7 @@ class Clearance(Spec):
     @model_validator(mode="before")
     @classmethod
     def _read_laws(cls, data: Any) -> Any:
-        """Read the laws together: the unit of a parameter may depend on one in a sister table."""
+        """Read the laws together, as units may depend on a sister table."""
         if not isinstance(data, Mapping):
             return data
         return dict(data) | _read_law_tables(data)
@@ -168,7 +168,7 @@ class Clearance(Spec):
         return self.radial if kind == "radial" else self.axial
 
     def law(self, kind: Kind) -> LawSpec | None:
-        """Return the normal law of a kind of contact: the common one, with what its own table changes."""
+        """Return the normal law of a kind of contact: common law with its changes."""
         return changed_law(self.normal, self._change(kind))
 
     @property
@@ -178,7 +178,7 @@ class Clearance(Spec):
 
 
 def law_tables(joint: Clearance) -> dict[str, dict[str, Any]]:
-    """Return a joint's normal laws as a file has them, with the units that depend on other parameters.
+    """Return a joint's normal laws as in a file, with dependent units resolved.
 
     So the stiffness of a law of one exponent is not taken for that of another, laid over it.
     """
@@ -206,15 +206,7 @@ def check_play(joint: Clearance, pair: tuple[str, str]) -> None:
 
 
 def _check_law(law: LawSpec, family: Family, complete: bool, table: str, places: Mapping[str, str]) -> None:
-    """Refuse a law that does not accept its parameters.
-
-    Args:
-        law: The law as it is used.
-        family: Which laws it is one of.
-        complete: Whether to refuse one, too, that lacks parameters.
-        table: Table in which the law stands.
-        places: Table in which a parameter stands, by name, where it is another.
-    """
+    """Refuse a law that rejects its parameters, or if ``complete`` lacks some."""
     known = laws(family)
     missing = missing_parameters(law, known)
     if missing and not complete:

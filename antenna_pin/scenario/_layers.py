@@ -1,10 +1,11 @@
-"""The layers of a scenario, a file with a case and overrides over it, and the scenario made of them."""
+"""Layers of a scenario: file, case, overrides."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -13,38 +14,29 @@ from pydantic import ValidationError
 from antenna_pin.base.files import absence, decoded, marked_encoding
 from antenna_pin.base.tables import BadTableError, column_of, read_cells
 from antenna_pin.base.units import shown
-from antenna_pin.errors import ScenarioError, nearest
-from antenna_pin.scenario._base import Spec, unknown_key
-from antenna_pin.scenario._explained import Location, Place, dotted, explained
-from antenna_pin.scenario._joint import JOINTS, Motion, motion_of
-from antenna_pin.scenario._modal_file import has_modal_file, modal_stand_in
+from antenna_pin.errors import FileFormatError, ScenarioError, nearest
+from antenna_pin.scenario._class_tables import JOINTS, Motion, motion_of
 from antenna_pin.scenario.drives import WITH_FILES, file_columns, file_units
 from antenna_pin.scenario.merge import Overrides, merge, read_overrides
 from antenna_pin.scenario.shipped import tables
+from antenna_pin.scenario.spec import Location, Place, Spec, dotted, explained, unknown_key
 
 __all__ = [
     "Source",
     "built",
-    "check_drives",
+    "check_files",
     "check_keys",
     "from_layer",
     "read_layer",
-    "stand_in",
+    "with_each",
+    "without_files",
 ]
-
-
-# --- numbers over time, or over an angle, from text ---
 
 
 def read_table(
     text: str, columns: Sequence[str], units: Sequence[str | tuple[str, ...]]
 ) -> tuple[tuple[tuple[float, ...], ...], Motion | None]:
     """Return columns of a table in SI units, of which the first increases.
-
-    Args:
-        text: The file's text.
-        columns: Their names, as its header must have them.
-        units: SI unit of each, or those of a turning and of a sliding joint.
 
     Returns:
         The numbers, and what the units in the text say of the joint's motion; None without any.
@@ -77,6 +69,8 @@ def read_table(
 
 S = TypeVar("S", bound=Spec)
 
+_WITH_FILES = ("flexible", *WITH_FILES)
+
 
 @dataclass(frozen=True, slots=True)
 class Source:
@@ -108,7 +102,7 @@ class Source:
         return dict(merged)
 
     def place(self, location: Location) -> Place:
-        """Return where a value stands, or is missing: in the file, in its case, or in an override."""
+        """Return the place of a value or missing key: file, case, or override."""
         lower = [self.base, *(table for _, table in self.below)]
         if from_layer(self.overrides, location, *lower, self.case_table):
             return Place(f"{self.label}: {dotted(location)}", " (set by an override)")
@@ -121,7 +115,7 @@ class Source:
         return Place(f"{self.label}: {dotted(location)}", self.note, self._stale(location[:-1]))
 
     def _stale(self, table: Location) -> str:
-        """Say why a key of the file may have become unknown: what is laid over it has changed the kind."""
+        """Return a hint for a key made unknown by another kind in a layer above."""
         cases = [(f"case {case}", table) for case, table in ((self.case, self.case_table), *self.below[::-1])]
         for layer, values in (("an override", self.overrides), *cases):
             for key in ("kind", "law"):
@@ -147,27 +141,14 @@ def read_layer(overrides: Overrides) -> tuple[dict[str, Any], tuple[str, ...]]:
 def built(kind: type[S], carried: dict[str, Any], source: Source) -> S:
     """Return the scenario of all layers, with the files it names.
 
-    Args:
-        kind: The class of a scenario.
-        carried: What it carries beside the values of the layers.
-        source: The layers.
-
     Raises:
         ScenarioError: With one line that gives file, place, rule, the value seen and a way out.
     """
     data = source.merged()
     check_keys(kind, data, source)
     folder = Path(carried["folder"])
-    for family in WITH_FILES:
-        of_family = data.get(family)
-        if isinstance(of_family, Mapping):
-            read = {name: _with_table((family, name), of_family[name], folder, source) for name in of_family}
-            data = data | {family: read}
-    flexible = data.get("flexible")
-    if isinstance(flexible, Mapping):
-        data = data | {
-            "flexible": {name: _with_modes(name, flexible[name], folder, source) for name in flexible}
-        }
+    for family in _WITH_FILES:
+        data = with_each(data, family, partial(_with_numbers, family, folder=folder, source=source))
     urdf = tables(data.get("mechanism")).get("urdf")
     if "urdf_text" not in carried:  # a mechanism without is refused for that
         place = ("mechanism", "urdf")
@@ -186,63 +167,75 @@ def check_keys(kind: type[Spec], data: Mapping[str, Any], source: Source) -> Non
         raise source.error(unknown_key([*known, "default_case", "cases"], key), key)
 
 
-def check_drives(data: Mapping[str, Any], source: Source) -> None:
-    """Refuse an element with a table, or an appendage's modal data, that has its numbers twice."""
-    for name, table in tables(data.get("flexible")).items():
-        if has_modal_file(table) and table.keys() & modal_stand_in().keys():
-            rule = "must have either file, or frequency and participation, got both"
-            raise source.error(rule, "flexible", name)
-    for family in WITH_FILES:
+def with_each(data: Mapping[str, Any], key: str, change: Callable[[str, Any], Any]) -> dict[str, Any]:
+    """Return data in which each named table below a key is replaced by ``change(name, table)``."""
+    named = data.get(key)
+    if not isinstance(named, Mapping):
+        return dict(data)
+    return {**data, key: {name: change(name, table) for name, table in named.items()}}
+
+
+def check_files(data: Mapping[str, Any], source: Source) -> None:
+    """Refuse a table with both its numbers and a file of them."""
+    for family in _WITH_FILES:
         for name, table in tables(data.get(family)).items():
-            columns = file_columns(table, family) or (("time", "torque") if family == "drives" else ())
+            columns = (*_stand_in(table, family),) or (("time", "torque") if family == "drives" else ())
             if "file" in tables(table) and table.keys() & {*columns}:
                 rule = f"must have either file, or {', '.join(columns[:-1])} and {columns[-1]}, got both"
                 raise source.error(rule, family, name)
 
 
-def stand_in(table: object, family: str) -> dict[str, tuple[float, ...]]:
-    """Return the least that an element needs in place of a file that is not to be read."""
-    return dict.fromkeys(file_columns(table, family) or (), (0.0, 1.0))
+def without_files(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return data with stand-ins for the numbers of files, which are not read."""
+    found = dict(data)
+    for family in _WITH_FILES:
+        found = with_each(found, family, partial(_without_file, family))
+    return found
 
 
-def _with_table(element: tuple[str, str], table: Any, folder: Path, source: Source) -> Any:
-    """Return an element, by family and name, with the numbers of the file it names, if it has none."""
-    columns = file_columns(table, element[0])
-    if columns is None or "file" not in table or table.keys() & {*columns}:
+def _without_file(family: str, _: str, table: Any) -> Any:
+    return table | _stand_in(table, family) if "file" in tables(table) else table
+
+
+def _stand_in(table: object, family: str) -> dict[str, tuple[float, ...]]:
+    """Return least numbers in place of a table's file; {} for tables without one."""
+    if family != "flexible":
+        return dict.fromkeys(file_columns(table, family) or (), (0.0, 1.0))
+    is_modal = isinstance(table, Mapping) and table.get("kind") == "modal-data"
+    return {"frequency": (1.0,), "participation": (1.0, 0.0, 0.0, 0.0, 0.0, 0.0)} if is_modal else {}
+
+
+def _with_numbers(family: str, name: str, table: Any, folder: Path, source: Source) -> Any:
+    """Return a table with the numbers of the file it names, if it has none."""
+    numbers, place = _stand_in(table, family), (family, name, "file")
+    if not numbers or "file" not in table or table.keys() & numbers.keys():
         return table
     if not isinstance(table["file"], str):
-        return table | stand_in(table, element[0])  # refused for its file
-    place = (*element, "file")
+        return table | numbers  # refused for its file
     text = _read_file(table["file"], folder, source, *place)
     try:
-        numbers, motion = read_table(text, columns, file_units(table, element[0]))
-    except BadTableError as problem:
+        return table | (_modes(text, table) if family == "flexible" else _columns(text, table, family))
+    except FileFormatError as problem:
         where, note, _ = source.place(place)
         raise ScenarioError(f"{where}: {table['file']}, {problem}{note}") from None
-    return table | dict(zip(columns, numbers, strict=True)) | ({"motion": motion} if motion else {})
 
 
-def _with_modes(name: str, table: Any, folder: Path, source: Source) -> Any:
-    """Return a flexible link with the modes of the file it names, if it names one and has none."""
-    if not has_modal_file(table) or table.keys() & modal_stand_in().keys():
-        return table
-    if not isinstance(table["file"], str):
-        return table | modal_stand_in()  # refused for its file
-    from antenna_pin.flexible.modal_files import BadModalTableError, read_modal_table
+def _columns(text: str, table: Mapping[str, Any], family: str) -> dict[str, Any]:
+    columns = tuple(_stand_in(table, family))
+    numbers, motion = read_table(text, columns, file_units(table, family))
+    return dict(zip(columns, numbers, strict=True)) | ({"motion": motion} if motion else {})
 
-    place = ("flexible", name, "file")
-    text = _read_file(table["file"], folder, source, *place)
-    try:
-        modes = read_modal_table(text)
-    except BadModalTableError as problem:
-        where, note, _ = source.place(place)
-        raise ScenarioError(f"{where}: {table['file']}, {problem}{note}") from None
+
+def _modes(text: str, table: Mapping[str, Any]) -> dict[str, Any]:
+    from antenna_pin.flexible.modal_files import read_modal_table
+
+    modes = read_modal_table(text)
     found: dict[str, Any] = {"frequency": modes.frequency, "participation": modes.participation}
     found["reading"] = modes.reading
     found["places"] = [f"{table['file']}, line {line}" for line in modes.lines]
     if modes.damping_ratio is not None and "damping_ratio" not in table:
         found["damping_ratio"] = modes.damping_ratio
-    return table | found
+    return found
 
 
 def _read_file(
@@ -272,7 +265,7 @@ def _read_file(
 
 
 def from_layer(layer: Mapping[str, Any], location: Location, *below: Mapping[str, Any]) -> bool:
-    """Return whether a value is given in a layer, or is missing in a table that only this layer has."""
+    """Return whether a value, or its missing key, belongs to a layer."""
     outer = location[:-1]
     if _holds(layer, location):
         return True

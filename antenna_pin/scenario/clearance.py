@@ -1,21 +1,19 @@
-"""A joint with play: its dimensions, its laws, and how it is to be modelled; a class a model."""
+"""Joints with play: dimensions, laws, model, and assumptions."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, ClassVar, Literal, Self, get_args
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, ClassVar, Literal, Self, cast, get_args
 
 from pydantic import model_validator
 
+from antenna_pin.base.readable import number, readable
 from antenna_pin.errors import InvalidParameterError, ScenarioError
-from antenna_pin.scenario._base import PositiveLength, refuse
+from antenna_pin.scenario._class_tables import Tables
 from antenna_pin.scenario._clearance import KINDS, RADIAL_PLAY, Clearance, Kind, Variant, check_play
-from antenna_pin.scenario._kinds import Tables
-from antenna_pin.scenario.assumed import OUTER, Assuming
 from antenna_pin.scenario.laws import LawSpec, needs_materials
-
-if TYPE_CHECKING:
-    from antenna_pin.geometry import ClearanceGeometry
+from antenna_pin.scenario.spec import PositiveLength, refuse
 
 __all__ = [
     "CLEARANCES",
@@ -23,11 +21,29 @@ __all__ = [
     "ContactClearance",
     "CylindricalClearance",
     "IdealClearance",
+    "LAW",
+    "MATERIAL",
+    "OUTER",
     "PlanarClearance",
     "PrismaticClearance",
+    "RESTITUTION",
     "SphericalClearance",
     "TouchingSpec",
+    "said_of_assumed",
+    "words_of_assumed",
 ]
+
+if TYPE_CHECKING:
+    from antenna_pin.geometry import ClearanceGeometry
+
+
+#: The normal law where none is given, and the coefficient of restitution that it is asked for [-]: what the
+#: literature on joints with play takes most often.
+LAW, RESTITUTION = "lankarani-nikravesh", 0.9
+#: What both parts are of, where neither a law nor a material is given.
+MATERIAL = "steel"
+#: Outer radius of a bearing over that of its bore [-]: as of a thick plain bush.
+OUTER = 1.5
 
 
 class IdealClearance(Clearance):
@@ -51,7 +67,7 @@ class IdealClearance(Clearance):
         return ("revolute", "continuous", "prismatic", *(("floating",) if self.model == "constraint" else ()))
 
 
-class TouchingSpec(Assuming):
+class TouchingSpec(Clearance):
     """Base of the models whose journal touches the bearing.
 
     A kind of joint with play is one class below, which says its sizes, and its place in ``ClearanceSpec``.
@@ -62,19 +78,9 @@ class TouchingSpec(Assuming):
     # Why no law along a line can be its law, if none can; how many contacts share a line along the bearing.
     no_line: ClassVar[str] = ""
     ends: ClassVar[int] = 1
-    # What becomes of the URDF's joint, and which types it may have there.
-    becomes: ClassVar[Variant] = "free"
-    of_types: ClassVar[tuple[str, ...]] = ("revolute", "continuous")
-
-    @property
-    def variant(self) -> Variant:
-        """Type that replaces the URDF's joint."""
-        return self.becomes
-
-    @property
-    def urdf_types(self) -> tuple[str, ...]:
-        """Types that the joint may have in the URDF."""
-        return self.of_types
+    # Type that replaces the URDF's joint, and the types that it may have there.
+    variant: ClassVar[Variant] = "free"
+    urdf_types: ClassVar[tuple[str, ...]] = ("revolute", "continuous")
 
     @property
     def radial_play(self) -> float:
@@ -95,20 +101,47 @@ class TouchingSpec(Assuming):
         shape: ClearanceGeometry = SHAPES[self.kind](**self.sizes())
         return shape
 
+    def law(self, kind: Kind) -> LawSpec | None:
+        """Return the assumed normal law of a kind of contact."""
+        if self._says_no_law:
+            return LawSpec(law=LAW, parameters={"restitution": RESTITUTION})
+        return super().law(kind)
+
+    @property
+    def materials(self) -> tuple[str | None, str | None]:
+        """Materials of bearing and journal."""
+        if self.says_no_material:
+            return MATERIAL, MATERIAL
+        return self.bearing_material, self.journal_material
+
+    @property
+    def _says_no_law(self) -> bool:
+        return self.normal is None and self.radial is None and self.axial is None
+
+    @property
+    def says_no_material(self) -> bool:
+        """Return whether no key decides the stiffness; a given law has its own."""
+        return self._says_no_law and self.bearing_material is None and self.journal_material is None
+
+    @property
+    def assumed(self) -> dict[str, float | str]:
+        """Assumed values, by key: SI numbers, names."""
+        found: dict[str, float | str] = {}
+        if self._says_no_law:
+            found["normal"] = LAW
+        if self.says_no_material:
+            found |= {"bearing_material": MATERIAL, "journal_material": MATERIAL}
+        return found
+
     @property
     def radial_law(self) -> LawSpec:
-        """The normal law at the bore, or of the only contacts: ``normal``, with what ``radial`` changes."""
-        return self._law_of("radial")
+        """Normal law at the bore, or of the only contacts: ``normal`` changed by ``radial``."""
+        return cast(LawSpec, self.law("radial"))
 
     @property
     def axial_law(self) -> LawSpec:
-        """The normal law at the flanges: ``normal``, with what ``axial`` changes."""
-        return self._law_of("axial")
-
-    def _law_of(self, kind: Kind) -> LawSpec:
-        law = self.law(kind)
-        assert law is not None
-        return law
+        """Normal law at the flanges: ``normal`` changed by ``axial``."""
+        return cast(LawSpec, self.law("axial"))
 
     def hertz_stiffness(self, modulus: float, place: str) -> float:
         """Return the stiffness of a Hertz contact of the pair [N/m^1.5].
@@ -134,13 +167,21 @@ class TouchingSpec(Assuming):
     def _check_plays(self) -> None:
         check_play(self, RADIAL_PLAY)
 
+    def _check_slider(self) -> None:
+        if self.load != "point":
+            refuse(f"must be point for a slider, got {self.load!r}", "load", value=self.load)
+        try:
+            self.shape()
+        except InvalidParameterError as error:
+            refuse(error.reason, error.parameter)
+
 
 class PlanarClearance(TouchingSpec):
     """Planar joint with radial play: contact at the bore only."""
 
     kind = "planar"
     kinds: ClassVar[tuple[Kind, ...]] = ("radial",)
-    becomes = "planar"
+    variant = "planar"
 
     model: Literal["planar"]
     bearing_radius: PositiveLength
@@ -159,7 +200,7 @@ class SphericalClearance(TouchingSpec):
     kind = "spherical"
     kinds: ClassVar[tuple[Kind, ...]] = ("radial",)
     no_line = "a ball in a socket"
-    of_types = ("revolute", "continuous", "floating")
+    urdf_types = ("revolute", "continuous", "floating")
 
     model: Literal["spherical"]
     bearing_radius: PositiveLength
@@ -182,7 +223,7 @@ class ContactClearance(TouchingSpec):
 
     @property
     def axial_play(self) -> float:
-        """C_a = (L_j - L_i) / 2, whichever way it was given [m]; as the radial one where it was not."""
+        """C_a = (L_j - L_i) / 2 [m], however given; by default the radial play."""
         if self.axial_clearance is not None:
             return self.axial_clearance
         if self.flange_distance is None:
@@ -239,7 +280,7 @@ class ContactClearance(TouchingSpec):
 
 
 class PrismaticClearance(TouchingSpec):
-    """A rectangular slider in a rectangular guide: slides along the joint's axis, six degrees of freedom.
+    """A rectangular slider in a rectangular guide, with six degrees of freedom.
 
     ``normal`` is the law of each of the slider's eight corners on each of its two walls.
     """
@@ -247,7 +288,7 @@ class PrismaticClearance(TouchingSpec):
     kind = "prismatic"
     kinds: ClassVar[tuple[Kind, ...]] = ("radial",)
     no_line = "the corner of a slider"
-    of_types = ("prismatic",)
+    urdf_types = ("prismatic",)
     slides = True
 
     model: Literal["prismatic"]
@@ -256,7 +297,7 @@ class PrismaticClearance(TouchingSpec):
     slider_length: PositiveLength
 
     def sizes(self) -> dict[str, float]:
-        """Return the sides of guide and slider, what rounds the edges and how the section is turned."""
+        """Return the dimensions of guide and slider, corner radius and roll."""
         sizes = {name: getattr(self, name) or 0.0 for name in ("corner_radius", "roll", "guide_length")}
         for side in ("width", "height"):
             guide, slider = getattr(self, f"guide_{side}"), getattr(self, f"slider_{side}")
@@ -265,7 +306,7 @@ class PrismaticClearance(TouchingSpec):
         return {"slider_length": self.slider_length, **sizes}
 
     def hertz_stiffness(self, modulus: float, place: str) -> float:
-        """Return the stiffness of a Hertz contact of a rounded corner, a ball, on a plane [N/m^1.5]."""
+        """Return the Hertz stiffness of a rounded corner on a plane [N/m^1.5]."""
         if not self.corner_radius:
             raise ScenarioError(
                 f"{place}: is missing; give it, or the joint's corner_radius: a sharp corner has no stiffness"
@@ -280,16 +321,11 @@ class PrismaticClearance(TouchingSpec):
             refuse("must have exactly one of radial_clearance, and slider_width with slider_height")
         if self.radial_clearance is not None and sides != (None, None):
             refuse("must have exactly one of radial_clearance, and slider_width with slider_height, got both")
-        if self.load != "point":
-            refuse(f"must be point for a slider, got {self.load!r}", "load", value=self.load)
-        try:
-            self.shape()
-        except InvalidParameterError as error:
-            refuse(error.reason, error.parameter)
+        self._check_slider()
 
 
 class CylindricalClearance(TouchingSpec):
-    """A round slider in a round guide: slides along the joint's axis, and turns about it unless it has a key.
+    """A round slider in a round guide, free to turn unless it has a key.
 
     ``bearing_radius`` is the guide's, ``journal_radius`` the slider's. ``normal`` is the law of each of its
     two ends, and of the key's flanks.
@@ -298,7 +334,7 @@ class CylindricalClearance(TouchingSpec):
     kind = "cylindrical"
     kinds: ClassVar[tuple[Kind, ...]] = ("radial",)
     no_line = "the end of a round slider"
-    of_types = ("prismatic",)
+    urdf_types = ("prismatic",)
     slides = True
 
     model: Literal["cylindrical"]
@@ -306,7 +342,7 @@ class CylindricalClearance(TouchingSpec):
     slider_length: PositiveLength
 
     def sizes(self) -> dict[str, float]:
-        """Return radii, lengths and what there is of a key."""
+        """Return radii, lengths and the dimensions of a key."""
         more = ("guide_length", "key_width", "keyway_width", "key_reach")
         return {
             "bearing_radius": self.bearing_radius,
@@ -317,12 +353,7 @@ class CylindricalClearance(TouchingSpec):
 
     def _check_plays(self) -> None:
         check_play(self, RADIAL_PLAY)
-        if self.load != "point":
-            refuse(f"must be point for a slider, got {self.load!r}", "load", value=self.load)
-        try:
-            self.shape()
-        except InvalidParameterError as error:
-            refuse(error.reason, error.parameter)
+        self._check_slider()
 
 
 ClearanceSpec = (
@@ -341,3 +372,28 @@ _MODELS = {
 
 CLEARANCES = Tables(_MODELS, _MODELS.__getitem__)
 """Joints with play by their ``model``."""
+
+
+def said_of_assumed(joints: Mapping[str, Clearance]) -> Iterator[str]:
+    """Yield a line of assumptions for each joint with play, by name."""
+    for name, joint in joints.items():
+        if words := words_of_assumed(joint):
+            yield f"{name}: assumed {words}; keys of [clearance.{name}] say otherwise"
+
+
+def words_of_assumed(joint: Clearance) -> str:
+    """Return the assumptions about a joint with play as text; "" without any."""
+    return ", ".join(_parts(joint))
+
+
+def _parts(joint: Clearance) -> Iterator[str]:
+    said = joint.assumed
+    if "normal" in said:
+        yield f"law {LAW} with restitution {number(RESTITUTION)}"
+    if "journal_material" in said:
+        yield f"{MATERIAL} on {MATERIAL}"
+    if "axial_clearance" in said:
+        yield f"axial play {readable(float(said['axial_clearance']), 'm')} as the radial"
+    for key, words in (("bearing_outer_radius", "outer radius"), ("flange_radius", "flanges of radius")):
+        if key in said:
+            yield f"{words} {readable(float(said[key]), 'm')}"

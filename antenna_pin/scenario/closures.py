@@ -6,7 +6,7 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from antenna_pin.scenario._base import Direction, Position, Spec, refuse
+from antenna_pin.scenario.spec import Direction, Position, Spec, refuse
 
 __all__ = ["AnchorSpec", "ClosureSpec", "LinkPlaceSpec", "PlaceSpec"]
 
@@ -73,7 +73,7 @@ class AnchorSpec(PlaceSpec):
 
 
 class ClosureSpec(Spec):
-    """A joint between two links that are in the tree already; it closes a loop and is held by constraint.
+    """A joint that closes a loop between two links, held by constraint.
 
     Attributes:
         kind: What it is. Of the universal one the two axes stay at right angles, of others that have one they

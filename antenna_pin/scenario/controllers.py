@@ -9,9 +9,8 @@ from pydantic import BeforeValidator, model_validator
 
 from antenna_pin.base.units import matching_unit, shown
 from antenna_pin.control import AttitudeFeedback, BangBang, Matrix, Pid, Sensor, StateFeedback
-from antenna_pin.scenario._base import read_quantity, refuse
-from antenna_pin.scenario._joint import Motion
-from antenna_pin.scenario._made import MadeSpec, reads
+from antenna_pin.scenario._class_tables import MadeSpec, Motion, reads
+from antenna_pin.scenario.spec import read_quantity, refuse
 
 __all__ = [
     "AttitudeSpec",
@@ -39,25 +38,18 @@ class SensorSpec(MadeSpec):
     """Errors of a sensor: bias, noise by seed, steps."""
 
 
-class _ControllerSpec(MadeSpec):
-    """A table of a controller.
+@reads(Pid, without=("state",), reference=float, sensor=SensorSpec, rate_sensor=SensorSpec)
+class PidSpec(MadeSpec):
+    """A sampled PID controller.
 
     Attributes:
-        motion: What the unit of its reference says of the joint that it measures; None without a unit.
-    """
-
-    motion: Motion | None = None
-
-    carried: ClassVar[frozenset[str]] = frozenset({"motion"})
-
-
-class _Pid(_ControllerSpec):
-    """A table of a PID controller.
-
-    Attributes:
+        motion: Motion of the measured joint by the unit of the reference; None without a unit.
         follows: A table of ``[references]``, by name, instead of a number as reference; none if left out.
     """
 
+    carried: ClassVar[frozenset[str]] = frozenset({"motion"})
+
+    motion: Motion | None = None
     kind: Literal["pid"]
     follows: str | None = None
 
@@ -83,11 +75,6 @@ class _Pid(_ControllerSpec):
         return done
 
 
-@reads(Pid, without=("state",), reference=float, sensor=SensorSpec, rate_sensor=SensorSpec)
-class PidSpec(_Pid):
-    """A sampled PID controller."""
-
-
 def _matrix(value: object) -> object:
     """Read rows of numbers."""
     if not isinstance(value, list | tuple) or not all(isinstance(row, list | tuple) for row in value):
@@ -101,12 +88,6 @@ def _matrix(value: object) -> object:
 _Rows = Annotated[Matrix, BeforeValidator(_matrix)] | None
 
 
-class _StateFeedback(MadeSpec):
-    kind: Literal["state-feedback"]
-
-    motion: ClassVar[None] = None
-
-
 @reads(
     StateFeedback,
     without=("state",),
@@ -117,12 +98,17 @@ class _StateFeedback(MadeSpec):
     c=_Rows,
     g=_Rows,
 )
-class StateFeedbackSpec(_StateFeedback):
+class StateFeedbackSpec(MadeSpec):
     """A sampled controller that feeds back what it measures by matrices."""
 
+    kind: Literal["state-feedback"]
 
-class _Attitude(MadeSpec):
-    """A table of an attitude controller.
+    motion: ClassVar[None] = None
+
+
+@reads(AttitudeFeedback, share=float)
+class AttitudeSpec(MadeSpec):
+    """Feedback of the base's quaternion and rate, by wheels.
 
     Attributes:
         follows: A table of ``[references]``, by name, from 0 to 1: the share of the way; none if left out.
@@ -141,20 +127,13 @@ class _Attitude(MadeSpec):
         return self
 
 
-@reads(AttitudeFeedback, share=float)
-class AttitudeSpec(_Attitude):
-    """Feedback of the base's quaternion and rate, by wheels."""
+@reads(BangBang, without=("state",), sensor=SensorSpec, rate_sensor=SensorSpec)
+class BangBangSpec(MadeSpec):
+    """A sampled on-off controller with a switching line of angle and rate."""
 
-
-class _BangBang(MadeSpec):
     kind: Literal["bang-bang"]
 
     motion: ClassVar[None] = None
-
-
-@reads(BangBang, without=("state",), sensor=SensorSpec, rate_sensor=SensorSpec)
-class BangBangSpec(_BangBang):
-    """A sampled controller that is on, off or on the other way, by a line in the plane of angle and rate."""
 
 
 ControllerSpec = PidSpec | StateFeedbackSpec | AttitudeSpec | BangBangSpec
@@ -162,12 +141,7 @@ ControllerSpec = PidSpec | StateFeedbackSpec | AttitudeSpec | BangBangSpec
 
 
 def check_commands(controllers: Mapping[str, Any], families: Mapping[str, Mapping[str, Any]]) -> None:
-    """Refuse, from inside a validator, controllers of what takes no commands.
-
-    Args:
-        controllers: The tables of controllers by name.
-        families: Those of elements, by family and name.
-    """
+    """Refuse, in a validator, controllers of elements that take no commands."""
     known = [
         name
         for table, named in families.items()

@@ -8,8 +8,8 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import model_validator
 
 from antenna_pin.base.units import matching_unit
-from antenna_pin.scenario._base import Quantity, Spec, refuse
-from antenna_pin.scenario._joint import JointTable
+from antenna_pin.scenario._class_tables import JointTable
+from antenna_pin.scenario.spec import Quantity, Spec, refuse
 
 __all__ = ["AnyCoupling", "CouplingSpec", "DifferentialSpec", "PlanetarySpec"]
 
@@ -17,7 +17,7 @@ _RATIOS = ("1", "m/rad", "rad/m")
 
 
 class CouplingSpec(JointTable):
-    """A joint without play held to a multiple of another's position: a gear, a rack; of two: a differential.
+    """A joint held to a multiple of another's position, or of two others'.
 
     Attributes:
         kind: Which of the tables it is.
@@ -76,7 +76,7 @@ class DifferentialSpec(Spec):
 
 
 class PlanetarySpec(Spec):
-    """A planetary gear, (1 + ratio) carrier = sun + ratio ring, of three joints on one housing.
+    """A planetary gear, (1 + ratio) carrier = sun + ratio ring.
 
     Attributes:
         kind: Which of the tables it is.

@@ -1,8 +1,8 @@
-"""Elements at the joints: tables of all families, with the keys of their elements."""
+"""Force elements and references: tables of all families."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import Field, create_model, model_validator
@@ -18,25 +18,26 @@ from antenna_pin.elements import (
     ForceElement,
     OnLinks,
 )
-from antenna_pin.scenario._base import Spec, refuse
-from antenna_pin.scenario._joint import JointTable
-from antenna_pin.scenario._kinds import OneOf, Tables
-from antenna_pin.scenario._made import MadeSpec, made_of, name_of_table
+from antenna_pin.scenario._class_tables import JointTable, MadeSpec, OneOf, Tables, made_of, name_of_table
 from antenna_pin.scenario.closures import LinkPlaceSpec, PlaceSpec
+from antenna_pin.scenario.spec import Spec, refuse, refuse_name
 
 __all__ = [
-    "DRIVE_SPECS",
-    "FAMILY_SPECS",
-    "SPRING_SPECS",
-    "WITH_FILES",
+    "AllLinksSpec",
     "AnySpring",
+    "AtPointSpec",
+    "DRIVE_SPECS",
     "DriveSpec",
     "ElementSpec",
+    "FAMILY_SPECS",
     "FamilyTables",
     "JointsSpec",
-    "AtPointSpec",
-    "AllLinksSpec",
     "PointsSpec",
+    "REFERENCE_SPECS",
+    "ReferenceSpec",
+    "SPRING_SPECS",
+    "WITH_FILES",
+    "check_references",
     "file_columns",
     "file_units",
     "is_at_joint",
@@ -80,7 +81,7 @@ class JointsSpec(_ForceSpec):
 
 
 class PointsSpec(_ForceSpec):
-    """A table of a force element between points of two links, or of a link and the world.
+    """A table of a force element between points of links or world.
 
     Attributes:
         first: One end.
@@ -91,11 +92,7 @@ class PointsSpec(_ForceSpec):
     second: PlaceSpec = Field(...)
 
     def build(self, **more: Any) -> Any:
-        """Return the element; ends that are frames have to be given.
-
-        Args:
-            **more: ``first`` and ``second`` as the element takes them, where the URDF has told.
-        """
+        """Return the element; ends that are frames have to be given."""
         said = {
             name: (side.link or side.frame, side.point or (0.0, 0.0, 0.0))
             for name, side in (("first", self.first), ("second", self.second))
@@ -133,11 +130,7 @@ class AtPointSpec(AllLinksSpec):
         return self
 
     def build(self, **more: Any) -> Any:
-        """Return the element; a place that is a frame has to be given.
-
-        Args:
-            **more: ``at`` as the element takes it, where the URDF has told.
-        """
+        """Return the element; a place that is a frame has to be given."""
         said = {"at": (self.at.link or self.at.frame, self.at.point or (0.0, 0.0, 0.0))}
         return super().build(**said | more)
 
@@ -153,16 +146,16 @@ _BASES: tuple[tuple[type[ForceElement], type[_ForceSpec], tuple[str, ...]], ...]
 
 
 def _specs(family: Family) -> Tables:
-    """Return the tables of a family's kinds of elements; with their kind as a default, or without."""
+    """Return the tables of a family's kinds, with or without a default kind."""
 
-    def made(kind: str) -> type[_ForceSpec]:
+    def table(kind: str) -> type[_ForceSpec]:
         cls = family.kinds[kind]
         key: Any = (Literal[kind], kind if family.default is not None else ...)
         base, places = next((spec, places) for of, spec, places in _BASES if issubclass(cls, of))
         named: dict[str, Any] = {"follows": str | None} if "follows" in cls.__dataclass_fields__ else {}
         return made_of(cls, base, key, __name__, (*places, *cls.own_keys()), **named)
 
-    return Tables(family.kinds, made)
+    return Tables(family.kinds, table)
 
 
 FAMILY_SPECS = {table: _specs(family) for table, family in FAMILIES.items()}
@@ -175,12 +168,33 @@ SPRING_SPECS = FAMILY_SPECS["springs"]
 """The tables of springs by their kind."""
 
 
+class ReferenceSpec(JointTable, MadeSpec):
+    """A table of a reference."""
+
+    def build(self, **more: Any) -> Any:
+        """Return the reference; of a sum its ``parts`` have to be given."""
+        if "parts" in type(self).model_fields and "parts" not in more:
+            return None
+        return super().build(**more)
+
+
+def _reference_table(kind: str) -> type[ReferenceSpec]:
+    cls, key = REFERENCES[kind], (Literal[kind], ...)
+    names: dict[str, Any] = {"parts": tuple[str, ...]} if "parts" in cls.__dataclass_fields__ else {}
+    return made_of(cls, ReferenceSpec, key, __name__, (), **names)
+
+
+REFERENCE_SPECS = Tables(REFERENCES, _reference_table)
+"""The tables of references by their kind."""
+
+
 def __getattr__(name: str) -> Any:
-    """Return the class of a table by its name, by which a scenario that is pickled finds it again."""
-    for table, family in FAMILIES.items():
-        for kind, place in family.kinds.places.items():
+    """Return a table's class by name, as a pickled scenario refers to it."""
+    kinds = {table: family.kinds for table, family in FAMILIES.items()} | {"references": REFERENCES}
+    for table, classes in kinds.items():
+        for kind, place in classes.places.items():
             if name_of_table(place) == name:
-                return FAMILY_SPECS[table][kind]
+                return (REFERENCE_SPECS if table == "references" else FAMILY_SPECS[table])[kind]
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
@@ -218,7 +232,7 @@ WITH_FILES = (*FAMILIES, "references")
 
 
 def kind_in(family: str, table: Mapping[str, Any]) -> str | None:
-    """Return the kind of a table that names none, if its family has one: with an end it is between points."""
+    """Return the kind of a table without one: between points, or the default."""
     between = FAMILIES[family].between
     if between is not None and not {"first", "second"}.isdisjoint(table):
         return between
@@ -236,17 +250,12 @@ def is_between_points(family: str, kind: object) -> bool:
 
 
 def file_columns(table: object, family: str) -> tuple[str, ...] | None:
-    """Return the columns of the file that a table may name instead of numbers; None if none.
-
-    Args:
-        table: Of an element, or of a reference.
-        family: The table that it stands in, of ``WITH_FILES``.
-    """
+    """Return the columns of the file that a table may name; None if none."""
     return getattr(_class_of(table, family), "columns", None)
 
 
 def file_units(table: Mapping[str, Any], family: str) -> tuple[str | tuple[str, ...], ...]:
-    """Return the SI unit of each of :func:`file_columns`, or those of a turning and of a sliding joint."""
+    """Return the SI units of :func:`file_columns`, or those of both motions."""
     cls = _class_of(table, family)
     units = {name: parameter.units for name, parameter in parameters_of(cls).items()}
     if hasattr(cls, "units_of_columns"):
@@ -255,7 +264,27 @@ def file_units(table: Mapping[str, Any], family: str) -> tuple[str | tuple[str, 
 
 
 def _class_of(table: object, family: str) -> Any:
-    """Return the class of an element or a reference; None if its table has no kind that is known."""
+    """Return the class of an element or reference; None for unknown kinds."""
     if not isinstance(table, Mapping) or not isinstance(table.get("kind"), str):
         return None
     return (REFERENCES if family == "references" else FAMILIES[family].kinds).get(table["kind"])
+
+
+def check_references(references: Mapping[str, Any], names: Mapping[tuple[str, ...], str]) -> None:
+    """Refuse references to unknown references, or to themselves."""
+    for place, name in names.items():
+        if name not in references:
+            refuse_name("reference", name, sorted(references), *place)
+    for name in references:
+        for other in _parts(references, name, (name,)):
+            if other not in references:
+                refuse_name("reference", other, sorted(references), "references", name, "parts")
+
+
+def _parts(references: Mapping[str, Any], name: str, above: tuple[str, ...]) -> Iterator[str]:
+    for other in getattr(references[name], "parts", ()):
+        yield other
+        if other in above:
+            refuse(f"must not lead back to {other!r}", "references", name, "parts")
+        if other in references:
+            yield from _parts(references, other, (*above, other))

@@ -8,16 +8,17 @@ from typing import Annotated, Literal, Self, get_args
 from pydantic import BeforeValidator, model_validator
 
 from antenna_pin.base.units import shown
-from antenna_pin.scenario._base import (
+from antenna_pin.scenario._class_tables import JointTable
+from antenna_pin.scenario.spec import (
     Quantity,
     Spec,
+    read_count,
     read_quantity,
     refuse,
     refuse_key,
     refuse_name,
     unknown_key,
 )
-from antenna_pin.scenario._joint import JointTable
 
 __all__ = [
     "AngleEvent",
@@ -32,13 +33,6 @@ __all__ = [
 
 Direction = Literal["both", "rising", "falling"]
 ActionName = Literal["mark", "stop", "set"]
-
-
-def _count(value: object) -> int:
-    number = read_quantity(value, "1", "1 or more")
-    if number != int(number):
-        refuse(f"must be a whole number, got {shown(value)}", value=value)
-    return int(number)
 
 
 def _instants(value: object) -> tuple[float, ...]:
@@ -62,7 +56,7 @@ class _Event(Spec):
     """
 
     action: ActionName | tuple[ActionName, ...] = "mark"
-    after: Annotated[int, BeforeValidator(_count)] = 1
+    after: Annotated[int, read_count("1 or more")] = 1
     once: bool = False
     set: str | dict[str, bool | float | str] | None = None
     to: bool | float | str | None = None
@@ -97,7 +91,7 @@ class _Event(Spec):
 
 
 class AngleEvent(_Event, JointTable):
-    """The angle of a joint, whole turns included, or the position of a sliding one passes a value.
+    """The angle (whole turns included) or position of a joint crosses a value.
 
     Attributes:
         joint: Name of the joint.
@@ -168,7 +162,7 @@ class ForceEvent(_Event):
 
 
 class ChangeEvent(_Event):
-    """An element or a contact changes: a latch captures, a stop is touched, a friction sticks.
+    """A change of an element or contact: capture, touch, stick.
 
     Attributes:
         of: Place of the element, as ``latches.root``, or name of a contact, as ``elevation.radial+``.
@@ -191,13 +185,7 @@ EventSpec = AngleEvent | RateEvent | TimeEvent | GapEvent | ForceEvent | ChangeE
 def numbers_to_set(
     event: EventSpec, tables: Mapping[str, Mapping[str, Spec]], *place: str
 ) -> dict[str, float]:
-    """Return what an event sets by key, in SI units, or refuse it from inside a validator.
-
-    Args:
-        event: The event.
-        tables: The elements of the scenario by family, then by name.
-        *place: Where the event stands.
-    """
+    """Return an event's numbers to set by key, in SI units, or refuse them."""
     alone = event.to is not None
     return {
         key: _number_to_set(key, value, tables, place, () if alone else (key,))
@@ -207,12 +195,12 @@ def numbers_to_set(
 
 def _number_to_set(
     whole: str,
-    given: bool | float | str,
+    value: bool | float | str,
     tables: Mapping[str, Mapping[str, Spec]],
     place: tuple[str, ...],
     entry: tuple[str, ...],
 ) -> float:
-    """Return one number to set; its key stands in an entry of the table in ``set``, or alone."""
+    """Return one number to set, in an entry of the table ``set`` or alone."""
     element, _, key = whole.rpartition(".")
     kind, _, name = element.partition(".")
     known = [f"{family}.{one}" for family, named in tables.items() for one in named]
@@ -225,13 +213,13 @@ def _number_to_set(
     quantities = _quantities(tables[kind][name])
     switched = "on" in type(tables[kind][name]).model_fields
     if key == "on" and switched:
-        if not isinstance(given, bool):
-            refuse(f"must be true or false, got {shown(given)}", *value_at, value=given)
-        return float(given)
+        if not isinstance(value, bool):
+            refuse(f"must be true or false, got {shown(value)}", *value_at, value=value)
+        return float(value)
     if key not in quantities:
         refuse_key(f"sets {key!r}, which {unknown_key([*quantities, *(['on'] * switched)], key)}", *at)
     unit = quantities[key]
-    return read_quantity(given, unit.unit, unit.rule, *value_at)
+    return read_quantity(value, unit.unit, unit.rule, *value_at)
 
 
 def _quantities(table: Spec) -> dict[str, Quantity]:

@@ -1,4 +1,4 @@
-"""Flexible links: what makes of a rigid link a hub with elastic parts."""
+"""Flexible links: tables that make a rigid link a hub with elastic parts."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from typing import Any, ClassVar, Literal, Self
 from pydantic import model_validator
 
 from antenna_pin.flexible import EffectiveMode, EffectiveModes, ModalData, Petals
-from antenna_pin.scenario._base import Spec, refuse
-from antenna_pin.scenario._joint import JointTable
-from antenna_pin.scenario._made import MadeSpec, reads
+from antenna_pin.scenario._class_tables import JointTable, MadeSpec, reads
+from antenna_pin.scenario.spec import refuse
 
 __all__ = [
     "FlexibleSpec",
@@ -35,12 +34,8 @@ class ModeSpec(JointTable, MadeSpec):
         return self
 
 
-class _OfLink(Spec):
-    link: str = ""
-
-
 @reads(EffectiveModes, modes=dict[str, ModeSpec])
-class ModesSpec(_OfLink, MadeSpec):
+class ModesSpec(MadeSpec):
     """Effective masses and inertias on the hub, side by side.
 
     Attributes:
@@ -48,18 +43,20 @@ class ModesSpec(_OfLink, MadeSpec):
         kind: What makes it flexible.
     """
 
+    link: str = ""
     kind: Literal["modes"]
 
 
 @reads(Petals)
-class PetalsSpec(_OfLink, MadeSpec):
-    """A dish of petals, hinged at a hub against root springs; at rest they are a paraboloid."""
+class PetalsSpec(MadeSpec):
+    """A dish of hinged petals on root springs around a hub."""
 
+    link: str = ""
     kind: Literal["petals"]
 
 
 @reads(ModalData)
-class ModalDataSpec(_OfLink, MadeSpec):
+class ModalDataSpec(MadeSpec):
     """An appendage by its modes with the root held, from a finite-element code.
 
     Attributes:
@@ -68,6 +65,7 @@ class ModalDataSpec(_OfLink, MadeSpec):
         reading: How the file was read, as text; nothing without one.
     """
 
+    link: str = ""
     kind: Literal["modal-data"]
     file: str | None = None
     reading: str = ""

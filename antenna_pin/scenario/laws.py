@@ -1,4 +1,4 @@
-"""Contact and friction laws as a scenario names them: a law's name and its parameters in SI units.
+"""Contact and friction laws of a scenario: names and parameters in SI units.
 
 Names, parameters and units come from :mod:`antenna_pin.contact`, and so does what the parameters must be: a
 law is built once to see that it accepts them.
@@ -14,7 +14,7 @@ from pydantic import Field, model_serializer, model_validator
 
 from antenna_pin.base.units import shown
 from antenna_pin.errors import InvalidParameterError, nearest
-from antenna_pin.scenario._base import Spec, read_quantity, refuse, refuse_key, refuse_name
+from antenna_pin.scenario.spec import Spec, read_quantity, refuse, refuse_key, refuse_name
 
 if TYPE_CHECKING:
     from antenna_pin.contact import Parameter
@@ -109,7 +109,7 @@ def laws(family: Family) -> Mapping[str, type[Any]]:
 def declared_parameters(
     law: str, known: Mapping[str, type[Any]], dissipation: str | None = None
 ) -> dict[str, Parameter]:
-    """Return the parameters that a law declares, by name, with those of a dissipation beside it."""
+    """Return a law's declared parameters by name, with those of a dissipation."""
     from antenna_pin import contact
 
     own = contact.law_parameters(known[law])
@@ -117,7 +117,7 @@ def declared_parameters(
 
 
 def check_dissipation(name: object, law: str, *location: str) -> None:
-    """Refuse what is not the name of a dissipation, and one beside a law that brings its own."""
+    """Refuse an unknown dissipation, and one beside a law with its own."""
     from antenna_pin import contact
 
     if name is None:
@@ -149,16 +149,7 @@ def read_parameters(
     location: tuple[str, ...] = (),
     dissipation: str | None = None,
 ) -> dict[str, float]:
-    """Return the parameters in a table in SI units, or refuse the first that is wrong.
-
-    Args:
-        law: Name of the law.
-        known: The laws by name.
-        table: The parameters as they were given.
-        common: Parameters that hold where the table says nothing.
-        location: Where the table stands.
-        dissipation: Name of the dissipation beside the law, if there is one.
-    """
+    """Return a table's parameters in SI units, or refuse the first wrong one."""
     declared = declared_parameters(law, known, dissipation)
     for name in table:
         if name not in declared:
@@ -217,7 +208,7 @@ def law_spec(law: str, parameters: Mapping[str, float], dissipation: str | None 
 
 
 def changed_law(normal: LawSpec | None, change: LawChange | None) -> LawSpec | None:
-    """Return the law of a kind of contact: the common one, with what its own table changes."""
+    """Return the law of a kind of contact: common law with changes."""
     if change is None:
         return normal
     if normal is None or change.law not in (None, normal.law):
@@ -230,7 +221,7 @@ def changed_law(normal: LawSpec | None, change: LawChange | None) -> LawSpec | N
 
 
 def missing_parameters(law: LawSpec, known: Mapping[str, type[Any]]) -> list[str]:
-    """Return the names of the parameters that a law needs, that were not given and that no joint gives."""
+    """Return a law's required parameters that neither table nor joint gives."""
     declared = declared_parameters(law.law, known, law.dissipation)
     return [
         name
@@ -247,7 +238,7 @@ def needs_materials(law: LawSpec) -> str | None:
 
 
 def check_values(law: LawSpec, family: Family) -> tuple[str, str] | None:
-    """Return the first parameter that the law itself refuses and the rule it breaks, or None.
+    """Return the first parameter that the law refuses, and the rule; None if valid.
 
     The parameters must be complete but for what comes from the joint.
     """
@@ -303,7 +294,7 @@ def unit_of(
 
 
 def flat(table: Mapping[str, Any] | LawSpec | LawChange) -> dict[str, Any]:
-    """Return a law's table as a file has it: the name of the law and its parameters side by side."""
+    """Return a law's table with name and parameters side by side."""
     if isinstance(table, LawSpec | LawChange):
         return table.model_dump()
     nested = _nested(table)

@@ -1,9 +1,10 @@
-"""From a file to a Scenario: a case laid over the file, overrides over both, files read, all checked."""
+"""Scenarios from files with cases and overrides, and as text of a file."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from pydantic import ValidationError
@@ -11,29 +12,33 @@ from pydantic import ValidationError
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.units import shown
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError, printable
-from antenna_pin.scenario._explained import dotted, explained_line, located_lines
 from antenna_pin.scenario._layers import (
     Source,
     built,
-    check_drives,
+    check_files,
     check_keys,
     from_layer,
     read_layer,
-    stand_in,
+    without_files,
 )
-from antenna_pin.scenario._modal_file import has_modal_file, modal_stand_in
-from antenna_pin.scenario.drives import WITH_FILES, file_columns
-from antenna_pin.scenario.merge import Overrides, merge
+from antenna_pin.scenario.drives import WITH_FILES
+from antenna_pin.scenario.merge import Overrides, merge, toml_value
 from antenna_pin.scenario.scenario import Scenario
 from antenna_pin.scenario.shipped import find_scenario, read_toml
+from antenna_pin.scenario.spec import dotted, explained_line, located_lines
 
-__all__ = ["load_scenario", "scenario_named"]
+__all__ = [
+    "found_from",
+    "load_scenario",
+    "scenario_named",
+    "scenario_toml",
+]
 
 Named = TypeVar("Named")
 
 
 class _Case(NamedTuple):
-    """A named case: what it is, what it lays over the file, and the cases that it builds on."""
+    """A case: description, values laid over the file, and base cases."""
 
     description: str
     table: Mapping[str, Any]
@@ -75,7 +80,7 @@ def load_scenario(
         "folder": found.path.parent.resolve(),
     }
     source = Source(found.label, base, name, chosen.table, layer, below=chosen.below)
-    check_drives(source.merged(), source)
+    check_files(source.merged(), source)
     scenario = built(Scenario, carried, source)
     for other, one in cases.items():
         if other != name:
@@ -85,7 +90,7 @@ def load_scenario(
 
 
 def scenario_named(model: Named | str | os.PathLike[str]) -> Named | Scenario:
-    """Return what is run: a scenario by name or path in its default case, anything else as it is.
+    """Return a scenario by name or path in its default case; others unchanged.
 
     Raises:
         ScenarioError: As :func:`load_scenario`.
@@ -118,7 +123,7 @@ def _take_cases(document: dict[str, Any], label: str) -> tuple[dict[str, _Case],
 
 
 def _below(name: str, cases: Mapping[str, _Case], label: str) -> tuple[tuple[str, Mapping[str, Any]], ...]:
-    """Return the cases that a case builds on, with what they lay over the file, the lowest first."""
+    """Return the base cases of a case with their tables, lowest first."""
     chain = [name]
     while (base := cases[chain[-1]].base) is not None:
         place = f"{label}: {dotted(('cases', chain[-1], 'base'))}"
@@ -132,7 +137,7 @@ def _below(name: str, cases: Mapping[str, _Case], label: str) -> tuple[tuple[str
 
 
 def _check_case(source: Source, overrides: Mapping[str, Any]) -> None:
-    """Refuse what is wrong in a case that is not to be run; its files are not read.
+    """Refuse faults of a case that is not run; its files are not read.
 
     A file that overrides have to complete is no fault of the case.
     """
@@ -143,26 +148,54 @@ def _check_case(source: Source, overrides: Mapping[str, Any]) -> None:
 
 def _problem_of_case(source: Source, data: dict[str, Any]) -> AntennaPinError | None:
     check_keys(Scenario, data, source)
-    check_drives(data, source)
-    for family in WITH_FILES:
-        of_family = data.get(family)
-        if isinstance(of_family, Mapping):
-            data[family] = {
-                name: table | stand_in(table, family)
-                if file_columns(table, family) and "file" in table
-                else table
-                for name, table in of_family.items()
-            }
-    flexible = data.get("flexible")
-    if isinstance(flexible, Mapping):
-        data["flexible"] = {
-            name: table | modal_stand_in() if has_modal_file(table) else table
-            for name, table in flexible.items()
-        }
+    check_files(data, source)
     try:
-        Scenario.validated(data | {"urdf_text": ""})
+        Scenario.validated(without_files(data) | {"urdf_text": ""})
     except ValidationError as error:
         for line in located_lines(error):
             if from_layer(source.case_table, line[0]):
                 return explained_line(line, source.place)
     return None
+
+
+@takes()
+def scenario_toml(scenario: Scenario) -> str:
+    """Return a scenario as text of a file, with numbers in SI units.
+
+    Everything that counts is written, defaults too; tables and an appendage's modes with their numbers
+    instead of their file. Put beside the URDF that it names, it loads as the same scenario, without
+    cases.
+    """
+    data = scenario.model_dump(mode="json", exclude_none=True, exclude=set(Scenario.carried))
+    for one in (one for family in (*WITH_FILES, "flexible") for one in data.get(family, {}).values()):
+        for key in ("file", "places", "reading"):
+            one.pop(key, None)
+    return "\n".join(_lines(data, ())).strip() + "\n"
+
+
+def _lines(table: Mapping[str, Any], path: tuple[str, ...]) -> Iterator[str]:
+    plain = {key: value for key, value in table.items() if not isinstance(value, Mapping)}
+    if path and plain:
+        yield f"\n[{dotted(path)}]"
+    for key, value in plain.items():
+        yield f"{dotted((key,))} = {toml_value(value)}"
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _lines(value, (*path, key))
+
+
+@takes()
+def found_from(scenario: Scenario, folder: Path) -> Scenario:
+    """Return a scenario with its files found from another folder, without links."""
+
+    def there(name: str) -> str:
+        path = (scenario.folder / name).resolve()
+        return str(path.relative_to(folder)) if path.is_relative_to(folder) else str(path)
+
+    mechanism = scenario.mechanism.model_copy(
+        update={
+            "urdf": there(scenario.mechanism.urdf),
+            "package_path": tuple(there(name) for name in scenario.mechanism.package_path),
+        }
+    )
+    return scenario.model_copy(update={"mechanism": mechanism, "folder": folder})

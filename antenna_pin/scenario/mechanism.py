@@ -1,4 +1,4 @@
-"""The mechanism of a scenario: its URDF, what differs from it, and materials."""
+"""Mechanism of a scenario: its URDF, changes of it, materials, and rotors of motors."""
 
 from __future__ import annotations
 
@@ -6,13 +6,19 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from antenna_pin.base.changes import JointChange, JointVariant, LinkChange, ShapeChange
+from antenna_pin.base.changes import JointChange, JointVariant, LinkChange, Rotor, ShapeChange
 from antenna_pin.base.material import Material
-from antenna_pin.scenario._base import Quantity, Spec, Vector, Vector3
-from antenna_pin.scenario._joint import JointTable
-from antenna_pin.scenario._made import MadeSpec, reads
+from antenna_pin.scenario._class_tables import JointTable, MadeSpec, reads
+from antenna_pin.scenario.spec import Quantity, Spec, Vector, Vector3
 
-__all__ = ["JointSpec", "LinkSpec", "MaterialSpec", "MechanismSpec", "ShapeSpec"]
+__all__ = [
+    "JointSpec",
+    "LinkSpec",
+    "MaterialSpec",
+    "MechanismSpec",
+    "RotorSpec",
+    "ShapeSpec",
+]
 
 
 @reads(ShapeChange)
@@ -71,3 +77,8 @@ class MechanismSpec(Spec):
 @reads(Material)
 class MaterialSpec(MadeSpec):
     """An isotropic linear-elastic material."""
+
+
+@reads(Rotor)
+class RotorSpec(MadeSpec):
+    """The rotor of a motor, geared to a joint."""

@@ -1,4 +1,4 @@
-"""Laying one table over another, and reading what is set over a file: ``integrator.rtol=1e-9``."""
+"""Overlay of tables, and values set over a file: ``integrator.rtol=1e-9``."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ _SHORT: dict[tuple[str, ...], dict[bool, dict[str, Any]]] = {
 
 
 def _written_out(path: tuple[str, ...], value: Any) -> Any:
-    """Return the table that ``true`` or ``false`` at a place stands for; everything else as it is."""
+    """Return the table that ``true`` or ``false`` stands for at a place."""
     return _SHORT[path][value] if isinstance(value, bool) and path in _SHORT else value
 
 
@@ -58,11 +58,6 @@ def merge(base: Mapping[str, Any], over: Mapping[str, Any], path: tuple[str, ...
     Tables are merged key by key; numbers, text and arrays are replaced. A table with ``replace = true``
     replaces the one below instead. A key that excludes another, as ``journal_radius`` does
     ``radial_clearance``, removes the other.
-
-    Args:
-        base: The table below.
-        over: The table above.
-        path: The keys that lead to both.
     """
     merged = dict(base)
     for one, other in _alternatives(path):
@@ -94,7 +89,7 @@ def _alternatives(path: tuple[str, ...]) -> Iterator[tuple[frozenset[str], froze
 
 
 def read_overrides(overrides: Overrides) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """Return what is set over a file as one table, and as text to repeat it by.
+    """Return overrides as one table, and as text for repetition.
 
     Args:
         overrides: Dotted keys and values: ``{"integrator.rtol": 1e-9}``, or text as on a command line:

@@ -1,4 +1,4 @@
-"""Single numbers of a scenario: what stands at a key, in which unit, and the scenario with another there."""
+"""Single numbers of a scenario by key: value, unit, replacement."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from typing import Any, NamedTuple, get_args
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.units import any_quantity, shown
 from antenna_pin.errors import ScenarioError, UnknownNameError
-from antenna_pin.scenario._base import Quantity, Vector
 from antenna_pin.scenario._clearance import law_tables
 from antenna_pin.scenario.scenario import Scenario
+from antenna_pin.scenario.spec import Quantity, Vector
 
 __all__ = ["Number", "number_of", "with_number"]
 
@@ -51,11 +51,13 @@ def number_of(scenario: Scenario, key: str, place: str) -> Number:
     spec: Any = scenario
     for part in name.split("."):
         if not isinstance(below, Mapping) or part not in below:
-            known = [f"{before}{one}" for before in [_before(name, part)] for one in _keys(below)]
+            before = name[: name.index(part)]
+            known = [f"{before}{one}" for one in (below if isinstance(below, Mapping) else ())]
             raise UnknownNameError(
                 place, "number of the scenario (set it first, if it is left out)", key, known
             )
-        unit, spec = _unit(spec, part) or unit, _part(spec, part)
+        unit = _unit(spec, part) or unit
+        spec = spec.get(part) if isinstance(spec, Mapping) else getattr(spec, part, None)
         below = below[part]
     if index is not None:
         if not isinstance(below, list | tuple) or index >= len(below):
@@ -77,14 +79,14 @@ def with_number(scenario: Scenario, key: str, value: float) -> Scenario:
     name, index = _parted(key)
     if index is None:
         table, _, own = key.rpartition(".")
-        return scenario.with_overrides({**_beside(scenario, table, own), key: value})
+        return scenario.with_overrides({**_other_numbers(scenario, table, own), key: value})
     below: Any = scenario.model_dump()
     for part in name.split("."):
         below = below[part]
     return scenario.with_overrides({name: [value if i == index else old for i, old in enumerate(below)]})
 
 
-def _beside(scenario: Scenario, table: str, own: str) -> dict[str, float]:
+def _other_numbers(scenario: Scenario, table: str, own: str) -> dict[str, float]:
     """Return the other numbers of a law's table, by their keys, if it is one."""
     first, *middle, last = table.split(".") if table.count(".") else ("", "")
     if first != "clearance" or len(middle) != 1 or middle[0] not in scenario.clearance:
@@ -101,27 +103,15 @@ def _parted(key: str) -> tuple[str, int | None]:
 
 
 def _tables(scenario: Scenario) -> dict[str, Any]:
-    """Return all tables of a scenario as a file would have them, with the units of laws."""
+    """Return a scenario's tables in the form of a file, with units of laws."""
     data = scenario.model_dump(exclude_none=True)
     for joint, clearance in scenario.clearance.items():
         data["clearance"][joint].update(law_tables(clearance))
     return data
 
 
-def _before(name: str, part: str) -> str:
-    return name[: name.index(part)] if part in name else ""
-
-
-def _keys(below: Any) -> list[str]:
-    return [str(one) for one in below] if isinstance(below, Mapping) else []
-
-
-def _part(spec: Any, part: str) -> Any:
-    return spec.get(part) if isinstance(spec, Mapping) else getattr(spec, part, None)
-
-
 def _unit(spec: Any, part: str) -> str:
-    """Return the unit of a field of a table; "" if it has none, or several of which one is taken."""
+    """Return the unit of a table's field; "" without one, or with several."""
     field = getattr(type(spec), "model_fields", {}).get(part)
     for item in () if field is None else (*field.metadata, *_annotations(field.annotation)):
         if isinstance(item, Quantity | Vector):

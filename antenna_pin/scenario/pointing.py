@@ -10,7 +10,7 @@ from pydantic import model_validator
 
 from antenna_pin.base.directions import unit
 from antenna_pin.base.units import shown
-from antenna_pin.scenario._base import (
+from antenna_pin.scenario.spec import (
     Direction,
     PositiveLength,
     PositiveTime,
@@ -28,7 +28,7 @@ _ANGLE = 1e-6
 
 
 class OrbitSpec(Spec):
-    """A circular orbit, given by one of altitude, period and rate, and the world's axes in it.
+    """A circular orbit by altitude, period or rate, and its axes.
 
     Attributes:
         altitude: Above the Earth's equatorial radius, 6378.137 km [m].
@@ -103,10 +103,10 @@ def _angle(a: Vector3, b: Vector3) -> float:
     return math.atan2(float(np.linalg.norm(np.cross(one, other))), float(one @ other))
 
 
-def _check_second(second: Vector3 | None, first: Vector3, name: str, other: str) -> None:
+def _check_second(second: Vector3 | None, axis: Vector3, name: str, other: str) -> None:
     """Refuse a second axis parallel to the first."""
     if second is None:
         return
-    angle = _angle(second, first)
+    angle = _angle(second, axis)
     if min(angle, math.pi - angle) <= _ANGLE:
-        refuse(f"must not lie along {other} = {shown(first)}, got {shown(second)}", name, value=second)
+        refuse(f"must not lie along {other} = {shown(axis)}, got {shown(second)}", name, value=second)

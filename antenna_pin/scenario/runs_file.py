@@ -1,4 +1,4 @@
-"""Files of runs of a scenario, found by their path or by the name of a shipped one."""
+"""Files of runs of a scenario, found by path or shipped name."""
 
 from __future__ import annotations
 
@@ -10,12 +10,11 @@ from typing import Any, ClassVar, Self
 from pydantic import Field, ValidationError
 
 from antenna_pin.errors import ScenarioError, UnknownNameError, printable
-from antenna_pin.scenario._base import Spec, Version
-from antenna_pin.scenario._explained import Place, dotted, explained
 from antenna_pin.scenario.load import load_scenario
 from antenna_pin.scenario.merge import merge, read_overrides
 from antenna_pin.scenario.scenario import Scenario
 from antenna_pin.scenario.shipped import models_path, read_toml
+from antenna_pin.scenario.spec import Place, Spec, Version, dotted, explained
 
 __all__ = ["RunsFile", "laid_over", "nested"]
 
@@ -103,7 +102,7 @@ class RunsFile(Spec):
 
 
 def nested(table: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a table in which quoted keys with dots, as ``"integrator.engine"``, are tables in each other."""
+    """Return a table with dotted keys, as ``"integrator.engine"``, as nested tables."""
     plain: dict[str, Any] = {}
     for key, value in table.items():
         layer, _ = read_overrides({key: value})
@@ -112,7 +111,7 @@ def nested(table: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def laid_over(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
-    """Return one table of settings over another, as :func:`merge` does, to be laid over a scenario yet.
+    """Return one table of settings over another, without a scenario below.
 
     A table's ``replace = true`` stays in it: what it replaces is in the scenario too.
     """

@@ -1,8 +1,9 @@
-"""The whole of a scenario: everything that a run needs, so that a result that carries it can be repeated."""
+"""Complete scenario: all data of a run, so that its result can be repeated."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
@@ -13,31 +14,36 @@ from antenna_pin.base.units import shown
 from antenna_pin.base.views import as_html
 from antenna_pin.elements import FAMILIES
 from antenna_pin.errors import InvalidParameterError, UnknownNameError, nearest
-from antenna_pin.scenario._base import Folder, PositiveTime, Version, refuse, refuse_name
-from antenna_pin.scenario._choices import CONTROLLER_SPECS, COUPLING_SPECS, EVENT_SPECS, FLEXIBLE_SPECS
+from antenna_pin.scenario._class_tables import (
+    CONTROLLER_SPECS,
+    COUPLING_SPECS,
+    EVENT_SPECS,
+    FLEXIBLE_SPECS,
+    OneOf,
+)
 from antenna_pin.scenario._clearance import law_tables
-from antenna_pin.scenario._kinds import OneOf
-from antenna_pin.scenario._layers import Source, built, check_drives, read_layer
+from antenna_pin.scenario._layers import Source, built, check_files, read_layer, with_each
 from antenna_pin.scenario.clearance import CLEARANCES, ClearanceSpec
 from antenna_pin.scenario.closures import ClosureSpec
 from antenna_pin.scenario.drives import (
     DRIVE_SPECS,
     FAMILY_SPECS,
+    REFERENCE_SPECS,
     SPRING_SPECS,
     AnySpring,
     DriveSpec,
     FamilyTables,
+    ReferenceSpec,
+    check_references,
     is_at_joint,
     is_between_points,
     kind_in,
 )
-from antenna_pin.scenario.initial import InitialBaseSpec, InitialSpec
-from antenna_pin.scenario.integrator import IntegratorSpec, OutputSpec, settings_key
-from antenna_pin.scenario.mechanism import MaterialSpec, MechanismSpec
+from antenna_pin.scenario.mechanism import MaterialSpec, MechanismSpec, RotorSpec
 from antenna_pin.scenario.pointing import PointingSpec
-from antenna_pin.scenario.references import REFERENCE_SPECS, ReferenceSpec, check_references
-from antenna_pin.scenario.rotors import RotorSpec
+from antenna_pin.scenario.run import InitialBaseSpec, InitialSpec, IntegratorSpec, OutputSpec, settings_key
 from antenna_pin.scenario.shipped import tables
+from antenna_pin.scenario.spec import Folder, PositiveTime, Version, refuse, refuse_name
 from antenna_pin.scenario.stops import with_urdf_limits
 
 if TYPE_CHECKING:
@@ -53,7 +59,7 @@ __all__ = ["Scenario"]
 
 
 class Scenario(FamilyTables):
-    """A mechanism, the play in its joints, what drives it, and how it is to be computed.
+    """Mechanism, play in its joints, elements, and settings of a computation.
 
     It is data: in SI units, validated, nothing computed. It goes through JSON unchanged
     (``model_dump_json``, ``model_validate_json``), with the texts and tables of the files it names.
@@ -148,7 +154,7 @@ class Scenario(FamilyTables):
 
     @property
     def families(self) -> dict[str, Mapping[str, Any]]:
-        """The tables of elements by family, then by name; of further families those that it has."""
+        """Tables of elements by family and name; empty further families are left out."""
         found = {table: getattr(self, table) for table in FAMILY_SPECS}
         return {table: named for table, named in found.items() if named or table in ("drives", "springs")}
 
@@ -203,7 +209,7 @@ class Scenario(FamilyTables):
                 below[name].pop("motion", None)
                 below[name].pop("conversion", None)
         source = Source(f"scenario {self.name}".strip(), data, overrides=layer)
-        check_drives(layer, source)
+        check_files(layer, source)
         return built(type(self), carried, source)
 
     @model_validator(mode="before")
@@ -216,27 +222,21 @@ class Scenario(FamilyTables):
         if "stops" in done:
             done["stops"] = with_urdf_limits(data)
         for place in FAMILY_SPECS:
-            tables = done.get(place)
-            if isinstance(tables, Mapping):
-                done[place] = {name: _at_its_joint(place, name, table) for name, table in tables.items()}
+            done = with_each(done, place, partial(_at_its_joint, place))
         for place, key in (("flexible", "link"), ("rotors", "joint")):
-            tables = data.get(place)
-            if isinstance(tables, Mapping):
-                done[place] = {
-                    name: {key: name, **table} if isinstance(table, Mapping) else table
-                    for name, table in tables.items()
-                }
-        couplings = data.get("couplings")
-        if isinstance(couplings, Mapping):
-            done["couplings"] = {name: _at_its_carrier(name, table) for name, table in couplings.items()}
-        _check_choice(done, "couplings", "kind", COUPLING_SPECS)
-        _check_choice(done, "references", "kind", REFERENCE_SPECS)
-        _check_choice(done, "flexible", "kind", FLEXIBLE_SPECS)
-        _check_choice(done, "clearance", "model", CLEARANCES)
-        for table, specs in FAMILY_SPECS.items():
-            _check_choice(done, table, "kind", specs)
-        _check_choice(done, "events", "kind", EVENT_SPECS)
-        _check_choice(done, "controllers", "kind", CONTROLLER_SPECS)
+            done = with_each(done, place, partial(_with_name, key))
+        done = with_each(done, "couplings", _at_its_carrier)
+        choices = {
+            "couplings": COUPLING_SPECS,
+            "references": REFERENCE_SPECS,
+            "flexible": FLEXIBLE_SPECS,
+            "clearance": CLEARANCES,
+            **FAMILY_SPECS,
+            "events": EVENT_SPECS,
+            "controllers": CONTROLLER_SPECS,
+        }
+        for place, specs in choices.items():
+            _check_choice(done, place, "model" if place == "clearance" else "kind", specs)
         return done
 
     @model_validator(mode="after")
@@ -295,8 +295,13 @@ class Scenario(FamilyTables):
                 )
 
 
+def _with_name(key: str, name: str, table: object) -> object:
+    """Return a table with its own name as default of a key."""
+    return {key: name, **table} if isinstance(table, Mapping) else table
+
+
 def _at_its_joint(place: str, name: str, table: object) -> object:
-    """Return the table of an element with the joint that it is named after, if it is at a joint."""
+    """Return the table of an element with its own name as its joint's."""
     if not isinstance(table, Mapping):
         return table
     kind = kind_in(place, table)
@@ -312,16 +317,16 @@ def _at_its_joint(place: str, name: str, table: object) -> object:
                 "joint",
             )
         return table
-    return {"joint": name, **table} if is_at_joint(place, table.get("kind")) else table
+    return _with_name("joint", name, table) if is_at_joint(place, table.get("kind")) else table
 
 
 def _at_its_carrier(name: str, table: object) -> object:
-    """Return the table of a coupling with its kind, and the follower that it is named after."""
+    """Return the table of a coupling with its kind and follower."""
     if not isinstance(table, Mapping):
         return table
     table = {"kind": next(iter(COUPLING_SPECS)), **table}
     spec = COUPLING_SPECS.get(str(table["kind"]))
-    return table if spec is None else {spec.roles["follower"]: name, **table}
+    return table if spec is None else _with_name(spec.roles["follower"], name, table)
 
 
 def _check_choice(data: Mapping[str, Any], place: str, key: str, values: Mapping[str, type[Any]]) -> None:

@@ -53,7 +53,7 @@ class ScenarioFile(NamedTuple):
 
 
 def models_path() -> Path:
-    """Return the folder of the shipped models: inside an installed package, or beside it in a checkout."""
+    """Return the folder of shipped models, in a package or a checkout."""
     package = Path(__file__).resolve().parents[1]
     installed, checkout = package / "_models", package.parent / "models"
     for folder in (installed, checkout):
@@ -63,12 +63,12 @@ def models_path() -> Path:
 
 
 def list_scenarios() -> list[ScenarioSummary]:
-    """Return the shipped scenarios by name, each with its title and cases. Reads no units, so it is fast."""
+    """Return the shipped scenarios by name, with title and cases, without reading units."""
     return [scenario_summary(path.parent.name) for path in sorted(models_path().glob(f"*/{FILE_NAME}"))]
 
 
 def scenario_summary(name_or_path: str | os.PathLike[str]) -> ScenarioSummary:
-    """Return name, title and cases of a scenario, shipped or at a path; what is no table is left out.
+    """Return name, title and cases of a scenario, shipped or at a path.
 
     Raises:
         ScenarioError: There is no such file, or it is no TOML.
@@ -88,7 +88,7 @@ def _one_line(text: object) -> str:
 
 
 def scenario_cases(name_or_path: str | os.PathLike[str]) -> tuple[CaseSummary, ...]:
-    """Return the cases of a scenario, shipped or at a path, in the file's order; none if it has no cases."""
+    """Return a scenario's cases in the file's order; none without cases."""
     return scenario_summary(name_or_path).cases
 
 

@@ -10,9 +10,9 @@ from xml.etree import ElementTree as ET
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.parameters import NO_BOUND
-from antenna_pin.scenario._base import read_quantity, refuse
 from antenna_pin.scenario.merge import merge
 from antenna_pin.scenario.shipped import tables
+from antenna_pin.scenario.spec import read_quantity, refuse
 
 __all__ = ["ALL", "joint_limits", "moved_joints", "with_urdf_limits"]
 
@@ -26,7 +26,7 @@ _UNITS = {"revolute": "rad", "prismatic": "m"}
 
 @takes()
 def joint_limits(urdf: str, *, continuous: bool = False) -> dict[str, tuple[float, float]]:
-    """Return lower and upper limit of each joint of a URDF that turns or slides between limits, by name.
+    """Return lower and upper limits of a URDF's bounded joints, by name.
 
     There are none in a text that is no URDF: who needs the mechanism refuses it.
 
@@ -39,7 +39,7 @@ def joint_limits(urdf: str, *, continuous: bool = False) -> dict[str, tuple[floa
 
 
 def _limits(urdf: str) -> dict[str, tuple[str, float, float]]:
-    """Return type, lower and upper limit of each joint whose ``<limit>`` leaves a way between bounds."""
+    """Return type, lower and upper limit of joints with bounds."""
     found: dict[str, tuple[str, float, float]] = {}
     if "<limit" not in urdf or "<!DOCTYPE" in urdf:
         return found
@@ -61,15 +61,12 @@ def _limits(urdf: str) -> dict[str, tuple[str, float, float]]:
 
 
 def with_urdf_limits(data: Mapping[str, Any]) -> Any:
-    """Return the table of stops of a scenario with the URDF's limits where it names none.
+    """Return the table of stops, completed by the URDF's limits.
 
     A stop with neither ``lower`` nor ``upper`` gets both from the ``<limit>`` of its joint, as
     ``mechanism.joints`` changes it; the table ``[stops."*"]`` becomes a stop at each joint with limits that
     has none, and ``stops = true`` rigid stops there, of restitution 0; rigid ones at no joint that a motion
     moves, itself or by couplings.
-
-    Args:
-        data: All of the scenario, not yet validated.
     """
     stops = merge({}, {"stops": data.get("stops")})["stops"]
     known = isinstance(data.get("urdf_text"), str) and isinstance(data.get("mechanism"), Mapping)
@@ -113,11 +110,7 @@ def _changed(data: Mapping[str, Any]) -> dict[str, dict[str, float]]:
 
 @takes()
 def moved_joints(data: Mapping[str, Any]) -> set[str]:
-    """Return the joints that motions move, their own or those of the joints that they are coupled to.
-
-    Args:
-        data: All of a scenario, validated or not yet.
-    """
+    """Return the joints that motions move, directly or by couplings."""
     found = {
         str(drive.get("joint", name))
         for name, one in tables(data.get("drives")).items()
@@ -139,7 +132,7 @@ def _everywhere(
     moved: Set[str],
     around: Sequence[str],
 ) -> dict[str, Any]:
-    """Return the stops that the table for all joints stands for, rigid ones not at joints that are moved."""
+    """Return the stops of the table for all joints, not at moved joints if rigid."""
     table = stops[ALL]
     if not isinstance(table, Mapping):
         refuse("must be a table", "stops", ALL, value=table)

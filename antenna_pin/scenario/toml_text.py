@@ -15,7 +15,7 @@ _LONGEST_KEY = 200  # letters: names stand in messages, tables and the labels of
 
 
 class NotTomlError(ValueError):
-    """Why a text is not TOML, or not one to go on with, as it reads after the name of the file."""
+    """Reason why a text is not TOML, or beyond bounds."""
 
 
 def read_toml_text(text: str) -> dict[str, Any]:
@@ -44,7 +44,7 @@ def quoted(text: str) -> str:
 
 
 def unbounded(document: object) -> str:
-    """Return what about a value is too deep or too long, in words; "" if nothing is."""
+    """Return the reason why a value is too deep or long; "" if none."""
     level: list[object] = [document]
     for _ in range(_DEEPEST + 1):
         if not level:

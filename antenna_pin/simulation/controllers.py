@@ -14,7 +14,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.base.arguments import asked, number_in, unknown_type
+from antenna_pin.base.arguments import answer_of, number_in, unknown_type
 from antenna_pin.base.directions import direction as unit_of
 from antenna_pin.base.state import ControllerMemory
 from antenna_pin.control import Controller, Instants, check_controller, kept, measures_of, remembered
@@ -183,7 +183,7 @@ class _ControlLoop:
         """Call the controller; return its commands."""
         place = f"controller {self.name!r}: update"
         told = f"instant {self.tick}, t = {view.time:.9g} s"
-        answer = asked(place, told, "commands by name", self.controller.update, view)
+        answer = answer_of(place, told, "commands by name", self.controller.update, view)
         if not isinstance(answer, Mapping):
             raise FunctionError(place, told, "commands by name", unknown_type(answer))
         for what, numbers, known in (

@@ -14,7 +14,7 @@ from typing import Literal, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.base.arguments import AskedFunction, asked, check_takes, fits, takes, unknown_type
+from antenna_pin.base.arguments import AskedFunction, answer_of, check_takes, fits, takes, unknown_type
 from antenna_pin.base.parameters import holds
 from antenna_pin.base.records import PROGRAM, memory_numbers
 from antenna_pin.dynamics import JointMotion, System, Workspace, acting_in, kernels, reduced_inertia
@@ -476,10 +476,10 @@ class Jump:
             moment_text((moment,)),
             "a configuration and a velocity",
         )
-        answer = asked(name, told, rule, self.change, moment)
+        answer = answer_of(name, told, rule, self.change, moment)
         if not fits(answer, tuple[ArrayLike, ArrayLike]) or any(np.iscomplexobj(one) for one in answer):
             raise FunctionError(name, told, rule, unknown_type(answer))
-        return np.asarray(asked(name, told, rule, moment.system.state, *answer))
+        return np.asarray(answer_of(name, told, rule, moment.system.state, *answer))
 
 
 Action = Mark | Stop | Set | Jump | Kink | Switch | Edge

@@ -1,6 +1,7 @@
 """Parameters declared once: a class checks itself by what a scenario's table refuses too."""
 
 import dataclasses
+import math
 import re
 from collections.abc import Iterator
 from typing import get_args
@@ -13,7 +14,7 @@ from antenna_pin.base import changes, settings
 from antenna_pin.base.changes import JointChange, LinkChange
 from antenna_pin.base.directions import A_DIRECTION
 from antenna_pin.base.lazy import Classes
-from antenna_pin.base.parameters import parameters_of
+from antenna_pin.base.parameters import Parameter, parameters_of
 from antenna_pin.base.units import shown
 from antenna_pin.elements import SineDrive
 from antenna_pin.errors import InvalidParameterError, ScenarioError
@@ -32,9 +33,9 @@ from antenna_pin.scenario import (
     PlaceSpec,
     ScalesSpec,
     ShapeSpec,
-    _choices,
+    _class_tables,
 )
-from antenna_pin.scenario._kinds import Tables
+from antenna_pin.scenario._class_tables import Tables
 from antenna_pin.scenario.spec import Spec
 
 PAIRS = [
@@ -47,20 +48,34 @@ PAIRS = [
 ]
 
 
+def breaches(parameter: Parameter) -> Iterator[object]:
+    """Yield values against a declaration: no number, a foreign unit, against the rule, another size."""
+    numbers = [math.nan, "1 K"]
+    if parameter.rule:
+        numbers.append(0.0 if parameter.rule == A_DIRECTION else -1.0)
+    if not parameter.sizes:
+        yield from numbers
+        return
+    size = max(*parameter.sizes, 1)
+    yield from ([number] * size for number in numbers)
+    if parameter.sizes != (0,):
+        yield [0.5] * (size + 1)
+        yield 0.5
+
+
 @pytest.mark.parametrize(("cls", "table"), PAIRS, ids=lambda one: one.__name__)
 def test_a_table_refuses_what_its_class_refuses(cls: type, table: type[MadeSpec]) -> None:
-    """For the same reason, whichever number it is; and an empty table builds what the class is by default."""
+    """Whichever number it is; and an empty table builds what the class is by default."""
     assert table().build() == cls()
+    keys = {field: key for key, field in table.fields_of_keys.items()}
     for name, parameter in parameters_of(cls).items():
-        key = {**{field: key for key, field in table.fields_of_keys.items()}}.get(name, name)
+        key = keys.get(name, name)
         if key not in table.model_fields:
             continue
-        wrong = 0.0 if parameter.rule == A_DIRECTION else -1.0
-        bad = [[wrong] * max(*parameter.sizes, 1)] if parameter.sizes else [wrong]
-        for value in bad if parameter.rule else []:
-            with pytest.raises(InvalidParameterError, match=f"{cls.__name__}: {name} must be"):
+        for value in breaches(parameter):
+            with pytest.raises(InvalidParameterError, match=rf"{cls.__name__}: {name}(\[0\])? must be"):
                 cls(**{name: value})
-            with pytest.raises(ScenarioError, match=f"{table.__name__}: {key} must be {parameter.rule}, got"):
+            with pytest.raises(ScenarioError, match=rf"{table.__name__}: {key}(\[0\])? must be"):
                 table(**{key: value})
 
 
@@ -96,7 +111,7 @@ def _flags() -> Iterator[tuple[type, str]]:
 
 def test_true_and_false_are_themselves() -> None:
     """Of every key of every table, whatever else it lacks: nothing but true and false, NumPy's too."""
-    for tables in (*FAMILY_SPECS.values(), REFERENCE_SPECS, *vars(_choices).values()):
+    for tables in (*FAMILY_SPECS.values(), REFERENCE_SPECS, *vars(_class_tables).values()):
         if isinstance(tables, Tables | Classes):
             dict(tables)  # each is made when it is first asked for
     assert len(set(_flags())) >= 10

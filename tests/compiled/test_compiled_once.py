@@ -91,9 +91,9 @@ def test_a_turn_is_taken_whatever_the_kernel_is_called(tmp_path, kernel):
     """No byte is too far out to be held, in a file of any system's."""
     turn = Turn(f"antenna_pin.kernels:{kernel}")
     turn.begin(str(tmp_path))
-    assert turn.taken
+    assert turn.is_held
     turn.end()
-    assert not turn.taken
+    assert not turn.is_held
 
 
 _TAKES = """\

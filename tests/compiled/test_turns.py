@@ -22,10 +22,10 @@ def test_one_who_never_ends_is_waited_for_five_minutes(tmp_path, monkeypatch):
     monkeypatch.setattr(turns.os, "lockf", held_by_another)
     turn = turns.Turn("kernel")
     turn.begin(str(tmp_path))
-    assert not turn.taken
+    assert not turn.is_held
     assert clock[0] == pytest.approx(300.0, abs=0.1)
     assert max(pauses) < 0.1  # nobody notices that it was not at once
     monkeypatch.undo()
     turn.begin(str(tmp_path))
-    assert turn.taken
+    assert turn.is_held
     turn.end()

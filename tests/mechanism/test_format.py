@@ -157,7 +157,7 @@ def test_text_is_refused_where_it_stands_for_an_attribute_and_else_passed_over()
         "u.urdf, line 6: joint 'j': <axis> must hold no text, got '0 1  0'; write it as attributes (xyz)"
     )
     written = WrittenUrdf(text=changed("<inertial>", "<inertial>about 1 kg"), where="u.urdf")
-    assert [kind.said() for kind in written.passed_over] == ["1 text in <inertial>, line 3"]
+    assert [kind.text() for kind in written.passed_over] == ["1 text in <inertial>, line 3"]
 
 
 NUMBERS = (

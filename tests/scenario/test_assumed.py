@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from antenna_pin import build_system, load_scenario, simulate
-from antenna_pin.scenario.assumed import said_of_assumed
+from antenna_pin.scenario.clearance import said_of_assumed
 
 SHORT = {
     "model": "contact",

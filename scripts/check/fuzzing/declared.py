@@ -17,9 +17,9 @@ from pydantic.fields import FieldInfo
 from antenna_pin.base.parameters import RULES, attribute_docs
 from antenna_pin.base.units import QuantityError, quantity
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, law_parameters
-from antenna_pin.scenario._base import Count, Quantity, Spec, Vector
-from antenna_pin.scenario._kinds import OneOf
+from antenna_pin.scenario._class_tables import OneOf
 from antenna_pin.scenario.laws import LawChange, LawSpec
+from antenna_pin.scenario.spec import Count, Quantity, Spec, Vector
 from fuzzing.odd import Raw, odd_value
 
 Names = Mapping[str, Sequence[str]]

@@ -1,14 +1,18 @@
-"""Start of the motion."""
+"""Start, integration and record of the motion."""
 
 from __future__ import annotations
 
 import math
-from typing import Annotated, Self
+from collections.abc import Mapping
+from typing import Annotated, Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, ValidationError, model_validator
 
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.settings import ErrorScales, RunSettings, choice_for
 from antenna_pin.base.units import shown
-from antenna_pin.scenario._base import (
+from antenna_pin.scenario._class_tables import JointTable, MadeSpec, reads
+from antenna_pin.scenario.spec import (
     AngularVelocity,
     Position,
     Quantity,
@@ -16,11 +20,19 @@ from antenna_pin.scenario._base import (
     Spec,
     Vector,
     Velocity,
+    read_quantity,
     refuse,
 )
-from antenna_pin.scenario._joint import JointTable
 
-__all__ = ["InitialBaseSpec", "InitialJointSpec", "InitialSpec"]
+__all__ = [
+    "InitialBaseSpec",
+    "InitialJointSpec",
+    "InitialSpec",
+    "IntegratorSpec",
+    "OutputSpec",
+    "ScalesSpec",
+    "settings_key",
+]
 
 
 class InitialJointSpec(JointTable):
@@ -101,3 +113,48 @@ class InitialSpec(Spec):
 
     joints: dict[str, InitialJointSpec] = Field(default_factory=dict)
     base: InitialBaseSpec = Field(default_factory=InitialBaseSpec)
+
+
+@reads(ErrorScales)
+class ScalesSpec(MadeSpec):
+    """Error scale per kind of quantity: ``rtol * (scale + |value|)``."""
+
+
+@reads(RunSettings, without=("output_rate", "output_times", "output_form"), scales=ScalesSpec)
+class IntegratorSpec(MadeSpec):
+    """Integration of the motion."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _choose(cls, data: Any) -> Any:
+        """Refuse an accuracy beside what it chooses, and fill that in."""
+        if not isinstance(data, Mapping) or data.get("accuracy") is None:
+            return data
+        try:
+            given = read_quantity(data["accuracy"], "1", "between 0 and 1")
+        except ValidationError:
+            return data  # refused where it is read
+        chosen = dict(zip(("method", "rtol"), choice_for(given), strict=True))
+        for name, value in chosen.items():
+            if data.get(name, value) != value:
+                rule = f"must be left out beside accuracy = {given:g}, which chooses it"
+                refuse(f"{rule}, got {shown(data[name])}; leave out one of them", name)
+        return {**data, **chosen}
+
+
+@takes()
+def settings_key(parameter: str) -> tuple[str, ...]:
+    """Return the keys of a scenario for a parameter of the settings."""
+    if parameter == "duration":
+        return (parameter,)
+    output = parameter.removeprefix("output_")
+    return ("integrator", parameter) if output == parameter else ("output", output)
+
+
+@reads(
+    RunSettings,
+    only=("output_rate", "output_times", "output_form"),
+    renamed={"output_rate": "rate", "output_times": "times", "output_form": "form"},
+)
+class OutputSpec(MadeSpec):
+    """Record of the motion."""
