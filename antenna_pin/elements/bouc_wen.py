@@ -16,7 +16,7 @@ _Z = Integral("z", "1")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BoucWen(Element):
-    r"""A spring with hysteresis after Bouc and Wen, turning (sliding).
+    r"""A spring with hysteresis after Bouc and Wen, at a turning (sliding) joint.
 
     .. math:: \tau = -\alpha k (\phi - \phi_0) - (1 - \alpha) k D z, \quad
         D \dot z = A \dot\phi - \beta |\dot\phi| |z|^{n-1} z - \gamma \dot\phi |z|^n

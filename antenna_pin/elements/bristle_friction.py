@@ -219,7 +219,7 @@ class LuGreFriction(BristleFriction):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GonthierFriction(BristleFriction):
-    r"""Gonthier et al.'s friction, which grows during rest, turning (sliding).
+    r"""Gonthier et al.'s friction of a turning (sliding) joint, which grows during rest.
 
     With :math:`s = e^{-(\dot\phi / \omega_s)^2}`, 1 when sticking and 0 when sliding,
 

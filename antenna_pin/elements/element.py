@@ -66,8 +66,10 @@ IMPULSE = Integral("impulse", "N*m*s")
 class ForceElement:
     """Base of all that acts by numbers of its own, wherever that is.
 
+    The field ``on`` is that of kinds that can be switched.
+
     Attributes:
-        on: Whether it acts from the start on; an event may switch it. Not all kinds have this field.
+        on: Whether it acts from the start on; an event may switch it.
     """
 
     # Its kernels, by the name of their module; what it integrates.

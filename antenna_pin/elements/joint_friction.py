@@ -13,7 +13,7 @@ __all__ = ["JointFriction"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointFriction(Element):
-    r"""Viscous and Coulomb friction of a joint, turning (sliding).
+    r"""Viscous and Coulomb friction of a turning (sliding) joint.
 
     .. math:: \tau = -c\, \dot\phi - T \frac{\dot\phi}{\sqrt{\dot\phi^2 + \omega_r^2}}
 

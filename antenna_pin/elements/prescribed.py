@@ -288,7 +288,7 @@ class PrescribedMotion(Course, Motion):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DistanceMotion(Swing, Motion):
-    r"""A sliding joint held to the distance from a point to a path.
+    r"""A sliding joint held to the distance of a fixed and a moving point.
 
     That is the length of a leg from a base joint to a joint of a platform that moves without turning:
 

@@ -15,7 +15,7 @@ __all__ = ["JointSpring"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointSpring(Element):
-    r"""A linear spring and damper at a joint, turning (sliding).
+    r"""A linear spring and damper at a turning (sliding) joint.
 
     .. math:: \tau = -k (\phi - \phi_0) - c \dot\phi
 

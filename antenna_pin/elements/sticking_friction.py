@@ -30,7 +30,7 @@ _AT_REST = 1e-11
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StickingFriction(ModalElement):
-    r"""Dry friction of a joint without play, turning (sliding).
+    r"""Dry friction of a turning (sliding) joint without play.
 
     While it slips
 

@@ -110,7 +110,7 @@ def guide_words(size: Sizes) -> list[str]:
 def touches(a: float, b: float, c: float) -> float:
     """Return the least root of a cos + b sin = c [rad].
 
-    NaN if there is none.
+    For c > a; NaN if there is none.
     """
     left = b * b + a * a - c * c
     return math.nan if left < 0.0 else 2.0 * math.atan2(c - a, b + math.sqrt(left))
