@@ -60,6 +60,7 @@ RULES: Mapping[str, Callable[[float], bool]] = MappingProxyType(
         SWINGS: lambda number: 0.0 <= number < 1.0,
         "1 or more": lambda number: number >= 1.0,
         "between 0 and 1": lambda number: 0.0 < number < 1.0,
+        "in [0, 1]": lambda number: 0.0 <= number <= 1.0,
         "above -1 and at most 0.5": lambda number: -1.0 < number <= 0.5,
     }
 )
@@ -117,6 +118,7 @@ def parameter(
     sizes: tuple[int, ...] = (),
     default: Any = MISSING,
     repr: bool = True,
+    from_joint: bool = False,
 ) -> Any:
     """Return a dataclass field that holds a number, or several, with a unit.
 
@@ -130,8 +132,9 @@ def parameter(
         sizes: How many numbers, of a tuple; ``(0,)`` for any number of them.
         default: The default; required if not given.
         repr: Whether the field is shown.
+        from_joint: Whether a scenario may leave it out, as it follows from the joint.
     """
-    metadata = {"unit": unit, "sliding": sliding, "rule": rule, "sizes": sizes}
+    metadata = {"unit": unit, "sliding": sliding, "rule": rule, "sizes": sizes, "from_joint": from_joint}
     return field(default=default, metadata=metadata, repr=repr)
 
 

@@ -25,29 +25,17 @@ potential energy, so that it is not given apart.
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, field
-from typing import ClassVar
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
+from antenna_pin.base.parameters import parameter
 from antenna_pin.contact import friction_kernels as kernels
 from antenna_pin.contact.bristle_kernels import steady_coefficient
-from antenna_pin.contact.friction import (
-    CompiledFrictionLaw,
-    check_at_least,
-    check_coefficient,
-    check_positive,
-)
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.contact.friction import CompiledFrictionLaw, check_static
 
 __all__ = ["BristleLaw", "Dahl", "GonthierBristle", "LuGre"]
-
-_STIFFNESS = {"unit": "1/m", "doc": "sigma_0, stiffness of the bristles over the load"}
-_DAMPING = {"unit": "s/m", "doc": "sigma_1, damping of the bristles over the load"}
-_VISCOUS = {"unit": "s/m", "doc": "sigma_2, viscous coefficient"}
-_STATIC = {"unit": "1", "doc": "mu_s, at least dynamic"}
-_DYNAMIC = {"unit": "1", "doc": "mu_d, positive"}
 
 
 class BristleLaw(CompiledFrictionLaw):
@@ -77,7 +65,7 @@ class Dahl(BristleLaw):
 
     Attributes:
         coefficient_of_friction: mu, positive [-].
-        bristle_stiffness: sigma_0 [1/m].
+        bristle_stiffness: sigma_0, stiffness of the bristles over the load [1/m].
         shape: i, at least 1 [-].
 
     References:
@@ -86,15 +74,9 @@ class Dahl(BristleLaw):
 
     kind: ClassVar[float] = kernels.DAHL
 
-    coefficient_of_friction: float = field(metadata={"unit": "1", "doc": "mu, positive"})
-    bristle_stiffness: float = field(metadata=_STIFFNESS)
-    shape: float = field(default=1.0, metadata={"unit": "1", "doc": "i, at least 1"})
-
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        check_positive(self, "coefficient_of_friction", "bristle_stiffness")
-        if not 1.0 <= self.shape < math.inf:
-            raise InvalidParameterError(self, "shape", "at least 1, and finite")
+    coefficient_of_friction: float = parameter(rule="positive")
+    bristle_stiffness: float = parameter("1/m", rule="positive")
+    shape: float = parameter(rule="1 or more", default=1.0)
 
     @property
     def state_scales(self) -> tuple[float, ...]:
@@ -122,10 +104,10 @@ class LuGre(BristleLaw):
     Attributes:
         static: mu_s, at least ``dynamic`` [-].
         dynamic: mu_d, positive [-].
-        stribeck_speed: v_s [m/s].
-        bristle_stiffness: sigma_0 [1/m].
-        bristle_damping: sigma_1 [s/m].
-        viscous: sigma_2 [s/m].
+        stribeck_speed: v_s, over which friction falls [m/s].
+        bristle_stiffness: sigma_0, stiffness of the bristles over the load [1/m].
+        bristle_damping: sigma_1, damping of the bristles over the load [s/m].
+        viscous: sigma_2, viscous coefficient [s/m].
 
     References:
         Canudas de Wit, Olsson, Astrom and Lischinsky (1995), IEEE Trans. Autom. Control 40, 419-425.
@@ -134,19 +116,17 @@ class LuGre(BristleLaw):
 
     kind: ClassVar[float] = kernels.LUGRE
 
-    static: float = field(metadata=_STATIC)
-    dynamic: float = field(metadata=_DYNAMIC)
-    stribeck_speed: float = field(metadata={"unit": "m/s", "doc": "v_s, over which friction falls"})
-    bristle_stiffness: float = field(metadata=_STIFFNESS)
-    bristle_damping: float = field(default=0.0, metadata=_DAMPING)
-    viscous: float = field(default=0.0, metadata=_VISCOUS)
+    static: float = parameter()
+    dynamic: float = parameter(rule="positive")
+    stribeck_speed: float = parameter("m/s", rule="positive")
+    bristle_stiffness: float = parameter("1/m", rule="positive")
+    bristle_damping: float = parameter("s/m", rule="zero or more", default=0.0)
+    viscous: float = parameter("s/m", rule="zero or more", default=0.0)
 
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        check_positive(self, "dynamic", "stribeck_speed", "bristle_stiffness")
-        check_at_least(self, "static", "dynamic")
-        check_coefficient(self, "bristle_damping")
-        check_coefficient(self, "viscous")
+    @classmethod
+    def check_rules(cls, law: Any) -> None:
+        """Refuse a static coefficient below the dynamic one."""
+        check_static(law)
 
     @property
     def state_scales(self) -> tuple[float, ...]:
@@ -156,7 +136,7 @@ class LuGre(BristleLaw):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GonthierBristle(BristleLaw):
-    r"""Gonthier et al.'s law: bristles that stick or slide, and a friction that grows with the dwell time.
+    r"""Gonthier et al.'s law: bristles stick or slide, and friction grows with dwell time.
 
     With :math:`s = e^{-(v / v_s)^2}`, 1 when sticking and 0 when sliding,
 
@@ -174,12 +154,12 @@ class GonthierBristle(BristleLaw):
     Attributes:
         static: mu_s, at least ``dynamic`` [-].
         dynamic: mu_d, positive [-].
-        stribeck_speed: v_s [m/s].
-        bristle_stiffness: sigma_0 [1/m].
+        stribeck_speed: v_s, below which it sticks [m/s].
+        bristle_stiffness: sigma_0, stiffness of the bristles over the load [1/m].
         bristle_damping: sigma_1, positive: the bristles follow within sigma_1 / sigma_0 [s/m].
-        dwell_time: tau_dw [s].
-        viscous: sigma_2 [s/m].
-        direction_speed: v_e; a hundredth of v_s if left at zero [m/s].
+        dwell_time: tau_dw, over which static friction builds up [s].
+        viscous: sigma_2, viscous coefficient [s/m].
+        direction_speed: v_e, rounds the direction off; 0: v_s / 100 [m/s].
 
     References:
         Gonthier, McPhee, Lange and Piedboeuf (2004), Multibody Syst. Dyn. 11, 209-233. Recalled, not checked
@@ -188,25 +168,19 @@ class GonthierBristle(BristleLaw):
 
     kind: ClassVar[float] = kernels.GONTHIER
 
-    static: float = field(metadata=_STATIC)
-    dynamic: float = field(metadata=_DYNAMIC)
-    stribeck_speed: float = field(metadata={"unit": "m/s", "doc": "v_s, below which it sticks"})
-    bristle_stiffness: float = field(metadata=_STIFFNESS)
-    bristle_damping: float = field(metadata=_DAMPING)
-    dwell_time: float = field(metadata={"unit": "s", "doc": "tau_dw, over which static friction builds up"})
-    viscous: float = field(default=0.0, metadata=_VISCOUS)
-    direction_speed: float = field(
-        default=0.0, metadata={"unit": "m/s", "doc": "v_e, rounds the direction off; 0: v_s / 100"}
-    )
+    static: float = parameter()
+    dynamic: float = parameter(rule="positive")
+    stribeck_speed: float = parameter("m/s", rule="positive")
+    bristle_stiffness: float = parameter("1/m", rule="positive")
+    bristle_damping: float = parameter("s/m", rule="positive")
+    dwell_time: float = parameter("s", rule="positive")
+    viscous: float = parameter("s/m", rule="zero or more", default=0.0)
+    direction_speed: float = parameter("m/s", rule="zero or more", default=0.0)
 
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        check_positive(
-            self, "dynamic", "stribeck_speed", "bristle_stiffness", "bristle_damping", "dwell_time"
-        )
-        check_at_least(self, "static", "dynamic")
-        check_coefficient(self, "viscous")
-        check_coefficient(self, "direction_speed")
+    @classmethod
+    def check_rules(cls, law: Any) -> None:
+        """Refuse a static coefficient below the dynamic one."""
+        check_static(law)
 
     @property
     def state_scales(self) -> tuple[float, ...]:

@@ -53,7 +53,10 @@ def steady_coefficient(law: Floats, speed: float) -> float:
 
 @kernel
 def _dahl(mu: float, sigma_0: float, exponent: float, speed: float, v: Triple, z: Triple) -> Triple:
-    """Rate of the deflection of Dahl's law: ``|v| w |w|^(i - 1)``, ``w = v / |v| - sigma_0 z / mu``."""
+    """Return the rate of the deflection by Dahl's law.
+
+    It is ``|v| w |w|^(i - 1)``, with ``w = v / |v| - sigma_0 z / mu``.
+    """
     vx, vy, vz = v
     zx, zy, zz = z
     grip = 1.0
@@ -68,7 +71,7 @@ def _dahl(mu: float, sigma_0: float, exponent: float, speed: float, v: Triple, z
 
 @kernel
 def _gonthier(mu_d: float, v_s: float, sigma_0: float, sigma_1: float, v_e: float, speed: float) -> Triple:
-    """Stick s and the factors of v and -z in the rate of the deflection of Gonthier's law.
+    """Return stick s, and the factors of v and -z in Gonthier's deflection rate.
 
     The bristle sticks (rate v) as far as s says, and slides (bristle force mu_d) as far as 1 - s.
     """
@@ -80,13 +83,13 @@ def _gonthier(mu_d: float, v_s: float, sigma_0: float, sigma_1: float, v_e: floa
 
 @inlined
 def _strength(mu_d: float, mu_s: float, dwell: float) -> float:
-    """What Gonthier's friction comes to at most [-]."""
+    """Return the largest friction of Gonthier's law [-]."""
     return mu_d + (mu_s - mu_d) * dwell
 
 
 @kernel
 def gonthier_kink(law: Floats, k: int, rate: float, bend: float, dwell: float) -> float:
-    """Function k of a joint's friction by Gonthier's law that is zero where it has a kink.
+    """Return function k of Gonthier's law, zero at kinks of the friction.
 
     0: how much it sticks beyond its dwell, which grows slowly and fades fast; 1: what its bristles would give
     beyond what they can.
@@ -113,7 +116,7 @@ def gonthier_kink(law: Floats, k: int, rate: float, bend: float, dwell: float) -
 def bristle(
     law: Floats, force: float, slip: Triple, whole: Triple, along: Triple, dwell: float
 ) -> tuple[float, float, float, float, float, float, float]:
-    """Friction [N] of a law with bristles, then the rates of their deflection, and of its dwell.
+    """Return the friction of a bristle law [N], and the rates of deflection and dwell.
 
     With torques in the place of coefficients, one for the normal force and rates of a joint for slip, it is
     the friction of that joint.
@@ -170,7 +173,7 @@ def bristle(
 def bristle_force(
     law: Floats, force: float, slip: Triple, normal: Triple, state: Floats, rates: Floats
 ) -> Triple:
-    """Friction on the journal [N] of a law with bristles; writes the rates of its state.
+    """Return the friction of a bristle law on the journal [N]; write its state rates.
 
     Args:
         law: The law, (FRICTION_SIZE,).

@@ -101,7 +101,9 @@ def persson_force(law: PerssonLaw, depth: float) -> float:
 
 @kernel
 def persson_energy(law: PerssonLaw, depth: float) -> float:
-    """Energy stored [J] by a record of ``PERSSON_LAW``, over s = tan^2(eps/2): depth = 2 dR s / (1 - s).
+    """Return the energy stored by a record of ``PERSSON_LAW`` [J].
+
+    The variable is s = tan^2(eps/2): depth = 2 dR s / (1 - s).
 
     The force has a pole at ``root``, just beyond the range: it is taken out, r / (s - root), and integrated
     in closed form. At small depth that would cancel, and the pole is far enough for the nodes alone.

@@ -20,12 +20,13 @@ slowly as :math:`1 / \ln(1 / \delta)`.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.parameters import parameter
 from antenna_pin.contact.normal import ElasticLaw, elastic_code
 from antenna_pin.contact.records import BAI_ZHAO, FOUNDATION, LOGARITHMIC, PERSSON, POWER
 from antenna_pin.errors import InvalidParameterError
@@ -45,12 +46,6 @@ __all__ = [
     "Radzimovsky",
 ]
 
-# A scenario may leave out what has "from_joint": it follows from the joint's dimensions and materials.
-LENGTH = {"unit": "m", "doc": "L, of the line of contact", "from_joint": True}
-JOURNAL_RADIUS = {"unit": "m", "doc": "R_j", "from_joint": True}
-BEARING_RADIUS = {"unit": "m", "doc": "R_i, above R_j", "from_joint": True}
-MODULUS = {"unit": "Pa", "doc": "E*, contact modulus of the pair", "from_joint": True}
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LineLaw(ElasticLaw):
@@ -60,7 +55,7 @@ class LineLaw(ElasticLaw):
     for each of its two ends; the whole for a planar joint), the modulus that of its materials.
 
     Attributes:
-        length: L, of the line along which they touch [m].
+        length: L, of the line of contact [m].
         journal_radius: R_j [m].
         bearing_radius: R_i, above R_j [m].
         modulus: E*, plane-strain contact modulus of the pair [Pa].
@@ -68,18 +63,15 @@ class LineLaw(ElasticLaw):
 
     line: ClassVar[bool] = True
 
-    length: float = field(metadata=LENGTH)
-    journal_radius: float = field(metadata=JOURNAL_RADIUS)
-    bearing_radius: float = field(metadata=BEARING_RADIUS)
-    modulus: float = field(metadata=MODULUS)
+    length: float = parameter("m", rule="positive", from_joint=True)
+    journal_radius: float = parameter("m", rule="positive", from_joint=True)
+    bearing_radius: float = parameter("m", rule="positive", from_joint=True)
+    modulus: float = parameter("Pa", rule="positive", from_joint=True)
 
     @classmethod
-    def check(cls, law: Any) -> None:
-        """Refuse what makes no such law, in itself or in a law that has the same parameters."""
-        for name, unit in (("length", "m"), ("journal_radius", "m"), ("modulus", "Pa")):
-            if not 0.0 < getattr(law, name) < math.inf:
-                raise InvalidParameterError(law, name, f"positive and finite [{unit}]")
-        if not law.journal_radius < law.bearing_radius < math.inf:
+    def check_rules(cls, law: Any) -> None:
+        """Refuse a bearing that is not larger than its journal."""
+        if not law.journal_radius < law.bearing_radius:
             raise InvalidParameterError(
                 law, "bearing_radius", f"above journal_radius = {law.journal_radius:g} m, and finite"
             )
@@ -170,32 +162,33 @@ class Radzimovsky(LogarithmicLaw):
     a play of 0.2 mm the depth comes out 5 to 11 % higher at 0.2 to 200 N/mm.
 
     Attributes:
-        width_factor: k [-].
+        width_factor: k of the contact's full width; 1.60 as often printed [-].
 
     References:
         Radzimovsky (1953), University of Illinois Eng. Exp. Station Bull. 408; Roark's Formulas for Stress
         and Strain. The formula after Machado et al. (2012), not checked against the bulletin.
     """
 
-    width_factor: float = field(
-        default=4.0 / math.sqrt(math.pi),
-        metadata={"unit": "1", "doc": "k of the contact's full width; 1.60 as often printed"},
-    )
-
-    @classmethod
-    def check(cls, law: Any) -> None:
-        """Refuse what makes no such law."""
-        LineLaw.check(law)
-        if not 0.0 < law.width_factor < math.inf:
-            raise InvalidParameterError(law, "width_factor", "positive and finite")
+    width_factor: float = parameter(rule="positive", default=4.0 / math.sqrt(math.pi))
 
     def _logarithm(self) -> tuple[float, float]:
         beta = 16.0 / self.width_factor**2 * self.modulus * self.clearance * math.exp(2.0 / 3.0)
         return 1.0 / (math.pi * self.modulus), beta
 
 
+class _OverLength(LogarithmicLaw):
+    """Base of the laws whose logarithm has the length of the contact."""
+
+    __slots__ = ()
+
+    def _logarithm(self) -> tuple[float, float]:
+        softness = 1.0 / (math.pi * self.modulus)  # sigma_i + sigma_j
+        radius = self.bearing_radius * self.journal_radius / self.clearance
+        return softness, self.length**2 / (radius * softness) * math.e
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Goldsmith(LogarithmicLaw):
+class Goldsmith(_OverLength):
     r"""Goldsmith's contact of two cylinders, for a journal in a bore.
 
     .. math:: \delta = \frac{F (\sigma_i + \sigma_j)}{L}
@@ -211,33 +204,22 @@ class Goldsmith(LogarithmicLaw):
         checked against the book.
     """
 
-    def _logarithm(self) -> tuple[float, float]:
-        return _over_length(self)
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DubowskyFreudenstein(LogarithmicLaw):
+class DubowskyFreudenstein(_OverLength):
     r"""Dubowsky and Freudenstein's contact of a pin in a hole.
 
     .. math:: \delta = \frac{F (\sigma_i + \sigma_j)}{L}
               \left[\ln\frac{L^3 \Delta R}{F R_i R_j (\sigma_i + \sigma_j)} + 1\right], \qquad
               \sigma = \frac{1 - \nu^2}{\pi E}
 
-    The power of L is printed as m; only m = 3 is consistent in its units.
+    :class:`Goldsmith`'s law with the internal radius. The power of L is printed as m; only m = 3 is
+    consistent in its units.
 
     References:
         Dubowsky and Freudenstein (1971), J. Eng. Ind. 93, 305-309; the form after Machado et al. (2012). Not
         checked against the paper.
     """
-
-    def _logarithm(self) -> tuple[float, float]:
-        return _over_length(self)
-
-
-def _over_length(law: LineLaw) -> tuple[float, float]:
-    softness = 1.0 / (math.pi * law.modulus)  # sigma_i + sigma_j
-    radius = law.bearing_radius * law.journal_radius / law.clearance
-    return softness, law.length**2 / (radius * softness) * math.e
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -271,8 +253,6 @@ class ESDU78035(LogarithmicLaw):
 #
 # and the load grows with the arc. All of these give the force over the depth explicitly.
 
-BAI_ZHAO_EXPONENT = {"unit": "1", "doc": "n of K_n depth^n, 1 or 1.5"}
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LiuFoundation(LineLaw):
@@ -296,7 +276,7 @@ class LiuFoundation(LineLaw):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BaiZhaoElastic(LineLaw):
-    r"""The elastic part of Bai and Zhao's hybrid law: a stiffness that depends on the depth.
+    r"""Elastic part of Bai and Zhao's hybrid law: a stiffness that depends on depth.
 
     .. math:: F = L K_n \delta^n, \qquad K_n = \frac{\pi E^*}{8}
               \sqrt{\frac{2 \delta\, [3 \Delta R + 2 \delta]^2}{(\Delta R + \delta)^3}}
@@ -306,7 +286,7 @@ class BaiZhaoElastic(LineLaw):
     suggests, the units do not agree; numbers are SI.
 
     Attributes:
-        exponent: n, 1 or 1.5 [-].
+        exponent: n of K_n depth^n, 1 or 1.5 [-].
 
     References:
         Bai and Zhao (2012), Int. J. Mech. Sci. 54, 190-205, and (2013), Int. J. Non-Linear Mech. 48, 15-36.
@@ -314,12 +294,12 @@ class BaiZhaoElastic(LineLaw):
         the tests.
     """
 
-    exponent: float = field(default=1.0, metadata=BAI_ZHAO_EXPONENT)
+    exponent: float = parameter(default=1.0)
 
     @classmethod
-    def check(cls, law: Any) -> None:
-        """Refuse what makes no such law."""
-        LineLaw.check(law)
+    def check_rules(cls, law: Any) -> None:
+        """Refuse another exponent than the two of the papers."""
+        LineLaw.check_rules(law)
         if law.exponent not in (1.0, 1.5):
             raise InvalidParameterError(law, "exponent", "1 or 1.5")
 
@@ -330,7 +310,10 @@ class BaiZhaoElastic(LineLaw):
 
 
 def _largest_square() -> float:
-    """Return b^2 at which Persson's load is infinite: the root of 2 - ln(1 + b^2) - 2 b^4."""
+    """Return b^2 at which Persson's load is infinite.
+
+    It is the root of 2 - ln(1 + b^2) - 2 b^4.
+    """
     square = 0.8
     for _ in range(20):
         value = 2.0 - math.log1p(square) - 2.0 * square**2
@@ -371,7 +354,7 @@ class Persson(LineLaw):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pereira(LineLaw):
-    r"""Pereira et al.'s fit of a power law to the laws with a logarithm, for a journal in a bore.
+    r"""Pereira et al.'s power law, fitted to the laws with a logarithm.
 
     In millimetres and newtons
 
@@ -390,9 +373,9 @@ class Pereira(LineLaw):
     """
 
     @classmethod
-    def check(cls, law: Any) -> None:
-        """Refuse what makes no such law."""
-        LineLaw.check(law)
+    def check_rules(cls, law: Any) -> None:
+        """Refuse a play outside the range of the fit."""
+        LineLaw.check_rules(law)
         # The play is a difference of two lengths: allow for its round-off.
         if not 5e-6 * (1.0 - 1e-9) <= law.bearing_radius - law.journal_radius <= 10e-3 * (1.0 + 1e-9):
             raise InvalidParameterError(

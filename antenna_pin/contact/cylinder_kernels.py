@@ -21,7 +21,9 @@ LOGARITHMIC_LAW = elastic_record(LogarithmicLaw)
 
 @kernel
 def log_ratio(ratio: float) -> float:
-    """The larger root w of ``w exp(-w) = ratio``, for a ratio in (0, 1/e]; beyond 1/e that of 1/e: 1.
+    """Return the larger root w of ``w exp(-w) = ratio``.
+
+    The ratio is in (0, 1/e]; beyond 1/e the root is that of 1/e: 1.
 
     By Newton's method on ``(w - 1) - ln w = u``, ``u = -1 - ln ratio``, between the bounds
     ``sqrt(2 u) + 2 u / 3`` and ``sqrt(2 u) + u`` of w - 1 (Chatzigeorgiou 2013). It is convex, so that from

@@ -17,12 +17,12 @@ The mass m is that of the contact, which the law takes at each onset if it is gi
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from antenna_pin.base.parameters import parameters_of
+from antenna_pin.base.parameters import parameter
 from antenna_pin.contact import damping_kernels as kernels
-from antenna_pin.contact.normal import RESTITUTION, Dissipation, ElasticLaw
+from antenna_pin.contact.normal import Dissipation, ElasticLaw
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -33,15 +33,6 @@ __all__ = [
     "TsujiDamping",
     "damping_ratio",
 ]
-
-EFFECTIVE_MASS = {
-    "unit": "kg",
-    "doc": "m of the contact; left out: (n^T M^-1 n)^-1 at the onset of each contact, along its normal",
-    "from_joint": True,
-}
-DAMPING = {"unit": "N*s/m", "doc": "D"}
-ROOT_DAMPING = {"unit": "N*s/m**1.5", "doc": "c of c sqrt(depth) rate"}
-FULL_DAMPING_DEPTH = {"unit": "m", "doc": "d, depth from which on the damping acts in full"}
 
 
 def damping_ratio(restitution: float) -> float:
@@ -56,50 +47,32 @@ def damping_ratio(restitution: float) -> float:
     return loss / math.hypot(math.pi, loss)
 
 
-class _Damper(Dissipation):
-    """Base of the dampers that are given by their damping, a field of each with its own unit."""
-
-    __slots__ = ()
-
-    adds_force: ClassVar[bool] = True
-
-    damping: float
-
-    @classmethod
-    def check(cls, law: Any) -> None:
-        """Refuse a negative damping."""
-        if not 0.0 <= law.damping < math.inf:
-            unit = parameters_of(type(law))["damping"].unit.replace("**", "^").replace("*", " ")
-            raise InvalidParameterError(law, "damping", f"zero or more, and finite [{unit}]")
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _OfRestitution(Dissipation):
-    """Base of the dampers that are given by the restitution of a mass.
+    """Base of the dampers set by the restitution of a mass.
 
     Attributes:
-        restitution: In (0, 1] [-].
-        effective_mass: Of the contact [kg].
+        restitution: c_r, required coefficient of restitution, in (0, 1] [-].
+        effective_mass: m of the contact [kg]; left out: (n^T M^-1 n)^-1 at the onset of each contact, along
+            its normal. With another mass the contact delivers another restitution.
     """
 
     adds_force: ClassVar[bool] = True
 
-    restitution: float = field(metadata=RESTITUTION)
-    effective_mass: float | None = field(default=None, metadata=EFFECTIVE_MASS)
+    restitution: float = parameter()
+    effective_mass: float | None = parameter("kg", rule="positive", default=None, from_joint=True)
 
     @classmethod
-    def check(cls, law: Any) -> None:
-        """Refuse a restitution or a mass for which there is no damping."""
+    def check_rules(cls, law: Any) -> None:
+        """Refuse a restitution for which there is no damping."""
         if not 0.0 < law.restitution <= 1.0:
             raise InvalidParameterError(
                 law, "restitution", "in (0, 1] (no finite damping of this form stops a body dead)"
             )
-        if law.effective_mass is not None and not 0.0 < law.effective_mass < math.inf:
-            raise InvalidParameterError(law, "effective_mass", "positive and finite [kg]")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class KelvinVoigtDamping(_Damper):
+class KelvinVoigtDamping(Dissipation):
     r"""A linear damper: :math:`f = \max(0, f_e + D \dot\delta)`.
 
     The force jumps to :math:`D v_0` at the onset, where there is no depth yet: the law's one discontinuity.
@@ -113,7 +86,9 @@ class KelvinVoigtDamping(_Damper):
         potential; that is not this law.
     """
 
-    damping: float = field(metadata=DAMPING)
+    adds_force: ClassVar[bool] = True
+
+    damping: float = parameter("N*s/m", rule="zero or more")
 
     def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind and D."""
@@ -121,7 +96,7 @@ class KelvinVoigtDamping(_Damper):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class KuwabaraKonoDamping(_Damper):
+class KuwabaraKonoDamping(Dissipation):
     r"""Viscoelastic spheres: :math:`f = \max(0, f_e + c \sqrt\delta\, \dot\delta)`.
 
     Viscosity in the material makes :math:`c = \tfrac32 A K` for spheres with the elastic law
@@ -129,14 +104,16 @@ class KuwabaraKonoDamping(_Damper):
     zero: :math:`1 - c_r \propto v_0^{1/5}`. Continuous at the onset, with infinite slope.
 
     Attributes:
-        damping: c [N s/m^1.5].
+        damping: c of c sqrt(depth) rate [N s/m^1.5].
 
     References:
         Kuwabara and Kono (1987), Jpn. J. Appl. Phys. 26, 1230-1233. Recalled, not checked against the paper;
         the scaling with the speed is checked in the tests.
     """
 
-    damping: float = field(metadata=ROOT_DAMPING)
+    adds_force: ClassVar[bool] = True
+
+    damping: float = parameter("N*s/m**1.5", rule="zero or more")
 
     def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind and c."""
@@ -153,15 +130,9 @@ class TsujiDamping(_OfRestitution):
     With other elastic laws :math:`K \delta^{1/2}` is the secant stiffness :math:`f_e / \delta`, and of a
     power law :math:`\alpha = \sqrt{2 (n + 1)}\, \zeta`. Cut off where it would pull it delivers
     :math:`\exp[-\zeta (\pi - 2 \arcsin\zeta) / \sqrt{1 - \zeta^2}]`: asked 0.9, 0.902, asked 0.5, 0.55.
-    Beside a law that is linear at small depth it jumps at the onset.
 
     Beside an elastic law that is linear at small depth, or nearly, as the laws with a logarithm are, the
     force jumps at the onset as that of a Kelvin-Voigt contact does.
-
-    Attributes:
-        restitution: c_r, in (0, 1] [-].
-        effective_mass: m [kg]; None for that of the contact, taken at its onset. With another mass the
-            contact delivers another restitution.
 
     References:
         Tsuji, Tanaka and Ishida (1992), Powder Technol. 71, 239-250, who give alpha as a graph; its closed
@@ -191,11 +162,6 @@ class JankowskiDamping(_OfRestitution):
     Beside an elastic law that is linear at small depth, or nearly, as the laws with a logarithm are, the
     force jumps at the onset as that of a Kelvin-Voigt contact does.
 
-    Attributes:
-        restitution: c_r, in (0, 1] [-].
-        effective_mass: m [kg]; None for that of the contact, taken at its onset. With another mass the
-            contact delivers another restitution.
-
     References:
         Jankowski (2005), Earthq. Eng. Struct. Dyn. 34, 595-611, and (2006) 35, 517-524 for xi. Recalled, not
         checked against the papers; xi has the slope at c_r = 1 that the exact relation asks for.
@@ -216,7 +182,7 @@ class JankowskiDamping(_OfRestitution):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AdamsDamping(_Damper):
+class AdamsDamping(Dissipation):
     r"""The damper of ADAMS' IMPACT function, which grows in with the depth.
 
     .. math:: f = \max[0,\; f_e + D\, \mathrm{STEP}(\delta; 0, 0, d, 1)\, \dot\delta], \qquad
@@ -226,21 +192,16 @@ class AdamsDamping(_Damper):
 
     Attributes:
         damping: D, of full damping [N s/m].
-        full_damping_depth: d, depth from which on it acts in full [m].
+        full_damping_depth: d, depth from which on the damping acts in full [m].
 
     References:
         MSC Adams, function IMPACT.
     """
 
-    damping: float = field(metadata=DAMPING)
-    full_damping_depth: float = field(metadata=FULL_DAMPING_DEPTH)
+    adds_force: ClassVar[bool] = True
 
-    @classmethod
-    def check(cls, law: Any) -> None:
-        """Refuse a negative damping, and a depth of full damping that is none."""
-        _Damper.check(law)
-        if not 0.0 < law.full_damping_depth < math.inf:
-            raise InvalidParameterError(law, "full_damping_depth", "positive and finite [m]")
+    damping: float = parameter("N*s/m", rule="zero or more")
+    full_damping_depth: float = parameter("m", rule="positive")
 
     def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind, D and d."""

@@ -85,7 +85,7 @@ DISSIPATION_RECORDS: dict[float, Layout[Any]] = {
 def _additive_force(
     law: Floats, kind: float, elastic: float, depth: float, rate: float, mass: float
 ) -> float:
-    """Elastic force and a damping that is no multiple of it [N], cut off at zero."""
+    """Return the sum of elastic and separate damping force [N], cut off at zero."""
     damping = 0.0
     if kind == VISCOUS:
         damping = record(law, DAMPER_LAW).damping
@@ -133,6 +133,6 @@ def damped_force(
 
 @kernel
 def takes_mass_of_contact(law: Floats) -> bool:
-    """Whether the force depends on a mass that the law does not have itself."""
+    """Return whether the force depends on the effective mass of the contact."""
     kind = record(law, NORMAL_LAW).dissipation
     return bool((kind == SECANT or kind == SECANT_LOADING) and record(law, SECANT_LAW).mass == 0.0)

@@ -1,4 +1,4 @@
-r"""Friction laws of the slip speed: force on the journal over normal force and slip velocity.
+r"""Friction laws of the slip speed: force over normal force and slip.
 
 Every law opposes the slip: with slip velocity :math:`v` of the journal's material point over the bearing's,
 :math:`F_t = -\mu(|v|) F_n v / |v|`. All are regular at rest, where friction is viscous: they have no
@@ -9,13 +9,14 @@ stiction, and a joint under a static load creeps. Laws that stick remember a def
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import ClassVar, Protocol, runtime_checkable
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import check_takes, takes
+from antenna_pin.base.parameters import parameter
 from antenna_pin.compiled.decorators import record
 from antenna_pin.compiled.given_functions import address_of, callable_of, is_compiled
 from antenna_pin.contact import friction_kernels as kernels
@@ -40,15 +41,13 @@ __all__ = [
     "VelocityBased",
 ]
 
-_COEFFICIENT = {"unit": "1", "doc": "mu at high speed"}
-
 
 @runtime_checkable
 class FrictionLaw(Protocol):
     """Protocol of a friction law of the slip speed."""
 
     def coefficient(self, speed: float) -> float:
-        """Return the friction coefficient mu at a slip speed [m/s] >= 0; at least 0 [-]."""
+        """Return the friction coefficient mu at a slip speed [m/s] [-], never negative."""
 
 
 class CompiledFrictionLaw(Law):
@@ -96,7 +95,7 @@ _REST, _SPEEDS = 1e-12, (1e-9, 1e-6, 1e-3, 1.0)
 
 
 def check_at_rest(place: str, coefficient: Callable[[float], float]) -> None:
-    """Refuse friction that jumps where the slip turns round: no step would be short enough for it.
+    """Refuse friction that jumps at rest: no step resolves it.
 
     A function that is none of a float is left to what calls it.
 
@@ -117,24 +116,10 @@ def check_at_rest(place: str, coefficient: Callable[[float], float]) -> None:
         raise InvalidParameterError(place, "coefficient", rule, said=f"{first:g} at {_REST:g} m/s")
 
 
-def check_coefficient(law: object, name: str) -> None:
-    """Refuse what is not zero or more, and finite."""
-    if not 0.0 <= getattr(law, name) < np.inf:
-        raise InvalidParameterError(law, name, "zero or more, and finite")
-
-
-def check_positive(law: object, *names: str) -> None:
-    """Refuse what is not positive and finite."""
-    for name in names:
-        if not 0.0 < getattr(law, name) < np.inf:
-            raise InvalidParameterError(law, name, "positive and finite")
-
-
-def check_at_least(law: object, name: str, other: str) -> None:
-    """Refuse a coefficient below another."""
-    least = getattr(law, other)
-    if not least <= getattr(law, name) < np.inf:
-        raise InvalidParameterError(law, name, f"at least {other} = {least}")
+def check_static(law: Any) -> None:
+    """Refuse a static coefficient below the dynamic one."""
+    if not law.dynamic <= law.static:
+        raise InvalidParameterError(law, "static", f"at least dynamic = {law.dynamic}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -155,8 +140,8 @@ class Ambrosio(CompiledFrictionLaw):
 
     Attributes:
         coefficient_of_friction: mu, from ``upper_speed`` on [-].
-        lower_speed: v_0, at least 0 [m/s].
-        upper_speed: v_1, above v_0 [m/s].
+        lower_speed: v_0, no friction below [m/s].
+        upper_speed: v_1, above v_0, full friction above [m/s].
 
     References:
         Ambrosio (2003), in Virtual Nonlinear Multibody Systems, 57-81; Chen and Cui (2021), equation (19).
@@ -164,17 +149,15 @@ class Ambrosio(CompiledFrictionLaw):
 
     kind: ClassVar[float] = kernels.AMBROSIO
 
-    coefficient_of_friction: float = field(metadata={"unit": "1", "doc": "mu, from upper_speed on"})
-    lower_speed: float = field(default=1e-4, metadata={"unit": "m/s", "doc": "v_0, no friction below"})
-    upper_speed: float = field(default=1e-3, metadata={"unit": "m/s", "doc": "v_1, full friction above"})
+    coefficient_of_friction: float = parameter(rule="zero or more")
+    lower_speed: float = parameter("m/s", rule="zero or more", default=1e-4)
+    upper_speed: float = parameter("m/s", default=1e-3)
 
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        check_coefficient(self, "coefficient_of_friction")
-        if not 0.0 <= self.lower_speed < np.inf:
-            raise InvalidParameterError(self, "lower_speed", "zero or more, and finite")
-        if not self.lower_speed < self.upper_speed < np.inf:
-            raise InvalidParameterError(self, "upper_speed", f"above lower_speed = {self.lower_speed}")
+    @classmethod
+    def check_rules(cls, law: Any) -> None:
+        """Refuse a ramp that does not rise."""
+        if not law.lower_speed < law.upper_speed:
+            raise InvalidParameterError(law, "upper_speed", f"above lower_speed = {law.lower_speed}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -186,8 +169,8 @@ class Tanh(CompiledFrictionLaw):
     Infinitely differentiable in the slip *speed's* sign change; viscous near rest with slope mu / v_t.
 
     Attributes:
-        coefficient_of_friction: mu [-].
-        transition_speed: v_t [m/s].
+        coefficient_of_friction: mu at high speed [-].
+        transition_speed: v_t, where mu is 76 % of its limit [m/s].
 
     References:
         Coulomb's law (1785); this smoothing is a usual one, in other codes as tanh(5 v) with v in m/s.
@@ -195,13 +178,8 @@ class Tanh(CompiledFrictionLaw):
 
     kind: ClassVar[float] = kernels.TANH
 
-    coefficient_of_friction: float = field(metadata=_COEFFICIENT)
-    transition_speed: float = field(metadata={"unit": "m/s", "doc": "v_t, where mu is 76 % of its limit"})
-
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        check_coefficient(self, "coefficient_of_friction")
-        check_positive(self, "transition_speed")
+    coefficient_of_friction: float = parameter(rule="zero or more")
+    transition_speed: float = parameter("m/s", rule="positive")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -214,7 +192,7 @@ class Coulomb(CompiledFrictionLaw):
     its sticking: :math:`\mu` is approached as :math:`1 - v_r^2 / (2 v^2)`.
 
     Attributes:
-        coefficient_of_friction: mu [-].
+        coefficient_of_friction: mu at high speed [-].
         regularisation_speed: v_r, where mu is 71 % of its limit [m/s].
 
     References:
@@ -223,15 +201,8 @@ class Coulomb(CompiledFrictionLaw):
 
     kind: ClassVar[float] = kernels.COULOMB
 
-    coefficient_of_friction: float = field(metadata=_COEFFICIENT)
-    regularisation_speed: float = field(
-        default=1e-4, metadata={"unit": "m/s", "doc": "v_r, where mu is 71 % of its limit"}
-    )
-
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        check_coefficient(self, "coefficient_of_friction")
-        check_positive(self, "regularisation_speed")
+    coefficient_of_friction: float = parameter(rule="zero or more")
+    regularisation_speed: float = parameter("m/s", rule="positive", default=1e-4)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -243,8 +214,8 @@ class LinearFriction(CompiledFrictionLaw):
     Continuous, with a kink at v_r.
 
     Attributes:
-        coefficient_of_friction: mu, from ``regularisation_speed`` on [-].
-        regularisation_speed: v_r [m/s].
+        coefficient_of_friction: mu at high speed [-].
+        regularisation_speed: v_r, full friction from there on [m/s].
 
     References:
         As the multibody code Exudyn regularises Coulomb friction.
@@ -252,13 +223,8 @@ class LinearFriction(CompiledFrictionLaw):
 
     kind: ClassVar[float] = kernels.LINEAR
 
-    coefficient_of_friction: float = field(metadata=_COEFFICIENT)
-    regularisation_speed: float = field(metadata={"unit": "m/s", "doc": "v_r, full friction from there on"})
-
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        check_coefficient(self, "coefficient_of_friction")
-        check_positive(self, "regularisation_speed")
+    coefficient_of_friction: float = parameter(rule="zero or more")
+    regularisation_speed: float = parameter("m/s", rule="positive")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -272,8 +238,8 @@ class Threlfall(CompiledFrictionLaw):
     0.02 %. There is a kink at v_0.
 
     Attributes:
-        coefficient_of_friction: mu; 95 % of it are reached [-].
-        transition_speed: v_0 [m/s].
+        coefficient_of_friction: mu, of which 95 % are reached [-].
+        transition_speed: v_0, constant from there on [m/s].
 
     References:
         Threlfall (1978), Mech. Mach. Theory 13, 475-483. Recalled, not checked against the paper.
@@ -281,19 +247,14 @@ class Threlfall(CompiledFrictionLaw):
 
     kind: ClassVar[float] = kernels.THRELFALL
 
-    coefficient_of_friction: float = field(metadata={"unit": "1", "doc": "mu, of which 95 % are reached"})
-    transition_speed: float = field(metadata={"unit": "m/s", "doc": "v_0, constant from there on"})
-
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        check_coefficient(self, "coefficient_of_friction")
-        check_positive(self, "transition_speed")
+    coefficient_of_friction: float = parameter(rule="zero or more")
+    transition_speed: float = parameter("m/s", rule="positive")
 
 
 @takes()
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CustomFriction:
-    """A user's own friction coefficient over slip speed; slower than the built-in laws unless it is compiled.
+    """A user's friction coefficient over slip speed; slower unless compiled.
 
     It must tend to zero with the speed, and answer equal questions equally: a run ends as
     ``FUNCTION_WITH_MEMORY`` where it keeps something between calls.
@@ -329,8 +290,6 @@ class CustomFriction:
 
 
 # --- friction that falls with the slip speed ----------------------------------------------------------------
-#
-# As the others of the slip speed (:mod:`antenna_pin.contact.friction`) they are regular at rest: no stiction.
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -360,18 +319,16 @@ class VelocityBased(CompiledFrictionLaw):
 
     kind: ClassVar[float] = kernels.VELOCITY_BASED
 
-    static: float = field(metadata={"unit": "1", "doc": "mu_s, at static_speed"})
-    dynamic: float = field(metadata={"unit": "1", "doc": "mu_d, from dynamic_speed on"})
-    static_speed: float = field(metadata={"unit": "m/s", "doc": "v_s"})
-    dynamic_speed: float = field(metadata={"unit": "m/s", "doc": "v_d, above v_s"})
+    static: float = parameter(rule="zero or more")
+    dynamic: float = parameter(rule="zero or more")
+    static_speed: float = parameter("m/s", rule="positive")
+    dynamic_speed: float = parameter("m/s")
 
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        check_coefficient(self, "static")
-        check_coefficient(self, "dynamic")
-        check_positive(self, "static_speed")
-        if not self.static_speed < self.dynamic_speed < np.inf:
-            raise InvalidParameterError(self, "dynamic_speed", f"above static_speed = {self.static_speed}")
+    @classmethod
+    def check_rules(cls, law: Any) -> None:
+        """Refuse speeds in the wrong order."""
+        if not law.static_speed < law.dynamic_speed:
+            raise InvalidParameterError(law, "dynamic_speed", f"above static_speed = {law.static_speed}")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -387,10 +344,10 @@ class Stribeck(CompiledFrictionLaw):
     Attributes:
         static: mu_s, at least ``dynamic`` [-].
         dynamic: mu_d [-].
-        stribeck_speed: v_s [m/s].
-        transition_speed: v_t, below v_s [m/s].
+        stribeck_speed: v_s, over which friction falls [m/s].
+        transition_speed: v_t, below v_s, over which it rises from rest [m/s].
         viscous: sigma, viscous coefficient [s/m].
-        shape: a [-]; 2 is usual, 1/2 to 2 in the literature.
+        shape: a of exp(-(v/v_s)^a); 2 is usual, 1/2 to 2 in the literature [-].
 
     References:
         Stribeck (1902); the form of Bo and Pavelescu (1982), as Andersson, Soderberg and Bjorklund (2007),
@@ -399,25 +356,20 @@ class Stribeck(CompiledFrictionLaw):
 
     kind: ClassVar[float] = kernels.STRIBECK
 
-    static: float = field(metadata={"unit": "1", "doc": "mu_s, at least dynamic"})
-    dynamic: float = field(metadata={"unit": "1", "doc": "mu_d"})
-    stribeck_speed: float = field(metadata={"unit": "m/s", "doc": "v_s, over which friction falls"})
-    transition_speed: float = field(
-        default=1e-4, metadata={"unit": "m/s", "doc": "v_t, below v_s, over which it rises from rest"}
-    )
-    viscous: float = field(default=0.0, metadata={"unit": "s/m", "doc": "sigma, viscous coefficient"})
-    shape: float = field(default=2.0, metadata={"unit": "1", "doc": "a of exp(-(v/v_s)^a)"})
+    static: float = parameter()
+    dynamic: float = parameter(rule="zero or more")
+    stribeck_speed: float = parameter("m/s", rule="positive")
+    transition_speed: float = parameter("m/s", rule="positive", default=1e-4)
+    viscous: float = parameter("s/m", rule="zero or more", default=0.0)
+    shape: float = parameter(rule="positive", default=2.0)
 
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        check_coefficient(self, "dynamic")
-        check_at_least(self, "static", "dynamic")
-        check_positive(self, "stribeck_speed", "transition_speed", "shape")
-        if not self.transition_speed < self.stribeck_speed:
-            raise InvalidParameterError(
-                self, "transition_speed", f"below stribeck_speed = {self.stribeck_speed}"
-            )
-        check_coefficient(self, "viscous")
+    @classmethod
+    def check_rules(cls, law: Any) -> None:
+        """Refuse coefficients or speeds in the wrong order."""
+        check_static(law)
+        if not law.transition_speed < law.stribeck_speed:
+            rule = f"below stribeck_speed = {law.stribeck_speed}"
+            raise InvalidParameterError(law, "transition_speed", rule)
 
     @property
     def exponent(self) -> float:
@@ -439,7 +391,7 @@ class BengisuAkay(CompiledFrictionLaw):
         static: mu_s, at ``static_speed``; at least ``dynamic`` [-].
         dynamic: mu_d, at high speed [-].
         static_speed: v_0 [m/s].
-        decay: xi, how fast friction falls [s/m].
+        decay: xi of exp(-xi (v - v_0)) [s/m].
 
     References:
         Bengisu and Akay (1994), J. Sound Vib. 171(4), 557-570. Recalled, not checked against the paper.
@@ -447,17 +399,15 @@ class BengisuAkay(CompiledFrictionLaw):
 
     kind: ClassVar[float] = kernels.BENGISU_AKAY
 
-    static: float = field(metadata={"unit": "1", "doc": "mu_s, at static_speed; at least dynamic"})
-    dynamic: float = field(metadata={"unit": "1", "doc": "mu_d, at high speed"})
-    static_speed: float = field(metadata={"unit": "m/s", "doc": "v_0"})
-    decay: float = field(metadata={"unit": "s/m", "doc": "xi of exp(-xi (v - v_0))"})
+    static: float = parameter()
+    dynamic: float = parameter(rule="zero or more")
+    static_speed: float = parameter("m/s", rule="positive")
+    decay: float = parameter("s/m", rule="zero or more")
 
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        check_coefficient(self, "dynamic")
-        check_at_least(self, "static", "dynamic")
-        check_positive(self, "static_speed")
-        check_coefficient(self, "decay")
+    @classmethod
+    def check_rules(cls, law: Any) -> None:
+        """Refuse a static coefficient below the dynamic one."""
+        check_static(law)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -472,10 +422,10 @@ class BrownMcPhee(CompiledFrictionLaw):
     The viscous part does not grow with the load, but fades in with it.
 
     Attributes:
-        static: mu_s, at least ``dynamic`` [-].
-        dynamic: mu_d [-].
+        static: mu_s, at the peak; at least ``dynamic`` [-].
+        dynamic: mu_d, at high speed [-].
         transition_speed: v_t, of the peak [m/s].
-        viscous: mu_v [N s/m].
+        viscous: mu_v, viscous coefficient [N s/m].
         transition_force: F_nt, normal force from which on the viscous part acts in full [N].
 
     References:
@@ -485,17 +435,13 @@ class BrownMcPhee(CompiledFrictionLaw):
 
     kind: ClassVar[float] = kernels.BROWN_MCPHEE
 
-    static: float = field(metadata={"unit": "1", "doc": "mu_s, at the peak; at least dynamic"})
-    dynamic: float = field(metadata={"unit": "1", "doc": "mu_d, at high speed"})
-    transition_speed: float = field(metadata={"unit": "m/s", "doc": "v_t, of the peak"})
-    viscous: float = field(default=0.0, metadata={"unit": "N*s/m", "doc": "mu_v, viscous coefficient"})
-    transition_force: float = field(
-        default=1.0, metadata={"unit": "N", "doc": "F_nt, load from which on mu_v acts in full"}
-    )
+    static: float = parameter()
+    dynamic: float = parameter(rule="zero or more")
+    transition_speed: float = parameter("m/s", rule="positive")
+    viscous: float = parameter("N*s/m", rule="zero or more", default=0.0)
+    transition_force: float = parameter("N", rule="positive", default=1.0)
 
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        check_coefficient(self, "dynamic")
-        check_at_least(self, "static", "dynamic")
-        check_positive(self, "transition_speed", "transition_force")
-        check_coefficient(self, "viscous")
+    @classmethod
+    def check_rules(cls, law: Any) -> None:
+        """Refuse a static coefficient below the dynamic one."""
+        check_static(law)

@@ -301,7 +301,10 @@ def friction_ratio(law: Floats, speed: float, force: float) -> float:
 
 @inlined
 def friction_force(law: Floats, force: float, slip_x: float, slip_y: float, slip_z: float) -> Triple:
-    """Friction on the journal [N] of a law of the slip speed, for a normal force [N] and a slip [m/s]."""
+    """Return the friction on the journal by a law of the slip speed [N].
+
+    Arguments are the normal force [N] and the slip [m/s].
+    """
     speed = math.sqrt(slip_x * slip_x + slip_y * slip_y + slip_z * slip_z)
     factor = -force * friction_ratio(law, speed, force)
     return factor * slip_x, factor * slip_y, factor * slip_z

@@ -25,12 +25,13 @@ pull, which in a free impact it never does.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.parameters import parameter
 from antenna_pin.contact import damping_kernels as kernels
-from antenna_pin.contact.normal import RESTITUTION, Dissipation, ElasticLaw
+from antenna_pin.contact.normal import Dissipation, ElasticLaw
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -57,24 +58,24 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HysteresisDamping(Dissipation):
-    """Base of the laws of the form; each gives its factor.
+    """Base of the laws of the form; each has its ``factor`` chi over c_r.
 
     Attributes:
-        restitution: c_r, the coefficient of restitution asked for [-].
+        restitution: c_r, required coefficient of restitution, in [0, 1] [-].
     """
+
+    factor: ClassVar[Any]  # c_r -> chi
 
     # At a restitution of zero the factor is infinite.
     positive_restitution: ClassVar[bool] = False
     # It damps while the bodies approach; the way back is elastic.
     approach_only: ClassVar[bool] = False
 
-    restitution: float = field(metadata=RESTITUTION)
+    restitution: float = parameter(rule="in [0, 1]")
 
     @classmethod
-    def check(cls, law: Any) -> None:
+    def check_rules(cls, law: Any) -> None:
         """Refuse a restitution for which there is no factor."""
-        if not 0.0 <= law.restitution <= 1.0:
-            raise InvalidParameterError(law, "restitution", "in [0, 1]")
         if cls.positive_restitution and law.restitution == 0.0:
             raise InvalidParameterError(
                 law, "restitution", "above 0 (no finite damping of this form stops a body dead)"
@@ -83,7 +84,7 @@ class HysteresisDamping(Dissipation):
     @property
     def hysteresis(self) -> float:
         """Hysteresis damping factor chi of ``1 + chi rate / approach_speed`` [-]."""
-        raise NotImplementedError
+        return float(type(self).factor(self.restitution))
 
     def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind and chi."""
@@ -121,10 +122,7 @@ class HuntCrossleyDamping(HysteresisDamping):
         Hunt and Crossley (1975), J. Appl. Mech. 42(2), 440-445.
     """
 
-    @property
-    def hysteresis(self) -> float:
-        """Chi [-]."""
-        return 1.5 * (1.0 - self.restitution)
+    factor = staticmethod(lambda c: 1.5 * (1.0 - c))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -138,11 +136,7 @@ class HerbertMcWhannellDamping(HysteresisDamping):
         (DyS) has it, not checked against the paper.
     """
 
-    @property
-    def hysteresis(self) -> float:
-        """Chi [-]."""
-        c = self.restitution
-        return 6.0 * (1.0 - c) / ((2.0 * c - 1.0) ** 2 + 3.0)
+    factor = staticmethod(lambda c: 6.0 * (1.0 - c) / ((2.0 * c - 1.0) ** 2 + 3.0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -156,10 +150,7 @@ class LeeWangDamping(HysteresisDamping):
         code (DyS) has it, not checked against the paper.
     """
 
-    @property
-    def hysteresis(self) -> float:
-        """Chi [-]."""
-        return 0.75 * (1.0 - self.restitution)
+    factor = staticmethod(lambda c: 0.75 * (1.0 - c))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -172,10 +163,7 @@ class LankaraniNikraveshDamping(HysteresisDamping):
         Lankarani and Nikravesh (1990), J. Mech. Des. 112(3), 369-376.
     """
 
-    @property
-    def hysteresis(self) -> float:
-        """Chi [-]."""
-        return 0.75 * (1.0 - self.restitution**2)
+    factor = staticmethod(lambda c: 0.75 * (1.0 - c**2))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -191,10 +179,7 @@ class GonthierDamping(HysteresisDamping):
 
     positive_restitution: ClassVar[bool] = True
 
-    @property
-    def hysteresis(self) -> float:
-        """Chi [-]."""
-        return (1.0 - self.restitution**2) / self.restitution
+    factor = staticmethod(lambda c: (1.0 - c**2) / c)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -208,11 +193,7 @@ class ZhiyingQishaoDamping(HysteresisDamping):
         public multibody code (DyS) has it, not checked against the paper.
     """
 
-    @property
-    def hysteresis(self) -> float:
-        """Chi [-]."""
-        c = self.restitution
-        return 0.75 * (1.0 - c * c) * math.exp(2.0 * (1.0 - c))
+    factor = staticmethod(lambda c: 0.75 * (1.0 - c * c) * math.exp(2.0 * (1.0 - c)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -228,10 +209,7 @@ class YeDamping(HysteresisDamping):
 
     positive_restitution: ClassVar[bool] = True
 
-    @property
-    def hysteresis(self) -> float:
-        """Chi [-]."""
-        return 1.5 * (1.0 - self.restitution) / self.restitution
+    factor = staticmethod(lambda c: 1.5 * (1.0 - c) / c)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -246,10 +224,7 @@ class FloresDamping(HysteresisDamping):
 
     positive_restitution: ClassVar[bool] = True
 
-    @property
-    def hysteresis(self) -> float:
-        """Chi [-]."""
-        return 8.0 * (1.0 - self.restitution) / (5.0 * self.restitution)
+    factor = staticmethod(lambda c: 8.0 * (1.0 - c) / (5.0 * c))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -265,10 +240,7 @@ class GharibHurmuzluDamping(HysteresisDamping):
 
     positive_restitution: ClassVar[bool] = True
 
-    @property
-    def hysteresis(self) -> float:
-        """Chi [-]."""
-        return 1.0 / self.restitution
+    factor = staticmethod(lambda c: 1.0 / c)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -285,10 +257,7 @@ class HuGuoDamping(HysteresisDamping):
 
     positive_restitution: ClassVar[bool] = True
 
-    @property
-    def hysteresis(self) -> float:
-        """Chi [-]."""
-        return 1.5 * (1.0 - self.restitution) / self.restitution
+    factor = staticmethod(lambda c: 1.5 * (1.0 - c) / c)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -303,22 +272,19 @@ class CarvalhoMartinsDamping(HysteresisDamping):
         (Exudyn) has it.
     """
 
-    @property
-    def hysteresis(self) -> float:
-        """Chi [-]."""
-        c = self.restitution
-        return 1.5 * (1.0 - c) * (11.0 - c) / (1.0 + 9.0 * c)
+    factor = staticmethod(lambda c: 1.5 * (1.0 - c) * (11.0 - c) / (1.0 + 9.0 * c))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PantWijeyewickremaDamping(HysteresisDamping):
-    r""":math:`\chi = 3 (1 - c_r^2) / (2 c_r^2)`, in the approach only; given for a linear spring.
+    r""":math:`\chi = 3 (1 - c_r^2) / (2 c_r^2)`, in the approach only.
 
     .. math:: f = \begin{cases} f_e\, (1 + \chi\, \dot\delta / \dot\delta_0) & \dot\delta > 0 \\
               f_e & \dot\delta \le 0 \end{cases}
 
-    Continuous, with a kink where the approach ends. Asked 0.9 it delivers 0.902, asked 0.5, 0.525, asked 0.3,
-    0.328. Codes exist that damp in both phases, which at 0.5 would deliver 0.22: not this law.
+    Given for a linear spring. Continuous, with a kink where the approach ends. Asked 0.9 it delivers 0.902,
+    asked 0.5, 0.525, asked 0.3, 0.328. Codes exist that damp in both phases, which at 0.5 would deliver 0.22:
+    not this law.
 
     References:
         Pant and Wijeyewickrema (2012), Earthq. Eng. Struct. Dyn. 41(12).
@@ -327,21 +293,19 @@ class PantWijeyewickremaDamping(HysteresisDamping):
     positive_restitution: ClassVar[bool] = True
     approach_only: ClassVar[bool] = True
 
-    @property
-    def hysteresis(self) -> float:
-        """Chi [-]."""
-        c = self.restitution
-        return 1.5 * (1.0 - c * c) / (c * c)
+    factor = staticmethod(lambda c: 1.5 * (1.0 - c * c) / (c * c))
 
 
 # --- restitution delivered ----------------------------------------------------------------------------------
-#
-# The relation :math:`\chi (1 + c) = \ln[(1 + \chi) / (1 - \chi c)]` of :mod:`antenna_pin.contact.hysteresis`,
-# solved to round-off in both directions.
 
 
 def _excess(chi: float, restitution: float) -> float:
-    """``[ln((1 + chi) / (1 - chi c)) - chi (1 + c)] / chi^2`` for chi up to 0.1, where its terms cancel."""
+    """Return the excess of the relation over chi^2, by its series.
+
+    It is ``[ln((1 + chi) / (1 - chi c)) - chi (1 + c)] / chi^2``, whose terms cancel for chi up to 0.1.
+
+    For chi up to 0.1, where the terms cancel.
+    """
     total, size = 0.0, 1.0
     for k in range(2, 22):
         total += size * ((-1.0) ** (k + 1) + restitution**k) / k
@@ -350,7 +314,7 @@ def _excess(chi: float, restitution: float) -> float:
 
 
 def stored_share(hysteresis: float) -> float:
-    r"""Return what the spring stores at the largest depth over :math:`m v_0^2` [-], one half without damping.
+    r"""Return the spring's largest energy over :math:`m v_0^2` [-], one half without damping.
 
     .. math:: \frac1\chi - \frac{\ln(1 + \chi)}{\chi^2}
 
@@ -425,8 +389,6 @@ def exact_hysteresis(restitution: float) -> float:
 
 # --- damping without an approach speed ----------------------------------------------------------------------
 
-SLOPE = {"unit": "s/m", "doc": "alpha, loss of restitution over impact speed"}
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MarhefkaOrinDamping(Dissipation):
@@ -444,13 +406,7 @@ class MarhefkaOrinDamping(Dissipation):
         Marhefka and Orin (1999), IEEE Trans. Syst. Man Cybern. A 29(6), 566-572.
     """
 
-    slope: float = field(metadata=SLOPE)
-
-    @classmethod
-    def check(cls, law: Any) -> None:
-        """Refuse a negative slope."""
-        if not 0.0 <= law.slope < math.inf:
-            raise InvalidParameterError(law, "slope", "zero or more, and finite [s/m]")
+    slope: float = parameter("s/m", rule="zero or more")
 
     def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
         """Return its kind and chi over the approach speed."""

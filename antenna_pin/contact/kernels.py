@@ -1,4 +1,4 @@
-"""Arithmetic of the normal laws on flat parameters, compiled: where each kind of law is asked.
+"""Arithmetic of the normal laws on flat parameters, compiled: selection by kind.
 
 A normal law travels as ``NORMAL_SIZE`` floats, which :mod:`antenna_pin.contact.records` gives names. Kernels
 check nothing and raise nothing; the classes of :mod:`antenna_pin.contact` check, document and name. A kind
@@ -100,7 +100,9 @@ def elastic_force(law: Floats, depth: float) -> float:
 
 @kernel
 def _quadrature(law: Floats, kind: float, depth: float) -> float:
-    """Integral of the elastic force from 0 to ``depth`` [J], where it has no closed form.
+    """Return the integral of the elastic force from 0 to ``depth`` [J], by quadrature.
+
+    For laws without a closed form.
 
     Over u of ``depth exp(-u)``, in which these forces are smooth down to depth zero; what lies beyond u = 40
     is less than the round-off.
@@ -136,7 +138,10 @@ def _other_energy(law: Floats, kind: float, depth: float) -> float:
 
 @kernel
 def elastic_energy(law: Floats, depth: float) -> float:
-    """Energy stored by the elastic part [J]: the integral of the force from 0 to ``depth``."""
+    """Return the energy stored by the elastic part [J].
+
+    It is the integral of the force from 0 to ``depth``.
+    """
     if depth <= 0.0:
         return 0.0
     kind = record(law, NORMAL_LAW).elastic

@@ -36,7 +36,7 @@ __all__ = [
 @takes()
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MaterialPair:
-    """Typical restitution and friction of two materials in one condition; NaN where no source was found.
+    """Typical restitution and friction of two materials; NaN where unknown.
 
     Attributes:
         first: Name of a material.
@@ -190,7 +190,7 @@ MATERIAL_PAIRS: tuple[MaterialPair, ...] = (
 
 @takes()
 def material_pairs(first: str, second: str) -> tuple[MaterialPair, ...]:
-    """Return what is known of two materials, by name in either order; empty if nothing is."""
+    """Return the pairs of two materials, by name in either order."""
     return tuple(pair for pair in MATERIAL_PAIRS if {pair.first, pair.second} == {first, second})
 
 
@@ -257,7 +257,7 @@ _NODES = 64
 
 @takes()
 def annular_punch_factor(ratio: float) -> float:
-    r"""Return :math:`\kappa` of :math:`P = \kappa\, 2 E^* R_o \delta`, for a rigid flat ring [-].
+    r"""Return :math:`\kappa` of :math:`P = \kappa\, 2 E^* R_o \delta`, of a flat ring [-].
 
     Boussinesq's potential of a pressure p, integrated around the axis, makes the condition of a flat punch
 

@@ -5,8 +5,8 @@ dissipates. An :class:`ElasticLaw` alone is a law without dissipation; :class:`D
 :class:`Dissipation` of :mod:`antenna_pin.contact.hysteresis` or :mod:`antenna_pin.contact.damping`. The laws
 that the literature gives as a whole stand in :mod:`antenna_pin.contact.point_laws`.
 
-A law is a small frozen dataclass over the compiled kernels. What a law needs to be run at full speed is its
-``code()``, a flat array; a user's own law without one (:class:`CustomNormal`, or any object that fulfils
+A law is a small frozen dataclass over the compiled kernels; its flat array of numbers, ``code()``, is its
+input to these. A user's own law without one (:class:`CustomNormal`, or any object that fulfils
 :class:`NormalLaw`) runs on a slower path, one Python call per touching contact and evaluation.
 """
 
@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, ClassVar, Protocol, Self, runtime_checkable
 
@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import check_takes, fits, takes, unknown_type
-from antenna_pin.base.parameters import parameters_of
+from antenna_pin.base.parameters import check, parameter, parameters_of
 from antenna_pin.compiled.decorators import record
 from antenna_pin.compiled.given_functions import address_of, is_compiled
 from antenna_pin.contact import kernels
@@ -64,23 +64,20 @@ class Law:
                 raise InvalidParameterError(cls.__name__, name, f"a number{unit}", said=unknown_type(value))
         return super().__new__(cls)
 
+    def __post_init__(self) -> None:
+        """Check the parameters: each by its declaration, then together."""
+        check(self)
+        self.check_rules(self)
+
+    @classmethod
+    def check_rules(cls, law: Any) -> None:
+        """Refuse parameters that break a rule of this class.
+
+        They are its own, or those of a law that has them all.
+        """
+
 
 # --- normal laws --------------------------------------------------------------------------------------------
-#
-# A law has two parts that are chosen apart: an elastic force, which derives from a potential, and what
-# dissipates. An :class:`ElasticLaw` alone is a law without dissipation; :class:`DampedContact` joins one
-# with a :class:`Dissipation` of :mod:`antenna_pin.contact.hysteresis` or
-# :mod:`antenna_pin.contact.damping`. The laws that the literature gives as a whole stand in
-# :mod:`antenna_pin.contact.point_laws`.
-#
-# A law is a small frozen dataclass over the compiled kernels. What a law needs to be run at full speed is its
-# ``code()``, a flat array; a user's own law without one (:class:`CustomNormal`, or any object that fulfils
-# :class:`NormalLaw`) runs on a slower path, one Python call per touching contact and evaluation.
-
-# A scenario may leave out what has "from_joint": it follows from the joint's dimensions and materials.
-STIFFNESS = {"unit": "N/m**exponent", "doc": "K, force at unit depth", "from_joint": True}
-EXPONENT = {"unit": "1", "doc": "n of K depth^n; 3/2 for Hertz"}
-RESTITUTION = {"unit": "1", "doc": "coefficient of restitution asked for, in [0, 1]"}
 
 
 @runtime_checkable
@@ -159,7 +156,10 @@ class CompiledNormalLaw(Law):
         return float(kernels.elastic_force(code, depth)) if depth > 0.0 else 0.0
 
     def elastic_energy(self, depth: float) -> float:
-        """Return the energy stored [J]: the integral of the elastic force from 0, up to ``depth_limit``."""
+        """Return the energy stored [J], the integral of the elastic force from 0.
+
+        Depths are up to ``depth_limit``.
+        """
         return float(kernels.elastic_energy(_code_within(self, depth), depth))
 
 
@@ -193,14 +193,6 @@ class ElasticLaw(CompiledNormalLaw):
 
     line: ClassVar[bool] = False
 
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        self.check(self)
-
-    @classmethod
-    def check(cls, law: Any) -> None:
-        """Refuse parameters that make no such elastic law, in itself or in a law that has them all."""
-
     @property
     def parts(self) -> DampedContact:
         """The law with no dissipation."""
@@ -223,16 +215,8 @@ class Dissipation(Law):
 
     adds_force: ClassVar[bool] = False
 
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        self.check(self)
-
-    @classmethod
-    def check(cls, law: Any) -> None:
-        """Refuse parameters that make no such dissipation, in itself or in a law that has them all."""
-
     def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
-        """Return its kind and, by name, its parameters beside an elastic law, for the fused kernels."""
+        """Return its kind, and its parameters by name beside an elastic law."""
         raise NotImplementedError
 
 
@@ -303,22 +287,19 @@ class Hertz(ElasticLaw):
     Lankarani and Nikravesh propose for cylinders.
 
     Attributes:
-        stiffness: K [N/m^n].
-        exponent: n [-]; 3/2 for Hertz contact.
+        stiffness: K, force at unit depth [N/m^n].
+        exponent: n of K depth^n; 3/2 for Hertz [-].
 
     References:
         Hertz (1881), J. reine angew. Math. 92, 156-171.
     """
 
-    stiffness: float = field(metadata=STIFFNESS)
-    exponent: float = field(default=1.5, metadata=EXPONENT)
+    stiffness: float = parameter("N/m**exponent", rule="positive", from_joint=True)
+    exponent: float = parameter(default=1.5)
 
     @classmethod
-    def check(cls, law: Any) -> None:
-        """Refuse a stiffness or an exponent that makes no power law."""
-        # Written so that NaN fails too.
-        if not 0.0 < law.stiffness < np.inf:
-            raise InvalidParameterError(law, "stiffness", "positive and finite")
+    def check_rules(cls, law: Any) -> None:
+        """Refuse an exponent out of range."""
         if not 1.0 <= law.exponent <= 4.0:
             raise InvalidParameterError(law, "exponent", "in [1, 4]")
 

@@ -13,7 +13,9 @@ AT_SURFACE = 1e-12
 
 
 def approach_speed_in_contact(depth: float, rate: float, floor: float) -> float:
-    """Return the approach speed of a contact that touches where a run starts, or where it is switched on.
+    """Return the approach speed of a contact that touches without an onset.
+
+    A run starts there, or the contact is switched on.
 
     At the surface the contact begins there, with the present rate. Deeper in, its onset lies before all that
     is known, so that no speed can scale a damping: the contact presses out by its elastic force alone.

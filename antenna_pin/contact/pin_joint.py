@@ -1,4 +1,4 @@
-r"""The laws of Liu et al. 2013 for the pin joint of a deployable structure, and one of them put right.
+r"""Laws of Liu et al. 2013 for a deployable pin joint, and a correction.
 
 The paper measures the load of a pin in a clevis over the displacement, and compares its own law (28) with
 Hertz's (6) and with the simplest conformal one (14). Equation numbers are the paper's.
@@ -76,7 +76,7 @@ class LiuConformal(LineLaw):
 
 
 class _PinJoint(LineLaw):
-    """Base of (28) and (28'), which differ in the share of the depth that shapes the contact."""
+    """Base of (28) and (28'), with different shares of depth in the width."""
 
     __slots__ = ()
 
@@ -86,7 +86,10 @@ class _PinJoint(LineLaw):
 
     @property
     def depth_limit(self) -> float:
-        """Depth at which the contact is as wide as the pin [m]: sqrt(R_i^2 - R_j^2) - dR, over the share."""
+        """Depth at which the contact is as wide as the pin [m].
+
+        It is sqrt(R_i^2 - R_j^2) - dR, over the share.
+        """
         sum_of_radii = self.bearing_radius + self.journal_radius
         return (math.sqrt(sum_of_radii * self.clearance) - self.clearance) / self._share
 

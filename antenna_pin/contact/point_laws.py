@@ -1,4 +1,4 @@
-r"""The laws of the literature as a whole: an elastic law with the dissipation of its authors, by their name.
+r"""Laws of the literature as a whole: elastic law with its authors' dissipation.
 
 Each is short for a :class:`antenna_pin.contact.DampedContact` of the two, which a row of ``ALIASES`` names
 (:mod:`antenna_pin.contact.registry`); its parameters are theirs. It is made when it is first asked for. The
@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.lazy import Classes
+from antenna_pin.base.parameters import parameters_of
 from antenna_pin.contact.hysteresis import HysteresisDamping
 from antenna_pin.contact.normal import CompiledNormalLaw, DampedContact, Dissipation, ElasticLaw, Hertz
 from antenna_pin.contact.registry import ALIASES, Alias
@@ -38,17 +39,18 @@ def _parts_of(law: WholeLaw) -> DampedContact:
 
 
 class WholeLaw(CompiledNormalLaw):
-    """Base: an elastic law with the dissipation that the class names, and the parameters of both."""
+    """Base: an elastic law and a dissipation, with the parameters of both."""
 
     __slots__ = ()
 
     elastic: ClassVar[type[ElasticLaw]]
     dissipation: ClassVar[type[Dissipation]]
 
-    def __post_init__(self) -> None:
-        """Check the parameters."""
-        self.elastic.check(self)
-        self.dissipation.check(self)
+    @classmethod
+    def check_rules(cls, law: Any) -> None:
+        """Refuse parameters that break a rule of either part."""
+        cls.elastic.check_rules(law)
+        cls.dissipation.check_rules(law)
 
     @property
     def parts(self) -> DampedContact:
@@ -74,12 +76,15 @@ class RestitutionLaw(WholeLaw):
 
 
 def _class_of(alias: Alias) -> type[Any]:
-    """Return the class of a law as a whole: what its parts require, then what has a default."""
+    """Return the class of a law as a whole; parameters with defaults come last."""
     parts = _PARTS[alias.elastic], _PARTS[alias.dissipation]
     fields = []
-    for item in (*dataclasses.fields(parts[0]), *dataclasses.fields(parts[1])):
-        default = alias.defaults.get(item.name, item.default)
-        fields.append((item.name, item.type, field(default=default, metadata=item.metadata)))
+    for part in parts:
+        declared = parameters_of(part)
+        for item in dataclasses.fields(part):
+            default = alias.defaults.get(item.name, item.default)
+            metadata = {**item.metadata, "doc": declared[item.name].doc}
+            fields.append((item.name, item.type, field(default=default, metadata=metadata)))
     fields.sort(key=lambda made: made[0] == "exponent")  # last, as it has a default
     of_restitution = issubclass(parts[1], HysteresisDamping)
     spring = f":class:`antenna_pin.contact.{parts[0].__name__}`"

@@ -1,4 +1,6 @@
-"""Where the numbers of a law stand: one record for each kind, of which its class and its kernels take names.
+"""Records of the laws' numbers, one for each kind.
+
+The class of a law and its kernels take their names from it.
 
 A law travels as a flat array. A normal law has ``NORMAL_SIZE`` floats, the kinds of its elastic part and of
 its dissipation before the parameters of both; a friction law has ``FRICTION_SIZE``, its kind first. Seen as
@@ -35,7 +37,10 @@ FRICTION_SIZE = 12
 
 
 def _record(size: int, first: int, room: int, kind: type[_Record]) -> Layout[_Record]:
-    """Return a record of ``size`` floats with names for those from ``first`` on, ``room`` of them at most."""
+    """Return a record of ``size`` floats with names from float ``first`` on.
+
+    There are at most ``room`` names.
+    """
     names = tuple(fields_of(kind))
     if len(names) > room:
         raise ValueError(f"{', '.join(names)}: there is room for {room}")
@@ -49,7 +54,7 @@ def _record(size: int, first: int, room: int, kind: type[_Record]) -> Layout[_Re
 
 
 def elastic_record(kind: type[_Record]) -> Layout[_Record]:
-    """Return the record of a normal law with names for the parameters of its elastic part."""
+    """Return the record of a normal law, with names for its elastic parameters."""
     return _record(NORMAL_SIZE, _KINDS, _ELASTIC_ROOM, kind)
 
 

@@ -1,4 +1,4 @@
-"""The laws by name, what parameters each takes, and how one is built from a name and numbers.
+"""Contact laws by name, their parameters, and their construction.
 
 A scenario file, the command line and the documentation all read the laws from here; a law enters by one line.
 A normal law is a name and its parameters; where the name is that of an elastic law, a dissipation can be
@@ -177,19 +177,19 @@ FRICTION_LAWS: Classes = Classes(
 
 @takes()
 def law_parameters(law: type[Any]) -> dict[str, Parameter]:
-    """Return the parameters of a law or dissipation class by name, with unit, default and meaning."""
+    """Return the parameters of a law or dissipation by name."""
     return parameters_of(law)
 
 
 @takes()
 def is_elastic(law: str) -> bool:
-    """Return whether a normal law, by name, is an elastic one, beside which a dissipation can be named."""
+    """Return whether a normal law, by name, takes a separate dissipation."""
     return issubclass(NORMAL_LAWS[law], ElasticLaw)
 
 
 @takes()
 def normal_parameters(law: str, dissipation: str | None = None) -> dict[str, Parameter]:
-    """Return the parameters of a normal law by name, with those of the dissipation named beside it.
+    """Return the parameters of a normal law by name, with those of its dissipation.
 
     Args:
         law: Name in ``NORMAL_LAWS``.

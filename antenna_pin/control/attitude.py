@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import check_takes, takes
 from antenna_pin.base.parameters import check, parameter
-from antenna_pin.control.controller import Controller, Now, limited
+from antenna_pin.control.controller import Now, SampledController, limited
 from antenna_pin.control.measurement import Measure
 from antenna_pin.control.pid import Course
 from antenna_pin.errors import InvalidParameterError
@@ -53,7 +53,7 @@ def turned_back(quaternion: Array, vector: Array) -> Array:
 
 @takes()
 @dataclass(frozen=True, kw_only=True)
-class AttitudeFeedback(Controller):
+class AttitudeFeedback(SampledController):
     r"""Feedback of the base's quaternion and rate, by wheels.
 
     .. math:: T = -2 K_p \, \mathrm{sgn}(\eta) \, \epsilon - K_d (\omega - \omega_t)
@@ -71,10 +71,6 @@ class AttitudeFeedback(Controller):
 
     Attributes:
         acts_on: Drives of the wheels.
-        period: From one sampling time to the next [s].
-        phase: The first sampling time [s].
-        delay: From an sampling time until its commands are written [s].
-        delay_periods: The same in periods [-].
         kp: K_p, about the base's axes [N*m/rad].
         kd: K_d, likewise [N*m*s/rad].
         target: Attitude to be held or slewed to, a rotation vector in the world [rad].
@@ -88,10 +84,6 @@ class AttitudeFeedback(Controller):
     """
 
     acts_on: tuple[str, ...]
-    period: float = parameter("s", rule="positive")
-    phase: float = parameter("s", rule="zero or more", default=0.0)
-    delay: float = parameter("s", rule="zero or more", default=0.0)
-    delay_periods: float = parameter(rule="zero or more", default=0.0)
     kp: tuple[float, float, float] = parameter("N*m/rad", sizes=(3,), rule="zero or more")
     kd: tuple[float, float, float] = parameter("N*m*s/rad", sizes=(3,), rule="zero or more")
     target: tuple[float, float, float] = parameter("rad", sizes=(3,), default=(0.0, 0.0, 0.0))
@@ -117,11 +109,6 @@ class AttitudeFeedback(Controller):
         if self.axes is not None and len(self.axes) != 3 * len(self.acts_on):
             rule = f"three numbers for each of {len(self.acts_on)} wheels"
             raise InvalidParameterError(self, "axes", rule, self.axes)
-
-    @property
-    def commands(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Names of commanded actuators."""
-        return self.acts_on
 
     @property
     def measured(self) -> tuple[Measure, ...]:
@@ -151,7 +138,7 @@ class AttitudeFeedback(Controller):
         return first, between[:3] * (2.0 if sine == 0.0 else angle / sine)
 
     def aim(self, t: float) -> tuple[Array, Array, Array]:
-        """Return the target at a time [s]: quaternion xyzw, rate and acceleration in its own axes."""
+        """Return the target at a time [s]: quaternion xyzw, rate, acceleration in its axes."""
         share, rate, acceleration = self.share(t) if callable(self.share) else (self.share, 0.0, 0.0)
         first, way = self._slew
         return product_of(first, quaternion_of(share * way)), rate * way, acceleration * way

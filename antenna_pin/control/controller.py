@@ -22,16 +22,17 @@ import dataclasses
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, Protocol
 
 import numpy as np
 
 from antenna_pin.base.arguments import check_takes, fits
-from antenna_pin.base.parameters import holds
+from antenna_pin.base.parameters import holds, parameter, parameters_of
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Controller", "Instants", "Now", "kept", "limited", "remembered"]
+__all__ = ["Controller", "Instants", "Now", "SampledController", "kept", "limited", "remembered"]
 
 
 # --- controller memory as text ------------------------------------------------------------------------------
@@ -50,7 +51,7 @@ def kept(state: Any) -> str:
 
 
 def remembered(text: str, like: Any) -> Any:
-    """Return a state from the text of :func:`kept`, restored.
+    """Return a state, restored from its text.
 
     Args:
         text: It.
@@ -189,7 +190,7 @@ class Now(Protocol):
         """Return an axis of a link, (3,), in the world."""
 
     def off_axis(self, link: str, axis: Any, target: Any) -> float:
-        """Return the angle between an axis of a link and a direction of the world [rad]."""
+        """Return the angle between a link's axis and a world direction [rad]."""
 
     def note(self, **signals: float) -> None:
         """Record numbers, by names of ``signals``, beside the present commands."""
@@ -229,6 +230,29 @@ class Controller:
         return type(self).__name__
 
 
+@dataclass(frozen=True, kw_only=True)
+class SampledController(Controller):
+    """Base of the built-in controllers: sampling times, and the actuators that they command.
+
+    Attributes:
+        period: From one sampling time to the next, h [s].
+        phase: The first sampling time [s].
+        delay: From a sampling time until its commands are written [s].
+        delay_periods: The same in periods [-].
+    """
+
+    acts_on: str | tuple[str, ...]
+    period: float = parameter("s", rule="positive")
+    phase: float = parameter("s", rule="zero or more", default=0.0)
+    delay: float = parameter("s", rule="zero or more", default=0.0)
+    delay_periods: float = parameter(rule="zero or more", default=0.0)
+
+    @property
+    def commands(self) -> tuple[str, ...]:  # type: ignore[override]
+        """Names of commanded actuators."""
+        return (self.acts_on,) if isinstance(self.acts_on, str) else self.acts_on
+
+
 def check_controller(name: str, controller: Any) -> None:
     """Refuse a controller with invalid times, names or state.
 
@@ -239,16 +263,11 @@ def check_controller(name: str, controller: Any) -> None:
     if not isinstance(controller, Controller):
         rule = "a Controller: derive your class from antenna_pin.control.Controller"
         raise InvalidParameterError(place, "class", rule, said=type(controller).__name__)
-    for key, rule in (
-        ("period", "positive"),
-        ("phase", "zero or more"),
-        ("delay", "zero or more"),
-        ("delay_periods", "zero or more"),
-    ):
+    for key, declared in parameters_of(SampledController).items():
         value = getattr(controller, key, None)
-        if not holds(value, rule):
-            unit = "" if key == "delay_periods" else " [s]"
-            raise InvalidParameterError(place, key, f"{rule} and finite{unit}", value)
+        if not holds(value, declared.rule):
+            unit = " [s]" if declared.unit == "s" else ""
+            raise InvalidParameterError(place, key, f"{declared.rule} and finite{unit}", value)
     if controller.delay and controller.delay_periods:
         rule = "left out beside delay; give the one or the other"
         raise InvalidParameterError(place, "delay_periods", rule, controller.delay_periods)

@@ -11,7 +11,7 @@ from typing import Literal
 
 from antenna_pin.base.arguments import check_takes, takes
 from antenna_pin.base.parameters import check, parameter
-from antenna_pin.control.controller import Controller, Now, limited
+from antenna_pin.control.controller import Now, SampledController, limited
 from antenna_pin.control.measurement import Measure, Sensor
 from antenna_pin.errors import InvalidParameterError
 
@@ -48,7 +48,7 @@ class PidState:
 
 @takes()
 @dataclass(frozen=True, kw_only=True)
-class Pid(Controller):
+class Pid(SampledController):
     r"""Sampled PID controller, in parallel form.
 
     .. math:: u_k = K_p e_k + I_k + D_k + f, \quad e_k = r_k - y_k
@@ -66,10 +66,6 @@ class Pid(Controller):
 
     Attributes:
         acts_on: What it commands: a drive's name.
-        period: From one sampling time to the next, h [s].
-        phase: The first sampling time [s].
-        delay: From an sampling time until its commands are written [s].
-        delay_periods: The same in periods [-].
         measures: What it measures, as ``angle hinge``; if not given, the angle of the joint that it acts on.
         kp: K_p, command per measured unit, in SI units.
         ki: K_i, command per measured unit and second.
@@ -96,10 +92,6 @@ class Pid(Controller):
     """
 
     acts_on: str
-    period: float = parameter("s", rule="positive")
-    phase: float = parameter("s", rule="zero or more", default=0.0)
-    delay: float = parameter("s", rule="zero or more", default=0.0)
-    delay_periods: float = parameter(rule="zero or more", default=0.0)
     measures: str = ""
     kp: float = parameter(default=0.0)
     ki: float = parameter(default=0.0)
@@ -143,11 +135,6 @@ class Pid(Controller):
         if self.derivative == "rate" and measure.kind not in _RATES:
             rule = f"measurement or error where it measures {str(measure)!r}, whose rate no sensor has"
             raise InvalidParameterError(self, "derivative", rule, self.derivative)
-
-    @property
-    def commands(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Names of commanded actuators."""
-        return (self.acts_on,)
 
     @cached_property
     def measured(self) -> tuple[Measure, ...]:

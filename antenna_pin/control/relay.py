@@ -9,7 +9,7 @@ from functools import cached_property
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.parameters import check, parameter
-from antenna_pin.control.controller import Controller, Now
+from antenna_pin.control.controller import Now, SampledController
 from antenna_pin.control.measurement import Measure, Sensor
 from antenna_pin.errors import InvalidParameterError
 
@@ -31,7 +31,7 @@ class BangBangState:
 
 @takes()
 @dataclass(frozen=True, kw_only=True)
-class BangBang(Controller):
+class BangBang(SampledController):
     r"""Sampled three-state relay, by a line in the plane of angle and rate.
 
     .. math:: s_k = (r - y_k) - T \dot y_k
@@ -44,10 +44,6 @@ class BangBang(Controller):
         acts_on: What is commanded, with ``level`` one way and its opposite the other way; a drive.
         positive: Or what pushes one way, commanded with ``level`` or 0: thrusters.
         negative: And what pushes the other way.
-        period: From one sampling time to the next [s].
-        phase: The first sampling time [s].
-        delay: From an sampling time until its commands are written [s].
-        delay_periods: The same in periods [-].
         measures: y, as ``base-rotation x``.
         measures_rate: Its rate, as ``base-rate x``; none if not given.
         slope: T: how much a rate counts [s].
@@ -64,10 +60,6 @@ class BangBang(Controller):
     acts_on: str = ""
     positive: tuple[str, ...] = ()
     negative: tuple[str, ...] = ()
-    period: float = parameter("s", rule="positive")
-    phase: float = parameter("s", rule="zero or more", default=0.0)
-    delay: float = parameter("s", rule="zero or more", default=0.0)
-    delay_periods: float = parameter(rule="zero or more", default=0.0)
     measures: str
     measures_rate: str = ""
     slope: float = parameter("s", rule="zero or more", default=0.0)

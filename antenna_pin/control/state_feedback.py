@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.parameters import check, parameter
-from antenna_pin.control.controller import Controller, Now, limited
+from antenna_pin.control.controller import Now, SampledController, limited
 from antenna_pin.control.measurement import Measure, Sensor
 from antenna_pin.errors import InvalidParameterError
 
@@ -25,7 +25,7 @@ Matrix = tuple[tuple[float, ...], ...]
 
 @takes()
 @dataclass(frozen=True, kw_only=True)
-class StateFeedback(Controller):
+class StateFeedback(SampledController):
     r"""Sampled linear feedback of measurements by matrices.
 
     .. math:: u_k = f - K (y_k - r) + C z_k, \quad z_{k+1} = A z_k + B (y_k - r) + G u_k
@@ -36,10 +36,6 @@ class StateFeedback(Controller):
     Attributes:
         acts_on: What it commands, by name: m of them.
         measures: What it measures, as ``angle hinge`` and ``rate hinge``: p of them.
-        period: From one sampling time to the next [s].
-        phase: The first sampling time [s].
-        delay: From an sampling time until its commands are written [s].
-        delay_periods: The same in periods [-].
         gain: K, (m, p), in SI units.
         a: A, (n, n).
         b: B, (n, p).
@@ -56,10 +52,6 @@ class StateFeedback(Controller):
 
     acts_on: tuple[str, ...]
     measures: tuple[str, ...]
-    period: float = parameter("s", rule="positive")
-    phase: float = parameter("s", rule="zero or more", default=0.0)
-    delay: float = parameter("s", rule="zero or more", default=0.0)
-    delay_periods: float = parameter(rule="zero or more", default=0.0)
     gain: Matrix | None = None
     a: Matrix | None = None
     b: Matrix | None = None
@@ -116,11 +108,6 @@ class StateFeedback(Controller):
         except (TypeError, ValueError):
             return ()
         return found.shape if np.isfinite(found).all() else ()
-
-    @property
-    def commands(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Names of commanded actuators."""
-        return self.acts_on
 
     @property
     def signals(self) -> tuple[str, ...]:  # type: ignore[override]

@@ -22,7 +22,7 @@ _GOES_ON = {"hold": 0, "extend": 1, "refuse": 1}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TableSpring(Element):
-    """A spring whose torque is a table over the joint's angle, such as that of a harness.
+    """A spring whose torque is a table over the joint's angle, as of a harness.
 
     Between points the torque is a monotone cubic: no overshoot, its slope is continuous; or a straight line.
     What it stores is the integral of the torque, from the table's first angle on: it conserves energy.
@@ -35,7 +35,6 @@ class TableSpring(Element):
         torque: On the child, one for each angle [N*m] ([N]).
         outside: Beyond the table: ``hold`` its last torque, ``extend`` its slope, or ``refuse``: the run
             ends.
-        on: Whether it acts from the start on; an event may switch it.
     """
 
     kernels: ClassVar[str] = "angle_table_kernels"
@@ -73,8 +72,8 @@ class TableSpring(Element):
             rule = f"a table that covers the start, at {angle:g}; extend it, or choose what is outside"
             raise InvalidParameterError(place, "angle", rule, (self.angle[0], self.angle[-1]))
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
         return {"points": len(self.angle), "goes_on": _GOES_ON[self.outside]}
 
     def tail(self) -> tuple[float, ...]:
@@ -86,8 +85,8 @@ class TableSpring(Element):
         curve = cubics(self.angle, torque, self.interpolation)
         return (*curve, *areas(curve, len(self.angle)))
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         torques = [value for name in self.columns[1:] for value in getattr(self, name)]
         largest = readable(max(map(abs, torques)), self.unit("torque", slides))
         where = "" if self.file is None else f" of {self.file}"

@@ -8,7 +8,10 @@ from antenna_pin.elements.curve_kernels import area, curve
 
 
 class PackedAngleTable(Record):
-    """A torque over the angle; the curve with its integral up to each point stands behind."""
+    """A torque over the angle.
+
+    The curve stands behind, with its integral up to each point.
+    """
 
     points: int  # of the curve
     goes_on: int  # 1: the slope continues beyond the table
@@ -20,7 +23,10 @@ SIZE = words_of(LAYOUT)
 
 @inlined
 def torque_at(words: Floats, at: int, shape: tuple[int, bool], angle: float) -> tuple[float, float]:
-    """Torque and its slope at an angle, of the curve at words[at:]; ``shape``: points, whether it goes on."""
+    """Return torque and slope at an angle, of the curve at words[at:].
+
+    ``shape`` has the number of points, and whether the curve continues.
+    """
     points, goes_on = shape
     inside = min(max(angle, words[at]), words[at + points - 1])
     value, slope = curve(words, at, points, inside)
@@ -74,5 +80,5 @@ def stored(words: Floats, at: int, angle: float) -> float:
 
 @inlined
 def kink(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
-    """Where the table ends."""
+    """Return a function that passes zero at the ends of the table."""
     return ends_at(words, at + SIZE, record(words[at : at + SIZE], LAYOUT).points, angle)

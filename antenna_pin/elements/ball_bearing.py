@@ -41,7 +41,9 @@ def groove_contact(diameter: float, conformity: float, gamma: float, softness: f
 
 
 def point_stiffness(first: float, second: float, softness: float) -> float:
-    r"""Return K of Q = K delta^1.5 for two bodies with principal curvatures in the same planes [N/m^1.5].
+    r"""Return K of Q = K delta^1.5 for two bodies [N/m^1.5].
+
+    Their principal curvatures are in the same planes.
 
     The axis ratio kappa = a / b of the ellipse of contact follows from
 
@@ -213,7 +215,7 @@ class BallBearing(Bearing):
 
     @property
     def scale(self) -> tuple[float, float] | None:
-        """Depth at which balls are pressed in by the preload, and the radius of their circle [m]."""
+        """Depth of balls under the preload, and the radius of their circle [m]."""
         if self.by == "linear":
             return None
         way = math.hypot(self._open * math.cos(self.contact_angle), self._along)
@@ -256,22 +258,21 @@ class BallBearing(Bearing):
             total += change.T @ bend @ change
         return total
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        found, stiffness = Bearing.values(self), self.stiffness
-        found |= {"damping": self.damping_time * stiffness, "offset": self.offset}
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
+        found = Bearing.derived(self) | {"damping": self.damping_time * self.stiffness}
         if self.by == "linear":
-            return {**found, "stiffness": stiffness}
+            return found
         if self.arrangement == "single":
             found["push"][2] = self.preload
-        return {**found, "balls": len(self.balls())}
+        return {**found, "stiffness": np.zeros((5, 5)), "balls": len(self.balls())}
 
     def tail(self) -> tuple[float, ...]:
         """Return the balls' numbers, if they are summed over."""
         return tuple(self.balls().ravel()) if self.by == "balls" else ()
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         kind = "single row" if self.arrangement == "single" else f"{self.arrangement} pair"
         said = {
             "ball_diameter": f"{self.count} balls of",

@@ -1,4 +1,4 @@
-r"""Bearings as springs between a journal and its bearing, in all freedoms but the turn about the axis.
+r"""Bearings as springs in all freedoms but the rotation about the axis.
 
 They act on five coordinates of the journal at a *reference point* of the axis, in bearing axes, which do not
 spin: its place x, y, z, and the tilt of its axis a,
@@ -41,9 +41,6 @@ class Bearing(Element):
     - ``press(words, at, pose)``: force and moment on the journal, written into its pose; the power lost [W];
     - ``kept(words, at, place)``: the energy stored [J] with the journal's centre and axis there;
     - ``coordinates(words, at, place)``: the five coordinates there, and the reference point's distance.
-
-    Attributes:
-        on: Whether it acts from the start on; an event may switch it.
     """
 
     kernels: ClassVar[str] = "bearing_kernels"
@@ -61,7 +58,7 @@ class Bearing(Element):
 
     @property
     def scale(self) -> tuple[float, float] | None:
-        """Way over which its stiffness changes, and a lever that makes it a tilt [m]; None: it does not."""
+        """Displacement over which stiffness changes, and its lever to tilts [m]; None if constant."""
         return None
 
     def check_joint(self, place: str, slides: bool) -> None:
@@ -70,16 +67,9 @@ class Bearing(Element):
             rule = "revolute or continuous: a bearing is of a joint that turns"
             raise InvalidParameterError(place, "joint", rule, self.joint)
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them: those of nothing, to be filled."""
-        return {
-            "stiffness": np.zeros((5, 5)),
-            "damping": np.zeros((5, 5)),
-            "push": np.zeros(5),
-            "energy": 0.0,
-            "offset": 0.0,
-            "balls": 0,
-        }
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
+        return {"push": np.zeros(5), "energy": 0.0, "balls": 0}
 
 
 def moved(matrix: Array, way: float) -> Array:
@@ -169,13 +159,8 @@ class StiffnessBearing(Bearing):
             return np.array(self.damping_matrix).reshape(5, 5)
         return self.damping_time * self.stiffness
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        own = {"stiffness": self.stiffness, "damping": self.damping, "offset": self.offset}
-        return {**Bearing.values(self), **own}
-
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         said = {"radial": "radial stiffness", "axial": "axial", "tilt": "tilt", "coupling": "coupling"}
         parts = self.said_of(said, slides) if self.matrix is None else ["stiffness by a matrix"]
         if self.damping_matrix is not None:
@@ -200,7 +185,7 @@ def _fault(matrix: Array, symmetric: bool) -> str | None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AxialPreload(Bearing):
-    r"""A spring that pushes a journal along its bearing's axis, so that play is taken out by force.
+    r"""A spring that pushes a journal along its axis and takes out play.
 
     .. math:: F_z = F - k (z - z_F)
 
@@ -228,17 +213,17 @@ class AxialPreload(Bearing):
         if self.force == 0.0:
             raise InvalidParameterError(self, "force", "above or below zero", self.force)
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        found = Bearing.values(self)
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
+        found = Bearing.derived(self)
         # Of a preload that has not been placed, one in the middle.
-        push = self.force + self.stiffness * (self.position or 0.0)
-        found["stiffness"][2, 2] = self.stiffness
-        found["push"][2] = push
-        return {**found, "energy": 0.5 * push * push / self.stiffness}
+        found["push"][2] = push = self.force + self.stiffness * (self.position or 0.0)
+        stiffness = np.diag([0.0, 0.0, self.stiffness, 0.0, 0.0])
+        own = {"stiffness": stiffness, "damping": np.zeros((5, 5)), "offset": 0.0}
+        return found | own | {"energy": 0.5 * push * push / self.stiffness}
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         said = self.said_of({"force": "preload", "stiffness": "stiffness"}, slides)
         where = {"touching": "where the face touches", "rest": "at rest on the face", "centred": "centred"}
         place = where[self.given_at] if self.position is None else f"at {self.said('position', slides)}"

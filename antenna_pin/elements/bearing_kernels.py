@@ -1,4 +1,4 @@
-"""A bearing as springs, compiled: what it does to its inner ring in a pose, and what it stores.
+"""A bearing as springs, compiled: force on its inner ring, and stored energy.
 
 Coordinates are those of :mod:`antenna_pin.elements.bearing`: the place of the journal's point at the
 bearing's reference point, and the tilt z x a of its axis a, in bearing axes.
@@ -15,7 +15,10 @@ from antenna_pin.elements.hook_kernels import JournalPlace
 
 
 class PackedBearing(Record):
-    """A bearing: matrices over (x, y, z, tilt about x, tilt about y); its balls stand behind."""
+    """A bearing: matrices over (x, y, z, tilt about x, tilt about y).
+
+    Its balls stand behind.
+    """
 
     stiffness: Annotated[Floats, (5, 5)]  # [N/m, N/rad, N m/rad]
     damping: Annotated[Floats, (5, 5)]  # [N s/m, N s/rad, N m s/rad]
@@ -71,7 +74,7 @@ def _coordinates(
 
 @inlined
 def _elongation(ball: Ball, q: tuple[float, float, float, float, float]) -> tuple[float, float, float]:
-    """Return how far a ball is compressed [m], and the direction of its load, off and along the axis."""
+    """Return the compression of a ball [m], and its load's direction, off and along."""
     x, y, z, tx, ty = q
     tilt = ball.cosine * ty - ball.sine * tx
     off = ball.off + ball.cosine * x + ball.sine * y + ball.height * tilt
@@ -82,7 +85,10 @@ def _elongation(ball: Ball, q: tuple[float, float, float, float, float]) -> tupl
 
 @kernel
 def press(words: Floats, at: int, pose: Pose) -> float:
-    """Write force and moment on the journal about its centre into its pose; return the power lost [W]."""
+    """Write force and moment on the journal into its pose; return the loss [W].
+
+    The moment is about the journal's centre.
+    """
     b = record(words[at : at + SIZE], LAYOUT)
     s = b.offset
     ax, ay, az = pose.axis[0], pose.axis[1], pose.axis[2]
@@ -123,7 +129,7 @@ def press(words: Floats, at: int, pose: Pose) -> float:
 
 @kernel
 def kept(words: Floats, at: int, place: JournalPlace) -> float:
-    """Energy stored [J] with the journal's centre and axis, six numbers, where ``place`` says."""
+    """Return the energy stored [J], with the journal's centre and axis at ``place``."""
     b = record(words[at : at + SIZE], LAYOUT)
     q = _coordinates(b.offset, place)
     total = float(b.energy)
@@ -143,7 +149,7 @@ def kept(words: Floats, at: int, place: JournalPlace) -> float:
 def coordinates(
     words: Floats, at: int, place: JournalPlace
 ) -> tuple[float, float, float, float, float, float]:
-    """Return the five coordinates with the journal's centre and axis where ``place`` says [m], [1].
+    """Return the five coordinates of a journal at ``place`` [m], [1].
 
     Behind them stands where the reference point is along the axis [m].
     """

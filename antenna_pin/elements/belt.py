@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.flanks import Flanks
-from antenna_pin.elements.mesh import mesh_numbers
 from antenna_pin.elements.mesh_kernels import TWO
 from antenna_pin.errors import InvalidParameterError
 
@@ -26,13 +26,18 @@ class Strands(Flanks):
         damping: Of each strand, while it is taut [N*s/m].
         pretension: Of each strand where both angles are zero [N].
         slack: Of each strand there, if it has no pretension [m].
-        on: Whether it acts from the start on; an event may switch it.
     """
 
     kernels: ClassVar[str] = "mesh_kernels"
     along: ClassVar[bool] = True
     modes: ClassVar[tuple[str, ...]] = ("slack", "plus", "minus", "taut")
     said_of_change: ClassVar[tuple[str, str]] = ("taut", "slack")
+    labels: ClassVar[Mapping[str, str]] = {
+        "stiffness": "stiffness",
+        "damping": "damping",
+        "pretension": "pretension",
+        "slack": "slack",
+    }
     springs: ClassVar[int]
 
     input_radius: float = parameter("m", rule="positive")
@@ -60,29 +65,21 @@ class Strands(Flanks):
         """By how much strands are stretched without deflection, and how many there are."""
         return self.pretension / self.stiffness - self.slack, self.springs
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        return mesh_numbers(
-            self.input_radius,
-            -self.output_radius if self.crossed else self.output_radius,
-            *self.side_numbers,
-            mode=self.mode,
-            turned=self.turned,
-            stiffness=self.stiffness,
-            damping=self.damping,
-        )
+    @property
+    def shares(self) -> tuple[float, float]:
+        """Derivatives a and -b of the deflection over the positions: the radii."""
+        return self.input_radius, -self.output_radius if self.crossed else self.output_radius
 
-    def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
-        said = [f"{self.between_said()}{', crossed' if self.crossed else ''}"]
-        said.append(f"radii {self.said('input_radius', False)} and {self.said('output_radius', False)}")
-        words = {"stiffness": "stiffness", "damping": "damping", "pretension": "pretension", "slack": "slack"}
-        return ", ".join(said + self.said_of(words, False))
+    def between_said(self) -> str:
+        """Return the joints, and how the pulleys are connected, as text."""
+        crossed = ", crossed" if self.crossed else ""
+        radii = f"radii {self.said('input_radius', False)} and {self.said('output_radius', False)}"
+        return f"{Flanks.between_said(self)}{crossed}, {radii}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Belt(Strands):
-    r"""An open (or crossed) belt that does not slip: two strands, each of which pulls or is slack.
+    r"""An open or crossed belt without slip: two strands, each taut or slack.
 
     With the way :math:`u = r_\text{in} \phi_\text{in} - r_\text{out} \phi_\text{out}` that the input is ahead
     the strand behind it is longer by u, the other one shorter. A taut strand pulls by its pretension,
@@ -94,7 +91,7 @@ class Belt(Strands):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cable(Strands):
-    r"""A cable between two drums: one strand, which pulls the output along where the input is ahead.
+    r"""A cable between two drums: one strand, taut where the input is ahead.
 
     It is taut where :math:`r_\text{in} \phi_\text{in} - r_\text{out} \phi_\text{out}` is above its slack (or
     above minus what its pretension has stretched it by); otherwise as a strand of :class:`Belt`.

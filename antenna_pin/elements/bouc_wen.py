@@ -16,7 +16,7 @@ _Z = Integral("z", "1")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BoucWen(Element):
-    r"""A spring with hysteresis after Bouc and Wen; the units are those of a turning (sliding) joint.
+    r"""A spring with hysteresis after Bouc and Wen, at a turning (sliding) joint.
 
     .. math:: \tau = -\alpha k (\phi - \phi_0) - (1 - \alpha) k D z, \quad
         D \dot z = A \dot\phi - \beta |\dot\phi| |z|^{n-1} z - \gamma \dot\phi |z|^n
@@ -39,7 +39,6 @@ class BoucWen(Element):
         exponent: n; the larger, the sharper is the knee [-].
         rest_angle: Where the elastic part is at rest [rad] ([m]).
         start: z at the start of a run [-].
-        on: Whether it acts from the start on; an event may switch it.
 
     References:
         Wen, Y.-K.: Method for random vibration of hysteretic systems. J. Engineering Mechanics Division 102
@@ -86,12 +85,12 @@ class BoucWen(Element):
 
     @property
     def kinks(self) -> int:
-        """Return the number of kinks: reversals, and zeros of z, whose size and sign are in its rate."""
+        """Return the number of kinks: reversals, and zeros of z."""
         odd = self.exponent % 2.0 == 1.0 and self.gamma == 0.0
         return 1 if odd else 2
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         said = {"stiffness": "stiffness", "yield_angle": "yields at", "rest_angle": "at rest at"}
         shape = f"alpha {self.alpha:g}, A {self.slope:g}, beta {self.beta:g}, gamma {self.gamma:g}"
         return f"Bouc-Wen, {', '.join(self.said_of(said, slides))}, {shape}, n {self.exponent:g}"

@@ -68,7 +68,10 @@ def stored_of(words: Floats, at: int, angle: float, own: Own) -> float:
 
 @inlined
 def kink_of(words: Floats, at: int, k: int, motion: Motion, own: Own) -> float:
-    """0: its rate, for where the joint turns back z goes another way; 1: z, of whose size it yields by."""
+    """Return the rate (k = 0) or z (1), zero at kinks.
+
+    Where the joint turns back the rate of z changes; it depends on the size of z.
+    """
     if k == 0:
         return float(motion[2])
     y, i = own

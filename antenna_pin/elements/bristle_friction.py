@@ -1,4 +1,4 @@
-r"""Friction of joints by the bristle laws that contacts have: they stick, and give way by an angle.
+r"""Friction of joints by the bristle laws of contacts.
 
 The laws are those of :mod:`antenna_pin.contact.bristle`, each written once: with a torque in the place of a
 coefficient of friction, an angle for the deflection and the joint's rate for the slip they are friction of a
@@ -7,12 +7,19 @@ joint. Bristles are straight where a run starts, if ``start`` does not bend them
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.element import LOSS, Element, Integral
-from antenna_pin.elements.own_load import NUMBERS_OF_LOAD, check_load, check_unloaded, numbers_of_load
+from antenna_pin.elements.own_load import (
+    LABELS_OF_LOAD,
+    NUMBERS_OF_LOAD,
+    check_load,
+    check_unloaded,
+    numbers_of_load,
+)
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["BristleFriction", "DahlFriction", "GonthierFriction", "LuGreFriction"]
@@ -35,7 +42,6 @@ class BristleFriction(Element):
         bending_arm: a: a moment M presses like a force M / a [m]; None for moments that do not press.
         middle: Where the bearing's middle is, from the joint's origin along its axis [m].
         start: How far bristles are bent at the start, over T_c / sigma_0 [-].
-        on: Whether it acts from the start on; an event may switch it.
     """
 
     kernels: ClassVar[str] = "bristle_friction_kernels"
@@ -43,6 +49,17 @@ class BristleFriction(Element):
     senses: ClassVar[bool] = True
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS, BEND)
     states: ClassVar[tuple[Integral, ...]] = (BEND,)
+    labels: ClassVar[Mapping[str, str]] = {
+        "coulomb": "Coulomb friction",
+        "static": "static",
+        "stiffness": "bristle stiffness",
+        "damping": "bristle damping",
+        "stribeck_rate": "Stribeck rate",
+        "dwell_time": "dwell time",
+        "viscous": "viscous",
+        "coefficient": "under load",
+        **LABELS_OF_LOAD,
+    }
 
     coulomb: float = parameter("N*m", sliding="N", rule="positive")
     stiffness: float = parameter("N*m/rad", sliding="N/m", rule="positive")
@@ -102,32 +119,17 @@ class BristleFriction(Element):
         """Return the joints whose reversals are kinks."""
         return True
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        return {
-            "reach": self.reach,
-            "stiffness": self.stiffness,
-            "viscous": self.viscous,
-            "start": self.start,
-            "share": self.coefficient / self.coulomb,
-            **numbers_of_load(self),
-        }
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
+        return {"share": self.coefficient / self.coulomb, **numbers_of_load(self)}
 
     def tail(self) -> tuple[float, ...]:
         """Return the law's numbers."""
         return tuple(map(float, self.law.code()))
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
-        said = {"coulomb": "Coulomb friction", "static": "static", "stiffness": "bristle stiffness"}
-        said |= {"damping": "bristle damping", "stribeck_rate": "Stribeck rate", "dwell_time": "dwell time"}
-        said |= {"viscous": "viscous", "coefficient": "under load", "radius": "at radius"}
-        said |= {"axial_radius": "at axial radius", "bending_arm": "bending arm"}
-        found = self.said_of({key: word for key, word in said.items() if hasattr(self, key)}, slides)
-        return ", ".join([self._name(), *found])
-
-    def _name(self) -> str:
-        return type(self).__name__.removesuffix("Friction")
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
+        return ", ".join([type(self).__name__.removesuffix("Friction"), *self.said_of(self.labels, slides)])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -138,8 +140,7 @@ class DahlFriction(BristleFriction):
         \tau = -\left(1 + \frac{\mu N}{T_c}\right) \sigma_0 z - b\, \dot\phi
 
     A curve of torque over angle, whatever the rate, of the length :math:`T_c / \sigma_0`: a spring at rest,
-    which creeps under a torque that comes and goes. N is the load of the joint as :class:`StickingFriction`
-    has it.
+    which creeps under a torque that comes and goes.
 
     N is the load of the joint as :class:`antenna_pin.elements.StickingFriction` has it; without a coefficient
     none counts. Under load stiffness and friction grow alike, so that bristles slip at the same angle: a
@@ -215,13 +216,10 @@ class LuGreFriction(BristleFriction):
             bristle_damping=self.damping,
         )
 
-    def _name(self) -> str:
-        return "LuGre"
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class GonthierFriction(BristleFriction):
-    r"""Gonthier et al.'s friction of a joint, which grows as it rests; units of a turning (sliding) joint.
+    r"""Gonthier et al.'s friction of a turning (sliding) joint, which grows during rest.
 
     With :math:`s = e^{-(\dot\phi / \omega_s)^2}`, 1 when sticking and 0 when sliding,
 
@@ -260,7 +258,7 @@ class GonthierFriction(BristleFriction):
 
     @property
     def kinks(self) -> int:
-        """Return the number of kinks: begin and end of dwell, cut of the friction; reversals are none."""
+        """Return the number of kinks: begin and end of dwell, and saturation."""
         return 2
 
     @property

@@ -81,7 +81,10 @@ def stored_of(words: Floats, at: int, angle: float, own: Own) -> float:
 
 @inlined
 def kink_of(words: Floats, at: int, k: int, motion: Motion, own: Own) -> float:
-    """Its rate, for where the joint turns back bristles go another way; of Gonthier's law its functions."""
+    """Return the rate, or of Gonthier's law its functions k, zero at kinks.
+
+    Where the joint turns back the rate of the bristles changes.
+    """
     law = words[at + SIZE : at + SIZE + FRICTION_SIZE]
     _, _, rate = motion
     if law[0] != GONTHIER:
@@ -93,7 +96,10 @@ def kink_of(words: Floats, at: int, k: int, motion: Motion, own: Own) -> float:
 
 @inlined
 def bearing(words: Floats, at: int) -> tuple[float, float, float, float]:
-    """What load is made of: by radial force, axial force [m] and moment [-], and the middle [m]."""
+    """Return the weights of the load and the middle of the bearing [m].
+
+    Weights are over radial force, axial force [m] and moment [-].
+    """
     numbers = record(words[at : at + SIZE], LAYOUT)
     return float(numbers.radial), float(numbers.axial), float(numbers.bending), float(numbers.middle)
 

@@ -92,7 +92,10 @@ class Capture(ModalElement):
         return self._held(met, "") if self.captures(met) else Change(INSIDE, memory=side)
 
     def passed(self, k: int, met: Met) -> Change | None:
-        """Come into the window or leave it (k = 0), be captured inside it (1), let go (2)."""
+        """Return the change at the window, at the rate, or of a release.
+
+        These are k = 0, 1 and 2.
+        """
         if self.mode == HELD:
             return self.lets_go_with(met) if k == _HOLDING else None
         if k == _RATES:  # slow enough now, but for round-off
@@ -108,7 +111,7 @@ class Capture(ModalElement):
         return Change(OUTSIDE, memory=self._side(met))
 
     def lets_go_with(self, met: Met) -> Change:
-        """Return the change by which a joint gets free: still inside, or of a window without width outside.
+        """Return the change of a release: still inside, or outside without width.
 
         It is then on the side where it stands; at the angle itself on that to which it goes, or is drawn.
         """
@@ -128,19 +131,15 @@ class Capture(ModalElement):
     def _held(self, met: Met, what: str) -> Change:
         return Change(HELD, what, self._side(met), switches_off=self.switches_off, phase=CAPTURE)
 
-    def capture_values(self) -> dict[str, Any]:
-        """Return the numbers that records of all latches have."""
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
         lower, upper = self.window
         return {
             "lower": lower,
             "upper": upper,
-            "greatest_rate": math.inf if self.greatest_rate is None else self.greatest_rate,
-            "greatest_energy": math.inf if self.greatest_energy is None else self.greatest_energy,
             "direction": _WAYS[self.direction],
             "holding": math.inf if self.holding_torque is None else self.holding_torque,
-            "mode": self.mode,
             "middle": self.angle,
-            "side": self.side,
         }
 
     def capture_words(self, slides: bool) -> list[str]:

@@ -33,7 +33,10 @@ def curve_term(
 
 
 def going_on(time: Sequence[float]) -> tuple[float, ...]:
-    """Return the times of a table whose last piece goes on: a step's end may lie an ulp behind it."""
+    """Return the times of a table whose last piece has no end.
+
+    The end of a step may lie an ulp behind it.
+    """
     return (*time[:-1], math.inf)
 
 
@@ -86,7 +89,7 @@ class Table(Reference):
         return curve_term(self.time, self.values, self.interpolation, self.periodic)
 
     def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
+        """Return the description."""
         where = "" if self.file is None else f" of {self.file}"
         again = ", again and again" if self.periodic else ""
         return f"a table{where} of {len(self.time)} points{again}"
@@ -128,5 +131,5 @@ class Sum(Reference):
         return tuple(number for part in self.parts for number in part.terms())
 
     def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
+        """Return the description."""
         return " + ".join(part.words(slides) for part in self.parts)

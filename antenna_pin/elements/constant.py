@@ -25,6 +25,6 @@ class ConstantDrive(Drive):
 
     value: float = parameter("N*m", sliding="N")
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         return f"constant {readable(self.value, self.unit('value', slides), GIVEN)}"

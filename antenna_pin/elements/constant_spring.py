@@ -15,7 +15,7 @@ __all__ = ["ConstantSpring"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConstantSpring(Element):
-    r"""A spring of the same torque wherever it acts: a tape spring that unrolls, a clock's spring.
+    r"""A spring of constant torque: a tape spring, a clock's spring.
 
     It acts between two angles, or all the way. Outside there is no torque; between an end and ``ramp`` beyond
     it the torque falls to none in proportion, for one that jumps would have no place where it lies at rest.
@@ -27,7 +27,6 @@ class ConstantSpring(Element):
         lower: Where it begins to act [rad] ([m]); None for no end there.
         upper: Where it ceases to act [rad] ([m]); None for no end there.
         ramp: Angle in which it ceases, beyond an end [rad] ([m]).
-        on: Whether it acts from the start on; an event may switch it.
     """
 
     kernels: ClassVar[str] = "constant_spring_kernels"
@@ -52,17 +51,12 @@ class ConstantSpring(Element):
         """Return the number of kinks: ends of a ramp."""
         return self.lower is not None or self.upper is not None
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        return {
-            "torque": self.torque,
-            "lower": -math.inf if self.lower is None else self.lower,
-            "upper": math.inf if self.upper is None else self.upper,
-            "ramp": self.ramp,
-        }
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
+        return {"lower": -math.inf if self.lower is None else self.lower}
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         ends = [
             f"{word} {self.said(name, slides)}"
             for name, word in (("lower", "from"), ("upper", "to"))

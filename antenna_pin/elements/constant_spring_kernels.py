@@ -39,7 +39,7 @@ def write_rates(
 
 @inlined
 def _way(lower: float, upper: float, ramp: float, angle: float) -> float:
-    """Integral of the share of its torque that acts, up to an angle, but for a constant."""
+    """Return the integral of the active share of the torque, but for a constant."""
     found = min(angle, upper)
     if not math.isinf(lower):
         s = min(max(1.0 - (lower - angle) / ramp, 0.0), 1.0)
@@ -52,7 +52,7 @@ def _way(lower: float, upper: float, ramp: float, angle: float) -> float:
 
 @inlined
 def stored(words: Floats, at: int, angle: float) -> float:
-    """Energy stored [J]: what the torque gives from here to its end, or to angle zero."""
+    """Return the energy stored [J]: work from here to the end, or to angle zero."""
     spring = record(words[at : at + SIZE], LAYOUT)
     lower, upper, ramp = float(spring.lower), float(spring.upper), float(spring.ramp)
     if spring.torque > 0.0 and not math.isinf(upper):

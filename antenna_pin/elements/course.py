@@ -1,4 +1,4 @@
-"""Courses over time: a sine, and its sum with others, of which one is a table."""
+"""Courses over time: a sine, and sums with a table and a reference."""
 
 from __future__ import annotations
 
@@ -8,7 +8,13 @@ from typing import Any, ClassVar, Literal
 
 from antenna_pin.base.readable import GIVEN, number
 from antenna_pin.elements.composed_courses import curve_term
-from antenna_pin.elements.curve import Interpolation, check_covers, check_table, points_and_middles
+from antenna_pin.elements.curve import (
+    Interpolation,
+    both_given,
+    check_covers,
+    check_table,
+    points_and_middles,
+)
 from antenna_pin.elements.element import ForceElement
 from antenna_pin.elements.reference import Reference
 from antenna_pin.errors import InvalidParameterError
@@ -72,7 +78,7 @@ class Course(Swing):
 
     @property
     def instants(self) -> tuple[float, ...]:
-        """Points of the table, where a derivative jumps, middles between them, those of a reference [s]."""
+        """Points and middles of the table, and instants of the reference [s]."""
         own = () if self.time is None else points_and_middles(self.time)
         return own if self.follows is None else tuple(sorted({*own, *self.follows.instants}))
 
@@ -87,12 +93,7 @@ class Course(Swing):
         self.check_frequency(self.amplitude != 0.0)
         if self.frequency is not None and self.amplitude == 0.0:
             raise InvalidParameterError(self, "amplitude", "given beside a frequency", said="none")
-        given = {name: getattr(self, name) for name in reversed(self.columns)}
-        missing = [name for name, numbers in given.items() if numbers is None]
-        if len(missing) == 1:
-            (there,) = given.keys() - missing
-            raise InvalidParameterError(self, missing[0], f"given beside {there}", said="none")
-        if not missing:
+        if both_given(self, *self.columns):
             check_table(self, self.columns[1])
 
     def check_span(self, place: str, begin: float, end: float) -> None:
@@ -102,22 +103,12 @@ class Course(Swing):
         if self.follows is not None:
             check_covers(self.follows.known, f"{place}: reference", begin, end)
 
-    def values(self) -> dict[str, Any]:
-        """Return the numbers of the course, by the names that records have for them."""
-        return {
-            self.constant: getattr(self, self.constant),
-            "rate": self.rate,
-            "amplitude": self.amplitude,
-            "angular_frequency": self.angular_frequency,
-            "phase": self.phase,
-            "terms": len(self._terms()),
-        }
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
+        return {"terms": len(Course.tail(self))}
 
     def tail(self) -> tuple[float, ...]:
         """Return the terms of what it follows, then the table's."""
-        return self._terms()
-
-    def _terms(self) -> tuple[float, ...]:
         terms = () if self.follows is None else self.follows.terms()
         if self.time is None:
             return terms

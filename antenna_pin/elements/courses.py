@@ -9,7 +9,7 @@ from typing import Literal
 from antenna_pin.base.parameters import check, parameter
 from antenna_pin.base.readable import GIVEN, number
 from antenna_pin.elements import term_kernels as kernels
-from antenna_pin.elements.curve import SweptPiece
+from antenna_pin.elements.curve import SweptPiece, check_as_many
 from antenna_pin.elements.reference import Reference, pieces, swept, term
 from antenna_pin.errors import InvalidParameterError
 
@@ -33,13 +33,13 @@ class Constant(Reference):
         return pieces([0.0, math.inf], [[self.value]])
 
     def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
+        """Return the description."""
         return self.said("value", slides)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ramp(Reference):
-    """A value that grows at a rate, from a time on, for ever or for a while.
+    """A value that grows at a constant rate from a time on.
 
     Its rate jumps where it starts and ends: an impulse of a motion that follows it.
 
@@ -69,7 +69,7 @@ class Ramp(Reference):
         return pieces(times, [grows, [self.begin + self.rate * self.duration]])
 
     def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
+        """Return the description."""
         until = "" if self.duration is None else f" for {self.said('duration', slides)}"
         when = f" from {self.said('start', slides)} on" if self.start else ""
         return f"{self.said('begin', slides)} + a ramp of {self.said('rate', slides)}{when}{until}"
@@ -104,7 +104,7 @@ class Polynomial(Reference):
         return pieces([self.start, math.inf], [self.coefficients])
 
     def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
+        """Return the description."""
         parts = [
             f"{number(c, GIVEN)}{f' · t^{k}' if k else ''}" for k, c in enumerate(self.coefficients) if c
         ]
@@ -138,14 +138,14 @@ class Sine(Reference):
         return (*pieces([0.0, math.inf], [[self.mean]]), *own) if self.mean else own
 
     def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
+        """Return the description."""
         mean = f"{self.said('mean', slides)} + " if self.mean else ""
         return f"{mean}a sine of {self.said('amplitude', slides)} at {self.said('frequency', slides)}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Chirp(Reference):
-    r"""A sine whose frequency goes from one to another; its angle is the exact integral of 2 pi f.
+    r"""A sine of swept frequency; its phase is the exact integral of 2 pi f.
 
     .. math:: f = f_0 + (f_1 - f_0) s / T \quad\text{or}\quad f = f_0 (f_1 / f_0)^{s / T}
 
@@ -209,7 +209,7 @@ class Chirp(Reference):
         return (*pieces([0.0, math.inf], [[self.mean]]), *own) if self.mean else own
 
     def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
+        """Return the description."""
         ends = f"{self.said('first', slides)} to {self.said('last', slides)}"
         return (
             f"a {self.spacing} chirp of {self.said('amplitude', slides)} from {ends} in "
@@ -236,10 +236,7 @@ class Sines(Reference):
         check(self)
         if not self.amplitudes:
             raise InvalidParameterError(self, "amplitudes", "at least 1 number", said="none")
-        for name in ("frequencies", "phases"):
-            if len(getattr(self, name)) != len(self.amplitudes):
-                rule = f"as many numbers as amplitudes, {len(self.amplitudes)}"
-                raise InvalidParameterError(self, name, rule, said=f"{len(getattr(self, name))}")
+        check_as_many(self, "amplitudes", "frequencies", "phases")
 
     @property
     def longest_step(self) -> float:
@@ -253,6 +250,6 @@ class Sines(Reference):
         return term(kernels.SINES, own, count=len(self.amplitudes))
 
     def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
+        """Return the description."""
         low, high = (number(f(self.frequencies), 4) for f in (min, max))
         return f"a sum of {len(self.amplitudes)} sines from {low} to {high} Hz"

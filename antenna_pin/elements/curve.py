@@ -16,6 +16,8 @@ from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
     "areas",
+    "both_given",
+    "check_as_many",
     "check_covers",
     "check_table",
     "cubics",
@@ -29,7 +31,7 @@ Interpolation = Literal["linear", "cubic"]
 
 
 def check_table(owner: object, values: str, over: str = "time", unit: str = "s") -> None:
-    """Refuse times of ``owner`` that do not increase, and values, by their field's name, without a time.
+    """Refuse times that do not increase, and values without a time.
 
     Args:
         owner: Whose table it is.
@@ -41,9 +43,7 @@ def check_table(owner: object, values: str, over: str = "time", unit: str = "s")
     given = getattr(owner, values)
     if len(time) < 2:
         raise InvalidParameterError(owner, over, "at least 2 numbers", said=f"{len(time)}")
-    if len(given) != len(time):
-        rule = f"as many numbers as {over}, {len(time)}"
-        raise InvalidParameterError(owner, values, rule, said=f"{len(given)}")
+    check_as_many(owner, over, values)
     for i, (before, after) in enumerate(pairwise(time), start=1):
         if not after > before:
             rule = f"above the one before, {before!r}"
@@ -59,6 +59,24 @@ def check_table(owner: object, values: str, over: str = "time", unit: str = "s")
             raise InvalidParameterError(
                 owner, f"{values}[{i}]", rule, said=f"{given[i]!r}, a slope of {slope:g}"
             )
+
+
+def both_given(owner: object, *names: str) -> bool:
+    """Return whether two parameters are given; refuse one without the other."""
+    given = [name for name in names if getattr(owner, name) is not None]
+    if len(given) == 1:
+        (missing,) = set(names) - set(given)
+        raise InvalidParameterError(owner, missing, f"given beside {given[0]}", said="none")
+    return bool(given)
+
+
+def check_as_many(owner: object, over: str, *names: str) -> None:
+    """Refuse parameters that have not as many numbers as another."""
+    count = len(getattr(owner, over))
+    for name in names:
+        if len(getattr(owner, name)) != count:
+            rule = f"as many numbers as {over}, {count}"
+            raise InvalidParameterError(owner, name, rule, said=f"{len(getattr(owner, name))}")
 
 
 def check_covers(time: Sequence[float], place: str, begin: float, end: float) -> None:
@@ -86,7 +104,7 @@ def cubics(
     interpolation: Interpolation | Literal["smooth"],
     periodic: bool = False,
 ) -> tuple[float, ...]:
-    """Return a curve through points as kernels take it: the times, then four coefficients for each interval.
+    """Return a curve for kernels: times, then four coefficients for each interval.
 
     Args:
         time: Strictly increasing [s].
@@ -96,8 +114,6 @@ def cubics(
             last but one point).
         periodic: Whether a smooth one comes again after its last point, and is smooth there too.
     """
-    import numpy as np
-
     t, y = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
     if interpolation == "cubic":
         from scipy.interpolate import PchipInterpolator
@@ -121,7 +137,7 @@ def cubics(
 
 
 def areas(curve: Sequence[float], points: int) -> tuple[float, ...]:
-    """Return the integral of a curve, as :func:`cubics` has it, from its first point to each, (points,)."""
+    """Return the integral of a curve (:func:`cubics`) up to each point, (points,)."""
     found = [0.0]
     for k in range(points - 1):
         s = curve[k + 1] - curve[k]

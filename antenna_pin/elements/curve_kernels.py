@@ -22,7 +22,10 @@ def _piece(words: Floats, at: int, points: int, t: float) -> int:
 
 @inlined
 def curve(words: Floats, at: int, points: int, t: float) -> tuple[float, float]:
-    """Value and slope at time t of the curve at words[at:]: the points' times, then cubics between them."""
+    """Return value and slope at time t of the curve at words[at:].
+
+    There stand the times of the points, then the cubics between them.
+    """
     low = _piece(words, at, points, t)
     s = t - words[at + low]
     c = at + points + 4 * low
@@ -33,7 +36,10 @@ def curve(words: Floats, at: int, points: int, t: float) -> tuple[float, float]:
 
 @inlined
 def area(words: Floats, at: int, points: int, t: float) -> float:
-    """Integral up to t of the curve at words[at:], behind which stands that up to each of its points."""
+    """Return the integral up to t of the curve at words[at:].
+
+    Behind the curve stands its integral up to each of its points.
+    """
     low = _piece(words, at, points, t)
     s = t - words[at + low]
     c = at + points + 4 * low

@@ -1,4 +1,4 @@
-"""What stands before an element on links, and where it writes what it does: records of its block.
+"""Records of the block of an element on links: motions, forces, states.
 
 Behind an element's own numbers stand one ``WHOLE``, a ``LINK`` for each link, a ``JOINT`` for each joint and
 a ``STATE`` for each number of its own. Before it acts, all that it sees is written there; its kernel
@@ -36,7 +36,7 @@ WHOLE = layout(Whole)
 
 
 class Link(Record):
-    """A link and a point on it: its motion, and the forces on it, in world axes."""
+    """A link with a point: its motion, and the forces on it, world axes."""
 
     body: int  # index; -1: the world
     axes: Matrix3  # of the link, in the body's frame

@@ -23,6 +23,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from antenna_pin.base.arguments import AskedFunction, check_takes, takes, told_numbers
@@ -63,7 +64,13 @@ IMPULSE = Integral("impulse", "N*m*s")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ForceElement:
-    """Base of all that acts by numbers of its own, wherever that is."""
+    """Base of all that acts by numbers of its own, wherever that is.
+
+    The field ``on`` is that of kinds that can be switched.
+
+    Attributes:
+        on: Whether it acts from the start on; an event may switch it.
+    """
 
     # Its kernels, by the name of their module; what it integrates.
     kernels: ClassVar[str]
@@ -78,6 +85,8 @@ class ForceElement:
     commanded: ClassVar[str] = ""
     # Parameters of which a scenario asks that one is above zero: without, it would do nothing.
     one_above_zero: ClassVar[tuple[str, ...]] = ()
+    # Labels of parameters in the description, in its order.
+    labels: ClassVar[Mapping[str, str]] = MappingProxyType({})
 
     def __post_init__(self) -> None:
         """Check the parameters."""
@@ -95,7 +104,7 @@ class ForceElement:
 
     @property
     def acts(self) -> bool:
-        """Return whether the element acts from the start on: field ``on`` of those that can be switched."""
+        """Return whether the element acts from the start on, by field ``on``."""
         return bool(getattr(self, "on", True))
 
     @property
@@ -105,12 +114,12 @@ class ForceElement:
 
     @property
     def has_row(self) -> bool:
-        """Return whether the element has a row among constraints, for a hold or friction by load."""
+        """Return whether the element has a constraint row, for hold or load."""
         return self.under_load
 
     @property
     def instants(self) -> tuple[float, ...]:
-        """Times at which steps must end, for the effort is not smooth there, or too curved between [s]."""
+        """Times at which steps must end: kinks of the effort, strong curvature [s]."""
         return ()
 
     @property
@@ -144,8 +153,15 @@ class ForceElement:
         return import_module(f"antenna_pin.elements.{cls.kernels}")
 
     def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        return {name: getattr(self, name) for name in self.compiled().LAYOUT.names}
+        """Return the packed parameters by name: derived ones, and attributes (None: infinite)."""
+        derived = self.derived()
+        names = [name for name in self.compiled().LAYOUT.names if name not in derived]
+        own = ((name, getattr(self, name)) for name in names)
+        return {name: math.inf if value is None else value for name, value in own} | derived
+
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no attributes of that name."""
+        return {}
 
     def tail(self) -> tuple[float, ...]:
         """Return numbers of which there may be any many; they stand behind its record."""
@@ -167,7 +183,7 @@ class ForceElement:
 
     @property
     def ends(self) -> tuple[float, ...]:
-        """Angles of the joint at which a run ends, the ends of the element's range [rad] ([m])."""
+        """Ends of the element's range, at which a run ends [rad] ([m])."""
         return ()
 
     def check_begin(self, place: str, angle: float) -> None:
@@ -187,22 +203,17 @@ class ForceElement:
             end: End of the run [s].
         """
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words, numbers with units; of a joint that slides or turns."""
-        raise NotImplementedError
+    def words(self, slides: bool = False) -> str:
+        """Return the description, at a joint that slides or turns: labels with numbers and units."""
+        return ", ".join(self.said_of(self.labels, slides))
 
     def said(self, name: str, slides: bool) -> str:
         """Return one of its parameters with its unit, of a joint that slides or turns."""
         return readable(getattr(self, name), self.unit(name, slides), GIVEN)
 
     def said_of(self, words: Mapping[str, str], slides: bool) -> list[str]:
-        """Return those of its parameters that are not zero, each behind its word.
-
-        Args:
-            words: Words by parameter, in order.
-            slides: Whether the joint slides.
-        """
-        return [f"{word} {self.said(name, slides)}" for name, word in words.items() if getattr(self, name)]
+        """Return the nonzero parameters of the element, each behind its label."""
+        return [f"{word} {self.said(name, slides)}" for name, word in words.items() if getattr(self, name, 0)]
 
     def unit(self, name: str, slides: bool) -> str:
         """Return the unit of one of its parameters as :mod:`antenna_pin.base.readable` takes it."""
@@ -307,7 +318,6 @@ class Drive(Element):
 
     Attributes:
         axis: Whose axis the torque acts about; it matters at joints with play.
-        on: Whether it acts from the start on; an event may switch it.
     """
 
     integrals: ClassVar[tuple[Integral, ...]] = (WORK, GROSS_WORK)

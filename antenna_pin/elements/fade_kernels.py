@@ -1,4 +1,4 @@
-"""How a motion fades in: a factor from 0 to 1, compiled."""
+"""Fade-in of a motion: a factor from 0 to 1, compiled."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from antenna_pin.compiled.decorators import inlined
 
 @inlined
 def fade(t: float, length: float) -> tuple[float, float, float]:
-    """The factor at time t [s] with its first two derivatives: 10 u^3 - 15 u^4 + 6 u^5 of u = t / length.
+    """Return the factor at time t [s] with its first two derivatives.
+
+    The factor is 10 u^3 - 15 u^4 + 6 u^5 of u = t / length.
 
     Its first two derivatives are zero at both ends, so that acceleration begins without a jump.
     """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import Any, ClassVar
 
 from antenna_pin.elements.element import IMPULSE, LOSS, ForceElement, Integral
 from antenna_pin.elements.mesh_kernels import APART, BOTH, BOTH_WAYS, MINUS, PLUS, TURNS, TWO
@@ -21,7 +21,7 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BetweenJoints(ForceElement):
-    """Base of the elements that act at two joints: on a deflection that is a function of their positions.
+    """Base of the elements between two joints, by a deflection of both positions.
 
     Such an element is one at a joint whose angle is its deflection, ``x(input, output)``: its kernels
     ``effort``, ``stored`` and ``kink`` are given x and its rate. The effort is along x: at each joint it acts
@@ -82,7 +82,7 @@ _SIDES = {PLUS: "plus", MINUS: "minus"}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Flanks(Modal, BetweenJoints):
-    """Base of what has a side that meshes, or a strand that pulls, on either side of a deflection.
+    """Base of meshes and strands: a side on either sign of the deflection.
 
     Its modes say which are in contact. They change at located instants, so that steps end there and touches
     are known; its torque is a function of deflection and rate alone, whatever they say. In a touch of one
@@ -118,6 +118,21 @@ class Flanks(Modal, BetweenJoints):
     def side_numbers(self) -> tuple[float, int]:
         """Deflection at which a side begins to act, and the number of springs."""
         raise NotImplementedError
+
+    @property
+    def shares(self) -> tuple[float, float]:
+        """Derivatives a and -b of the deflection over the positions of input and output."""
+        raise NotImplementedError
+
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields: a mesh without offset, friction and error."""
+        (a, b), (room, springs) = self.shares, self.side_numbers
+        found = {"a": a, "b": b, "room": room, "springs": springs, "rest": 0.0, "points": 0}
+        return found | {"forward": 1.0, "backward": 1.0, "slow": 1.0}
+
+    def words(self, slides: bool = False) -> str:
+        """Return the description: the joints, then labels with numbers and units."""
+        return ", ".join([self.between_said(), *self.said_of(self.labels, slides)])
 
     @property
     def ever_changes(self) -> bool:
@@ -164,9 +179,8 @@ class Flanks(Modal, BetweenJoints):
 
     def facts(self) -> dict[str, float]:
         """Return the deflections beyond which its sides act, and its shares of the two positions."""
-        numbers = self.values()
         room, springs = self.side_numbers
-        found = {"a": float(numbers["a"]), "b": float(numbers["b"])}
+        found = dict(zip("ab", map(float, self.shares), strict=True))
         if springs != BOTH_WAYS:
             found["plus"] = -room
         if springs == TWO:

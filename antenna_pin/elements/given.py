@@ -13,7 +13,7 @@ __all__ = ["CallableDrive"]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CallableDrive(Drive):
-    """A torque from a function of time and motion; slower than the others unless it is compiled.
+    """A torque from a function of time and motion; slower unless compiled.
 
     It must answer equal questions equally: a run asks it many times a step, and back in time. An object with
     a memory (an integral, a sample and hold, chance, a clock) ends the run as ``FUNCTION_WITH_MEMORY``; a
@@ -47,8 +47,8 @@ class CallableDrive(Drive):
         """Return whether the kernel needs the joint's motion."""
         return self.called
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers; the value of a plain function is written before each evaluation."""
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters; the value of a plain function is written before each evaluation."""
         return {"value": 0.0, "address": self._address()}
 
     @property
@@ -67,6 +67,6 @@ class CallableDrive(Drive):
         """Return the numbers of its record at time t [s]."""
         return (functions[0](t, angle, rate), 0.0)
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         return "a compiled function" if self.called else "a function in Python"

@@ -1,4 +1,4 @@
-"""Elements that a user writes in Python: they see links and joints, and act on them."""
+"""A user's elements in Python, which act on links and joints."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def address_on_links(place: str, name: str, function: Any, sizes: tuple[int, int
 
 @cache
 def wrench_on_links(function: Any) -> Any:
-    """Return a function that acts on one link by a compiled one of time, pose and twist."""
+    """Return a function on one link from a compiled one of time, pose, twist."""
     import numpy as np
     from numba import njit
 
@@ -82,7 +82,7 @@ def wrench_on_links(function: Any) -> Any:
 
 @cache
 def _compiled(function: Any, sizes: tuple[int, int, int, int]) -> Any:
-    """Return a function as kernels call it: of a time and a place, which gives 1 where it raises."""
+    """Return a function as kernels call it, by time and address; 1 on failure."""
     from numba import carray, cfunc, float64, njit
 
     from antenna_pin.base.records import words_of
@@ -254,7 +254,7 @@ class CallableElement(OnLinks):
     def _sizes(self) -> tuple[int, int, int, int]:
         return len(self.parameters), len(self.links), len(self.joints), len(self.integrates)
 
-    def values(self) -> dict[str, Any]:
+    def derived(self) -> dict[str, Any]:
         """Return the packed parameters: address of the function, zero for one in Python."""
         from antenna_pin.compiled.given_functions import is_compiled
         from antenna_pin.elements.given_links import address_on_links
@@ -292,21 +292,19 @@ class CallableElement(OnLinks):
                 raise FunctionError(name, told, _GIVES, f"{what} {whole[what][0]}")
 
     def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
+        """Return the description."""
         where = ", ".join([*dict.fromkeys(link for link, _ in self.links), *self.joints])
         return f"{'a compiled function' if self.called else 'a function in Python'} of {where}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CallableForce(AtPoint):
-    """A force and torque on a link from a function of time and of how the link moves.
+    """A force and torque on a link from a function of time and motion.
 
     Attributes:
-        at: A link, and a point in its frame [m].
         wrench: ``(t [s], pose, twist) -> wrench``, (6,): force at the point [N], then torque [N m]. The pose
             is that of the link's axes at the point, (4, 4); the twist velocity of the point [m/s] and spin
             [rad/s], (6,). All in world axes. A plain function, or compiled by ``numba.njit``.
-        on: Whether it acts from the start on; an event may switch it.
     """
 
     kernels: ClassVar[str] = "given_links_kernels"
@@ -325,7 +323,7 @@ class CallableForce(AtPoint):
 
         return is_compiled(self.wrench)
 
-    def values(self) -> dict[str, Any]:
+    def derived(self) -> dict[str, Any]:
         """Return the packed parameters: address of the function, zero for one in Python."""
         from antenna_pin.elements.given_links import address_on_links, wrench_on_links
 
@@ -335,7 +333,7 @@ class CallableForce(AtPoint):
         return {"address": address_on_links(type(self).__name__, "wrench", own, (0, 1, 0, 0))}
 
     def ask(self, place: str, t: float, desk: Any) -> None:
-        """Call the Python function and check its result, as :meth:`CallableElement.ask` does."""
+        """Call the Python function, and check its result."""
         import numpy as np
 
         link = desk[1][0]
@@ -353,5 +351,5 @@ class CallableForce(AtPoint):
         link.force[:], link.torque[:] = six[:3], six[3:]
 
     def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
+        """Return the description."""
         return f"{'a compiled function' if self.called else 'a function in Python'} on {self.at[0]}"

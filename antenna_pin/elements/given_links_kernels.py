@@ -1,4 +1,7 @@
-"""What a user's function does on links: a compiled one is called, a plain one was asked before; compiled."""
+"""Effect of a user's function on links, compiled.
+
+A compiled function is called; a plain one was called before.
+"""
 
 from __future__ import annotations
 

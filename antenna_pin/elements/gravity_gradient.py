@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 from antenna_pin.base.directions import A_DIRECTION, unit
 from antenna_pin.base.parameters import parameter
 from antenna_pin.base.readable import GIVEN, readable
+from antenna_pin.elements.curve import both_given
 from antenna_pin.elements.element import ForceElement
 from antenna_pin.elements.on_links import OnLinks
 from antenna_pin.errors import InvalidParameterError
@@ -41,7 +42,6 @@ class GravityGradient(OnLinks):
         radius: Of the orbit [m].
         normal: Of the orbit, along the orbital angular momentum, in world axes, of any length [-].
         nadir: Direction to the centre at t = 0, in world axes, square to that [-].
-        on: Whether it acts from the start on; an event may switch it.
     """
 
     kernels: ClassVar[str] = "gravity_gradient_kernels"
@@ -57,9 +57,7 @@ class GravityGradient(OnLinks):
     def __post_init__(self) -> None:
         """Check the parameters, and that they define one orbit."""
         ForceElement.__post_init__(self)
-        if (self.mu is None) != (self.radius is None):
-            missing, there = ("mu", "radius") if self.mu is None else ("radius", "mu")
-            raise InvalidParameterError(self, missing, f"given beside {there}", said="none")
+        both_given(self, "mu", "radius")
         if (self.rate is None) == (self.mu is None):
             said = "neither" if self.rate is None else "both"
             raise InvalidParameterError(self, "rate", "given, or mu and radius in its place", said=said)
@@ -79,8 +77,8 @@ class GravityGradient(OnLinks):
         """A twelfth of the orbital period [s]."""
         return 2.0 * math.pi / (12.0 * self.orbital_rate)
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
         import numpy as np
 
         normal, nadir = unit(self.normal), unit(self.nadir)
@@ -93,7 +91,7 @@ class GravityGradient(OnLinks):
         return {"rate": self.orbital_rate, **dict(zip(names, numbers, strict=True))}
 
     def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
+        """Return the description."""
         period = readable(2.0 * math.pi / self.orbital_rate, "s", 6)
         rate = readable(self.orbital_rate, "rad/s", GIVEN if self.rate is not None else 6)
         return f"gravity gradient of a circular orbit, {rate}, a revolution in {period}"

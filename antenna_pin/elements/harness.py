@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.angle_table import TableSpring
@@ -17,7 +17,7 @@ _Z = Integral("z", "1")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HarnessSpring(TableSpring):
-    r"""A spring with a table of torque over angle for each direction of motion, such as that of a harness.
+    r"""A spring with a table of torque over angle for each direction.
 
     With T the torque while the angle grows and T_b that while it falls, M their mean and
     :math:`H = (T_b - T) / 2`, never negative,
@@ -62,10 +62,6 @@ class HarnessSpring(TableSpring):
         """Return the number of kinks: reversals and ends of the tables."""
         return True
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        return {**TableSpring.values(self), "reversal": self.reversal, "start": self.start}
-
     def tail(self) -> tuple[float, ...]:
         """Return the curves of the mean and of half the difference."""
         pairs = tuple(zip(self.torque, self.torque_back, strict=True))
@@ -73,8 +69,8 @@ class HarnessSpring(TableSpring):
         half = tuple(0.5 * (back - up) for up, back in pairs)
         return (*self.curve_of(mean), *self.curve_of(half))
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         return (
             f"both ways, {TableSpring.words(self, slides)}, goes over within {self.said('reversal', slides)}"
         )

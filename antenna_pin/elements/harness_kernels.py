@@ -26,7 +26,10 @@ Z = 1
 
 @inlined
 def _half(words: Floats, at: int, angle: float) -> tuple[float, float]:
-    """Half the difference of the tables, H, and its slope, which do not go on beyond them."""
+    """Return half the difference of the tables, H, and its slope.
+
+    Both stay constant beyond the tables.
+    """
     points = record(words[at : at + SIZE], LAYOUT).points
     return torque_at(words, at + SIZE + 6 * points - 4, (points, False), angle)
 
@@ -67,5 +70,5 @@ def stored_of(words: Floats, at: int, angle: float, own: Own) -> float:
 
 @inlined
 def kink(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
-    """Where it turns back, and where the tables end."""
+    """Return a function that passes zero at reversals and ends of the tables."""
     return rate * ends_at(words, at + SIZE, record(words[at : at + SIZE], LAYOUT).points, angle)

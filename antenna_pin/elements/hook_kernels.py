@@ -1,4 +1,4 @@
-"""The hooks of force elements: the kernels that a kind of element may have, with their arguments and units.
+"""Hooks of force elements: kernels of a kind, with arguments and units.
 
 A kind has those that it needs, in its own module, under these names and with these arguments
 (``tests/elements/test_hooks.py`` compares them); :mod:`antenna_pin.elements.kernels` calls them by the number
@@ -50,7 +50,7 @@ class Hooks(Protocol):
         """Return the energy stored [J]; a kind without it stores none."""
 
     def effort_of(self, words: Floats, at: int, motion: Motion, own: Own) -> float:
-        """Return the torque [N m] ([N]) of a kind with states, in the place of ``effort``."""
+        """Return the torque [N m] ([N]) of a kind with states; replaces ``effort``."""
 
     def write_rates_of(
         self, words: Floats, at: int, motion: Powered, own: Own, rates: Floats, x: int
@@ -73,7 +73,7 @@ class Hooks(Protocol):
         """Return the motion that it prescribes: position [rad] ([m]), its rate and its acceleration."""
 
     def switch(self, words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
-        """Return function k of its ``switches`` and that one's rate, 0 where it is not known.
+        """Return function k of its ``switches`` and its rate, 0 where unknown.
 
         It is positive while the mode stays, and the mode may change where it passes zero (``passed`` of its
         class); of another mode's functions it is 1. A function that is ``weighed`` has the joint's reduced
@@ -87,7 +87,7 @@ class Hooks(Protocol):
         """Return the present mode, 0 of a kind without."""
 
     def grip(self, words: Floats, at: int) -> float:
-        """Return the torque up to which friction holds, under the last evaluation's load [N m] ([N])."""
+        """Return the largest sticking torque at the last evaluation's load [N m] ([N])."""
 
     def bearing(self, words: Floats, at: int) -> tuple[float, float, float, float]:
         """Return the weights of its joint's load and the bearing's middle.
@@ -114,10 +114,13 @@ class Hooks(Protocol):
         """Return the power of dampers along a deflection x [rad] ([m]) and its rate [W]."""
 
     def drag(self, words: Floats, at: int, torque: float, rate: float) -> float:
-        """Return the torque of friction on the input [N m] ([N]), by the input's torque and rate."""
+        """Return the friction torque on the input [N m] ([N]), by torque and rate."""
 
     def press(self, words: Floats, at: int, pose: Pose) -> float:
-        """Write force and moment on the journal about its centre into its pose; return the power lost [W]."""
+        """Write the force and moment on the journal into its pose; return the loss [W].
+
+        The moment is about the journal's centre.
+        """
 
     def kept(self, words: Floats, at: int, place: JournalPlace) -> float:
         """Return the energy stored [J] of a kind that acts on a journal's whole pose."""
@@ -125,10 +128,16 @@ class Hooks(Protocol):
     def coordinates(
         self, words: Floats, at: int, place: JournalPlace
     ) -> tuple[float, float, float, float, float, float]:
-        """Return displacement [m] and tilts about x and y of a journal; then its reference point [m]."""
+        """Return displacement [m] and tilts of a journal; then its reference point [m].
+
+        Tilts are about x and y.
+        """
 
     def tension(self, words: Floats, at: int, length: float, rate: float) -> float:
-        """Return the force that draws two points together [N], by their distance [m] and its rate [m/s]."""
+        """Return the force that draws two points together [N].
+
+        Arguments are their distance [m] and its rate [m/s].
+        """
 
     def loss(self, words: Floats, at: int, rate: float) -> float:
         """Return the power lost between two points [W]."""

@@ -13,7 +13,7 @@ __all__ = ["JointFriction"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointFriction(Element):
-    r"""Viscous and Coulomb friction of a joint; the units are those of a turning (sliding) joint.
+    r"""Viscous and Coulomb friction of a turning (sliding) joint.
 
     .. math:: \tau = -c\, \dot\phi - T \frac{\dot\phi}{\sqrt{\dot\phi^2 + \omega_r^2}}
 
@@ -27,7 +27,6 @@ class JointFriction(Element):
         damping: c [N*m*s/rad] ([N*s/m]).
         friction: T [N*m] ([N]).
         regularisation_speed: omega_r, where Coulomb friction is 71 % of its limit [rad/s] ([m/s]).
-        on: Whether it acts from the start on; an event may switch it.
 
     References:
         URDF's ``<dynamics>`` names damping and friction and leaves open what friction does at rest.
@@ -43,8 +42,8 @@ class JointFriction(Element):
     regularisation_speed: float = parameter("rad/s", sliding="m/s", rule="positive", default=1e-3)
     on: bool = True
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         found = self.said_of({"damping": "damping", "friction": "friction"}, slides)
         if self.friction:
             found.append(f"rounded off below {self.said('regularisation_speed', slides)}")

@@ -1,4 +1,4 @@
-"""All kinds of force elements, compiled: what is asked of one by its number goes to the kernels of its kind.
+"""All kinds of force elements, compiled: dispatch by the number of the kind.
 
 The chain ``if kind == ...`` is made from the registry when a caller is compiled, and compiled into it: who
 finds its kernels compiled loads the elements that it has, not all. A number that no kind has gives
@@ -25,7 +25,9 @@ def _kinds() -> list[tuple[int, Any]]:
 
 
 def _chain(name: str, last: Callable[..., Any]) -> Any:
-    """Return a function of a kind's number and arguments, that passes these on to the kind's own ``name``.
+    """Return a function that dispatches to the kind's own ``name``.
+
+    Its arguments are a kind's number, and those of the kernel.
 
     Kinds without one, and numbers that are no kind's, go on to ``last``.
     """

@@ -17,7 +17,7 @@ _FLANKS = 3
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Latch(Capture):
-    r"""A latch that captures a joint in a window and then holds it by a spring and a damper.
+    r"""A latch that captures a joint and holds it by spring and damper.
 
     .. math:: \tau = -k\, e - c\, \dot\phi, \qquad
               e = \operatorname{sign}(\phi - \phi_l) \max(|\phi - \phi_l| - \tfrac12 p,\, 0)
@@ -47,7 +47,10 @@ class Latch(Capture):
     flank: float = field(default=0.0, repr=False)
 
     def flank_at(self, angle: float, rate: float) -> float:
-        """Return which flank a held joint is pressed to [rad], [rad/s] ([m], [m/s]); 0 for none."""
+        """Return the flank that a held joint is pressed to; 0 for none.
+
+        Arguments are in [rad] and [rad/s] ([m] and [m/s]).
+        """
         way = 1.0 if angle > self.angle else -1.0
         bent, outward = way * (angle - self.angle) - 0.5 * self.play, way * rate
         pressed = self.stiffness * bent + self.damping * outward
@@ -64,7 +67,7 @@ class Latch(Capture):
         return Change(HELD, memory={"flank": 0.0 if self.flank else beyond})
 
     def in_another(self, met: Met) -> Change | None:
-        """Be pressed to another flank, or to none, where the joint or the latch is elsewhere now."""
+        """Return the change of flank where joint or latch have been moved."""
         flank = self.flank_at(met.angle, met.rate)
         return Change(HELD, memory={"flank": flank}) if self.mode == HELD and flank != self.flank else None
 
@@ -72,16 +75,11 @@ class Latch(Capture):
         found = Capture._held(self, met, what)
         return found._replace(memory={**found.memory, "flank": self.flank_at(met.angle, met.rate)})
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        return self.capture_values() | {
-            "stiffness": self.stiffness,
-            "damping": self.damping,
-            "half_play": 0.5 * self.play,
-            "flank": self.flank,
-        }
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
+        return Capture.derived(self) | {"half_play": 0.5 * self.play}
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         named = {"stiffness": "stiffness", "damping": "damping", "play": "play"}
         return "latch " + ", ".join([*self.capture_words(slides), *self.said_of(named, slides)])

@@ -50,7 +50,7 @@ SIZE = words_of(LAYOUT)
 
 @inlined
 def excess(latch: PackedLatch, angle: float) -> float:
-    """How far the joint is beyond the latch's own play, with its sign; zero inside."""
+    """Return the signed distance of the joint beyond the latch's play; zero inside."""
     off = float(angle - latch.middle)
     if off > latch.half_play:
         return float(off - latch.half_play)
@@ -59,7 +59,9 @@ def excess(latch: PackedLatch, angle: float) -> float:
 
 @inlined
 def held_torque(latch: PackedLatch, angle: float, rate: float) -> float:
-    """Torque [N m], or force [N], of the spring and the damper; with play those of the flank pressed to.
+    """Return the torque of spring and damper [N m] ([N]).
+
+    With play it is that of the flank under load.
 
     Where that would pull, the joint comes off it (``switch``); in a trial step beyond, the torque
     goes on as it is, so that steps are smooth.
@@ -100,7 +102,9 @@ def stored(words: Floats, at: int, angle: float) -> float:
 
 @inlined
 def beyond_capture(latch: Window, rate: float, inertia: float) -> float:
-    """By how much the rate is not one to be captured at [rad/s]; zero or less where it is.
+    """Return the excess of the rate over the limit of capture [rad/s].
+
+    It is zero or less where the latch captures.
 
     A latch with a greatest energy asks for the joint's reduced inertia; not-a-number gives not-a-number.
     """
@@ -117,13 +121,13 @@ def beyond_capture(latch: Window, rate: float, inertia: float) -> float:
 
 @inlined
 def inside(latch: Window, angle: float) -> float:
-    """How far the joint is inside the window; negative outside."""
+    """Return the distance of the joint to the window's ends; negative outside."""
     return float(min(angle - latch.lower, latch.upper - angle))
 
 
 @kernel
 def capture(latch: Window, k: int, motion: Loaded) -> tuple[float, float]:
-    """Functions that a latch has whatever holds: 0 the window's end, 1 the rates that it captures at."""
+    """Return function k of every latch: 0 end of the window, 1 rate of capture."""
     _, angle, rate, inertia = motion
     if k == 0 and latch.mode != HELD:
         if latch.mode == OUTSIDE:
@@ -137,7 +141,10 @@ def capture(latch: Window, k: int, motion: Loaded) -> tuple[float, float]:
 
 @inlined
 def _flanks(latch: PackedLatch, angle: float, rate: float) -> tuple[float, float]:
-    """With what a flank presses, or how far the joint is off one: off, too, while the flank would pull."""
+    """Return the pressure of a flank, or the distance to one.
+
+    The distance counts also while the flank would pull.
+    """
     if latch.mode != HELD or latch.half_play == 0.0:
         return 1.0, 0.0
     if latch.flank != 0.0:
@@ -152,7 +159,7 @@ def _flanks(latch: PackedLatch, angle: float, rate: float) -> tuple[float, float
 
 @kernel
 def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
-    """Functions 0 and 1 are those of capture, 2 what the torque lacks to the holding one, 3 the flanks'."""
+    """Return function k: 0, 1 capture, 2 margin to the holding torque, 3 flanks."""
     latch = record(words[at : at + SIZE], LAYOUT)
     _, angle, rate, _ = motion
     if k < 2:

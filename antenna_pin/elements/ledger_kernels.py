@@ -1,4 +1,4 @@
-"""What drives integrate, compiled."""
+"""Integrals of drives, compiled."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ WORKS_WORDS = words_of(WORKS)
 def write_work(
     words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int
 ) -> None:
-    """Work and gross work of a drive: what it puts in, and the integral of its size."""
+    """Write work and gross work of a drive, the integrals of power and size."""
     works = record(rates[x : x + WORKS_WORDS], WORKS)
     works.work = power
     works.gross_work = abs(power)

@@ -19,7 +19,7 @@ FREE, LOWER, UPPER = 0, 1, 2
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limits(ModalElement):
-    """Base of the end stops: a joint is free between them, or on one of its sides.
+    """Base of the end stops: between them, or on a side.
 
     Attributes:
         lower: Where the joint stops on its way down [rad] ([m]); with neither limit, those of the URDF.
@@ -53,7 +53,7 @@ class Limits(ModalElement):
         return math.inf if self.upper is None else self.upper
 
     def said_by(self, name: str, side: int) -> str:
-        """Return the name of a side's parameter: with ``upper_`` where the upper side has its own."""
+        """Return the name of a side's parameter: its own ``upper_`` one where given."""
         upper = f"upper_{name}"
         return upper if side == UPPER and getattr(self, upper, None) is not None else name
 
@@ -73,6 +73,10 @@ class Limits(ModalElement):
                 rule = "left out where there is no upper limit; give upper"
                 raise InvalidParameterError(self, own, rule, getattr(self, own))
 
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
+        return {"lower": self.lowest}
+
     def words_of_limits(self, slides: bool) -> str:
         """Return the limits in words."""
         if self.lower is None or self.upper is None:
@@ -85,7 +89,10 @@ class Limits(ModalElement):
         return {name: float(limit) for name, limit in both.items() if limit is not None}
 
     def side_at(self, angle: float, rate: float) -> int:
-        """Return the side that a joint is on: beyond it, or at it and not on its way off; 0 if on none."""
+        """Return the side that a joint is on; 0 if on none.
+
+        It is beyond the side, or at it and not on its way off.
+        """
         if angle < self.lowest or (angle == self.lowest and rate <= 0.0):
             return LOWER
         return UPPER if angle > self.highest or (angle == self.highest and rate >= 0.0) else FREE

@@ -31,7 +31,9 @@ def _lanes_of(words: Floats, at: int, first: float, step: float) -> tuple[Any, A
 
 @kernel
 def lines(words: Floats, at: int, groups: int, lowest: int, turned: float) -> tuple[float, float, float]:
-    """Sum and its first two derivatives by the turn since the period's start [1, 1/rad, 1/rad^2].
+    """Return the sum and its derivatives over the turn [1, 1/rad, 1/rad^2].
+
+    The turn counts from the period's start.
 
     Args:
         words: In which the lines stand.

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 from antenna_pin.base.parameters import parameter
+from antenna_pin.elements.curve import check_as_many
 from antenna_pin.elements.element import Element
 from antenna_pin.elements.modal import Change, Met, ModalElement, Remembered
 from antenna_pin.errors import InvalidParameterError
@@ -21,7 +22,7 @@ _ANCHORS = tuple(f"anchor_{k}" for k in range(1, _MOST + 1))
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MaxwellSlip(ModalElement):
-    r"""Springs side by side, each of which slips at a torque of its own: hysteresis after Maxwell.
+    r"""Springs in parallel, each with its own slip torque: hysteresis after Maxwell.
 
     .. math:: \tau = -\sum_i k_i z_i, \quad z_i = \phi - a_i \text{ within } \pm s_i / k_i
 
@@ -36,7 +37,6 @@ class MaxwellSlip(ModalElement):
         stiffness: Of each, k, at most 8 [N*m/rad] ([N/m]).
         slip: Torque at which each slips, s [N*m] ([N]).
         rest_angle: Where none is bent at the start [rad] ([m]); None for where the joint starts.
-        on: Whether it acts from the start on; an event may switch it.
 
     References:
         Iwan, W. D.: A distributed-element model for hysteresis and its steady-state dynamic response. J.
@@ -72,9 +72,7 @@ class MaxwellSlip(ModalElement):
         if not 1 <= len(self.stiffness) <= _MOST:
             rule = f"1 to {_MOST} numbers; put further ones into another spring of this kind at the joint"
             raise InvalidParameterError(self, "stiffness", rule, said=f"{len(self.stiffness)}")
-        if len(self.slip) != len(self.stiffness):
-            rule = f"as many numbers as stiffness, {len(self.stiffness)}"
-            raise InvalidParameterError(self, "slip", rule, said=f"{len(self.slip)}")
+        check_as_many(self, "stiffness", "slip")
 
     @property
     def has_kinks(self) -> bool:
@@ -91,9 +89,9 @@ class MaxwellSlip(ModalElement):
         """Positions at which the springs are relaxed at present [rad] ([m])."""
         return tuple(getattr(self, name) for name in _ANCHORS[: len(self.stiffness)])
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        return {"count": len(self.stiffness), "mode": self.mode, "slips": int(self.slips)}
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
+        return {"count": len(self.stiffness)}
 
     def tail(self) -> tuple[float, ...]:
         """Return stiffness, reach and anchor of each."""
@@ -101,20 +99,23 @@ class MaxwellSlip(ModalElement):
         return tuple(number for one in each for number in one)
 
     def first(self, met: Met) -> Change:
-        """Bend all from the rest angle to where the joint starts; those that cannot have slipped there."""
+        """Return the bending of all springs from the rest angle, as far as they reach."""
         rest = met.angle if self.rest_angle is None else self.rest_angle
         return Change(0, memory=self._dragged((rest,) * len(self.slip), met.angle))
 
     def first_off(self, met: Met) -> Change:
-        """Return the bending at the start, from which the springs go on once they are switched on."""
+        """Return the bending at the start, constant until the springs are switched on."""
         return self.first(met)
 
     def in_another(self, met: Met) -> Change:
-        """Drag those along that are bent farther than they can be; none slips until it is found to."""
+        """Drag the anchors of springs bent beyond their reach; none slips yet."""
         return Change(self.mode, memory={**self._dragged(self.anchors, met.angle), "slips": 0.0})
 
     def passed(self, k: int, met: Met) -> Change:
-        """Slip the way that one is bent that far; where the joint turns back then, drag anchors no more."""
+        """Return the change of slip: a spring begins, or the joint turns back.
+
+        Where it turns back no anchor is dragged further.
+        """
         if k == 1:
             return Change(3 - self.mode, memory={**self._dragged(self.anchors, met.angle), "slips": 0.0})
         bent = [met.angle - anchor for anchor in self.anchors]
@@ -136,8 +137,8 @@ class MaxwellSlip(ModalElement):
             for name, anchor, reach in zip(_ANCHORS, anchors, self.reaches, strict=False)
         }
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         torques = ", ".join(f"{one:g}" for one in self.slip)
         stiff = sum(self.stiffness)
         units = self.unit("slip", slides), self.unit("stiffness", slides)

@@ -45,7 +45,10 @@ def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float
 
 @inlined
 def write_rates_of(words: Floats, at: int, motion: Powered, own: Own, rates: Floats, x: int) -> None:
-    """Power of those that slip [W]: by what is decided, for it jumps where one begins to."""
+    """Return the power of the slipping springs [W].
+
+    Which slip is a discrete state, for the power jumps where one begins to.
+    """
     angle, rate, _ = motion
     springs = record(words[at : at + SIZE], LAYOUT)
     found = 0.0
@@ -69,7 +72,10 @@ def stored(words: Floats, at: int, angle: float) -> float:
 
 @inlined
 def kink(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
-    """Product of what is left to each until it slips, as shares: one begins to where it passes zero."""
+    """Return the product of the margins to slip, as shares.
+
+    One spring begins to slip where it passes zero.
+    """
     found = 1.0
     for k in range(record(words[at : at + SIZE], LAYOUT).count):
         one = at + SIZE + EACH * k
@@ -85,7 +91,7 @@ def mode(words: Floats, at: int) -> int:
 
 @inlined
 def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
-    """What is left until one slips (the other way), or one more; the rate of those that slip, or soon do."""
+    """Return function k: margin to slip, or the rate of slipping springs."""
     springs = record(words[at : at + SIZE], LAYOUT)
     _, angle, rate, _ = motion
     way = 1.0 if springs.mode == UP else -1.0

@@ -2,35 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, ClassVar, Literal
 
 from antenna_pin.base.parameters import LEAST, parameter
 from antenna_pin.base.readable import number
+from antenna_pin.elements.curve import both_given, check_as_many
 from antenna_pin.elements.flanks import Flanks
-from antenna_pin.elements.mesh_kernels import APART, BOTH_WAYS, TWO
+from antenna_pin.elements.mesh_kernels import BOTH_WAYS, TWO
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Gear", "Rack", "Spline", "mesh_numbers"]
-
-_NO_FRICTION = {"forward": 1.0, "backward": 1.0, "slow": 1.0}
-
-
-def mesh_numbers(a: float, b: float, room: float, springs: int, **more: Any) -> dict[str, Any]:
-    """Return the numbers of a mesh's record, without friction and errors unless ``more`` has them."""
-    return {
-        "a": a,
-        "b": b,
-        "room": room,
-        "springs": springs,
-        "rest": 0.0,
-        "points": 0,
-        "mode": APART,
-        "turned": 0.0,
-        **_NO_FRICTION,
-        **more,
-    }
+__all__ = ["Gear", "Rack", "Spline"]
 
 
 class Teeth(Flanks):
@@ -41,6 +25,9 @@ class Teeth(Flanks):
 
     play: float
     damping: float
+    offset: float
+
+    labels: ClassVar[Mapping[str, str]] = {"stiffness": "stiffness", "damping": "damping", "play": "play"}
 
     @property
     def has_kinks(self) -> bool:
@@ -52,10 +39,19 @@ class Teeth(Flanks):
         """Half the play, and both flanks, or a spring either way without play."""
         return -0.5 * self.play, TWO if self.play > 0.0 else BOTH_WAYS
 
+    @property
+    def shares(self) -> tuple[float, float]:
+        """Derivatives a and -b of the deflection over the positions: 1 and -1."""
+        return 1.0, 1.0
+
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
+        return Flanks.derived(self) | {"rest": self.offset}
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Gear(Teeth):
-    r"""A pair of gears, or a whole gearbox, between two joints: elastic, with play, errors and friction.
+    r"""A pair of gears, or a gearbox: elastic, with play, errors and friction.
 
     With a deflection measured on the output side (times the ratio on the input's)
 
@@ -82,7 +78,6 @@ class Gear(Teeth):
         slow_rate: Rate of the input where friction is 71 % of its limit [rad/s].
         error_angle: Angles of the input, increasing, over one period of the transmission error [rad].
         error: e at each, the last as the first, joined by a periodic spline [rad].
-        on: Whether it acts from the start on; an event may switch it.
 
     References:
         Names as in Modelica's ElastoBacklash (total play, a damping torque that the spring's limits); the
@@ -116,16 +111,12 @@ class Gear(Teeth):
 
     def _check_error(self) -> None:
         angles, error = self.error_angle, self.error
+        both_given(self, "error_angle", "error")
         if angles is None or error is None:
-            if angles is not error:
-                lacking, there = ("error", "error_angle") if error is None else ("error_angle", "error")
-                raise InvalidParameterError(self, lacking, f"given beside {there}", said="none")
             return
         if len(angles) < 4:
             raise InvalidParameterError(self, "error_angle", "at least 4 numbers", said=f"{len(angles)}")
-        if len(error) != len(angles):
-            rule = f"as many numbers as error_angle, {len(angles)}"
-            raise InvalidParameterError(self, "error", rule, said=f"{len(error)}")
+        check_as_many(self, "error_angle", "error")
         for k, (before, after) in enumerate(pairwise(angles), start=1):
             if not after - before >= LEAST:
                 rule = f"above the one before, {before!r}"
@@ -139,23 +130,15 @@ class Gear(Teeth):
         """The input, if there is friction on it."""
         return (self.input,) if min(self.efficiency, self.efficiency_back) < 1.0 else ()
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        a, b = (1.0, self.ratio) if self.side == "input" else (1.0 / self.ratio, 1.0)
-        return mesh_numbers(
-            a,
-            b,
-            *self.side_numbers,
-            mode=self.mode,
-            turned=self.turned,
-            rest=self.offset,
-            stiffness=self.stiffness,
-            damping=self.damping,
-            forward=self.efficiency,
-            backward=self.efficiency_back,
-            slow=self.slow_rate,
-            points=0 if self.error_angle is None else len(self.error_angle),
-        )
+    @property
+    def shares(self) -> tuple[float, float]:
+        """Derivatives a and -b of the deflection over the positions, by the ratio."""
+        return (1.0, self.ratio) if self.side == "input" else (1.0 / self.ratio, 1.0)
+
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
+        friction = {"forward": self.efficiency, "backward": self.efficiency_back, "slow": self.slow_rate}
+        return Teeth.derived(self) | friction | {"points": len(self.error_angle or ())}
 
     def tail(self) -> tuple[float, ...]:
         """Return the curve of the error."""
@@ -167,9 +150,9 @@ class Gear(Teeth):
         return (*self.error_angle, *found.ravel().tolist())
 
     def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
+        """Return the description."""
         said = [f"{self.between_said()}, ratio {number(self.ratio)}"]
-        said += self.said_of({"stiffness": "stiffness", "damping": "damping", "play": "play"}, False)
+        said += self.said_of(self.labels, False)
         said[-1] += f" on the {self.side} side"
         if self.efficiency < 1.0 or self.efficiency_back < 1.0:
             said.append(f"efficiency {number(self.efficiency)}, backward {number(self.efficiency_back)}")
@@ -191,7 +174,6 @@ class Spline(Teeth):
         damping: In contact only [N*m*s/rad].
         play: Total play about the axis [rad].
         offset: x_0, the middle of the play [rad].
-        on: Whether it acts from the start on; an event may switch it.
     """
 
     kernels: ClassVar[str] = "mesh_kernels"
@@ -202,28 +184,10 @@ class Spline(Teeth):
     offset: float = parameter("rad", default=0.0)
     on: bool = True
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        return mesh_numbers(
-            1.0,
-            1.0,
-            *self.side_numbers,
-            mode=self.mode,
-            turned=self.turned,
-            rest=self.offset,
-            stiffness=self.stiffness,
-            damping=self.damping,
-        )
-
-    def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
-        said = {"stiffness": "stiffness", "damping": "damping", "play": "play"}
-        return ", ".join([self.between_said(), *self.said_of(said, False)])
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Rack(Teeth):
-    r"""A pinion and a rack, with play: from a joint that turns to one that slides.
+    r"""A pinion and a rack, with play: a turning and a sliding joint.
 
     The deflection is a way along the pitch line, :math:`r \phi_\text{in} - s_\text{out} - x_0`; beyond half
     the play its force is that of :class:`Gear`. The pinion gets r times the force, the rack the force along
@@ -235,13 +199,13 @@ class Rack(Teeth):
         damping: In contact only [N*s/m].
         play: Total play along the pitch line [m].
         offset: x_0, the middle of the play [m].
-        on: Whether it acts from the start on; an event may switch it.
     """
 
     kernels: ClassVar[str] = "mesh_kernels"
     along: ClassVar[bool] = True
     slide: ClassVar[tuple[bool, bool]] = (False, True)
     instead: ClassVar[str] = "the pinion for the input and the rack for the output"
+    labels: ClassVar[Mapping[str, str]] = {"radius": "radius", **Teeth.labels}
 
     radius: float = parameter("m")
     stiffness: float = parameter("N/m", rule="positive")
@@ -256,20 +220,7 @@ class Rack(Teeth):
         if abs(self.radius) < LEAST:
             raise InvalidParameterError(self, "radius", "other than zero", self.radius)
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        return mesh_numbers(
-            self.radius,
-            1.0,
-            *self.side_numbers,
-            mode=self.mode,
-            turned=self.turned,
-            rest=self.offset,
-            stiffness=self.stiffness,
-            damping=self.damping,
-        )
-
-    def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
-        said = {"radius": "radius", "stiffness": "stiffness", "damping": "damping", "play": "play"}
-        return ", ".join([self.between_said(), *self.said_of(said, False)])
+    @property
+    def shares(self) -> tuple[float, float]:
+        """Derivatives a and -b of the deflection over the positions: the radius and -1."""
+        return self.radius, 1.0

@@ -51,7 +51,10 @@ SIZE = words_of(LAYOUT)
 
 @inlined
 def _pushes(mesh: PackedMesh, depth: float, rate: float) -> tuple[float, float]:
-    """Force of the spring on one side, and of its damper, by its compression and the rate of that."""
+    """Return the forces of spring and damper on one side.
+
+    Arguments are its compression and the rate of that.
+    """
     if depth <= 0.0:
         return 0.0, 0.0
     elastic = mesh.stiffness * depth
@@ -106,7 +109,7 @@ def dissipation(words: Floats, at: int, x: float, rate: float) -> float:
 
 @kernel
 def drag(words: Floats, at: int, torque: float, rate: float) -> float:
-    """Torque of friction on the input, which turns at a rate, where the mesh gives it a torque [N m].
+    """Return the friction torque on the input, by its mesh torque and rate [N m].
 
     Driving (torque against the rate) the input gives 1 / forward of what the mesh takes, driven it gets
     ``backward`` of what the mesh gives; near rest the share is rounded off.
@@ -132,7 +135,10 @@ def stored(words: Floats, at: int, angle: float) -> float:
 
 @kernel
 def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
-    """Function k: how far side 0 (plus) or 1 (minus) is off, or in, and its rate; 2: the rate going in."""
+    """Return function k with its rate: 0, 1 gap of a side, 2 closing rate.
+
+    Side 0 is plus, 1 minus; in contact the gap is the depth.
+    """
     mesh = record(words[at : at + SIZE], LAYOUT)
     x, rate = motion[1], motion[2]
     if mesh.springs == BOTH_WAYS or (k == 1 and mesh.springs != TWO):
@@ -156,7 +162,7 @@ def mode(words: Floats, at: int) -> int:
 
 @kernel
 def kink(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
-    """What changes sign where a damper comes to its limit, or off it: negative at the limit.
+    """Return a function that passes zero at a damper's limit; negative at it.
 
     Of each side in contact what the spring gives beyond its damper; a touch begins and ends at the limit.
     """

@@ -1,4 +1,4 @@
-"""Elements with modes: what they do changes at located events (a stop touched, a latch closed).
+"""Elements with modes, which change at located events, as at a stop.
 
 Beside the kernels of any element these have ``switch`` and ``mode``, and if they hold their joint ``hold``
 (:class:`antenna_pin.elements.hook_kernels.Hooks`).
@@ -128,15 +128,15 @@ class Modal(ForceElement):
         return self.holds
 
     def first(self, met: Met) -> Change | None:
-        """Return the mode that a run begins in, None for the present one; an impulse there is not made."""
+        """Return the mode at the start, None for the present one; without impulse."""
         return None
 
     def first_off(self, met: Met) -> Change | None:
-        """Return the memory of the start for an element that begins switched off; None for none."""
+        """Return the memory at the start of an element switched off; None for none."""
         return None
 
     def in_another(self, met: Met) -> Change | None:
-        """Return how it goes on where its own numbers or its joint's place are others; None: as it is.
+        """Return the mode where parameters or position have been changed; None: the present one.
 
         Raises:
             InvalidParameterError: It cannot.
@@ -152,7 +152,7 @@ class Modal(ForceElement):
         return None
 
     def moved(self, key: str, met: Met) -> Change | None:
-        """Return the change of mode after a number of an acting element was set; None for none.
+        """Return the change of mode after a parameter was set; None for none.
 
         Raises:
             InvalidParameterError: The position of the joint forbids it.
@@ -164,21 +164,21 @@ class Modal(ForceElement):
         raise NotImplementedError
 
     def change_said(self, before: int) -> str:
-        """Return what is recorded of a mode decided together, with that before; "" where nothing is."""
+        """Return the record of a mode decided jointly, with that before; "" for none."""
         return ""
 
     @property
     def bears(self) -> tuple[float, float]:
-        """The least and the greatest impulse on the child that its row bears [N m s] ([N s])."""
+        """Least and greatest impulse of its row on the child [N m s] ([N s])."""
         return -math.inf, math.inf
 
     def lets_go(self) -> Change | None:
-        """Return its change where its row no longer holds; None of one that has no such mode."""
+        """Return the change where its row no longer holds; None without such a mode."""
         return None
 
     @classmethod
     def is_change(cls, name: str, side: str | None, what: str) -> bool:
-        """Return whether a recorded change is the named one, at this side if one is given."""
+        """Return whether a recorded change is the named one, on a given side."""
         at, _, said = what.rpartition(": ")
         return said.startswith(cls.change_names[name]) and side in (None, at)
 

@@ -11,7 +11,10 @@ from antenna_pin.elements.term_kernels import course
 
 
 class PackedMotion(Record):
-    """A motion; coefficients of t^2 and higher powers, then ``terms`` words of its course stand behind."""
+    """A motion.
+
+    Behind stand coefficients of t^2 and higher powers, then ``terms`` words of its course.
+    """
 
     position: float  # at t = 0 [rad] ([m])
     rate: float  # [rad/s] ([m/s])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
@@ -18,7 +17,7 @@ _CURRENT = Integral("current", "A")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motor(Drive):
-    r"""A motor with brushes, or one that is driven as if it had them, at a joint that it is geared to.
+    r"""A motor with brushes, or controlled like one, at a geared joint.
 
     .. math:: \tau = n (K_t i - T_c \sin(c n \phi + \psi)), \quad L \dot i = U - R i - K_e n \dot\phi
 
@@ -87,20 +86,16 @@ class Motor(Drive):
         """Return whether a limit may act."""
         return (self.voltage_limit if self.mode == "current" else self.current_limit) is not None
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        own = {
-            "by_current": float(self.mode == "current"),
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
+        return {
+            "by_current": self.mode == "current",
             "back_emf": self.torque_constant if self.back_emf is None else self.back_emf,
-            "voltage_limit": math.inf if self.voltage_limit is None else self.voltage_limit,
-            "current_limit": math.inf if self.current_limit is None else self.current_limit,
             "phase": self.cogging_phase,
         }
-        others = ("value", "torque_constant", "resistance", "inductance", "cogging", "cycles", "ratio")
-        return own | {name: getattr(self, name) for name in others}
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         unit = "V" if self.mode == "voltage" else "A"
         said = {"torque_constant": "K_t", "resistance": "R", "inductance": "L", "cogging": "cogging"}
         given = f"commanded {readable(self.value, unit, GIVEN)}"

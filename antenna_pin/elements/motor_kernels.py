@@ -102,7 +102,7 @@ def stored_of(words: Floats, at: int, angle: float, own: Own) -> float:
 
 @inlined
 def kink(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
-    """Where a limit begins to hold, by the rate of the joint [V]."""
+    """Return the margin to a limit, by the rate of the joint [V]."""
     m = record(words[at : at + SIZE], LAYOUT)
     back = m.back_emf * m.ratio * rate
     if m.by_current != 0.0:

@@ -25,13 +25,10 @@ BOOKED: tuple[Integral, ...] = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OnLinks(ForceElement):
-    """Base of the elements that act on links, by forces and torques in the world's axes.
+    """Base of the elements that act on links, in the world's axes.
 
     Beside ``LAYOUT`` its kernels have ``act`` (:mod:`antenna_pin.elements.desk_kernels`). What it does is
     booked as work that it puts in, and as impulse and angular impulse.
-
-    Attributes:
-        on: Whether it acts from the start on; an event may switch it.
     """
 
     integrals: ClassVar[tuple[Integral, ...]] = BOOKED

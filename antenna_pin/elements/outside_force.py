@@ -10,7 +10,7 @@ from antenna_pin.base.parameters import parameter
 from antenna_pin.base.readable import GIVEN, number, readable
 from antenna_pin.elements.composed_courses import Table
 from antenna_pin.elements.courses import Sine
-from antenna_pin.elements.curve import Interpolation, check_covers, check_table
+from antenna_pin.elements.curve import Interpolation, both_given, check_covers, check_table
 from antenna_pin.elements.on_links import AtPoint
 from antenna_pin.elements.reference import Reference
 from antenna_pin.errors import InvalidParameterError
@@ -23,7 +23,7 @@ _NONE = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OutsideForce(AtPoint):
-    r"""A force at a point of a link, and a torque, from outside: directions and one course over time.
+    r"""A force at a point of a link, and a torque, over one course.
 
     .. math:: (F, M)(t) = s \, c(t) \, (F_0, M_0), \quad
               c(t) = 1, \ \sin(2 \pi f t + \varphi), \ \text{of a table, or of a reference}
@@ -32,7 +32,6 @@ class OutsideForce(AtPoint):
     in both.
 
     Attributes:
-        at: A link, and a point in its frame [m].
         force: F_0, (3,) [N].
         torque: M_0, (3,) [N*m].
         axes: Whether these two are in the axes of the ``link`` or of the ``world``.
@@ -67,11 +66,7 @@ class OutsideForce(AtPoint):
         AtPoint.__post_init__(self)
         if not any((*self.force, *self.torque)):
             raise InvalidParameterError(self, "force", "other than zero, or torque", said="neither")
-        given = {"time": self.time, "factors": self.factors}
-        missing = [name for name, numbers in given.items() if numbers is None]
-        if len(missing) == 1:
-            (there,) = given.keys() - missing
-            raise InvalidParameterError(self, missing[0], f"given beside {there}", said="none")
+        both_given(self, "time", "factors")
         courses = {"frequency": self.frequency, "time": self.time, "follows": self.follows}
         several = [name for name, course in courses.items() if course is not None]
         if several[1:]:
@@ -84,7 +79,7 @@ class OutsideForce(AtPoint):
 
     @property
     def instants(self) -> tuple[float, ...]:
-        """Points of its table, of cubics the middles between them too; those of what it follows [s]."""
+        """Points of its table, of cubics their middles too; those of its reference [s]."""
         if self.time is not None and self.interpolation == "linear":
             return self.time
         return () if self.course is None else self.course.instants
@@ -103,15 +98,9 @@ class OutsideForce(AtPoint):
             return Table(time=self.time, values=self.factors, interpolation=self.interpolation)
         return self.follows
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        return {
-            "force": self.force,
-            "torque": self.torque,
-            "world": self.axes == "world",
-            "value": self.value,
-            "terms": len(self.tail()),
-        }
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
+        return {"world": self.axes == "world", "terms": len(self.tail())}
 
     def tail(self) -> tuple[float, ...]:
         """Return its course for kernels."""
@@ -123,7 +112,7 @@ class OutsideForce(AtPoint):
             check_covers(self.course.known, place, begin, end)
 
     def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
+        """Return the description."""
         parts = [
             f"{what} ({', '.join(readable(one, unit, GIVEN) for one in numbers)})"
             for what, numbers, unit in (("force", self.force, "N"), ("torque", self.torque, "N m"))

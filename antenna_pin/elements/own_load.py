@@ -1,4 +1,4 @@
-"""The load that a joint's friction may be of: the joint's own, in numbers that all such friction has.
+"""The load of joint friction by the joint's own forces and moments.
 
 Names as those of joint friction in Adams and MotionSolve: F radial and axial, a bending arm.
 """
@@ -9,10 +9,11 @@ from typing import Any
 
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["NUMBERS_OF_LOAD", "check_load", "check_unloaded", "numbers_of_load"]
+__all__ = ["LABELS_OF_LOAD", "NUMBERS_OF_LOAD", "check_load", "check_unloaded", "numbers_of_load"]
 
 _OF_TURNING = ("radius", "axial_radius")
 NUMBERS_OF_LOAD = ("radius", "axial_radius", "bending_arm", "middle")
+LABELS_OF_LOAD = {"radius": "at radius", "axial_radius": "at axial radius", "bending_arm": "bending arm"}
 
 
 def check_unloaded(element: Any, *names: str) -> None:
@@ -44,7 +45,7 @@ def check_load(element: Any, place: str, slides: bool) -> None:
 
 
 def numbers_of_load(element: Any) -> dict[str, float]:
-    """Return by what forces and moments load it, by the names that records have; zeros if they do not."""
+    """Return the weights of forces and moments in the load; zero without load."""
     # A sliding joint has neither radius: there a force presses by itself.
     slides = element.radius is None and element.axial_radius is None
     radial = 1.0 if slides else element.radius or 0.0

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from antenna_pin.base.parameters import check, parameter
 from antenna_pin.elements.course import Course
@@ -18,7 +17,7 @@ __all__ = ["PDController"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PDController(Course, Drive):
-    r"""A controller of angle and rate, or of way and speed at a sliding joint: it follows a reference.
+    r"""A controller of angle and rate, or of position and speed, by a reference.
 
     .. math:: \tau = k_p (\phi_r - \phi) + k_d (\dot\phi_r - \dot\phi), \quad |\tau| \le \tau_{max}
 
@@ -78,7 +77,7 @@ class PDController(Course, Drive):
         return self.joint if self.measures is None else self.measures
 
     def check_measured(self, place: str, slides: bool, measured: bool) -> None:
-        """Refuse a joint that slides for one that turns, or the other way round: gains would have no unit."""
+        """Refuse a measured joint that moves otherwise: gains would have no unit."""
         if slides != measured:
             which = "slides" if slides else "turns"
             rule = f"a joint that {which}, as {self.joint!r} does"
@@ -89,13 +88,8 @@ class PDController(Course, Drive):
         """Return whether the torque has a limit."""
         return self.limit is not None
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        limit = math.inf if self.limit is None else self.limit
-        return {"kp": self.kp, "kd": self.kd, "limit": limit, **Course.values(self)}
-
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         kp, kd = (self.said(name, slides) for name in ("kp", "kd"))
         of = "" if self.measured == self.joint else f" of {self.measured}"
         text = f"controller{of}, kp {kp}, kd {kd}, reference {self.course_words(slides) or '0'}"

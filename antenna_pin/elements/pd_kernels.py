@@ -61,5 +61,5 @@ def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float
 
 @inlined
 def kink(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
-    """What the demand is beyond the limit, negative within it: the effort has a kink where this is zero."""
+    """Return the demand's excess over the limit; the effort has a kink at its zero."""
     return float(abs(demand(words, at, t, angle, rate)) - record(words[at : at + SIZE], LAYOUT).limit)

@@ -14,7 +14,7 @@ __all__ = ["PointSpring"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PointSpring(BetweenPoints):
-    r"""A linear spring and damper between points of two links, or of a link and the world.
+    r"""A linear spring and damper between points of two links, or the world.
 
     Along the line between the points, a distance l apart, it draws them together by
 
@@ -30,7 +30,6 @@ class PointSpring(BetweenPoints):
         free_length: Distance of the points at which the spring is at rest [m].
         stiffness: [N/m].
         damping: [N*s/m].
-        on: Whether it acts from the start on; an event may switch it.
     """
 
     kernels: ClassVar[str] = "point_spring_kernels"
@@ -54,6 +53,6 @@ class PointSpring(BetweenPoints):
             )
 
     def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
+        """Return the description."""
         said = {"free_length": "free length", "stiffness": "stiffness", "damping": "damping"}
         return f"from {self.first[0]} to {self.second[0]}, {', '.join(self.said_of(said, slides))}"

@@ -20,7 +20,10 @@ SIZE = words_of(LAYOUT)
 
 @inlined
 def tension(words: Floats, at: int, length: float, rate: float) -> float:
-    """Force that draws the points together [N], at a distance [m] that grows at a rate [m/s]."""
+    """Return the force that draws the points together [N].
+
+    Arguments are the distance [m] and its rate [m/s].
+    """
     spring = record(words[at : at + SIZE], LAYOUT)
     return float(spring.stiffness * (length - spring.free_length) + spring.damping * rate)
 

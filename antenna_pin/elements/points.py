@@ -39,7 +39,7 @@ def checked_point(element: ForceElement, name: str, given: Any) -> Point:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BetweenPoints(ForceElement):
-    """Base of the elements that draw points of two links together, or of a link and the world.
+    """Base of the elements that draw two points of links together.
 
     Beside its kernels ``LAYOUT`` and ``stored(words, at, length)``, as those of an element at a joint:
 

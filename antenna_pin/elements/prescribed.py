@@ -64,7 +64,7 @@ class TermJump(NamedTuple):
 
 @lru_cache(maxsize=8)
 def jumps(terms: tuple[float, ...]) -> tuple[TermJump, ...]:
-    """Return the jumps of a sum of terms that are more than round-off, in the order of time.
+    """Return the jumps of a sum of terms beyond round-off, in order of time.
 
     Args:
         terms: As :meth:`antenna_pin.elements.reference.Reference.terms` returns them.
@@ -94,7 +94,7 @@ def jumps(terms: tuple[float, ...]) -> tuple[TermJump, ...]:
 
 
 def continued(terms: ArrayLike, until: float) -> Array:
-    """Return terms of a course that goes on smoothly from what it is before a time [s], (words,)."""
+    """Return terms of a course that continues smoothly from a time on [s], (words,)."""
     words = np.array(terms, dtype=float)
     for own, record in _terms(words):
         n = int(record["count"])
@@ -128,7 +128,7 @@ def _pieces(own: Array, record: Any) -> tuple[Array, Array]:
 
 
 def _between_pieces(own: Array, record: Any) -> Array:
-    """Return time, jump of value and rate, and their sizes, at all ends of pieces, (5, ends)."""
+    """Return time, jumps and sizes at all ends of pieces, (5, ends)."""
     times, rows = _pieces(own, record)
     n, powers = rows.shape
     ends = np.isfinite(times[1:])
@@ -208,7 +208,7 @@ class Motion(Element):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PrescribedMotion(Course, Motion):
-    r"""A joint's position as a function of time, to which the joint is held; the sum of what is given.
+    r"""A joint's position as a function of time, the sum of its parts.
 
     .. math::
 
@@ -256,10 +256,10 @@ class PrescribedMotion(Course, Motion):
         check(self)
         self.check_course()
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        course = Course.values(self)
-        return {"powers": len(self.coefficients), **course, "position": self.position + self.offset}
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
+        own = {"powers": len(self.coefficients), "position": self.position + self.offset}
+        return own | Course.derived(self)
 
     def tail(self) -> tuple[float, ...]:
         """Return the polynomial's coefficients, and the terms of what it follows and of the table."""
@@ -280,15 +280,15 @@ class PrescribedMotion(Course, Motion):
         """Return the field that events write."""
         return ("offset",)
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         powers = [f"{number(c, GIVEN)} · t^{k}" for k, c in enumerate(self.coefficients, start=2) if c]
         return f"motion {self.course_words(slides, powers) or 'held at 0'}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DistanceMotion(Swing, Motion):
-    r"""A sliding joint held to the distance between a fixed point and one that moves along a path.
+    r"""A sliding joint held to the distance of a fixed and a moving point.
 
     That is the length of a leg from a base joint to a joint of a platform that moves without turning:
 
@@ -324,18 +324,13 @@ class DistanceMotion(Swing, Motion):
         if not slides:
             raise InvalidParameterError(place, "joint", "one that slides: it follows a distance", self.joint)
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        return {
-            "centre": [a + b for a, b in zip(self.offset, self.mean, strict=True)],
-            "speed": self.velocity,
-            "amplitude": self.amplitude,
-            "phase": self.phase,
-            "angular_frequency": self.angular_frequency,
-        }
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
+        centre = [a + b for a, b in zip(self.offset, self.mean, strict=True)]
+        return {"centre": centre, "speed": self.velocity}
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         swing = "" if self.frequency is None else f" that swings at {number(self.frequency, GIVEN)} Hz"
         return f"motion: distance to a point on a path{swing}"
 
@@ -370,8 +365,8 @@ class CallableMotion(Motion):
         """Return whether Python calls the functions, before each evaluation."""
         return not self.called
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers; those of plain functions are written before each evaluation."""
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters; those of plain functions are written before each evaluation."""
         numbers = {"position": 0.0, "rate": 0.0, "acceleration": 0.0}
         if not self.called:
             return {**numbers, "first": 0.0, "second": 0.0, "third": 0.0}
@@ -397,6 +392,6 @@ class CallableMotion(Motion):
         position, velocity, acceleration = self.asked(f"motion of joint {self.joint!r}", False)
         return lambda t: (position(t), velocity(t), acceleration(t))
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         return "motion: compiled functions" if self.called else "motion: functions in Python"

@@ -1,4 +1,4 @@
-"""A base shaken at random by a power spectral density: sines at equal spacing with random phases."""
+"""A base shaken at random by a power spectral density of acceleration."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from antenna_pin.base.parameters import parameter
 from antenna_pin.base.readable import GIVEN, number, readable
 from antenna_pin.compiled.lanes import LANES
 from antenna_pin.elements import term_kernels as kernels
+from antenna_pin.elements.curve import check_as_many
 from antenna_pin.elements.reference import term
 from antenna_pin.elements.shake import Shake
 from antenna_pin.errors import InvalidParameterError
@@ -44,7 +45,7 @@ def density_at(
 
 
 def band_power(low: float, high: float, at: tuple[float, ...], density: tuple[float, ...]) -> float:
-    """Return the integral of such a density from one frequency to another: the mean square of the band."""
+    """Return the integral of a density over a band: its mean square."""
     total = 0.0
     for (f1, f2), (s1, s2) in zip(pairwise(at), pairwise(density), strict=True):
         a, b = max(low, f1), min(high, f2)
@@ -60,7 +61,7 @@ def band_power(low: float, high: float, at: tuple[float, ...], density: tuple[fl
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RandomShake(Shake):
-    r"""The base shakes at random: a sum of sines with random phases, of a one-sided density of acceleration.
+    r"""Random base motion: a sum of sines of a one-sided density.
 
     .. math:: a(t) = \sum_k \sqrt{2 \sigma_k^2} \cos(2 \pi k t / T + \varphi_k), \qquad
               \sigma_k^2 = \int S(f)\,df
@@ -100,9 +101,7 @@ class RandomShake(Shake):
         if len(self.frequency) < 2:
             rule = "at least 2 break points"
             raise InvalidParameterError(self, "frequency", rule, said=f"{len(self.frequency)}")
-        if len(self.powers) != len(self.frequency):
-            rule = f"as many numbers as frequency, {len(self.frequency)}"
-            raise InvalidParameterError(self, own, rule, said=f"{len(self.powers)}")
+        check_as_many(self, "frequency", own)
         for k, (before, after) in enumerate(pairwise(self.frequency), start=1):
             if not after > before:
                 rule = f"above the one before, {before!r}"
@@ -168,8 +167,8 @@ class RandomShake(Shake):
             rule = f"as long as the run, {number(end, GIVEN)} s, or it repeats itself; lengthen it"
             raise InvalidParameterError(place, "period", rule, self.period)
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         slopes = [
             10.0 * math.log10(s2 / s1) / math.log2(f2 / f1)
             for (f1, f2), (s1, s2) in zip(pairwise(self.frequency), pairwise(self.powers), strict=True)

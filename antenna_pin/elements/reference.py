@@ -44,7 +44,7 @@ class Reference:
 
     @property
     def instants(self) -> tuple[float, ...]:
-        """Times at which a derivative jumps, or a step would be too long: steps end there [s]."""
+        """Times at which steps end: jumps of a derivative, or long spans [s]."""
         return ()
 
     @property
@@ -122,7 +122,7 @@ def pieces(
 
 
 def swept(parts: Sequence[SweptPiece]) -> tuple[float, ...]:
-    """Return a sine whose frequency is swept for kernels; the last of its pieces has no end."""
+    """Return a swept sine for kernels; its last piece has no end."""
     found = np.zeros(len(parts), dtype=kernels.SWEPT_PIECE)
     for k, part in enumerate(parts):
         found[k] = tuple(part)

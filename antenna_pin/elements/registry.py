@@ -1,4 +1,6 @@
-"""The force elements by the names that a scenario has for them. One enters by a line here.
+"""Force elements by the names of scenarios.
+
+A kind is registered by a line here.
 
 A family is a table of a scenario: ``FAMILIES`` names it, and scenario, overrides, events that set, words and
 reference follow.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from antenna_pin.elements.capture import HELD, OUTSIDE, Capture
 from antenna_pin.elements.modal import Change, Met, Remembered
@@ -14,7 +14,7 @@ __all__ = ["RigidLatch"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RigidLatch(Capture):
-    r"""A latch that captures a joint in a window and locks it where it is then, in no time.
+    r"""A latch that captures a joint in a window and locks it there at once.
 
     .. math:: \Delta E = \tfrac12 I_r\, \dot\phi^2
 
@@ -36,7 +36,7 @@ class RigidLatch(Capture):
     held_at: float = field(default=0.0, repr=False)
 
     def first(self, met: Met) -> Change | None:
-        """Return where the joint starts; one that moves in the window is captured before the run begins."""
+        """Return the mode at the start; a moving joint is captured before the run."""
         found = Capture.first(self, met)
         if found is not None and found.mode == HELD and met.rate != 0.0:
             return Change(OUTSIDE, memory=self._side(met))
@@ -45,10 +45,6 @@ class RigidLatch(Capture):
     def _held(self, met: Met, what: str) -> Change:
         return Capture._held(self, met, what)._replace(memory={**self._side(met), "held_at": met.angle})
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        return self.capture_values() | {"held_at": self.held_at}
-
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         return "rigid latch " + ", ".join(self.capture_words(slides))

@@ -45,7 +45,7 @@ def write_rates(
 
 @kernel
 def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
-    """Functions 0 and 1 are those of capture, 2 what the row's torque lacks to the holding torque."""
+    """Return function k: 0, 1 capture, 2 margin of the row to the holding torque."""
     latch = record(words[at : at + SIZE], LAYOUT)
     _, angle, rate, load = motion
     if k < 2:
@@ -57,7 +57,7 @@ def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float
 
 @inlined
 def hold(words: Floats, at: int) -> tuple[bool, float]:
-    """Whether the joint is held, and where."""
+    """Return whether the joint is held, and the position."""
     latch = record(words[at : at + SIZE], LAYOUT)
     return latch.mode == HELD, float(latch.held_at)
 

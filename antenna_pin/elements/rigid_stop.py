@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.limits import FREE, LOWER, UPPER, Limits
@@ -26,7 +26,7 @@ LOADED = 2
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RigidStop(Limits):
-    r"""A rigid end stop: the joint comes back at e times its rate, in no time.
+    r"""A rigid end stop: the joint rebounds at e times its rate, at once.
 
     .. math:: \dot\phi^+ = -e\, \dot\phi^-
 
@@ -38,7 +38,6 @@ class RigidStop(Limits):
         restitution: e, in [0, 1] [-].
         upper_restitution: e of the upper side, where it differs; None for the same [-].
         rest_rate: Rate below which a joint that comes no longer bounces [rad/s] ([m/s]).
-        on: Whether it acts from the start on; an event may switch it.
     """
 
     kernels: ClassVar[str] = "rigid_stop_kernels"
@@ -50,8 +49,8 @@ class RigidStop(Limits):
     }
     holds: ClassVar[bool] = True
 
-    restitution: float = parameter(rule="zero or more")
-    upper_restitution: float | None = parameter(rule="zero or more", default=None)
+    restitution: float = parameter(rule="in [0, 1]")
+    upper_restitution: float | None = parameter(rule="in [0, 1]", default=None)
     rest_rate: float = parameter("rad/s", sliding="m/s", rule="positive", default=1e-3)
     on: bool = True
 
@@ -59,17 +58,14 @@ class RigidStop(Limits):
         """Check limits and restitution."""
         Limits.__post_init__(self)
         self.check_upper(("restitution",))
-        for name in ("restitution", "upper_restitution"):
-            if (getattr(self, name) or 0.0) > 1.0:
-                raise InvalidParameterError(self, name, "in [0, 1]", getattr(self, name))
 
     def first(self, met: Met) -> Change | None:
-        """Refuse a start beyond a stop; one that starts on it comes to rest there at once."""
+        """Refuse a start beyond a stop; a start on it comes to rest there."""
         self._check("initial state", "start it there", met, _ROUND_OFF)
         return None
 
     def moved(self, key: str, met: Met) -> Change | None:
-        """Refuse a joint beyond the stop; release a joint at rest if the stop is moved away.
+        """Refuse a joint beyond the stop; release one whose stop was moved away.
 
         The law of a rigid stop does not define the return of a joint from beyond.
         """
@@ -87,11 +83,11 @@ class RigidStop(Limits):
                 raise InvalidParameterError(place, f"position of {self.joint}", rule, met.angle)
 
     def in_another(self, met: Met) -> Change | None:
-        """Refuse a place beyond a stop, as at a start; one at rest on it stays so."""
+        """Refuse a position beyond a stop, as at a start; rest on it stays."""
         return self.first(met) if self.mode == FREE else None
 
     def passed(self, k: int, met: Met) -> Change | None:
-        """Bounce off side k, or come to rest on it; what leaves it, or stands there, is not struck."""
+        """Return the rebound off side k, or the rest on it; none without approach."""
         if k == LOADED:
             return self.lets_go()
         side, approach = (LOWER, -met.rate) if k == 0 else (UPPER, met.rate)
@@ -103,7 +99,7 @@ class RigidStop(Limits):
         return Change(FREE, f"{self.modes[side]}: bounces", restitution=restitution, phase=BLOW)
 
     def change_said(self, before: int) -> str:
-        """Return what is recorded of a joint that comes to rest on a side, or leaves it."""
+        """Return the record of a joint that comes to rest on a side, or leaves."""
         if self.mode == before:
             return ""
         return f"{self.modes[before]}: left" if self.mode == FREE else f"{self.modes[self.mode]}: rests"
@@ -121,12 +117,8 @@ class RigidStop(Limits):
         """A stop only pushes."""
         return (0.0, math.inf) if self.mode == LOWER else (-math.inf, 0.0)
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        return {"lower": self.lowest, "upper": self.highest, "mode": self.mode}
-
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         upper = "" if self.upper_restitution is None else f", above {self.said('upper_restitution', slides)}"
         restitution = self.said("restitution", slides)
         return f"rigid end stop {self.words_of_limits(slides)}, restitution {restitution}{upper}"

@@ -1,4 +1,4 @@
-"""A rigid end stop, compiled: between its blows it does nothing, at rest on it a row holds the joint."""
+"""A rigid end stop, compiled: at rest on it a row holds the joint."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def write_rates(
 
 @kernel
 def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
-    """Function k: how far off a side the joint is, and its rate; 2: how hard it rests on one [N m]."""
+    """Return function k: 0, 1 distance to a side and rate; 2 load [N m]."""
     stop = record(words[at : at + SIZE], LAYOUT)
     if k < 2:
         return (
@@ -51,7 +51,7 @@ def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float
 
 @inlined
 def hold(words: Floats, at: int) -> tuple[bool, float]:
-    """Whether the joint rests on a side, and where that is."""
+    """Return whether the joint rests on a side, and the position of the side."""
     stop = record(words[at : at + SIZE], LAYOUT)
     return stop.mode != FREE, float(stop.upper if stop.mode == UPPER else stop.lower)
 

@@ -1,4 +1,4 @@
-"""A shaken base: what all its motions have, a sine, and a swept sine with its pieces."""
+"""A shaken base: base class, sine, and swept sine with its pieces."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _POWERS = {"displacement": 0, "velocity": 1, "acceleration": 2}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shake(Motion):
-    """Base of the motions of a shaken base: along a direction, or about an axis through a point.
+    """Base of the motions of a shaken base, along a direction or about an axis.
 
     A mechanism whose base stands still is carried by a joint more, which bears the motion's name and follows
     it exactly (:func:`antenna_pin.mechanism.with_shaken_base`). The force that this takes is the motion's
@@ -71,8 +71,8 @@ class Shake(Motion):
         """Return its course for kernels (:mod:`antenna_pin.elements.term_kernels`), before it fades in."""
         raise NotImplementedError
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
         return {"terms": len(self.terms()), "fade_in": self.fade_in}
 
     def tail(self) -> tuple[float, ...]:
@@ -100,7 +100,7 @@ class Shake(Motion):
         return f"base shaken {'along' if self.slides else 'about'} {text}"
 
     def said_in_own(self, name: str) -> str:
-        """Return one of its parameters with the unit that it has along a direction or about an axis."""
+        """Return a parameter with its unit along a direction or about an axis."""
         return self.said(name, self.slides)
 
 
@@ -156,7 +156,7 @@ class _Swept(Shake):
         return tuple(sorted({*(piece.start for piece in self.pieces()[1:]), *self.faded}))
 
     def sines(self, time: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return frequency [Hz] and phase [rad], without what jumps by half turns, at times [s], (n,) each.
+        """Return frequency [Hz] and continuous phase [rad] at times [s], (n,) each.
 
         The displacement is the amplitude times the sine of the phase.
         """
@@ -206,8 +206,8 @@ class SineShake(_Swept):
         omega = 2.0 * math.pi * self.frequency
         return (SweptPiece(0.0, omega, 0.0, 0, self.phase, *self.least(omega)),)
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         phase = f", phase {self.said('phase', slides)}" if self.phase else ""
         swing = f"sine of {self.said('frequency', slides)}{phase}, {self.said_amplitudes()}"
         return f"{self.way()}: {swing}{self.said_fade()}"
@@ -215,7 +215,7 @@ class SineShake(_Swept):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SweepShake(_Swept):
-    r"""The base swings as a sine whose frequency is swept, up or down, and back if wanted.
+    r"""Base motion by a sine of swept frequency, and back if wanted.
 
     The displacement is :math:`D(\omega) \sin \varphi(t)` with :math:`\dot\varphi = \omega`, D as of a sine,
     and exact derivatives. Where one amplitude takes over from another, and at the end, the displacement
@@ -279,7 +279,7 @@ class SweepShake(_Swept):
         return self.pieces()[-1].start
 
     def _half_turns(self, first: float, last: float) -> float:
-        """Return how many half periods lie between two angular frequencies by the rate that is given."""
+        """Return the number of half periods between two angular frequencies."""
         if self.octaves_per_minute is not None:
             return abs(last - first) / (math.log(2.0) * self.octaves_per_minute / _MINUTE) / math.pi
         assert self.hertz_per_second is not None
@@ -295,7 +295,7 @@ class SweepShake(_Swept):
         return [first, *(kept if last > first else kept[::-1]), last]
 
     def pieces(self) -> tuple[SweptPiece, ...]:
-        """Return the stretches of time that it is made of; the last one has no end."""
+        """Return the pieces of the sweep; the last one has no end."""
         corners = self._corners()
         found: list[SweptPiece] = []
         start = half_turns = 0.0
@@ -322,8 +322,8 @@ class SweepShake(_Swept):
                 start, half_turns = start + lasts, half_turns + halves
         return (*found, stay(way[-1]))
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         rate = (
             f"{number(self.octaves_per_minute, GIVEN)} octaves/min"
             if self.octaves_per_minute is not None

@@ -60,7 +60,7 @@ class TableShake(Shake):
 
     @classmethod
     def units_of_columns(cls, table: Mapping[str, Any]) -> dict[str, str]:
-        """Return the unit of the course in the file of a scenario's table; pure numbers beside ``scale``."""
+        """Return the unit of the course in a scenario's file; none beside ``scale``."""
         unit = "m" if table.get("direction") is not None else "rad"
         per = {"displacement": "", "velocity": "/s", "acceleration": "/s**2"}.get(str(table.get("of")))
         return {} if per is None or "scale" in table else {"course": unit + per}
@@ -92,7 +92,7 @@ class TableShake(Shake):
         """Refuse a run that the table does not cover."""
         check_covers(self.time, place, begin, end)
 
-    def words(self, slides: bool) -> str:
+    def words(self, slides: bool = False) -> str:
         """Return what it is in words, the drift at its end as well."""
         where = "" if self.file is None else f" of {self.file}"
         place, speed, _ = self.at(self.time[-1])

@@ -15,7 +15,7 @@ __all__ = ["SineDrive"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SineDrive(Swing, Drive):
-    """The torque, or force at a sliding joint, ``amplitude * sin(2 pi frequency t + phase)``.
+    """The torque or force ``amplitude * sin(2 pi frequency t + phase)``.
 
     Attributes:
         amplitude: [N*m] ([N]).
@@ -29,8 +29,8 @@ class SineDrive(Swing, Drive):
     frequency: float = parameter("Hz", rule="positive")
     phase: float = parameter("rad", default=0.0)
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         phase = f" + {self.said('phase', slides)}" if self.phase else ""
         frequency = number(self.frequency, GIVEN)
         return f"{self.said('amplitude', slides)} × sin(2π · {frequency} Hz · t{phase})"

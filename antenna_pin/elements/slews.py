@@ -47,14 +47,14 @@ class Slew(Reference):
         return tuple(found)
 
     def phases(self) -> list[tuple[float, float]]:
-        """Return duration [s], and highest derivative that is not zero, of each part, for a way of one sign.
+        """Return duration [s] and highest nonzero derivative of each part, without sign.
 
         The derivative is the acceleration, or with a jerk the jerk.
         """
         raise NotImplementedError
 
     def _pieces(self, order: int) -> tuple[float, ...]:
-        """Return parts in each of which the derivative of an order (2 or 3) is constant."""
+        """Return parts with a constant derivative of an order (2 or 3)."""
         sign, t = math.copysign(1.0, self.way), self.start
         state = [self.begin, 0.0, 0.0]
         times, rows = [t], []
@@ -74,7 +74,7 @@ class Slew(Reference):
         return pieces([*times, math.inf], [*rows, [self.end]])
 
     def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
+        """Return the description."""
         when = f" at {self.said('start', slides)}" if self.start else ""
         return f"{self._kind()} from {self.said('begin', slides)} to {self.said('end', slides)}{when}"
 
@@ -84,7 +84,7 @@ class Slew(Reference):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Trapezoid(Slew):
-    """A slew whose rate is a trapezoid over time; a triangle where the way is too short for the rate.
+    """A slew with a trapezoidal rate; a triangle where the angle is too small.
 
     Attributes:
         rate: Largest rate [rad/s] ([m/s]).
@@ -117,7 +117,7 @@ class Trapezoid(Slew):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SCurve(Slew):
-    """A slew with a limited jerk: of up to seven parts, fewer where limits are not reached.
+    """A slew with a limited jerk, of up to seven parts.
 
     Attributes:
         rate: Largest rate [rad/s] ([m/s]).
@@ -169,7 +169,9 @@ _SHAPES = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RestToRest(Slew):
-    r"""A slew of a given duration: a polynomial, or a cycloid :math:`s - \sin(2 \pi s) / 2 \pi`.
+    r"""A slew of given duration: a polynomial or a cycloid.
+
+    The cycloid is :math:`s - \sin(2 \pi s) / 2 \pi`.
 
     At both ends the rate is zero, of all but ``cubic`` the acceleration too, of ``septic`` also the jerk.
 

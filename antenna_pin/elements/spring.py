@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.element import LOSS, Element, Integral
@@ -14,7 +15,7 @@ __all__ = ["JointSpring"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointSpring(Element):
-    r"""A linear spring and damper at a joint; the units are those of a turning (sliding) joint.
+    r"""A linear spring and damper at a turning (sliding) joint.
 
     .. math:: \tau = -k (\phi - \phi_0) - c \dot\phi
 
@@ -27,13 +28,17 @@ class JointSpring(Element):
         rest_angle: Where the spring is at rest [rad] ([m]).
         shorter_way: Whether the deflection is taken the shorter way round, as a magnet's: it jumps at half a
             turn.
-        on: Whether it acts from the start on; an event may switch it.
     """
 
     kernels: ClassVar[str] = "spring_kernels"
     senses: ClassVar[bool] = True
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
     one_above_zero: ClassVar[tuple[str, ...]] = ("stiffness", "damping")
+    labels: ClassVar[Mapping[str, str]] = {
+        "stiffness": "stiffness",
+        "damping": "damping",
+        "rest_angle": "at rest at",
+    }
 
     stiffness: float = parameter("N*m/rad", sliding="N/m", rule="zero or more", default=0.0)
     damping: float = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=0.0)
@@ -45,17 +50,3 @@ class JointSpring(Element):
         """Refuse a shorter way along a line."""
         if slides and self.shorter_way:
             raise InvalidParameterError(place, "shorter_way", f"false: joint {self.joint!r} slides", True)
-
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        return {
-            "stiffness": self.stiffness,
-            "damping": self.damping,
-            "rest_angle": self.rest_angle,
-            "shorter_way": int(self.shorter_way),
-        }
-
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
-        said = {"stiffness": "stiffness", "damping": "damping", "rest_angle": "at rest at"}
-        return ", ".join(self.said_of(said, slides))

@@ -23,7 +23,10 @@ SIZE = words_of(LAYOUT)
 
 @inlined
 def deflection(words: Floats, at: int, angle: float) -> float:
-    """Angle of the joint from rest; the shorter way round if the spring asks for that."""
+    """Return the angle of the joint from rest.
+
+    It is the shorter way round if the spring has that option.
+    """
     spring = record(words[at : at + SIZE], LAYOUT)
     turned = float(angle - spring.rest_angle)
     if spring.shorter_way != 0:

@@ -1,4 +1,4 @@
-"""Dry friction of a joint that holds what it sticks: Coulomb's, static, Stribeck's, viscous, under load."""
+"""Dry friction that sticks: Coulomb's, static, Stribeck's, viscous, under load."""
 
 from __future__ import annotations
 
@@ -9,7 +9,13 @@ from typing import Any, ClassVar
 
 from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.modal import Change, Met, ModalElement, Remembered
-from antenna_pin.elements.own_load import NUMBERS_OF_LOAD, check_load, check_unloaded, numbers_of_load
+from antenna_pin.elements.own_load import (
+    LABELS_OF_LOAD,
+    NUMBERS_OF_LOAD,
+    check_load,
+    check_unloaded,
+    numbers_of_load,
+)
 from antenna_pin.elements.sticking_friction_kernels import STANDSTILL_RATE
 from antenna_pin.errors import InvalidParameterError
 
@@ -24,7 +30,7 @@ _AT_REST = 1e-11
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StickingFriction(ModalElement):
-    r"""Dry friction of a joint without play; the units are those of a turning (sliding) joint.
+    r"""Dry friction of a turning (sliding) joint without play.
 
     While it slips
 
@@ -59,7 +65,6 @@ class StickingFriction(ModalElement):
         axial_radius: r_a, at which a turning joint slips under axial load [m].
         bending_arm: a: a moment M presses like a force M / a [m]; None for moments that do not press.
         middle: Where the bearing's middle is, from the joint's origin along its axis [m].
-        on: Whether it acts from the start on; an event may switch it.
 
     References:
         Names of the load as those of joint friction in Adams and MotionSolve: F radial and axial, a bending
@@ -77,6 +82,15 @@ class StickingFriction(ModalElement):
     holds: ClassVar[bool] = True
     together: ClassVar[bool] = True
     one_above_zero: ClassVar[tuple[str, ...]] = ("coulomb", "viscous", "coefficient")
+    labels: ClassVar[Mapping[str, str]] = {
+        "coulomb": "Coulomb friction",
+        "static": "holds up to",
+        "viscous": "viscous",
+        "stribeck_rate": "Stribeck rate",
+        "coefficient": "under load",
+        "static_coefficient": "holds under load by",
+        **LABELS_OF_LOAD,
+    }
 
     coulomb: float = parameter("N*m", sliding="N", rule="zero or more", default=0.0)
     static: float | None = parameter("N*m", sliding="N", rule="zero or more", default=None)
@@ -112,20 +126,12 @@ class StickingFriction(ModalElement):
         """Return whether the friction is of a load."""
         return self.coefficient > 0.0 or bool(self.static_coefficient)
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        static = self.coulomb if self.static is None else self.static
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
         on_load = self.coefficient if self.static_coefficient is None else self.static_coefficient
         return {
-            "mode": self.mode,
-            "where": self.where,
-            "prescribed": self.prescribed,
-            "coulomb": self.coulomb,
-            "static": static,
-            "viscous": self.viscous,
+            "static": self.coulomb if self.static is None else self.static,
             "stribeck_rate": self.stribeck_rate or 0.0,
-            "exponent": self.exponent,
-            "coefficient": self.coefficient,
             "static_coefficient": on_load,
             **numbers_of_load(self),
             "burden": 0.0,
@@ -140,7 +146,7 @@ class StickingFriction(ModalElement):
         return self.sticks(met) if k == 0 else self.slips(-math.copysign(1.0, met.load))
 
     def sticks(self, met: Met) -> Change:
-        """Return the change by which it holds the joint where it is; one that holds it already stays."""
+        """Return the change by which it holds the joint at its position."""
         return Change(_STUCK, memory={"where": self.where if self.mode == _STUCK else met.angle})
 
     def slips(self, direction: float) -> Change:
@@ -170,11 +176,3 @@ class StickingFriction(ModalElement):
     def bears(self) -> tuple[float, float]:
         """Friction is finite: it bears no impulse."""
         return 0.0, 0.0
-
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
-        said = {"coulomb": "Coulomb friction", "static": "holds up to", "viscous": "viscous"}
-        said |= {"stribeck_rate": "Stribeck rate", "coefficient": "under load"}
-        said |= {"static_coefficient": "holds under load by", "radius": "at radius"}
-        said |= {"axial_radius": "at axial radius", "bending_arm": "bending arm"}
-        return ", ".join(self.said_of(said, slides))

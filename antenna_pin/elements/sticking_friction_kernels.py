@@ -60,7 +60,7 @@ def _direction(mode_now: int) -> float:
 
 @inlined
 def _fade(law: PackedStickingFriction, rate: float) -> float:
-    """What is left of the excess of static friction at a rate."""
+    """Return the remaining share of the excess of static friction at a rate."""
     if law.mode == PUSHED or law.mode == PULLED:
         return 1.0
     if law.stribeck_rate == 0.0:
@@ -70,7 +70,10 @@ def _fade(law: PackedStickingFriction, rate: float) -> float:
 
 @inlined
 def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
-    """Torque [N m], or force [N], whatever the load: zero while it sticks, for then a row carries it."""
+    """Return the torque [N m] ([N]) that no load adds to.
+
+    It is zero while the joint sticks, for then a row carries it.
+    """
     law = record(words[at : at + SIZE], LAYOUT)
     dry = law.coulomb + (law.static - law.coulomb) * _fade(law, rate)
     return float(-_direction(law.mode) * dry - law.viscous * rate)
@@ -92,14 +95,14 @@ def mode(words: Floats, at: int) -> int:
 
 @inlined
 def hold(words: Floats, at: int) -> tuple[bool, float]:
-    """Whether the joint sticks, and where."""
+    """Return whether the joint sticks, and the position."""
     law = record(words[at : at + SIZE], LAYOUT)
     return law.mode == STUCK, float(law.where)
 
 
 @inlined
 def grip(words: Floats, at: int) -> float:
-    """Torque up to which it holds, under the load of the last evaluation [N m] ([N])."""
+    """Return the largest sticking torque at the last evaluation's load [N m] ([N])."""
     law = record(words[at : at + SIZE], LAYOUT)
     return float(law.static + law.static_coefficient * law.burden)
 
@@ -128,7 +131,10 @@ def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float
 
 @inlined
 def bearing(words: Floats, at: int) -> tuple[float, float, float, float]:
-    """What load is made of: by radial force, axial force [m] and moment [-], and the middle [m]."""
+    """Return the weights of the load and the middle of the bearing [m].
+
+    Weights are over radial force, axial force [m] and moment [-].
+    """
     law = record(words[at : at + SIZE], LAYOUT)
     return float(law.radial), float(law.axial), float(law.bending), float(law.middle)
 

@@ -45,7 +45,7 @@ StopLaw = Literal[
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EndStop(Limits):
-    r"""An end stop that gives way: beyond a limit it presses back by a contact law, and never pulls.
+    r"""A compliant end stop: a contact law beyond a limit, without tension.
 
     .. math:: \tau = \mp f(\delta, \dot\delta), \qquad
               \delta = \phi - \phi_{upper} \text{ or } \phi_{lower} - \phi, \quad
@@ -76,7 +76,6 @@ class EndStop(Limits):
         upper_slope: Of the upper side; None for the same [s/rad] ([s/m]).
         upper_inertia: Of the upper side; None for the same [kg*m**2] ([kg]).
         least_rate: Least rate of approach that a law sees [rad/s] ([m/s]).
-        on: Whether it acts from the start on; an event may switch it.
         approach: Rate at the onset of the present touch [rad/s] ([m/s]).
         turned: Whether it has turned back in the present touch, 0 or 1.
         lost: What it had lost before that [J].
@@ -149,7 +148,7 @@ class EndStop(Limits):
         return tuple(_NAMES.get(name, name) for name in parameters_of(_law(self.of_side("law", side))))
 
     def contact_law(self, side: int) -> Any:
-        """Return the law of a side as contacts have it, with the angle as its depth."""
+        """Return the contact law of a side, with the angle as its depth."""
         law, takes = _law(self.of_side("law", side)), self._taken(side)
         given = {
             item.name: self.of_side(name, side)
@@ -159,18 +158,10 @@ class EndStop(Limits):
         }
         return law(**{name: value for name, value in given.items() if value is not None})
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        return {
-            "lower": self.lowest,
-            "upper": self.highest,
-            "least_rate": self.least_rate,
-            "inertia": self.inertia or 0.0,
-            "upper_inertia": self.of_side("inertia", UPPER) or 0.0,
-            "mode": self.mode,
-            "approach": self.approach,
-            "turned": self.turned,
-        }
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
+        inertia, upper = (self.of_side("inertia", side) or 0.0 for side in (LOWER, UPPER))
+        return Limits.derived(self) | {"inertia": inertia, "upper_inertia": upper}
 
     def first(self, met: Met) -> Change | None:
         """Return the side that the joint is pressed into at the start, if any."""
@@ -187,7 +178,7 @@ class EndStop(Limits):
         return self._pressed_in(side, met)
 
     def moved(self, key: str, met: Met) -> Change | None:
-        """Return the memory of a stop that now is where its joint is already beyond it, or is not."""
+        """Return the memory of a stop moved to, or off, a joint beyond it."""
         if self.mode != FREE:
             return None
         side = self.side_at(met.angle, met.rate)
@@ -211,7 +202,7 @@ class EndStop(Limits):
         )
 
     def _approach_in(self, side: int, met: Met) -> float:
-        """Return the rate of approach without an onset, of a joint on a side [rad/s] ([m/s])."""
+        """Return the approach rate of a joint on a side without onset [rad/s] ([m/s])."""
         sign, limit = (-1.0, self.lowest) if side == LOWER else (1.0, self.highest)
         return approach_speed_in_contact(sign * (met.angle - limit), sign * met.rate, 0.0)
 
@@ -230,8 +221,8 @@ class EndStop(Limits):
         """Return the laws of the lower and of the upper side in numbers."""
         return tuple(number for side in (LOWER, UPPER) for number in self.contact_law(side).code())
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         told = [f"end stop {self.words_of_limits(slides)}", *self._law_words(LOWER, slides)]
         if self.differs(_OF_SIDES):
             upper = ", ".join(self._law_words(UPPER, slides))

@@ -1,4 +1,4 @@
-"""An end stop that gives way, compiled: one or two sides, each a contact with the angle as its depth."""
+"""A compliant end stop, compiled: one or two sides as contacts over the angle."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ SIZE = words_of(LAYOUT)
 
 @inlined
 def depth(stop: PackedStop, angle: float) -> float:
-    """How far the joint is pressed into the side that it touches; beyond none it is zero."""
+    """Return the depth of the joint in the side that it touches; else zero."""
     if stop.mode == LOWER:
         return float(stop.lower - angle)
     if stop.mode == UPPER:
@@ -53,7 +53,7 @@ def way(stop: PackedStop) -> float:
 
 @inlined
 def law_at(at: int, stop: PackedStop) -> int:
-    """Where the law of the side that it touches stands."""
+    """Return the place of the law of the side that the joint touches."""
     return at + SIZE + NORMAL_SIZE if stop.mode == UPPER else at + SIZE
 
 
@@ -74,7 +74,10 @@ def effort(words: Floats, at: int, t: float, angle: float, rate: float) -> float
 def write_rates(
     words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int
 ) -> None:
-    """Power lost [W]: what goes in, but for what the elastic part stores; and the torque's size."""
+    """Write the power lost [W], and the size of the torque.
+
+    Lost is the power put in, less the rate of the elastic energy.
+    """
     stop = record(words[at : at + SIZE], LAYOUT)
     rates[x] = rates[x + 1] = 0.0
     if stop.mode != FREE:
@@ -96,7 +99,10 @@ def stored(words: Floats, at: int, angle: float) -> float:
 
 @inlined
 def beyond(lower: float, upper: float, mode: int, k: int, angle: float, rate: float) -> tuple[float, float]:
-    """How far off side k (0 lower, 1 upper) a free joint is, or a joint on it is in, and its rate."""
+    """Return the gap to side k, or the depth in it, and its rate.
+
+    Side 0 is the lower one, 1 the upper one.
+    """
     side = LOWER if k == 0 else UPPER
     gap = angle - lower if k == 0 else upper - angle
     if math.isinf(gap) or (mode != FREE and mode != side):
@@ -107,7 +113,7 @@ def beyond(lower: float, upper: float, mode: int, k: int, angle: float, rate: fl
 
 @kernel
 def switch(words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
-    """Function k: how far off a side the joint is, or how far in, and its rate; 2: the rate going in."""
+    """Return function k: 0, 1 gap or depth with its rate; 2 closing rate."""
     stop = record(words[at : at + SIZE], LAYOUT)
     if k == TURNS:
         return (way(stop) * motion[2], 0.0) if stop.mode != FREE and stop.turned == 0.0 else (1.0, 0.0)

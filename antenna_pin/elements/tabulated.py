@@ -39,11 +39,11 @@ class TableDrive(Drive):
 
     @property
     def instants(self) -> tuple[float, ...]:
-        """Its points; of cubics, whose work is of eighth degree, the middles between them too [s]."""
+        """Points of the table; of cubics, with work of eighth degree, their middles too [s]."""
         return self.time if self.interpolation == "linear" else points_and_middles(self.time)
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
         return {"points": len(self.time)}
 
     def tail(self) -> tuple[float, ...]:
@@ -54,8 +54,8 @@ class TableDrive(Drive):
         """Refuse a run that the table does not cover."""
         check_covers(self.time, place, begin, end)
 
-    def words(self, slides: bool) -> str:
-        """Return what it is in words."""
+    def words(self, slides: bool = False) -> str:
+        """Return the description."""
         largest = readable(max(abs(value) for value in self.torque), self.unit("torque", slides))
         where = "" if self.file is None else f" of {self.file}"
         points = f"{len(self.time)} points from {number(self.time[0])} to {number(self.time[-1])} s"

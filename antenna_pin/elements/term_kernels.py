@@ -99,7 +99,10 @@ def _swing(size: float, angle: float, omega: float) -> tuple[float, float, float
 
 @inlined
 def _turned(p: SweptPiece, s: float) -> tuple[float, float, float, float]:
-    """Phase since the piece's start, angular frequency and its first two derivatives, s after the start."""
+    """Return phase, angular frequency and its two derivatives, s after the start.
+
+    The phase counts from the piece's start.
+    """
     if p.octaves == 0 or p.growth == 0.0:
         return (p.begin + 0.5 * p.growth * s) * s, p.begin + p.growth * s, p.growth, 0.0
     # (exp(g s) - 1) / g by expm1: right where g s is small.
@@ -150,7 +153,7 @@ def _cycloid(term: Term, t: float) -> tuple[float, float, float]:
 
 @kernel
 def course(words: Floats, at: int, end: int, t: float) -> tuple[float, float, float]:
-    """Value, rate and acceleration at time t [s] of the sum of the terms in words[at:end]."""
+    """Return value, rate and acceleration at time t [s] of the terms in words[at:end]."""
     value = rate = acceleration = 0.0
     while at < end:
         term = record(words[at : at + SIZE], TERM)

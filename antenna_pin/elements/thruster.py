@@ -1,4 +1,4 @@
-"""A thruster: a force in a direction of its link, on for given times or by command."""
+"""A thruster: a force along a link's direction, in pulses or by command."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Numbers3 = tuple[float, float, float]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Thruster(AtPoint):
-    r"""A force of one size along a direction that its link carries, on in pulses or by command.
+    r"""A constant force along a link's direction, in pulses or by command.
 
     Steps end at both edges of a pulse. Outside pulses the force is ``throttle`` times the thrust, which
     events, controllers and sessions command. With time constants it follows by
@@ -33,7 +33,6 @@ class Thruster(AtPoint):
     normal distribution with ``misalignment`` as its standard deviation.
 
     Attributes:
-        at: A link, and a point in its frame [m].
         direction: Of the force on the link, against the jet, in the link's axes [-].
         thrust: [N].
         starts: Starts of pulses, increasing [s].
@@ -169,23 +168,16 @@ class Thruster(AtPoint):
         x, y, z = (math.cos(angle) * d[k] + math.sin(angle) * (c * a[k] + s * b[k]) for k in range(3))
         return x, y, z
 
-    def values(self) -> dict[str, Any]:
-        """Return its numbers, by the names that its record has for them."""
-        return {
-            "thrust": self.thrust,
-            "direction": self.way,
-            "firing": self.firing,
-            "throttle": self.throttle,
-            "rise_time": self.rise_time,
-            "fall_time": self.fall_time,
-        }
+    def derived(self) -> dict[str, Any]:
+        """Return the packed parameters that are no fields of the element."""
+        return {"direction": self.way}
 
     def facts(self) -> dict[str, float]:
         """Return its thrust, for those who draw it."""
         return {"thrust": self.thrust}
 
     def words(self, slides: bool = False) -> str:
-        """Return what it is in words."""
+        """Return the description."""
         text = f"thruster on {self.at[0]}, {readable(self.thrust, 'N', GIVEN)}"
         if self.starts:
             on = sum(end - start for start, end in self.pulses)

@@ -1,4 +1,4 @@
-"""What the coal backend of the revolute joint needs around its queries, compiled.
+"""Arithmetic of the revolute joint's coal backend around its queries, compiled.
 
 Who asks calls :func:`coal_set_out` with a pose, has coal fill in the answers of the rows that are still
 ``asked``, and calls :func:`coal_take_in`, again and again until nothing is asked any more: nearly always
@@ -30,7 +30,10 @@ from antenna_pin.geometry.revolute_kernels import REVOLUTE, Revolute, bore_conta
 
 
 class Query(Record):
-    """Rows as bits (1, 2: the bore's circles at +z and -z; 4, 8: the flanges there)."""
+    """Rows as bits: 1, 2 the bore's circles, 4, 8 the flanges.
+
+    The first of each pair is at +z, the second at -z.
+    """
 
     wanted: int  # rows
     asked: int  # of them those that coal is still to be called for
@@ -119,7 +122,7 @@ def _answer_in(work: Floats, k: int) -> FlangeAnswer:
 
 @kernel
 def coal_set_out(work: Floats, pose: Records[Pose], wanted: int) -> None:
-    """Place the bearing in the journal frame and say what is to be asked of coal.
+    """Place the bearing in the journal frame and list the queries of coal.
 
     Args:
         work: Flat, WORDS; its QUERY, FRAME and the ENDs that are asked about are filled.
@@ -162,7 +165,10 @@ def coal_set_out(work: Floats, pose: Records[Pose], wanted: int) -> None:
 
 @kernel
 def coal_start(work: Floats, k: int, side: float, pose: Records[Pose]) -> bool:
-    """Start the search on the circle at ``side`` times half the length; whether END k is to be asked."""
+    """Start the search on a circle; return whether END k needs queries.
+
+    The circle is at ``side`` times half the length.
+    """
     # Towards the side of the bore that the journal axis is nearest to, where it cuts the circle's plane.
     ox, oy, oz = pose[0].centre[0], pose[0].centre[1], pose[0].centre[2]
     zx, zy, zz = pose[0].axis[0], pose[0].axis[1], pose[0].axis[2]
@@ -207,7 +213,9 @@ def _in_bearing(at: Frame, x: float, y: float, z: float) -> Triple:
 
 @inlined
 def _newton(shape: Revolute, at: Frame, end: End, normal: Triple, gap: float) -> Triple:
-    """Return a Newton step of d gap / d phi = 0 in an END [rad], what the gap loses by it [m], and the slope.
+    """Return a Newton step in an END [rad], gap loss [m], and slope.
+
+    The equation is d gap / d phi = 0.
 
     The derivative of the gap along the circle is -n . dQ/dphi, n the normal in H; its own derivative follows
     from the curvature of the distance to a line,
@@ -230,7 +238,10 @@ def _newton(shape: Revolute, at: Frame, end: End, normal: Triple, gap: float) ->
 
 @inlined
 def _approach(shape: Revolute, at: Frame, end: End) -> None:
-    """Bring the point of an END to where the closed form has the least gap, so that coal is asked once."""
+    """Place the point of an END at the closed form's least gap.
+
+    Then coal is queried once.
+    """
     for _ in range(_APPROACH):
         x, y = end.in_journal[0], end.in_journal[1]
         distance = math.sqrt(x * x + y * y)
@@ -247,7 +258,9 @@ def _approach(shape: Revolute, at: Frame, end: End) -> None:
 
 @kernel
 def coal_turn(work: Floats, k: int) -> bool:
-    """Make one Newton step of d gap / d phi = 0 in END k from coal's answer; True when done.
+    """Make one Newton step in END k from coal's result; return whether it is done.
+
+    The equation is d gap / d phi = 0.
 
     Once the step is below 1e-5 rad, gap and normal are carried over it to second and first order, which is
     exact to 1e-10 in the normal and far below round-off in the gap: no further query is needed. Where the
@@ -278,7 +291,7 @@ def coal_turn(work: Floats, k: int) -> bool:
 
 @kernel
 def coal_take_in(work: Floats, pose: Records[Pose], table: Records[Contact], row: int) -> bool:
-    """Turn coal's answers into the rows of the table that are wanted, in H; whether they are final.
+    """Convert coal's results into the requested rows, in H; return whether they are final.
 
     If not, coal is to be asked again.
     """

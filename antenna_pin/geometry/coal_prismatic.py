@@ -87,7 +87,7 @@ class _CornerOnWall:
 
 
 class _EdgeInGuide:
-    """The ball of a corner's rounding, or of the edge at a mouth, against the plane that it is pressed on."""
+    """The ball of a corner or mouth edge against the plane in contact."""
 
     def __init__(self, words: NDArray[np.float64]) -> None:
         self._words = words.copy()
@@ -106,7 +106,7 @@ class _EdgeInGuide:
 
 
 class _RodInGuide:
-    """A point of the slider's rim in the guide as a cylinder, or one of the mouth against the slider."""
+    """A point of the rim against the guide, or of the mouth against the slider."""
 
     def __init__(self, words: NDArray[np.float64]) -> None:
         self._words = words.copy()

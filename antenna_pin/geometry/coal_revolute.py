@@ -72,7 +72,7 @@ class CoalRevolute:
         self.take(np.zeros(kernels.WORDS))
 
     def take(self, work: NDArray[np.float64]) -> None:
-        """Ask and answer in an array from now on, (WORDS,), as one that compiled code has at hand."""
+        """Use another array for queries and results from now on, (WORDS,)."""
         self.work = work
         work[kernels.SHAPE_AT : kernels.FRAME_AT] = self._shape.view(np.float64)
         self._asked = work[: kernels.SHAPE_AT].view(kernels.QUERY)["asked"]
@@ -139,7 +139,7 @@ class CoalRevolute:
         row: int,
         first: int,
     ) -> None:
-        """Fill the strips of the bore and the sectors of the flanges, and the four patches' rows.
+        """Fill the rows of the bore's strips, the flanges' sectors, and the patches.
 
         The strips are those that the closed form loads and their neighbours on the surface, the sectors those
         of flanges that press; each is asked of coal.

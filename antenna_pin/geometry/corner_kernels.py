@@ -21,7 +21,7 @@ CORNER = layout(Corner)
 
 @kernel
 def corner_contact(shape: Corner, pose: Pose, out: Contact) -> None:
-    """Candidate between a corner and a wall: the ball of the corner's rounding against the plane.
+    """Write the candidate of a corner's rounding, a ball, against a wall's plane.
 
     Of a box with rounded edges inside a hollow with plane walls no other point is deeper.
     """

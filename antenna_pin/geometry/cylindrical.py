@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import kernels
 from antenna_pin.geometry.look import Across, Array, Look, Sizes, circle, length, radial_words
 from antenna_pin.geometry.prismatic import (
@@ -24,14 +23,12 @@ from antenna_pin.geometry.prismatic import (
     within,
 )
 from antenna_pin.geometry.revolute_kernels import REVOLUTE
-from antenna_pin.geometry.shape import ContactPlace, Motion, RoundShape, flat, require_lengths
+from antenna_pin.geometry.shape import ContactPlace, Motion, RoundShape, flat, require_below, require_lengths
 
 if TYPE_CHECKING:
     from antenna_pin.geometry.coal_prismatic import CoalPrismatic
 
-__all__ = [
-    "CylindricalClearance",
-]
+__all__ = ["CylindricalClearance"]
 
 # --- readings of results ------------------------------------------------------------------------------------
 
@@ -99,7 +96,7 @@ _KEY = ("key_width", "keyway_width", "key_reach")
 )
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CylindricalClearance(RoundShape):
-    r"""A round slider in a round guide: it slides along the axis, and turns about it unless a key holds it.
+    r"""A round slider in a round guide: it slides, and turns without a key.
 
     Candidates ``radial+`` and ``radial-`` are the two ends of what of the slider is within the guide: the rim
     of the slider's end on the wall where it ends within, the mouth's edge on the slider's barrel where it
@@ -135,21 +132,15 @@ class CylindricalClearance(RoundShape):
     def __post_init__(self) -> None:
         """Check the dimensions."""
         require_lengths(self, "bearing_radius", "journal_radius", "slider_length")
-        if not self.journal_radius < self.bearing_radius:
-            raise InvalidParameterError(
-                self, "journal_radius", f"below bearing_radius = {self.bearing_radius:g} m"
-            )
+        require_below(self, "journal_radius", "bearing_radius")
         check_guide_length(self)
         if any(getattr(self, name) != 0.0 for name in _KEY):
             require_lengths(self, *_KEY)
-            if not self.key_width < self.keyway_width:
-                raise InvalidParameterError(
-                    self, "key_width", f"below keyway_width = {self.keyway_width:g} m"
-                )
+            require_below(self, "key_width", "keyway_width")
 
     @property
     def half_length(self) -> float:
-        """Half of what of the slider is within the guide when it is in the middle [m]."""
+        """Half the guided length of a centred slider [m]."""
         return 0.5 * within(self.slider_length, self.guide_length)
 
     @property

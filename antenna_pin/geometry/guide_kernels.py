@@ -1,4 +1,6 @@
-"""Distances between a slider and a guide that ends, compiled: where either may be the longer.
+"""Distances between a slider and a guide that ends, compiled.
+
+Either may be the longer.
 
 The guide is a block with a hollow that goes through it; its outside does not count. Of what reaches out of a
 mouth only the part within the guide can touch, so that a contact there is between the slider's flank and the
@@ -37,7 +39,9 @@ _MAX_ITERATIONS = 60
 
 @kernel
 def edge_contact(shape: Edge, pose: Pose, out: Contact) -> None:
-    """Candidate at one end of what a slider's long edge has within the guide: its corner, or the mouth.
+    """Write the candidate at one end of a long edge: its corner, or the mouth.
+
+    The edge counts as far as it is within the guide.
 
     Exact for a slider apart from its wall and for one that presses, where the depth is along the one of the
     normals of wall and edge that parts them soonest; the guide's mouth is sharp, the slider's edge rounded.
@@ -96,7 +100,9 @@ def edge_contact(shape: Edge, pose: Pose, out: Contact) -> None:
 
 @kernel
 def farthest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple[float, float]:
-    """Return the point of an ellipse farthest from (x, y), both semi-axes along the coordinate axes.
+    """Return the point of an ellipse farthest from (x, y).
+
+    Its semi-axes lie along the coordinate axes.
 
     It lies in the quadrant opposite to (x, y) and solves, for q > 0 and delta = major^2 - minor^2,
 
@@ -135,7 +141,9 @@ def farthest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple
 
 @kernel
 def rod_contact(shape: Revolute, pose: Pose, out: Contact) -> None:
-    """Candidate at one end of what a round slider has within a round guide: its rim, or the mouth.
+    """Write the candidate at one end of a round slider: its rim, or the mouth.
+
+    The slider counts as far as it is within the guide.
 
     REVOLUTE, of which half_length is half the guide's and half_distance half the slider's. The rim's gap is
     R_i - max over P on the rim of dist(P, guide's axis), the mouth's that of a bore's end circle.

@@ -1,4 +1,4 @@
-"""The shapes of joints with play as lists of candidate contacts, compiled: which function finds which.
+"""Shapes of joints with play as lists of candidate contacts, compiled.
 
 A joint with play is a row of *candidates*, each a record of ``CANDIDATE`` words that begins with its
 primitive. A new primitive is a file of its own and one line here.

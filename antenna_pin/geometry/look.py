@@ -74,7 +74,7 @@ def length(value: float) -> str:
 
 
 def radial_words(hollow: str, radius: float, inner: str, inner_radius: float) -> str:
-    """Return in words a round part in a round hollow: what they are called, and their radii [m]."""
+    """Return the description of a round part in a hollow: names and radii [m]."""
     return (
         f"radial clearance {length(radius - inner_radius)}: {hollow} of radius {length(radius)}, "
         f"{inner} of {length(inner_radius)}"
@@ -88,7 +88,7 @@ def circle(radius: float) -> Array:
 
 
 def across_centre(p: Array, eccentricity: Array, clearance: float) -> Across:
-    """Return where a journal is whose centre may be off the bearing's by its clearance, whichever way.
+    """Return the place of a journal with the same play in all directions.
 
     Args:
         p: Its centre, bearing axes, (n, 3) [m].

@@ -74,7 +74,7 @@ class OwnBackend:
         self._numbers_of(table, row)[:] = own
 
     def _numbers_of(self, table: NDArray[Any], row: int) -> NDArray[np.float64]:
-        """Return gap, normal and point of the joint's rows of a table, (contacts, 7); a view."""
+        """Return gap, normal and point of the joint's table rows, (contacts, 7); a view."""
         rows = table[row : row + self._contacts]
         return rows.view(np.float64).reshape(self._contacts, -1)[:, : len(_GIVEN)]
 

@@ -34,7 +34,9 @@ def take_place(patch: Contact, part: Contact) -> None:
 def strip_contacts(
     shape: Revolute, strips: int, pose: Pose, table: Records[Contact], row: int, first: int
 ) -> None:
-    """Fill the bore's strips, and its two halves: the +z one in ``row``, the -z one behind it.
+    """Fill the bore's strips, and its two halves.
+
+    The +z half is in ``row``, the -z half behind it.
 
     The strips stand from ``first`` on, from the -z to the +z end; a strip is the circle at its middle. The
     gap is concave along the bearing (the distance between two straight axes is convex), so in each half it is
@@ -77,7 +79,9 @@ def sector_contacts(
     row: int,
     first: int,
 ) -> None:
-    r"""Fill the flanges' sectors, from ``first`` on, and the two flanges' own rows, ``row`` and the next.
+    r"""Fill the flanges' sectors, from ``first`` on, and the flanges' own rows.
+
+    These are ``row`` and the next.
 
     The annulus is a ring of ``radius``; its depth at the angle phi from its deepest point is
     d - 2 a sin^2(phi/2), a = radius sin(tilt), and the loaded arc ends at sin(phi/2) = sigma,

@@ -9,18 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import kernels
 from antenna_pin.geometry.look import Across, Array, Look, Sizes, across_centre, radial_words
 from antenna_pin.geometry.round_kernels import ROUND
-from antenna_pin.geometry.shape import ContactPlace, Motion, RoundShape, flat, require_lengths
+from antenna_pin.geometry.shape import ContactPlace, Motion, RoundShape, flat, require_below, require_lengths
 
 if TYPE_CHECKING:
     from antenna_pin.geometry.coal_round import CoalPlanar
 
-__all__ = [
-    "PlanarClearance",
-]
+__all__ = ["PlanarClearance"]
 
 # --- readings of results ------------------------------------------------------------------------------------
 
@@ -69,10 +66,7 @@ class PlanarClearance(RoundShape):
     def __post_init__(self) -> None:
         """Check the dimensions."""
         require_lengths(self, "bearing_radius", "journal_radius")
-        if not self.journal_radius < self.bearing_radius:
-            raise InvalidParameterError(
-                self, "journal_radius", f"below bearing_radius = {self.bearing_radius:g} m"
-            )
+        require_below(self, "journal_radius", "bearing_radius")
 
     @property
     def contact_places(self) -> tuple[ContactPlace, ...]:

@@ -19,7 +19,7 @@ from antenna_pin.geometry import kernels
 from antenna_pin.geometry.corner_kernels import CORNER
 from antenna_pin.geometry.guide_kernels import EDGE
 from antenna_pin.geometry.look import Across, Array, Look, Sizes, length
-from antenna_pin.geometry.shape import ContactPlace, Motion, Shape, flat, require_lengths
+from antenna_pin.geometry.shape import ContactPlace, Motion, Shape, flat, require_below, require_lengths
 
 if TYPE_CHECKING:
     from antenna_pin.geometry.coal_prismatic import CoalPrismatic
@@ -39,7 +39,9 @@ __all__ = [
 
 
 def _across(size: Sizes, p: Array, z: Array) -> Across:
-    """The slider's axis at the ends of what is within the guide; the play is a rectangle, turned by the roll.
+    """Return the slider's axis at its guided ends, and its play, a rectangle.
+
+    The rectangle is turned by the roll.
 
     A centred slider touches with a corner, the centre of whose rounding is at (a, b): a cos + b sin = c.
     """
@@ -75,7 +77,7 @@ def _wall(size: Sizes, end: str) -> complex:
 
 
 def clamped(p: Array, z: Array, half: float, guide: float) -> Array:
-    """Return a slider's axis at the ends of what of it is within its guide, (n, 2, 3) [m].
+    """Return a slider's axis at the ends of its guided part, (n, 2, 3) [m].
 
     Args:
         p: Its centre, (n, 3) [m].
@@ -91,7 +93,10 @@ def clamped(p: Array, z: Array, half: float, guide: float) -> Array:
 
 
 def mouths(half: float, outer: float, inner: float) -> float:
-    """Return the tilt at which a centred slider touches both mouths: outer cos - half sin = inner [rad]."""
+    """Return the tilt at which a centred slider touches both mouths [rad].
+
+    There outer cos - half sin = inner.
+    """
     play = outer - inner
     return 2.0 * math.atan2(play, half + math.sqrt(half * half + (outer + inner) * play))
 
@@ -103,7 +108,10 @@ def guide_words(size: Sizes) -> list[str]:
 
 
 def touches(a: float, b: float, c: float) -> float:
-    """Return the least angle at which a cos + b sin = c, for c > a; NaN if there is none [rad]."""
+    """Return the least root of a cos + b sin = c [rad].
+
+    For c > a; NaN if there is none.
+    """
     left = b * b + a * a - c * c
     return math.nan if left < 0.0 else 2.0 * math.atan2(c - a, b + math.sqrt(left))
 
@@ -157,7 +165,7 @@ def check_guide_length(shape: _Guided) -> None:
 
 
 def within(slider: float, guide: float) -> float:
-    """Return how much of a slider is within its guide when it is in the middle, from their lengths [m]."""
+    """Return the guided length of a centred slider, from both lengths [m]."""
     return min(slider, guide) if guide else slider
 
 
@@ -236,9 +244,7 @@ class PrismaticClearance(Shape):
         """Check the dimensions."""
         require_lengths(self, "guide_width", "guide_height", "slider_width", "slider_height", "slider_length")
         for side in ("width", "height"):
-            guide = getattr(self, f"guide_{side}")
-            if not getattr(self, f"slider_{side}") < guide:
-                raise InvalidParameterError(self, f"slider_{side}", f"below guide_{side} = {guide:g} m")
+            require_below(self, f"slider_{side}", f"guide_{side}")
         half = 0.5 * min(self.slider_width, self.slider_height, self.slider_length)
         if not 0.0 <= self.corner_radius < half:
             raise InvalidParameterError(
@@ -260,7 +266,7 @@ class PrismaticClearance(Shape):
 
     @property
     def half_length(self) -> float:
-        """Half of what of the slider is within the guide when it is in the middle [m]."""
+        """Half the guided length of a centred slider [m]."""
         return 0.5 * within(self.slider_length, self.guide_length)
 
     @property

@@ -1,4 +1,4 @@
-"""Kinds of joints with play by the ``kind`` that a scenario and a result carry: one line each."""
+"""Kinds of joints with play by their ``kind``, one line each."""
 
 from __future__ import annotations
 

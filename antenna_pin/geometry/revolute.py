@@ -16,7 +16,15 @@ from antenna_pin.geometry import kernels
 from antenna_pin.geometry.look import Across, Array, Look, Sizes, circle, length, radial_words
 from antenna_pin.geometry.revolute_kernels import REVOLUTE, scenario_in
 from antenna_pin.geometry.scenarios import AxialScenario, RadialScenario
-from antenna_pin.geometry.shape import ContactPlace, Motion, RoundShape, flat, pose_of, require_lengths
+from antenna_pin.geometry.shape import (
+    ContactPlace,
+    Motion,
+    RoundShape,
+    flat,
+    pose_of,
+    require_below,
+    require_lengths,
+)
 
 if TYPE_CHECKING:
     from antenna_pin.geometry.coal_revolute import CoalRevolute
@@ -32,7 +40,7 @@ __all__ = [
 
 
 def _ends(p: Array, z: Array, half: float) -> Array:
-    """Return where the journal's axis passes the cross sections at both ends of a bore, (n, 2, 3) [m]."""
+    """Return the journal's axis at both ends of the bore, (n, 2, 3) [m]."""
     along = (np.array([half, -half]) - p[:, 2:]) / z[:, 2:]
     return np.asarray(p[:, None, :] + along[:, :, None] * z[:, None, :])
 
@@ -135,10 +143,7 @@ class RevoluteClearance(RoundShape):
         """Check the dimensions."""
         require_lengths(self, "bearing_radius", "journal_radius", "bearing_length", "flange_distance")
         require_lengths(self, "bearing_outer_radius", "flange_radius")
-        if not self.journal_radius < self.bearing_radius:
-            raise InvalidParameterError(
-                self, "journal_radius", f"below bearing_radius = {self.bearing_radius:g} m"
-            )
+        require_below(self, "journal_radius", "bearing_radius")
         # A difference of round-off size is an axial clearance of zero.
         hardest = 2.0 * HARDEST * self.bearing_radius + 1e-12 * self.bearing_length
         if not self.flange_distance >= self.bearing_length - hardest:
@@ -163,7 +168,10 @@ class RevoluteClearance(RoundShape):
         bearing_outer_radius: float,
         flange_radius: float,
     ) -> RevoluteClearance:
-        """Return the shape with journal radius R_i - C_r and flange distance L_i + 2 C_a (all [m])."""
+        """Return the shape by its clearances [m].
+
+        The journal radius is R_i - C_r, the flange distance L_i + 2 C_a.
+        """
         return cls(
             bearing_radius=bearing_radius,
             journal_radius=bearing_radius - radial_clearance,
@@ -175,7 +183,7 @@ class RevoluteClearance(RoundShape):
 
     @property
     def patch_radius(self) -> float:
-        """Root of the mean of the squares of the radii of a flange's loaded annulus [m].
+        """Root mean square radius of a flange's loaded annulus [m].
 
         A ring there has the annulus' second moment, so a uniform modulus resists compression and tilt as over
         the whole annulus.

@@ -40,7 +40,9 @@ EXTENDED = 3  # line in the bore, surface at a flange
 
 @kernel
 def nearest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple[float, float]:
-    """Return the point of an ellipse nearest to (x, y), both semi-axes along the coordinate axes.
+    """Return the point of an ellipse nearest to (x, y).
+
+    Its semi-axes lie along the coordinate axes.
 
     The nearest point lies in the quadrant of (x, y): of the two local minima that a narrow ellipse has, the
     global one is found, never the other. In that quadrant it solves
@@ -88,7 +90,9 @@ def nearest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple[
 
 @kernel
 def bore_contact(shape: Revolute, side: float, pose: Pose, out: Contact) -> None:
-    """Radial candidate at the bearing's circle at ``side`` (+1, -1 or between) times half its length.
+    """Write the radial candidate at the bearing's circle.
+
+    The circle is at ``side`` (+1, -1 or between) times half the bearing's length.
 
     gap = min over Q on the circle of dist(Q, journal axis) - R_j. Seen along the journal axis the circle is
     an ellipse with semi-axes R_i and R_i cos(tilt), and the journal axis is a point: the nearest point of an
@@ -205,7 +209,7 @@ def flange_contact(shape: Revolute, side: float, pose: Pose, out: Contact) -> No
 
 @kernel
 def revolute_contacts(shape: Revolute, pose: Pose, table: Records[Contact]) -> None:
-    """Fill the first four rows of a table: bore at +z and -z, flange at +z and -z."""
+    """Fill a table's first rows: bore at +z, -z, flange at +z, -z."""
     for k in range(2):
         side = 1.0 - 2.0 * k
         bore_contact(shape, side, pose, table[k])
@@ -216,7 +220,9 @@ def revolute_contacts(shape: Revolute, pose: Pose, table: Records[Contact]) -> N
 def contact_scenario(
     shape: Revolute, pose: Pose, table: Records[Contact], row: int, spare: Contact
 ) -> tuple[int, int]:
-    """Classify the penetrations of rows ``row`` to ``row + 3`` of a table; the row ``spare`` is scratch.
+    """Classify the penetrations of rows ``row`` to ``row + 3`` of a table.
+
+    The row ``spare`` is scratch.
 
     Radial: none, one end, two ends, line (both ends and the middle section on the same side). Axial: none,
     one point, two points (both flanges), surface (the whole annulus of a flange).
@@ -254,7 +260,10 @@ def contact_scenario(
 def scenario_in(
     dimensions: Records[Revolute], poses: Records[Pose], table: Records[Contact]
 ) -> tuple[int, int]:
-    """Return the contact scenario of poses[0], filling the five rows of a table; REVOLUTE and POSE, (1,)."""
+    """Return the contact scenario of poses[0], filling the five rows of a table.
+
+    Arguments are REVOLUTE and POSE, (1,).
+    """
     shape, pose = dimensions[0], poses[0]
     revolute_contacts(shape, pose, table)
     return contact_scenario(shape, pose, table, 0, table[4])

@@ -1,4 +1,4 @@
-"""Distances between parts of round section that need no axis: circle in circle, ball in socket; compiled."""
+"""Distances of round sections without an axis, compiled: circle and ball."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from antenna_pin.compiled.decorators import kernel
 
 
 class Round(Record):
-    """A journal in a bore that keeps its plane, or a ball in a socket."""
+    """A journal in a bore, in its plane, or a ball in a socket."""
 
     primitive: int  # its kind
     bearing_radius: float  # [m]

@@ -67,7 +67,7 @@ class Distances(Protocol):
 
 
 class ClearanceGeometry(Protocol):
-    """Shape of a joint with play: a row of candidate contacts, and what its freedom is like.
+    """Shape of a joint with play: candidate contacts and freedom.
 
     A kind of joint with play is one class of this protocol, in a file of its own and in
     ``geometry/__init__.py``.
@@ -205,9 +205,8 @@ def points_of_table(table: NDArray[Any]) -> tuple[ContactPoint, ...]:
 
 def closed_form(shape: ClearanceGeometry, pose: NDArray[Any]) -> NDArray[Any]:
     """Return the contact table of a shape in a pose (see :func:`pose_of`), (contacts,)."""
-    candidates = shape.candidates(np.eye(3)).ravel()
     table = np.zeros(len(shape.contact_places), CONTACT)
-    fill_table(candidates, pose, table)
+    kernels.fill(shape.candidates(np.eye(3)).ravel(), pose, table)
     return table
 
 
@@ -218,14 +217,16 @@ def asked(backend: Distances, contacts: int, pose: NDArray[Any]) -> tuple[Contac
     return points_of_table(table)
 
 
-def fill_table(candidates: NDArray[np.float64], pose: NDArray[Any], table: NDArray[Any]) -> None:
-    """Fill gap, normal and point of all rows of a table from the flat records of their candidates."""
-    kernels.fill(candidates, pose, table)
-
-
 def flat(layout: np.dtype[Any], *rows: tuple[Any, ...]) -> NDArray[np.float64]:
     """Return records as rows of plain 8-byte numbers, (len(rows), words)."""
     return np.array(list(rows), dtype=layout).view(np.float64).reshape(len(rows), -1)
+
+
+def require_below(shape: object, name: str, other: str) -> None:
+    """Refuse a dimension that is not smaller than another."""
+    most = getattr(shape, other)
+    if not getattr(shape, name) < most:
+        raise InvalidParameterError(shape, name, f"below {other} = {most:g} m")
 
 
 def require_lengths(shape: object, *names: str) -> None:

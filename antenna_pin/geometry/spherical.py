@@ -9,18 +9,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import kernels
 from antenna_pin.geometry.look import Across, Array, Look, Sizes, across_centre, radial_words
 from antenna_pin.geometry.round_kernels import ROUND
-from antenna_pin.geometry.shape import ContactPlace, Motion, RoundShape, flat, require_lengths
+from antenna_pin.geometry.shape import ContactPlace, Motion, RoundShape, flat, require_below, require_lengths
 
 if TYPE_CHECKING:
     from antenna_pin.geometry.coal_round import CoalSpherical
 
-__all__ = [
-    "SphericalClearance",
-]
+__all__ = ["SphericalClearance"]
 
 # --- readings of results ------------------------------------------------------------------------------------
 
@@ -51,7 +48,7 @@ LOOK = Look(
 @takes(socket_radius="m", ball_radius="m")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SphericalClearance(RoundShape):
-    """A ball in a socket with play: one candidate contact, on the line of the two centres.
+    """A ball in a socket with play: one contact, on the line of centres.
 
     The socket is taken as a whole sphere: it holds the ball in every direction.
 
@@ -75,10 +72,7 @@ class SphericalClearance(RoundShape):
     def __post_init__(self) -> None:
         """Check the dimensions."""
         require_lengths(self, "socket_radius", "ball_radius")
-        if not self.ball_radius < self.socket_radius:
-            raise InvalidParameterError(
-                self, "ball_radius", f"below socket_radius = {self.socket_radius:g} m"
-            )
+        require_below(self, "ball_radius", "socket_radius")
 
     @property
     def bearing_radius(self) -> float:

@@ -1,4 +1,4 @@
-"""How candidate contacts change as a journal moves and dimensions change, compiled.
+"""Changes of candidate contacts with journal motion and dimensions, compiled.
 
 Of a primitive that has a closed form of its gap, its gap, normal and point are differentiated as they are
 defined; ends of sliders in guides are not among these (:func:`contact_changes`).
@@ -65,7 +65,9 @@ def _bore_changes(
 def _flange_changes(
     shape: Revolute, change: Revolute, pose: Pose, way: Pose, row: Contact, out: Floats
 ) -> None:
-    """Changes of the deepest point of a flange's rim, or of the bearing's edge where the flange covers that.
+    """Write the changes of the deepest point of a flange's rim.
+
+    Where the flange covers the bearing's edge it is that of the edge.
 
     At parallel axes, where the deepest point is that on the axis, it stays there.
     """
@@ -103,7 +105,7 @@ def _flange_changes(
 
 @kernel
 def _round_changes(shape: Round, change: Round, flat: bool, way: Pose, row: Contact, out: Floats) -> None:
-    """Changes of a ball's candidate in its socket, or of a circle's in a circle: ``flat``, in the plane."""
+    """Write the changes of a ball's candidate, or of a circle's if ``flat``."""
     n, radius = row.normal, shape.bearing_radius
     off = radius - shape.journal_radius - row.gap
     x, y, z = way.centre[0], way.centre[1], 0.0 if flat else way.centre[2]
@@ -134,7 +136,7 @@ def _corner_changes(shape: Corner, change: Corner, pose: Pose, way: Pose, row: C
 
 @inlined
 def has_closed_changes(primitive: int) -> bool:
-    """Whether :func:`contact_changes` knows a primitive."""
+    """Return whether :func:`contact_changes` supports a primitive."""
     return primitive == CORNER_ON_WALL or (primitive >= BORE and primitive <= BALL)
 
 

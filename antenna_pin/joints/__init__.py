@@ -1,4 +1,4 @@
-"""The joint-contact plugin: geometry + laws + contact memory -> the wrench on a joint with play."""
+"""The joint-contact plugin: from geometry, laws and memory to a wrench."""
 
 from antenna_pin.base.lazy import exported
 

@@ -62,7 +62,7 @@ def check_asked(place: str, normal_laws: Sequence[Any], friction: Any, backend: 
 
 
 def check_friction(place: str, law: Any, compiled: bool) -> None:
-    """Refuse a friction law that jumps at rest, or one with states beside normal laws in Python.
+    """Refuse friction that jumps at rest, or bristles beside Python laws.
 
     Args:
         place: The joint, for the messages.

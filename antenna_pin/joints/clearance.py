@@ -150,7 +150,7 @@ class ClearanceJoint:
     def python_path(
         self, block: Array, memory: NDArray[Any], table: NDArray[Any], nq: int
     ) -> PythonPath | None:
-        """Return what of the joint happens in Python in a run, or None if nothing does.
+        """Return the parts of the joint that run in Python; None without.
 
         Args:
             block: The joint's numbers, as they stand in a system's program.
@@ -170,7 +170,10 @@ class ClearanceJoint:
 
     @property
     def depth_limits(self) -> tuple[float, ...]:
-        """Depth of each contact at which a run ends [m]: the least of ``maximum_depth`` and its law's own."""
+        """Depth of each contact at which a run ends [m].
+
+        It is the least of ``maximum_depth`` and the law's own limit.
+        """
         assert self.maximum_depth is not None
         return tuple(min(self.maximum_depth, range_of(law)) for law in self.normal_laws)
 
@@ -261,7 +264,9 @@ class ClearanceJoint:
         return self.strips + 2 * self.sectors
 
     def stored_energy(self, q: ArrayLike) -> float:
-        """Return the energy that the contacts store in a pose in which all with a gap <= 0 touch [J].
+        """Return the stored energy of the contacts in a pose [J].
+
+        Contacts with a gap <= 0 touch.
 
         Args:
             q: The joint's configuration (see :meth:`evaluate`), for a joint axis along z.
@@ -304,14 +309,11 @@ class ClearanceJoint:
             axis: The joint's axis in the joint frame.
             axes: Bearing axes in the joint frame as columns; needed for an axis other than z.
         """
-        frame = np.eye(3) if axes is None else np.asarray(axes, dtype=float)
-        y = np.concatenate([np.asarray(q, dtype=float), np.asarray(v, dtype=float)])
-        nv = 3 if self.planar else 6
-        nq = y.size - nv
-        x = np.zeros(self.contacts * self.stride)
-        y = np.concatenate([y, x])
-        block = self.block(frame, axis, 0, 0, 0, 0)
-        n = self.contacts
+        n, nv = self.contacts, 3 if self.planar else 6
+        x = np.zeros(n * self.stride)
+        y = np.concatenate([np.asarray(q, dtype=float), np.asarray(v, dtype=float), x])
+        nq = y.size - nv - x.size
+        block = self.block(np.eye(3) if axes is None else axes, axis, 0, 0, 0, 0)
         table = np.zeros(n + self.place_strips(block, n), CONTACT)
         memory = np.zeros(n, MEMORY)
         pose = np.zeros(1, POSE)
@@ -332,13 +334,5 @@ class ClearanceJoint:
         if path is not None:
             path.prepare(y, everything=True)
         kernels.alone(block, 0, y, nq, nv, memory, table, pose, tau, rates)
-        return JointContacts(
-            gap=table["gap"][:n].copy(),
-            normal=table["normal"][:n].copy(),
-            point=table["point"][:n].copy(),
-            rate=table["rate"][:n].copy(),
-            slip=table["slip"][:n].copy(),
-            normal_force=table["force"][:n].copy(),
-            friction_force=table["friction"][:n].copy(),
-            generalized_force=tau,
-        )
+        columns = ("gap", "normal", "point", "rate", "slip", "force", "friction")
+        return JointContacts(*(table[name][:n].copy() for name in columns), tau)

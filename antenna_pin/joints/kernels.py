@@ -1,4 +1,4 @@
-"""The joint with play, compiled: from pose and twist of the journal to the generalized force.
+"""The joint with play, compiled: from pose and twist to generalized force.
 
 A joint is a block of numbers in a system's program (:mod:`antenna_pin.joints.layout_kernels`), its contacts
 are rows of a table (:data:`antenna_pin.base.records.CONTACT`) and of the contact memory
@@ -66,7 +66,10 @@ def contact_geometry(p: Floats, b: int, pose: Pose, table: Records[Contact]) -> 
 def touching_geometry(
     p: Floats, b: int, pose: Pose, memory: Records[Memory], table: Records[Contact]
 ) -> None:
-    """Fill gap, normal and point of the contacts that touch; the others have no force, whatever their gap."""
+    """Fill gap, normal and point of the contacts that touch.
+
+    The others have no force, whatever their gap.
+    """
     j = joint_at(p, b)
     if j.distributed != 0:
         bore = memory[j.row].touching != 0.0 or memory[j.row + 1].touching != 0.0
@@ -80,7 +83,7 @@ def touching_geometry(
 
 @inlined
 def contact_rates(p: Floats, b: int, pose: Pose, table: Records[Contact]) -> None:
-    """Fill depth rate and slip of a joint's contacts; with distributed load of its loaded strips too.
+    """Fill depth rate and slip of a joint's contacts, and of loaded strips.
 
     A point load at a flange that presses flat is moved to where it acts.
     """
@@ -105,7 +108,10 @@ def _rates_of(p: Floats, b: int, k: int, pose: Pose, table: Records[Contact]) ->
 
 @inlined
 def touching_rates(p: Floats, b: int, pose: Pose, memory: Records[Memory], table: Records[Contact]) -> None:
-    """Fill depth rate and slip of the contacts that touch; of all where strips or a backend are asked."""
+    """Fill depth rate and slip of the contacts that touch.
+
+    Of strips, and with a backend, all are filled.
+    """
     j = joint_at(p, b)
     if j.distributed != 0 or j.mode == GEOMETRY_GIVEN:
         contact_rates(p, b, pose, table)
@@ -131,14 +137,17 @@ def apart_motion(p: Floats, b: int, pose: Pose, memory: Records[Memory], table: 
 
 @inlined
 def contact_motion(p: Floats, b: int, k: int, pose: Pose, table: Records[Contact]) -> None:
-    """Fill gap, normal, point, depth rate and slip of contact k of a joint with point loads."""
+    """Fill the geometry and rates of contact k of a joint with point loads.
+
+    These are gap, normal, point, depth rate and slip.
+    """
     candidate_contact(p, candidate_at(b, k), pose, table[joint_at(p, b).row + k])
     _rates_of(p, b, k, pose, table)
 
 
 @inlined
 def normal_force_of(p: Floats, b: int, k: int, memory: Records[Memory], table: Records[Contact]) -> None:
-    """Fill the normal force of contact k of a joint with point loads; none if it does not touch."""
+    """Fill the normal force of contact k under point load; zero without touch."""
     j = joint_at(p, b)
     out, remembered = table[j.row + k], memory[j.row + k]
     if remembered.touching == 0.0:
@@ -159,7 +168,7 @@ def contact_forces(
     rates: Floats,
     r0: int,
 ) -> None:
-    """Fill the forces of a joint's rows from its laws; contacts that do not touch have none.
+    """Fill the forces of a joint's rows from its laws; zero without touch.
 
     x starts at y[x0] and its rates at rates[r0].
     """
@@ -188,7 +197,10 @@ def contact_forces(
 def contact_wrench(
     p: Floats, b: int, pose: Pose, table: Records[Contact], tau: Floats, rates: Floats, r0: int
 ) -> None:
-    """Add the forces of a joint's rows to tau (in the child's own axes) and write what they integrate."""
+    """Add a joint's row forces to tau, and write the rates of integrals.
+
+    tau is in the child's own axes.
+    """
     j = joint_at(p, b)
     distributed = j.distributed != 0
     no_wrench(pose)
@@ -223,7 +235,10 @@ def contact_wrench(
 def unit_normal_force(
     p: Floats, b: int, poses: Records[Pose], table: Records[Contact], r: int, tau: Floats
 ) -> None:
-    """Add to tau the generalized force of one newton along the normal of row r; poses: POSE, (1,)."""
+    """Add to tau the generalized force of 1 N along the normal of row r.
+
+    ``poses`` is POSE, (1,).
+    """
     out, pose = table[r], poses[0]
     nx, ny, nz = out.normal[0], out.normal[1], out.normal[2]
     rx = out.point[0] - pose.centre[0]
@@ -310,12 +325,18 @@ def alone(
 def geometry_alone(
     p: Floats, b: int, y: Floats, nq: int, table: Records[Contact], pose: Records[Pose]
 ) -> None:
-    """Fill gap, normal and point of a joint's rows for a state, called from outside; pose: POSE, (1,)."""
+    """Fill gap, normal and point of a joint's rows, called from outside.
+
+    ``pose`` is POSE, (1,).
+    """
     journal_state(joint_at(p, b), y, nq, pose[0])
     contact_geometry(p, b, pose[0], table)
 
 
 @kernel
 def rates_alone(p: Floats, b: int, table: Records[Contact], pose: Records[Pose]) -> None:
-    """Fill the depth rates and slips of a joint's rows, called from outside; pose: POSE, (1,)."""
+    """Fill depth rates and slips of a joint's rows, called from outside.
+
+    ``pose`` is POSE, (1,).
+    """
     contact_rates(p, b, pose[0], table)

@@ -1,4 +1,4 @@
-"""How a joint with play lies in a program: its block of numbers, declared.
+"""Layout of a joint with play in a program: its block of numbers.
 
 A block is ``JOINT``, then for each contact its candidate's record (:mod:`antenna_pin.geometry.kernels`), its
 normal and its friction law, then under distributed load ``PATCHES`` and the sectors' nodes. Of what is an

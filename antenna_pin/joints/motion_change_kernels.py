@@ -1,4 +1,4 @@
-"""How what is looked at of a joint with play changes along a displacement, compiled: in closed form.
+"""Changes of a joint with play along a displacement, compiled, in closed form.
 
 A displacement moves the journal in its bearing, changes its twist, and may change dimensions. By kinematics
 that gives the changes of its pose; these and those of dimensions the changes of gap, normal and point
@@ -44,7 +44,7 @@ _WAY = 1e-3
 
 @inlined
 def _twist(j: Joint, pose: Pose, x: Floats, k: int) -> Six:
-    """Return the velocity of the journal's centre and its spin that x[k:] makes as the joint's own velocity.
+    """Return velocity and spin of the journal's centre for x[k:] as joint velocity.
 
     It is the transpose of :func:`antenna_pin.joints.pose_kernels.onto_joint`.
     """
@@ -141,7 +141,7 @@ def change_pose(p: Floats, b: int, y: Floats, way: Floats, room: JointRoom) -> N
 
 @inlined
 def _change_places(p: Floats, b: int, y: Floats, number: int, share: float, room: JointRoom) -> None:
-    """Add to what changes of a pose what a number does of which the joint's frames are made.
+    """Add to the changes of a pose those with a number of the joint's frames.
 
     Of these a pose, and what a wrench does, are polynomials of less than the differences' order.
     """
@@ -215,7 +215,7 @@ def _displace(at: Floats, h: float, room: JointRoom) -> None:
 
 @kernel
 def _differentiate_contact(p: Floats, b: int, k: int, way: Floats, room: JointRoom) -> None:
-    """Write the differences of a contact's gap, normal and point along the change of pose and dimensions."""
+    """Write the differences of gap, normal and point with pose and dimensions."""
     out, first, trial = room.change, candidate_at(b, k), room.trial
     row, size = room.numbers.table[joint_at(p, b).row + k], _size(p, b, way, room)
     gap, normal, at = BEGIN, BEGIN, BEGIN
@@ -246,7 +246,9 @@ def _differentiate_contact(p: Floats, b: int, k: int, way: Floats, room: JointRo
 
 @inlined
 def _change_arm(shape: Revolute, change: Revolute, poses: Records[Pose], row: Contact, out: Floats) -> Triple:
-    """Move the change of a flange's deepest point on to where its force acts; return that of its arm.
+    """Shift the change of a flange's deepest point to the point of its force.
+
+    Returns the change of the arm.
 
     See :func:`antenna_pin.joints.row_kernels.place_flange_force`.
     """
@@ -283,7 +285,7 @@ def _change_arm(shape: Revolute, change: Revolute, poses: Records[Pose], row: Co
 
 @inlined
 def _change_rates(poses: Records[Pose], row: Contact, arm: Triple, out: Floats) -> None:
-    """Write the changes of depth rate and slip, and of what a flange's arm does, of which ``arm`` is."""
+    """Write the changes of depth rate and slip, with those of a flange's ``arm``."""
     pose, way, n, r = poses[0], poses[1], row.normal, row.point
     w, dw, a = pose.spin, way.spin, row.arm
     x, y, z = r[0] - pose.centre[0], r[1] - pose.centre[1], r[2] - pose.centre[2]
@@ -313,7 +315,7 @@ def _change_rates(poses: Records[Pose], row: Contact, arm: Triple, out: Floats) 
 
 @kernel
 def change_contact(p: Floats, b: int, k: int, way: Floats, room: JointRoom) -> None:
-    """Write how what is looked at of a contact changes along a displacement to ``room.change``.
+    """Write the changes of a contact along a displacement to ``room.change``.
 
     That is for each kind of differences, (kinds, LOOKED); :func:`change_pose` has been.
     """

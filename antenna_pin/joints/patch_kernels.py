@@ -1,4 +1,4 @@
-"""Distributed load, compiled: the laws of bore halves and flanges shared out over strips and sectors.
+"""Distributed load, compiled: laws shared out over strips and sectors.
 
 The four contacts of a revolute joint are patches then, whose rows sum up those of their strips and sectors,
 which follow behind the contacts of all joints.
@@ -26,7 +26,7 @@ NODE_WORDS = words_of(NODE)
 
 @kernel
 def patch_geometry(p: Floats, b: int, pose: Pose, table: Records[Contact], bore: bool, flanges: bool) -> None:
-    """Fill strips and sectors of a joint with distributed load, and its patches, or one kind only."""
+    """Fill strips, sectors and patches under distributed load, or one kind only."""
     row = joint_at(p, b).row
     shape = revolute_of(p, b, 0)
     patches = patches_at(p, b)
@@ -50,7 +50,10 @@ def loaded_rates(p: Floats, b: int, pose: Pose, table: Records[Contact]) -> None
 
 @inlined
 def patch_rows(p: Floats, b: int, k: int) -> tuple[int, int]:
-    """Return the range of table rows of patch k: bore at +z, bore at -z, flange at +z, flange at -z."""
+    """Return the range of table rows of patch k.
+
+    Patches are bore at +z, bore at -z, flange at +z, flange at -z.
+    """
     patches = patches_at(p, b)
     half = patches.strips // 2
     if k == 0:
@@ -65,7 +68,9 @@ def patch_rows(p: Floats, b: int, k: int) -> tuple[int, int]:
 def _tune_sectors(
     p: Floats, b: int, normal: Floats, table: Records[Contact], patch: Contact, first: int
 ) -> tuple[float, float]:
-    r"""Return alpha and gamma: the forces of a flange's sectors times 1 + alpha + gamma x^2 have a potential.
+    r"""Return alpha and gamma, with which a flange's forces have a potential.
+
+    The forces of its sectors are multiplied by 1 + alpha + gamma x^2.
 
     The sectors of a partly loaded ring move with the ends of its loaded arc, so that the forces that they
     sample are not quite the derivatives of the energy that they sample,
@@ -105,7 +110,9 @@ def _tune_sectors(
 
 @kernel
 def patch_forces(p: Floats, b: int, k: int, remembered: Memory, table: Records[Contact]) -> None:
-    """Fill the forces of the loaded strips or sectors of patch k, and their sums in the patch's row.
+    """Fill the forces of the loaded parts of patch k, and their sums.
+
+    The sums stand in the patch's row.
 
     The law is the patch's; at its own depth, rate and slip each strip or sector has its share of it.
     """
@@ -143,7 +150,7 @@ def patch_forces(p: Floats, b: int, k: int, remembered: Memory, table: Records[C
 
 @kernel
 def patch_energy(p: Floats, b: int, k: int, table: Records[Contact]) -> float:
-    """Energy stored by the loaded strips or sectors of patch k [J]; gaps from the table."""
+    """Return the energy of the loaded parts of patch k, by table gaps [J]."""
     first, last = patch_rows(p, b, k)
     at = normal_at(b, k)
     normal = p[at : at + NORMAL_SIZE]

@@ -1,4 +1,4 @@
-"""A journal in its bearing, compiled: from the joint's part of the state to its pose, and back to forces.
+"""A journal in its bearing, compiled: state to pose, forces back.
 
 A joint has a frame on its parent and one on its child, which coincide at zero; with R and p the pose of the
 child's in the parent's and A the axes of bearing and journal, c their centre in either frame, the journal on
@@ -150,7 +150,10 @@ def place_journal(program: Floats, block: int, y: Floats, nq: int, pose: Records
 
 @inlined
 def onto_joint(j: Joint, pose: Pose, force: Triple, moment: Triple, tau: Floats) -> None:
-    """Add force and torque on the journal about its centre, in bearing axes, to tau, in the child's own."""
+    """Add force and torque on the journal to tau, in the child's own axes.
+
+    Both are about its centre, in bearing axes.
+    """
     if j.on_child != 0:
         onto_bearing(j, pose, force, moment, tau)
         return
@@ -230,7 +233,7 @@ def wrapped_angle(j: Joint, y: Floats) -> Triple:
 
 @kernel
 def motion_angle(j: Joint, y: Floats, x0: int) -> Triple:
-    """Return :func:`wrapped_angle` with its whole turns, from the turned angle in the state's x at y[x0:]."""
+    """Return :func:`wrapped_angle` with whole turns, from the turned angle at y[x0:]."""
     angle, gx, gy = wrapped_angle(j, y)
     return unwrapped(angle, y[x0 + j.turn]), gx, gy
 
@@ -246,14 +249,14 @@ def rotated(qx: float, qy: float, qz: float, qw: float, x: float, y: float, z: f
 
 @inlined
 def axis_of_parent(j: Joint, y: Floats) -> Triple:
-    """Return the axis of what is on the parent, bearing or journal, in the child's own axes."""
+    """Return the axis of the parent's part, bearing or journal, in child axes."""
     i = j.q + 3
     return rotated(-y[i], -y[i + 1], -y[i + 2], y[i + 3], j.axes[0, 2], j.axes[1, 2], j.axes[2, 2])
 
 
 @inlined
 def centre_from_child(j: Joint, y: Floats) -> Triple:
-    """Return the centre of what is on the parent, bearing or journal, in the child's own frame [m]."""
+    """Return the centre of the parent's part, bearing or journal, in the child's frame [m]."""
     i = j.q
     if j.planar != 0:
         c, s = y[i + 2], y[i + 3]
@@ -272,7 +275,7 @@ def journal_centre(j: Joint, y: Floats) -> Triple:
 
 @inlined
 def along_bearing(j: Joint, y: Floats) -> tuple[float, float, float, float, float, float, float]:
-    """Return the way of a sliding joint's child along the bearing's axis [m], and its gradient.
+    """Return a sliding child's position along the bearing's axis [m], and its gradient.
 
     It is that of the journal's centre, or with the bearing on the child its opposite. The gradient is over
     the joint's twist: the way's rate is gradient . twist, and a force on the child along the axis at the

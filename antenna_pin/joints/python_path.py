@@ -1,4 +1,4 @@
-"""Parts of a joint with play in Python: a backend's distances, and laws written in Python."""
+"""Python parts of a joint with play: backend distances and Python laws."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def range_of(law: NormalLaw) -> float:
 
 
 def functions_of_law(law: NormalLaw, place: str) -> tuple[AskedFunction, ...]:
-    """Return the functions of a normal law for a run: force, its elastic part, energy stored."""
+    """Return the functions of a normal law: force, elastic part, energy."""
     return tuple(
         AskedFunction(f"{place}: {name}", callable_of(function, len(words)), told_numbers(words))
         for name, function, words in normal_questions(law)
@@ -56,7 +56,7 @@ def coefficient_of(law: Any, place: str) -> AskedFunction:
 
 
 class LawInRun:
-    """Normal law of a contact for a run: with the contact's mass, and past its range in trial steps.
+    """Normal law of a contact in a run, with its mass and beyond its range.
 
     There a compiled law is continued by its kernel, and one in Python is asked at the end of its range.
 
@@ -90,7 +90,7 @@ class LawInRun:
 
 
 class PythonPath:
-    """Parts of a clearance joint outside the fused kernel: a backend's queries, and laws in Python.
+    """Parts of a clearance joint outside the fused kernel.
 
     Args:
         block: The joint's numbers.
@@ -149,7 +149,7 @@ class PythonPath:
         return tuple(LawInRun(*law) for law in self._given_laws)
 
     def locate(self, y: Array, table: NDArray[Any]) -> None:
-        """Fill gap, normal, point, rate and slip of all of the joint's rows, as the backend measures them."""
+        """Fill gap, normal, point, rate and slip of the joint's rows, by the backend."""
         assert self._distances is not None
         place_journal(self._block, 0, y, self._nq, self._pose)
         self._distances.query(self._pose, table, self.row)
@@ -160,7 +160,7 @@ class PythonPath:
         return self.row <= contact < self.row + len(self._given_laws)
 
     def ask_laws(self, table: NDArray[Any], contact: int) -> None:
-        """Write the normal forces of a contact, or of all (-1), to a table whose gaps are there."""
+        """Write the normal forces of a contact, or of all (-1), from its gaps."""
         for c, law in enumerate(self.laws, self.row):
             if contact not in (-1, c):
                 continue

@@ -1,4 +1,4 @@
-"""One contact of a joint with play, compiled: rates, forces, and what they do about the journal's centre."""
+"""Contact of a joint with play, compiled: rates, forces, their moments."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from antenna_pin.joints.layout_kernels import BRISTLES, friction_at, joint_at
 
 @inlined
 def row_rates(pose: Pose, out: Contact) -> None:
-    """Fill depth rate and slip: the relative velocity of the two material points at the contact."""
+    """Fill depth rate and slip of the two material points at the contact."""
     rx = out.point[0] - pose.centre[0]
     ry = out.point[1] - pose.centre[1]
     rz = out.point[2] - pose.centre[2]
@@ -128,7 +128,7 @@ def bristles(
     rates: Floats,
     r0: int,
 ) -> None:
-    """Fill the friction of a joint whose law has bristles, and the rates of what they remember.
+    """Fill the friction of a bristle law, and the rates of its states.
 
     The bristle of a contact that is apart does not change; at the onset it is set to zero.
     """
@@ -153,7 +153,9 @@ def bristles(
 
 @kernel
 def lever(depth: float, whole: float) -> float:
-    """Return where a flange's point load acts: 0 on the axis, 1 at the deepest point of the rim.
+    """Return the place of a flange's force: 0 on the axis, 1 at the rim.
+
+    The rim's point is its deepest.
 
     With the far edge of the annulus free (``whole``, the difference in depth across it, above the depth) it
     acts at the rim. Else both edges press: the force's point moves from the rim to the axis as the tilt goes
@@ -180,7 +182,9 @@ def lever_slope(s: float) -> float:
 
 @kernel
 def place_flange_force(shape: Revolute, pose: Pose, out: Contact) -> None:
-    """Move a flange row's point, the deepest of the rim, to where the force acts, and take the rates there.
+    """Shift a flange row's point to the point of the force, with its rates.
+
+    Before it is the deepest point of the rim.
 
     The depth stays the deepest point's. Its own rate jumps where the deepest point goes from one side of the
     rim to the other; that of the force's point does not. Where nothing presses nothing is moved.
@@ -212,13 +216,16 @@ def place_flange_force(shape: Revolute, pose: Pose, out: Contact) -> None:
 
 @inlined
 def arm_power(pose: Pose, out: Contact) -> float:
-    """Power of a flange's spring between its deepest point, where it is pressed, and the force's [W]."""
+    """Return the power between a flange's deepest point and its force [W]."""
     return float(out.elastic * arm_rate(pose, out))
 
 
 @inlined
 def arm_rate(pose: Pose, out: Contact) -> float:
-    """Return how fast the one goes from the other along the normal as the journal turns [m/s]."""
+    """Return the rate of distance of both points along the normal [m/s].
+
+    It follows from the spin of the journal.
+    """
     ax, ay, az = out.arm[0], out.arm[1], out.arm[2]
     vx = pose.spin[1] * az - pose.spin[2] * ay
     vy = pose.spin[2] * ax - pose.spin[0] * az

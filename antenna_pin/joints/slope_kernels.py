@@ -1,4 +1,4 @@
-"""What the laws of contacts say, along their own arguments and over their own numbers, compiled.
+"""Derivatives of contact laws over their arguments and parameters, compiled.
 
 Friction without bristles is along slip: it is asked with the size of that, and says what it is along it.
 All is put together in :mod:`antenna_pin.joints.tangent_kernels`.
@@ -35,7 +35,7 @@ _DEPTH, _SHALLOW, _SPEED, _PURE = 2e-3, 1e-12, 1e-3, 1e-3
 
 @inlined
 def is_moved(ways: Floats, i: int) -> bool:
-    """Whether any displacement has number i."""
+    """Return whether any displacement has number i."""
     moved = False
     for d in range(ways.shape[0]):
         moved = moved or ways[d, i] != 0.0
@@ -44,7 +44,10 @@ def is_moved(ways: Floats, i: int) -> bool:
 
 @kernel
 def displace_joint(f: int, y: Floats, h: float, way: Floats, room: JointRoom) -> None:
-    """Write the configuration of factor f, displaced by h times a way, (factor's nv,), to ``room.state``."""
+    """Write the configuration of factor f, displaced by h, to ``room.state``.
+
+    The displacement is h times a direction, (factor's nv,).
+    """
     factor = factor_of(room.layout, f)
     for k in range(factor.q, factor.q + factor_size(factor)):
         room.state[0, k] = y[k]
@@ -55,7 +58,7 @@ def displace_joint(f: int, y: Floats, h: float, way: Floats, room: JointRoom) ->
 
 @inlined
 def _say(p: Floats, b: int, k: int, room: JointRoom) -> None:
-    """Write what the laws of a contact say of ``room.asked`` to ``room.said``."""
+    """Write the results of a contact's laws, at the arguments of the workspace."""
     j, asked, said = joint_at(p, b), room.asked, room.said
     row, remembered, was = room.numbers.table[j.row + k], room.remembered[0], room.numbers.memory[j.row + k]
     row.gap, row.rate = asked[A_GAP], asked[A_RATE]
@@ -84,7 +87,7 @@ def slip_speed(row: Contact) -> float:
 
 @inlined
 def _ask_with(p: Floats, b: int, k: int, y: Floats, x0: int, row: Contact, room: JointRoom) -> None:
-    """Write what the laws of a contact are asked with."""
+    """Write the arguments of a contact's laws."""
     j, asked = joint_at(p, b), room.asked
     asked[A_GAP], asked[A_RATE], asked[A_SPEED], asked[A_MASS] = row.gap, row.rate, 0.0, 0.0
     for i in range(3):
@@ -98,7 +101,7 @@ def _ask_with(p: Floats, b: int, k: int, y: Floats, x0: int, row: Contact, room:
 
 @inlined
 def _first_step(p: Floats, b: int, k: int, i: int, room: JointRoom) -> float:
-    """Return the first step of what the laws of a contact are asked with."""
+    """Return the first step of the arguments of a contact's laws."""
     j, asked, units, nv = joint_at(p, b), room.asked, room.units, room.tau.shape[0]
     if i == A_GAP:
         return float(max(_DEPTH * abs(asked[A_GAP]), _SHALLOW * units[j.v]))
@@ -111,7 +114,7 @@ def _first_step(p: Floats, b: int, k: int, i: int, room: JointRoom) -> float:
 
 @inlined
 def said_by(p: Floats, b: int) -> int:
-    """Return how many numbers the laws of a joint's contacts say."""
+    """Return the number of results of a joint's contact laws."""
     states = joint_at(p, b).stride - BRISTLES
     return V_BRISTLE + states if states > 0 else V_FRICTION + 1
 
@@ -120,7 +123,7 @@ def said_by(p: Floats, b: int) -> int:
 def _differentiate(
     p: Floats, b: int, k: int, about: tuple[int, int], step: float, room: JointRoom, out: Floats
 ) -> None:
-    """Write the derivatives of what the laws of a contact say over one number, (kinds, said).
+    """Write the derivatives of the laws' results over one number, (kinds, results).
 
     ``about``: which of what they are asked with, or which of the program's words if that is none (-1).
     """
@@ -158,7 +161,7 @@ def _differentiate(
 
 @inlined
 def _is_asked(i: int, states: int, room: JointRoom) -> bool:
-    """Whether what laws are asked with at i is any of it, and goes with displacements."""
+    """Return whether argument i of the laws is active and depends on displacements."""
     if states == 0 and A_SLIP < i < A_SPEED:
         return False
     return not (A_SPEED <= i < A_BRISTLE) or room.asks[REMEMBERED] != 0
@@ -166,7 +169,7 @@ def _is_asked(i: int, states: int, room: JointRoom) -> bool:
 
 @kernel
 def differentiate_laws(p: Floats, b: int, k: int, y: Floats, x0: int, row: Contact, room: JointRoom) -> None:
-    """Write the derivatives of what the laws of a contact say to ``room.laws[k]``, (asked, kinds, said).
+    """Write the derivatives of the laws' results to ``room.laws[k]``, (arguments, kinds, results).
 
     Those over the numbers of the laws that go with any of ``room.seen`` go to ``room.shifts.laws[k]``.
     """

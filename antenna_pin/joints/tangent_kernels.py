@@ -1,4 +1,4 @@
-"""How the wrench of a joint with play changes with the joint's state, compiled.
+"""Changes of the wrench of a joint with play with its state, compiled.
 
 A joint's contacts know its own twelve numbers only (six in a plane). Two things are between these and the
 wrench, each smooth on a scale of its own: geometry, on that of the play, and laws, on that of a depth, which
@@ -43,7 +43,7 @@ from antenna_pin.joints.tangent_room_kernels import JointRoom, Part
 
 @inlined
 def _answer(p: Floats, b: int, k: int, way: Floats, kind: int, room: JointRoom) -> None:
-    """Write to ``room.said`` how what a contact's laws say changes along a displacement."""
+    """Write the changes of a contact's law results to the workspace."""
     j, nv, change, said = joint_at(p, b), room.tau.shape[0], room.change[kind], room.said
     states, count, asked, shifts = j.stride - BRISTLES, said_by(p, b), room.asked, room.shifts
     speeds, contacts = 2 * nv + room.bristles.shape[0], room.numbers.memory.shape[0]
@@ -79,7 +79,10 @@ def _answer(p: Floats, b: int, k: int, way: Floats, kind: int, room: JointRoom) 
 
 @inlined
 def _along_slip(row: Contact, change: Floats) -> float:
-    """Return how the size of slip changes; at rest by nothing, for friction goes with all of its change."""
+    """Return the change of the size of slip; zero at rest.
+
+    At rest friction changes with the whole change of slip.
+    """
     speed, total = slip_speed(row), 0.0
     for i in range(3):
         total += row.slip[i] * change[SLIP + i]
@@ -105,7 +108,7 @@ def _turn_friction(row: Contact, change: Floats, at_rest: float, said: Floats) -
 
 @inlined
 def _write(p: Floats, b: int, k: int, kind: int, room: JointRoom, out: Floats) -> None:
-    """Add what changes of a contact's forces and geometry do: to ``room.wrench``, and to rates of x."""
+    """Add the effects of changed forces and geometry to ``room.wrench`` and rates."""
     j, nv, change, said = joint_at(p, b), room.tau.shape[0], room.change[kind], room.said
     row, here, moved, wrench = room.numbers.own[j.row + k], room.poses[0], room.poses[1], room.wrench[kind]
     start = nv + j.x + k * j.stride
@@ -141,7 +144,7 @@ def _write(p: Floats, b: int, k: int, kind: int, room: JointRoom, out: Floats) -
 
 @kernel
 def _along(p: Floats, b: int, y: Floats, way: Floats, d: int, room: JointRoom, out: Floats) -> None:
-    """Add how a joint's generalized force, and the rates of what its contacts integrate, change along d."""
+    """Add the changes of a joint's generalized force and integral rates along d."""
     j, here, moved = joint_at(p, b), room.poses[0], room.poses[1]
     change_pose(p, b, y, way, room)
     for kind in range(out.shape[0]):

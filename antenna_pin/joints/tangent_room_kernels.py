@@ -1,4 +1,4 @@
-"""The arrays that joints with play are differentiated with, as part of all that a system is."""
+"""Workspace of the derivatives of joints with play."""
 # ruff: noqa: D102 - a comment stands beside each property
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from antenna_pin.integrate.word_kernels import Words
 
 
 class Part(Record):
-    """A joint with play (``element`` 0) or an element at joints, and what its efforts depend on."""
+    """A joint with play (``element`` 0) or an element at joints, with its arguments."""
 
     element: int  # 1: an element, 0: a joint with play
     number: int  # among these
@@ -30,7 +30,7 @@ PART = layout(Part)
 
 @by_address
 class LawWords(NamedTuple):
-    """Numbers of contacts' laws in a program that go with numbers of the system, contact by contact.
+    """Law parameters in a program that depend on system numbers, contact by contact.
 
     Attributes:
         first: Where those of each contact begin, and the end, (contacts + 1,).

@@ -12,6 +12,8 @@ import textwrap
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from scenario_reference import plain
+
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, Parameter, law_parameters
 from antenna_pin.contact.registry import ALIASES
 from antenna_pin.elements import FAMILIES
@@ -164,7 +166,7 @@ def meanings() -> dict[tuple[str, str, str], list[tuple[str, bool]]]:
             for key, one in parameters.items():
                 unit = "-" if one.unit == "1" else str(one.unit).replace("**", "^").replace("*", "·")
                 needed = law_default(key, parameters) == "required"
-                found.setdefault((key, unit, str(one.doc)), []).append((name, needed))
+                found.setdefault((key, unit, plain(one.doc)), []).append((name, needed))
     return found
 
 

@@ -211,7 +211,7 @@ def test_a_cycle_takes_energy(law):
         ),
         (
             lambda: Dahl(coefficient_of_friction=0.1, bristle_stiffness=1.0, shape=0.5),
-            "Dahl: shape must be at least 1, and finite, got 0.5",
+            "Dahl: shape must be 1 or more, got 0.5",
         ),
         (
             lambda: LuGre(static=0.1, dynamic=0.2, stribeck_speed=1.0, bristle_stiffness=1.0),

@@ -303,7 +303,7 @@ def test_docstring_formula_of_brown_and_mcphee():
         ),
         (
             lambda: VelocityBased(static=0.1, dynamic=0.1, static_speed=0.1, dynamic_speed=math.inf),
-            "VelocityBased: dynamic_speed must be above static_speed = 0.1, got inf",
+            "VelocityBased: dynamic_speed must be finite, got inf",
         ),
         (
             lambda: Ambrosio(coefficient_of_friction=math.inf),

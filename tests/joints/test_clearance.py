@@ -310,7 +310,7 @@ def test_planar_joint_is_half_of_a_journal_that_keeps_its_plane(joint_maker):
         assert one.rate[:2] == pytest.approx(other.rate[0], rel=1e-11, abs=1e-15)
 
 
-FREE = Hertz(stiffness=1e-300)  # flanges that might as well not be there
+FREE = Hertz(stiffness=1e-90)  # flanges that might as well not be there
 
 
 def test_a_gap_of_zero_touches(joint_maker):
