@@ -166,21 +166,13 @@ def worst_row(constraints: Constraints) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _Search:
-    """Unknowns of the search, and their directions.
+    """Unknowns of the search, and their directions."""
 
-    Attributes:
-        constraints: What is to hold at time zero.
-        program: Of the system's elements.
-        free: Generalized directions in which the configuration may be changed, (nv, k).
-        retract: ``(y, step)``: moves the configuration in y by a generalized step.
-        reach: What counts as much as 1 rad, of each generalized direction, (nv,).
-    """
-
-    constraints: Constraints
-    program: Array
-    free: Array
-    retract: Retract
-    reach: Array
+    constraints: Constraints  # what is to hold at time zero
+    program: Array  # of the system's elements
+    free: Array  # generalized directions in which the configuration may be changed, (nv, k)
+    retract: Retract  # ``(y, step)``: moves the configuration in y by a generalized step
+    reach: Array  # what counts as much as 1 rad, of each generalized direction, (nv,)
 
     def gap(self, y: Array) -> Array:
         """Return the residuals of a state, which count in metres."""
@@ -467,14 +459,10 @@ def _reduced(constraints: Constraints, t: float, y: Array, program: Array) -> Ar
 
 @dataclass(frozen=True, slots=True)
 class Redundancy:
-    """Warning that equations of a closure or coupling are redundant.
+    """Warning that equations of a closure or coupling are redundant."""
 
-    Attributes:
-        equations: How many could be left out together.
-        among: Each equation that could be left out alone, in words: ``along z`` in axes of the first side.
-    """
-
-    equations: int
+    equations: int  # how many could be left out together
+    # each equation that could be left out alone, in words: ``along z`` in axes of the first side
     among: tuple[str, ...]
 
 

@@ -53,21 +53,13 @@ class DrivenJoint:
 
 
 class PlanParts(NamedTuple):
-    """Places of the parts' records in a plan's numbers.
+    """Places of the parts' records in a plan's numbers."""
 
-    Attributes:
-        tree: Of bodies, BODY.
-        closures: CLOSURE.
-        motions: DRIVEN.
-        couplings: COUPLED.
-        holds: Of elements that may hold, DRIVEN.
-    """
-
-    tree: slice
-    closures: slice
-    motions: slice
-    couplings: slice
-    holds: slice
+    tree: slice  # of bodies, BODY
+    closures: slice  # CLOSURE
+    motions: slice  # DRIVEN
+    couplings: slice  # COUPLED
+    holds: slice  # of elements that may hold, DRIVEN
 
 
 @dataclass(frozen=True, slots=True, eq=False)

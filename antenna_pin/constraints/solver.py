@@ -20,19 +20,12 @@ Array = NDArray[np.float64]
 
 
 class Found(NamedTuple):
-    """Numbers of a solution.
+    """Numbers of a solution."""
 
-    Attributes:
-        rank: How many rows are independent.
-        least: The least of what was left of a row that counts as independent, over its scale [-].
-        most: The most of what was left of one that does not [-].
-        gap: Largest residual in ways [m], ``turn`` in turns [rad]; ``speed``, ``spin``: of their rates.
-    """
-
-    rank: int
-    least: float
-    most: float
-    gap: float
+    rank: int  # how many rows are independent
+    least: float  # the least of what was left of a row that counts as independent, over its scale [-]
+    most: float  # the most of what was left of one that does not [-]
+    gap: float  # largest residual in ways [m], ``turn`` in turns [rad]; ``speed``, ``spin``: of their rates
     turn: float
     speed: float
     spin: float

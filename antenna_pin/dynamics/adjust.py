@@ -34,19 +34,12 @@ __all__ = [
 
 
 class Acting(NamedTuple):
-    """An element of a system.
+    """An element of a system."""
 
-    Attributes:
-        family: The table that a scenario has for it, such as ``drives``.
-        name: Its own.
-        element: What it is.
-        block: Where its block stands in a program.
-    """
-
-    family: str
-    name: str
-    element: ForceElement
-    block: int
+    family: str  # the table that a scenario has for it, such as ``drives``
+    name: str  # its own
+    element: ForceElement  # what it is
+    block: int  # where its block stands in a program
 
     @property
     def label(self) -> str:

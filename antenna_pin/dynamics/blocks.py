@@ -183,19 +183,12 @@ def element_head(system: Any, place: str, joint: str) -> NDArray[Any]:
 
 
 class InPython(NamedTuple):
-    """An element whose numbers Python writes before each evaluation.
+    """An element whose numbers Python writes before each evaluation."""
 
-    Attributes:
-        block: Where in a program its block stands.
-        words: Where its numbers go.
-        element: The element.
-        functions: Its functions as a run asks them.
-    """
-
-    block: int
-    words: slice
-    element: Element
-    functions: tuple[AskedFunction, ...]
+    block: int  # where in a program its block stands
+    words: slice  # where its numbers go
+    element: Element  # the element
+    functions: tuple[AskedFunction, ...]  # its functions as a run asks them
 
     @property
     def said(self) -> str:

@@ -107,25 +107,15 @@ class Push(NamedTuple):
 
 
 class Pushed(NamedTuple):
-    """The impulses of one instant, and what they do.
+    """The impulses of one instant, and what they do."""
 
-    Attributes:
-        velocity: After them, (nv,).
-        pushes: Impulses of the stops, zero or more, (pushes,) [N m s] ([N s]).
-        rates: Of the joints off their stops after them, (pushes,) [rad/s] ([m/s]).
-        holds: Impulses on the child of the rows of elements that hold, (holds,) [N m s] ([N s]).
-        lost: Energy that these take, (holds,) [J].
-        works: Work of the prescribed motions, (motions,) [J].
-        met: Whether all rows that hold have their rates.
-    """
-
-    velocity: Array
-    pushes: Array
-    rates: Array
-    holds: Array
-    lost: Array
-    works: Array
-    met: bool
+    velocity: Array  # after them, (nv,)
+    pushes: Array  # impulses of the stops, zero or more, (pushes,) [N m s] ([N s])
+    rates: Array  # of the joints off their stops after them, (pushes,) [rad/s] ([m/s])
+    holds: Array  # impulses on the child of the rows of elements that hold, (holds,) [N m s] ([N s])
+    lost: Array  # energy that these take, (holds,) [J]
+    works: Array  # work of the prescribed motions, (motions,) [J]
+    met: bool  # whether all rows that hold have their rates
 
 
 def impulse(

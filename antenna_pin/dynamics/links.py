@@ -74,35 +74,21 @@ assert _desk.HEAD_WORDS == kernels.PARAMETERS
 
 
 class ForcePlace(NamedTuple):
-    """A place at which a force acts.
+    """A place at which a force acts."""
 
-    Attributes:
-        name: The force's, and of one on several links the link's behind it.
-        force: The force's name.
-        link: The link, or ``world``.
-        point: In its frame [m].
-    """
-
-    name: str
-    force: str
-    link: str
-    point: tuple[float, float, float]
+    name: str  # the force's, and of one on several links the link's behind it
+    force: str  # the force's name
+    link: str  # the link, or ``world``
+    point: tuple[float, float, float]  # in its frame [m]
 
 
 class OnLinksInPython(NamedTuple):
-    """Element on links whose Python function is called before each evaluation.
+    """Element on links whose Python function is called before each evaluation."""
 
-    Attributes:
-        block: Where in a program its block stands.
-        element: The element.
-        place: Its name, for what is said of it.
-        nq: Where v begins in a state.
-    """
-
-    block: int
-    element: Any
-    place: str
-    nq: int
+    block: int  # where in a program its block stands
+    element: Any  # the element
+    place: str  # its name, for what is said of it
+    nq: int  # where v begins in a state
 
     @property
     def said(self) -> str:

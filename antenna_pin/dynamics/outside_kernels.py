@@ -44,19 +44,12 @@ ASKED = layout(Asked)
 
 @by_address
 class Outside(NamedTuple):
-    """Questions and answers.
+    """Questions and answers."""
 
-    Attributes:
-        asked: ASKED, (1,).
-        state: At which is asked, [q, v, x], (size,).
-        effort: Generalized force under which accelerations are asked for, (nv,).
-        acceleration: The answer to that, (nv,).
-    """
-
-    asked: Records[Asked]
-    state: Floats
-    effort: Floats
-    acceleration: Floats
+    asked: Records[Asked]  # ASKED, (1,)
+    state: Floats  # at which is asked, [q, v, x], (size,)
+    effort: Floats  # generalized force under which accelerations are asked for, (nv,)
+    acceleration: Floats  # the answer to that, (nv,)
 
 
 @inlined

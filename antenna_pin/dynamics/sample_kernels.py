@@ -155,74 +155,43 @@ def _scenario(
 
 @by_address
 class Samples(NamedTuple):
-    """The samples that are looked at.
+    """The samples that are looked at."""
 
-    Attributes:
-        times: (n,) [s].
-        states: (n, state).
-        memories: Of the contacts, MEMORY, (n, contacts).
-    """
-
-    times: Floats
-    states: Floats
-    memories: NDArray[Memory]
+    times: Floats  # (n,) [s]
+    states: Floats  # (n, state)
+    memories: NDArray[Memory]  # of the contacts, MEMORY, (n, contacts)
 
 
 @by_address
 class Whole(NamedTuple):
-    """A system, and room for its evaluation.
+    """A system, and room for its evaluation."""
 
-    Attributes:
-        program: The force elements.
-        work: Of :func:`antenna_pin.dynamics.kernels.evaluate`; its contact table is ``table``.
-        table: Contact table, CONTACT, (rows,).
-        rates: To write to.
-        blocks: Places of the joints with play in the program.
-        drives: Places of the drives.
-        tree: Bodies (``BODY``).
-        gravity: (3,) [m/s^2].
-        places: To write to, PLACE, (bodies + 1,).
-        scratch: A contact table to write to, CONTACT, (5,).
-    """
-
-    program: Floats
-    work: Floats
-    table: Records[Contact]
-    rates: Floats
-    blocks: Ints
-    drives: Ints
-    tree: Records[Body]
-    gravity: Floats
-    places: Records[Place]
-    scratch: Records[Contact]
+    program: Floats  # the force elements
+    work: Floats  # of :func:`antenna_pin.dynamics.kernels.evaluate`; its contact table is ``table``
+    table: Records[Contact]  # contact table, CONTACT, (rows,)
+    rates: Floats  # to write to
+    blocks: Ints  # places of the joints with play in the program
+    drives: Ints  # places of the drives
+    tree: Records[Body]  # bodies (``BODY``)
+    gravity: Floats  # (3,) [m/s^2]
+    places: Records[Place]  # to write to, PLACE, (bodies + 1,)
+    scratch: Records[Contact]  # A contact table to write to, CONTACT, (5,)
 
 
 @by_address
 class Sights(NamedTuple):
-    """What is seen at each of n samples.
+    """What is seen at each of n samples."""
 
-    Attributes:
-        forces: Generalized forces, (n, nv).
-        contacts: ``SEEN`` of each, (n, contacts).
-        poses: Of the journals with the wrenches on them, POSE, (n, joints).
-        scenarios: Of contact, radial and axial, (n, joints, 2).
-        efforts: Of the drives, ``EFFORT``, (n, drives).
-        audits: Energies and momenta, AUDIT, (n,).
-        stretches: Of the springs between points, ``STRETCH``, (n, springs).
-        applied: Of the places at which forces act, ``APPLIED``, (n, places).
-        kept: Energies that forces store [J], (n, forces).
-        wrenches: What elements on links do to bodies, (n, 6 bodies), if friction by load asks, else (n, 0).
-    """
-
-    forces: Floats
-    contacts: NDArray[Seen]
-    poses: NDArray[Pose]
-    scenarios: NDArray[np.int8]
-    efforts: NDArray[Effort]
-    audits: Records[Audit]
-    stretches: NDArray[Stretched]
-    applied: NDArray[Applied]
-    kept: Floats
+    forces: Floats  # generalized forces, (n, nv)
+    contacts: NDArray[Seen]  # ``SEEN`` of each, (n, contacts)
+    poses: NDArray[Pose]  # of the journals with the wrenches on them, POSE, (n, joints)
+    scenarios: NDArray[np.int8]  # of contact, radial and axial, (n, joints, 2)
+    efforts: NDArray[Effort]  # of the drives, ``EFFORT``, (n, drives)
+    audits: Records[Audit]  # energies and momenta, AUDIT, (n,)
+    stretches: NDArray[Stretched]  # of the springs between points, ``STRETCH``, (n, springs)
+    applied: NDArray[Applied]  # of the places at which forces act, ``APPLIED``, (n, places)
+    kept: Floats  # energies that forces store [J], (n, forces)
+    # what elements on links do to bodies, (n, 6 bodies), if friction by load asks, else (n, 0)
     wrenches: Floats
 
 

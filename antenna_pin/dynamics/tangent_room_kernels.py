@@ -20,165 +20,89 @@ from antenna_pin.mechanism.tree_kernels import Body, Place
 
 @by_address
 class Shifts(NamedTuple):
-    """How numbers of the system go with parameters, and with what elements keep: all of these by one name.
+    """How numbers of the system go with parameters, and with what elements keep: all of these by one name."""
 
-    Attributes:
-        program: Which words of the program, :class:`antenna_pin.integrate.word_kernels.Words`.
-        tree: Which of the bodies' numbers, likewise.
-        flat: The bodies' numbers, flat, the tree's own.
-        bodies: By how much each body's change, BODY, (numbers, bodies).
-        gravity: By how much gravity does, (numbers, 3) [m/s^2].
-        heavy: Whether the tree, gravity or a constraint changes, (numbers,).
-        closures: By how much closures' own numbers change, CLOSURE, (numbers, closures).
-        couplings: Those of couplings, COUPLED, (numbers, couplings).
-        motions: Whether motions change, (numbers,).
-        lacks: How what accelerations lack does, scratch, (numbers, kinds, width).
-        acts: What of each part changes, 0 if nothing, then of elements on links, (parts + 1, numbers).
-        steps: First steps of differences, (numbers,).
-        rules: Numbers of contacts' laws that change.
-        laws: Derivatives of what laws say over these, scratch, (contacts, words, kinds, said).
-        forces: Of the forces that the motion takes, with their sign turned, scratch, (numbers, nv).
-    """
-
-    program: Words
-    tree: Words
-    flat: Floats
-    bodies: NDArray[Body]
-    gravity: Floats
-    heavy: Ints
-    closures: NDArray[Closure]
-    couplings: NDArray[Coupled]
-    motions: Ints
-    lacks: Floats
-    acts: Ints
-    steps: Floats
-    rules: LawWords
-    laws: Floats
-    forces: Floats
+    program: Words  # which words of the program, :class:`antenna_pin.integrate.word_kernels.Words`
+    tree: Words  # which of the bodies' numbers, likewise
+    flat: Floats  # the bodies' numbers, flat, the tree's own
+    bodies: NDArray[Body]  # by how much each body's change, BODY, (numbers, bodies)
+    gravity: Floats  # by how much gravity does, (numbers, 3) [m/s^2]
+    heavy: Ints  # whether the tree, gravity or a constraint changes, (numbers,)
+    closures: NDArray[Closure]  # by how much closures' own numbers change, CLOSURE, (numbers, closures)
+    couplings: NDArray[Coupled]  # those of couplings, COUPLED, (numbers, couplings)
+    motions: Ints  # whether motions change, (numbers,)
+    lacks: Floats  # how what accelerations lack does, scratch, (numbers, kinds, width)
+    acts: Ints  # what of each part changes, 0 if nothing, then of elements on links, (parts + 1, numbers)
+    steps: Floats  # first steps of differences, (numbers,)
+    rules: LawWords  # numbers of contacts' laws that change
+    laws: Floats  # derivatives of what laws say over these, scratch, (contacts, words, kinds, said)
+    forces: Floats  # of the forces that the motion takes, with their sign turned, scratch, (numbers, nv)
 
 
 @by_address
 class RowRoom(NamedTuple):
-    """What rows of constraints are differentiated with.
+    """What rows of constraints are differentiated with."""
 
-    Attributes:
-        ties: What closures are, TIE, (closures,).
-        bias: Generalized force of gravity and velocities, scratch, (nv,).
-        force: Multipliers, (rows,).
-        force_change: How they change, scratch, (rows,).
-        lacks: How what accelerations lack changes, of the first kind, and by how much others differ from
-            that, scratch, (kinds, width).
-        speeds: How rates of motions change, scratch, (motions,).
-        twist: Scratch, (4,).
-        wanted: Accelerations of motions, scratch, (motions,).
-        trial: Their differences, how they bend, and the middle, scratch, (kinds + 2, motions).
-        jerks: Those over time, (kinds, motions).
-        column: Those over one number, scratch, (kinds, motions).
-    """
-
-    ties: Records[Tie]
-    bias: Floats
-    force: Floats
-    force_change: Floats
+    ties: Records[Tie]  # what closures are, TIE, (closures,)
+    bias: Floats  # generalized force of gravity and velocities, scratch, (nv,)
+    force: Floats  # multipliers, (rows,)
+    force_change: Floats  # how they change, scratch, (rows,)
+    # how what accelerations lack changes, of the first kind, and by how much others differ from that,
+    # scratch, (kinds, width)
     lacks: Floats
-    speeds: Floats
-    twist: Floats
-    wanted: Floats
-    trial: Floats
-    jerks: Floats
-    column: Floats
+    speeds: Floats  # how rates of motions change, scratch, (motions,)
+    twist: Floats  # scratch, (4,)
+    wanted: Floats  # accelerations of motions, scratch, (motions,)
+    trial: Floats  # their differences, how they bend, and the middle, scratch, (kinds + 2, motions)
+    jerks: Floats  # those over time, (kinds, motions)
+    column: Floats  # those over one number, scratch, (kinds, motions)
 
 
 @by_address
 class TangentRoom(NamedTuple):
-    """What the parts of a derivative are computed with.
+    """What the parts of a derivative are computed with."""
 
-    Attributes:
-        numbers: The system; its contact memory and program are those of the moment.
-        parts: What acts at joints, PART, (parts,).
-        links_x: Where in x what elements on links integrate begins, (1,).
-        weights: Of differences at 1, 2, ... steps, of each kind, (kinds, points).
-        layout: Of the manifold.
-        bristles: Their places in x, (bristles,).
-        bristle_of: Which bristle each place of x is, -1 if none, (nx,).
-        units: Of ways, rates and bristles, (2 nv + bristles,).
-        below: The freedom next below each one, (nv,).
-        asks: What is asked for, scratch, (2,).
-        state: The state, and where it is displaced, (1, size).
-        step: Of ways, scratch, (nv,).
-        tau: Generalized force, scratch, (nv,).
-        rates: Of velocities and of x, scratch, (nv + nx,).
-        drift: Rates of x of the state itself, (nx,).
-        poses: POSE, (3,): of a journal as it is, its changes, and displaced.
-        remembered: MEMORY, scratch, (1,).
-        freedoms: One freedom of a factor, scratch, (nv,).
-        looked: What is looked at, scratch, (values,).
-        change: How that of a contact changes, scratch, (kinds, LOOKED).
-        shapes: By how much its dimensions do, and these displaced, scratch, (2, CANDIDATE).
-        wrench: How the force and moment of a joint's contacts do, scratch, (kinds, 6).
-        carried: What these do along freedoms as the joint's frames change, scratch, (6,).
-        trial: Its differences, how it bends, and the middle, scratch, (kinds + 2, values).
-        column: Those that are kept, (kinds, values).
-        middle: What a law says undisplaced, scratch, (values,).
-        sides: What an element sees of its joints, scratch, (2, ROWS, MOST).
-        over: Over which numbers of a displacement its law is differentiated, scratch, (slots,).
-        of_law: Its derivatives, scratch, (slots, kinds, values).
-        asked: What laws are asked with, scratch.
-        said: What they say, scratch.
-        laws: Derivatives of that, (contacts of a joint, asked, kinds, said).
-        places: PLACE, (bodies + 1,), the tree's own; those that constraints write, if there are any.
-        room: ROOM, likewise.
-        mass: Factors of the mass matrix, of a tree without constraints, (nv, nv).
-        lanes: Right-hand sides, scratch, (nv, LANES).
-        acceleration: (nv,).
-        bodies: CHANGE, (bodies + 1,), the last the ground.
-        body: CHANGE, scratch, (1,).
-        first_number: Where in a displacement numbers of the system begin, (1,).
-        seen: Which of them a joint sees, scratch, (numbers,).
-        shifts: How these numbers go.
-        rows: What constraints are differentiated with.
-    """
-
-    numbers: Numbers
-    parts: Records[Part]
-    links_x: Ints
-    weights: Floats
-    layout: Ints
-    bristles: Ints
-    bristle_of: Ints
-    units: Floats
-    below: Ints
-    asks: Ints
-    state: Floats
-    step: Floats
-    tau: Floats
-    rates: Floats
-    drift: Floats
-    poses: Records[Pose]
-    remembered: Records[Memory]
-    freedoms: Floats
-    looked: Floats
-    change: Floats
-    shapes: Floats
-    wrench: Floats
-    carried: Floats
-    trial: Floats
-    column: Floats
-    middle: Floats
-    sides: Floats
-    over: Ints
-    of_law: Floats
-    asked: Floats
-    said: Floats
-    laws: Floats
+    numbers: Numbers  # the system; its contact memory and program are those of the moment
+    parts: Records[Part]  # what acts at joints, PART, (parts,)
+    links_x: Ints  # where in x what elements on links integrate begins, (1,)
+    weights: Floats  # of differences at 1, 2, ... steps, of each kind, (kinds, points)
+    layout: Ints  # of the manifold
+    bristles: Ints  # their places in x, (bristles,)
+    bristle_of: Ints  # which bristle each place of x is, -1 if none, (nx,)
+    units: Floats  # of ways, rates and bristles, (2 nv + bristles,)
+    below: Ints  # the freedom next below each one, (nv,)
+    asks: Ints  # what is asked for, scratch, (2,)
+    state: Floats  # the state, and where it is displaced, (1, size)
+    step: Floats  # of ways, scratch, (nv,)
+    tau: Floats  # generalized force, scratch, (nv,)
+    rates: Floats  # of velocities and of x, scratch, (nv + nx,)
+    drift: Floats  # rates of x of the state itself, (nx,)
+    poses: Records[Pose]  # POSE, (3,): of a journal as it is, its changes, and displaced
+    remembered: Records[Memory]  # MEMORY, scratch, (1,)
+    freedoms: Floats  # one freedom of a factor, scratch, (nv,)
+    looked: Floats  # what is looked at, scratch, (values,)
+    change: Floats  # how that of a contact changes, scratch, (kinds, LOOKED)
+    shapes: Floats  # by how much its dimensions do, and these displaced, scratch, (2, CANDIDATE)
+    wrench: Floats  # how the force and moment of a joint's contacts do, scratch, (kinds, 6)
+    carried: Floats  # what these do along freedoms as the joint's frames change, scratch, (6,)
+    trial: Floats  # its differences, how it bends, and the middle, scratch, (kinds + 2, values)
+    column: Floats  # those that are kept, (kinds, values)
+    middle: Floats  # what a law says undisplaced, scratch, (values,)
+    sides: Floats  # what an element sees of its joints, scratch, (2, ROWS, MOST)
+    over: Ints  # over which numbers of a displacement its law is differentiated, scratch, (slots,)
+    of_law: Floats  # its derivatives, scratch, (slots, kinds, values)
+    asked: Floats  # what laws are asked with, scratch
+    said: Floats  # what they say, scratch
+    laws: Floats  # derivatives of that, (contacts of a joint, asked, kinds, said)
+    # PLACE, (bodies + 1,), the tree's own; those that constraints write, if there are any
     places: Records[Place]
-    room: Records[BodyRoom]
-    mass: Floats
-    lanes: Floats
-    acceleration: Floats
-    bodies: Records[Change]
-    body: Records[Change]
-    first_number: Ints
-    seen: Ints
-    shifts: Shifts
-    rows: RowRoom
+    room: Records[BodyRoom]  # ROOM, likewise
+    mass: Floats  # factors of the mass matrix, of a tree without constraints, (nv, nv)
+    lanes: Floats  # right-hand sides, scratch, (nv, LANES)
+    acceleration: Floats  # (nv,)
+    bodies: Records[Change]  # CHANGE, (bodies + 1,), the last the ground
+    body: Records[Change]  # CHANGE, scratch, (1,)
+    first_number: Ints  # where in a displacement numbers of the system begin, (1,)
+    seen: Ints  # which of them a joint sees, scratch, (numbers,)
+    shifts: Shifts  # how these numbers go
+    rows: RowRoom  # what constraints are differentiated with

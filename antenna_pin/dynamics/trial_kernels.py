@@ -34,35 +34,20 @@ ALL: Any = np.int64(-1)
 
 @by_address
 class Trial(NamedTuple):
-    """A trial step as it is looked at: its dense output, and where the looking writes.
+    """A trial step as it is looked at: its dense output, and where the looking writes."""
 
-    Attributes:
-        layout: Of the joints with play, a part of the manifold's.
-        dense: Coefficients of the dense output.
-        work: The stepper's rows.
-        start: Which of them is the state that the step starts from.
-        program: The system's.
-        memory: Contact memory during the step, MEMORY, (contacts,).
-        out: A state, as far as the layout goes, and scratch, (2, size).
-        pose: Of one journal, POSE, (1,).
-        table: Contact table, CONTACT, written.
-        own: The one that the derivative writes.
-        rates: Written, and of no use.
-        outside: Who measures gaps that no closed form knows, and asks laws in Python.
-    """
-
-    layout: Ints
-    dense: Floats
-    work: Floats
-    start: int
-    program: Floats
-    memory: Records[Memory]
-    out: Floats
-    pose: Records[Pose]
-    table: Records[Contact]
-    own: Records[Contact]
-    rates: Floats
-    outside: Outside
+    layout: Ints  # of the joints with play, a part of the manifold's
+    dense: Floats  # coefficients of the dense output
+    work: Floats  # the stepper's rows
+    start: int  # which of them is the state that the step starts from
+    program: Floats  # the system's
+    memory: Records[Memory]  # contact memory during the step, MEMORY, (contacts,)
+    out: Floats  # A state, as far as the layout goes, and scratch, (2, size)
+    pose: Records[Pose]  # of one journal, POSE, (1,)
+    table: Records[Contact]  # contact table, CONTACT, written
+    own: Records[Contact]  # the one that the derivative writes
+    rates: Floats  # written, and of no use
+    outside: Outside  # who measures gaps that no closed form knows, and asks laws in Python
 
 
 @inlined

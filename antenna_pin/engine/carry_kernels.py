@@ -32,48 +32,28 @@ class CarryRoom(NamedTuple):
     """What displacements are carried with.
 
     They are of two kinds: those themselves, and behind them what these are off by.
-
-    Attributes:
-        tangent: What the derivative of the rates is computed with.
-        tableau: The method's.
-        work: The rows of a stepper; START, STATE and RATES are those of the state.
-        ways: Displacements at the start, (k, displacement).
-        now: Those at the stage; at the end those at the end.
-        slopes: Rates of their ways, rates and bristles, by stage, (stages, k, moving).
-        coarse: Over what a step of differences of each part must be one at most, (displacement,).
-        steps: Of differences along them, (k,).
-        rests: Weights of the stages of what displacements are off by, (stages, stages).
-        asked: Which of the stages these have, 0 or not, (stages,).
-        few: The displacements themselves, as ``now``, where the others are not asked for; scratch at last.
-        few_steps: Of differences along these.
-        few_both: As ``both``, of these.
-        books: How what is integrated along the run is displaced by the step, (few, nx).
-        bracket: Scratch, (nv,).
-        both: Derivatives of the rates, by differences of two orders, (2, k, nv + nx).
-        errors: By how much the end is off, of displacements themselves, (few, moving).
-        rough: By how much it would be by the other order of differences, (few, moving).
-        sizes: Of these two, in units, (2, few).
     """
 
-    tangent: TangentRoom
-    tableau: Tableau
-    work: Floats
-    ways: Floats
-    now: Floats
-    slopes: Floats
-    coarse: Floats
-    steps: Floats
-    rests: Floats
-    asked: Ints
+    tangent: TangentRoom  # what the derivative of the rates is computed with
+    tableau: Tableau  # the method's
+    work: Floats  # the rows of a stepper; START, STATE and RATES are those of the state
+    ways: Floats  # displacements at the start, (k, displacement)
+    now: Floats  # those at the stage; at the end those at the end
+    slopes: Floats  # rates of their ways, rates and bristles, by stage, (stages, k, moving)
+    coarse: Floats  # over what a step of differences of each part must be one at most, (displacement,)
+    steps: Floats  # of differences along them, (k,)
+    rests: Floats  # weights of the stages of what displacements are off by, (stages, stages)
+    asked: Ints  # which of the stages these have, 0 or not, (stages,)
+    # the displacements themselves, as ``now``, where the others are not asked for; scratch at last
     few: Floats
-    few_steps: Floats
-    few_both: Floats
-    books: Floats
-    bracket: Floats
-    both: Floats
-    errors: Floats
-    rough: Floats
-    sizes: Floats
+    few_steps: Floats  # of differences along these
+    few_both: Floats  # as ``both``, of these
+    books: Floats  # how what is integrated along the run is displaced by the step, (few, nx)
+    bracket: Floats  # scratch, (nv,)
+    both: Floats  # derivatives of the rates, by differences of two orders, (2, k, nv + nx)
+    errors: Floats  # by how much the end is off, of displacements themselves, (few, moving)
+    rough: Floats  # by how much it would be by the other order of differences, (few, moving)
+    sizes: Floats  # of these two, in units, (2, few)
 
 
 @inlined

@@ -18,33 +18,19 @@ _PARTS, _BETTER = 4, 2.0**-7
 
 @by_address
 class ChainRoom(NamedTuple):
-    """Steps along which displacements are carried one after another.
+    """Steps along which displacements are carried one after another."""
 
-    Attributes:
-        room: What each is carried with: what displacements are off by, by three stages.
-        full: As that, by all stages.
-        times: When they begin, (steps,) [s].
-        sizes: Of them, (steps,) [s].
-        since: When contacts, drives or rates have changed last, (steps,) [s].
-        until: When they change next, (1,) [s].
-        states: Where they begin, (steps, size).
-        scales: Of the parts of a displacement in coordinates, (displacement,).
-        first: Displacements where a step begins, scratch, (k, displacement).
-        booked: How what is integrated along the run is displaced by a step, scratch, (few, nx).
-        books: The same, so far.
-    """
-
-    room: CarryRoom
-    full: CarryRoom
-    times: Floats
-    sizes: Floats
-    since: Floats
-    until: Floats
-    states: Floats
-    scales: Floats
-    first: Floats
-    booked: Floats
-    books: Floats
+    room: CarryRoom  # what each is carried with: what displacements are off by, by three stages
+    full: CarryRoom  # as that, by all stages
+    times: Floats  # when they begin, (steps,) [s]
+    sizes: Floats  # of them, (steps,) [s]
+    since: Floats  # when contacts, drives or rates have changed last, (steps,) [s]
+    until: Floats  # when they change next, (1,) [s]
+    states: Floats  # where they begin, (steps, size)
+    scales: Floats  # of the parts of a displacement in coordinates, (displacement,)
+    first: Floats  # displacements where a step begins, scratch, (k, displacement)
+    booked: Floats  # how what is integrated along the run is displaced by a step, scratch, (few, nx)
+    books: Floats  # the same, so far
 
 
 @inlined

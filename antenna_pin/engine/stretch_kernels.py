@@ -78,100 +78,56 @@ STRETCH = layout(Stretch)
 
 @by_address
 class Buffers(NamedTuple):
-    """What a stretch writes for the record.
+    """What a stretch writes for the record."""
 
-    Attributes:
-        times: Of samples, (capacity,) [s].
-        states: Of samples, (capacity, size).
-        memories: Contact memory at samples, MEMORY, (capacity, contacts).
-        early: Whether a sample is one of an earlier time, to be put between others, (capacity,).
-        instants: Ends of steps, (budget,) [s].
-        sizes: Of these steps, (budget,) [s].
-        ends: States there, (budget, size); empty where nobody wants to look at them.
-        kept: Scratch, (2, size).
-        out: Scratch, (2, size).
-    """
-
-    times: Floats
-    states: Floats
-    memories: NDArray[Memory]
-    early: Ints
-    instants: Floats
-    sizes: Floats
-    ends: Floats
-    kept: Floats
-    out: Floats
+    times: Floats  # of samples, (capacity,) [s]
+    states: Floats  # of samples, (capacity, size)
+    memories: NDArray[Memory]  # contact memory at samples, MEMORY, (capacity, contacts)
+    early: Ints  # whether a sample is one of an earlier time, to be put between others, (capacity,)
+    instants: Floats  # ends of steps, (budget,) [s]
+    sizes: Floats  # of these steps, (budget,) [s]
+    ends: Floats  # states there, (budget, size); empty where nobody wants to look at them
+    kept: Floats  # scratch, (2, size)
+    out: Floats  # scratch, (2, size)
 
 
 @by_address
 class Search(NamedTuple):
-    """What is looked for in a step (:func:`antenna_pin.dynamics.inspect_kernels.inspect_step`).
+    """What is looked for in a step (:func:`antenna_pin.dynamics.inspect_kernels.inspect_step`)."""
 
-    Attributes:
-        nodes: Scratch.
-        ignore: How often each contact has changed at the start.
-        limits: Depths at which a run ends.
-        peaks: Largest forces.
-        turns: Turned angles, TURN.
-        compared: Contacts whose gaps coal measures, as 1, (contacts,); nobody's: (0,).
-        difference: Largest one of their gaps and the closed form's so far, where forces come from them, (1,)
-            [m].
-    """
-
-    nodes: Floats
-    ignore: Ints
-    limits: Floats
-    peaks: Records[Peak]
-    turns: Records[Turn]
-    compared: Ints
+    nodes: Floats  # scratch
+    ignore: Ints  # how often each contact has changed at the start
+    limits: Floats  # depths at which a run ends
+    peaks: Records[Peak]  # largest forces
+    turns: Records[Turn]  # turned angles, TURN
+    compared: Ints  # contacts whose gaps coal measures, as 1, (contacts,); nobody's: (0,)
+    # largest one of their gaps and the closed form's so far, where forces come from them, (1,) [m]
     difference: Floats
 
 
 @by_address
 class Loop(NamedTuple):
-    """All that the loop works on.
+    """All that the loop works on."""
 
-    Attributes:
-        stretch: STRETCH, (1,).
-        pace: PACE, (1,).
-        breaks: Instants at which steps must end [s].
-        chosen: Output times beside those at the rate, (n,), ascending [s].
-        tableau: The method, in numbers.
-        space: Layout of the manifold.
-        work: The stepper's rows.
-        dense: Coefficients of the dense output.
-        scales: Of errors.
-        rtol: Relative tolerance.
-        numbers: The system, in numbers.
-        search: What is looked for.
-        trial: The trial step as it is looked at.
-        buffers: What is written.
-        book: Of the contacts.
-        sizes: Of steps, by pattern of contacts.
-        watched: What is looked at from afar.
-        works: Where works and their gross works stand in x, (n, 2).
-        touches: Largest efforts of elements in touch, TOUCH, (n,).
-    """
-
-    stretch: Records[Stretch]
-    pace: Records[Pace]
-    breaks: Floats
-    chosen: Floats
-    tableau: Tableau
-    space: Ints
-    work: Floats
-    dense: Floats
-    scales: Floats
-    rtol: float
-    numbers: Numbers
-    search: Search
-    trial: Trial
-    buffers: Buffers
-    book: Book
-    sizes: Sizes
-    watched: Watched
-    works: Ints
-    touches: Records[Touch]
+    stretch: Records[Stretch]  # STRETCH, (1,)
+    pace: Records[Pace]  # PACE, (1,)
+    breaks: Floats  # instants at which steps must end [s]
+    chosen: Floats  # output times beside those at the rate, (n,), ascending [s]
+    tableau: Tableau  # the method, in numbers
+    space: Ints  # layout of the manifold
+    work: Floats  # the stepper's rows
+    dense: Floats  # coefficients of the dense output
+    scales: Floats  # of errors
+    rtol: float  # relative tolerance
+    numbers: Numbers  # the system, in numbers
+    search: Search  # what is looked for
+    trial: Trial  # the trial step as it is looked at
+    buffers: Buffers  # what is written
+    book: Book  # of the contacts
+    sizes: Sizes  # of steps, by pattern of contacts
+    watched: Watched  # what is looked at from afar
+    works: Ints  # where works and their gross works stand in x, (n, 2)
+    touches: Records[Touch]  # largest efforts of elements in touch, TOUCH, (n,)
 
 
 @inlined

@@ -61,25 +61,15 @@ WATCHED = layout(Watch)
 
 @by_address
 class Watched(NamedTuple):
-    """What is watched besides contacts.
+    """What is watched besides contacts."""
 
-    Attributes:
-        functions: WATCHED, (n,).
-        program: A program with a block for each joint that is watched.
-        rates: Scratch, (nv + nx,).
-        instants: At which the loop outside has to see to a step's end, increasing [s].
-        values: Value and rate, scratch, (2,).
-        dips: Values of one function in a step, scratch, (6,).
-        unknown: How many functions there are that compiled code does not know.
-    """
-
-    functions: Records[Watch]
-    program: Floats
-    rates: Floats
-    instants: Floats
-    values: Floats
-    dips: Floats
-    unknown: int
+    functions: Records[Watch]  # WATCHED, (n,)
+    program: Floats  # A program with a block for each joint that is watched
+    rates: Floats  # scratch, (nv + nx,)
+    instants: Floats  # at which the loop outside has to see to a step's end, increasing [s]
+    values: Floats  # value and rate, scratch, (2,)
+    dips: Floats  # values of one function in a step, scratch, (6,)
+    unknown: int  # how many functions there are that compiled code does not know
 
 
 @kernel

@@ -37,25 +37,15 @@ COURSE = records.layout(Course)
 
 @by_address
 class Tableau(NamedTuple):
-    """A Runge-Kutta method (:class:`antenna_pin.integrate.Method`), and where a step by it is.
+    """A Runge-Kutta method (:class:`antenna_pin.integrate.Method`), and where a step by it is."""
 
-    Attributes:
-        nodes: Of the stages, (stages,).
-        weights: Of the stages, (stages, stages).
-        errors: Of the error, (1 or 2, stages).
-        polynomials: Of the dense output, (stages, degree).
-        last: The stage at the step's end.
-        adaptive: Whether it has an error, 1 or 0.
-        course: COURSE, (1,).
-    """
-
-    nodes: Floats
-    weights: Floats
-    errors: Floats
-    polynomials: Floats
-    last: int
-    adaptive: int
-    course: Records[Course]
+    nodes: Floats  # of the stages, (stages,)
+    weights: Floats  # of the stages, (stages, stages)
+    errors: Floats  # of the error, (1 or 2, stages)
+    polynomials: Floats  # of the dense output, (stages, degree)
+    last: int  # the stage at the step's end
+    adaptive: int  # whether it has an error, 1 or 0
+    course: Records[Course]  # COURSE, (1,)
 
 
 @inlined

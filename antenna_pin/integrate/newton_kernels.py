@@ -45,45 +45,25 @@ PROGRESS = records.layout(Progress)
 
 @by_address
 class Radau(NamedTuple):
-    """The method's numbers, and what its steps work on; n components of z, m columns.
+    """The method's numbers, and what its steps work on; n components of z, m columns."""
 
-    Attributes:
-        progress: PROGRESS, (1,).
-        nodes: c_i of the stages, (3,).
-        inverse: Inverse of A, (3, 3).
-        back: T, from W to Z, (3, 3).
-        forth: Its inverse, (3, 3).
-        values: Eigenvalues of the inverse of A: the real one, the other's parts, (3,).
-        error: Weights of the stages' increments in the error, (3,).
-        columns: Components that the derivative depends on, increasing, (m,).
-        z: Increments, (3, n).
-        w: In the other coordinates, (3, n).
-        f: Derivatives at the stages, (3, n).
-        jacobian: Of all components to the columns, (n, m).
-        real: Factors, (m, m).
-        complex: Factors, (m, m).
-        pivots: (2, m).
-        solved: (m,), scratch.
-        paired: (m,), complex, scratch.
-    """
-
-    progress: Records[Progress]
-    nodes: Floats
-    inverse: Floats
-    back: Floats
-    forth: Floats
-    values: Floats
-    error: Floats
-    columns: Ints
-    z: Floats
-    w: Floats
-    f: Floats
-    jacobian: Floats
-    real: Floats
-    complex: NDArray[np.complex128]
-    pivots: Ints
-    solved: Floats
-    paired: NDArray[np.complex128]
+    progress: Records[Progress]  # PROGRESS, (1,)
+    nodes: Floats  # c_i of the stages, (3,)
+    inverse: Floats  # inverse of A, (3, 3)
+    back: Floats  # T, from W to Z, (3, 3)
+    forth: Floats  # its inverse, (3, 3)
+    values: Floats  # eigenvalues of the inverse of A: the real one, the other's parts, (3,)
+    error: Floats  # weights of the stages' increments in the error, (3,)
+    columns: Ints  # components that the derivative depends on, increasing, (m,)
+    z: Floats  # increments, (3, n)
+    w: Floats  # in the other coordinates, (3, n)
+    f: Floats  # derivatives at the stages, (3, n)
+    jacobian: Floats  # of all components to the columns, (n, m)
+    real: Floats  # factors, (m, m)
+    complex: NDArray[np.complex128]  # factors, (m, m)
+    pivots: Ints  # (2, m)
+    solved: Floats  # (m,), scratch
+    paired: NDArray[np.complex128]  # (m,), complex, scratch
 
 
 @inlined

@@ -87,21 +87,14 @@ _STEPS = (1e-2, 1e-3)
 
 
 class _ConstraintTerms(NamedTuple):
-    """Constraints in a state, (rows,) equations, with J and its derivatives.
+    """Constraints in a state, (rows,) equations, with J and its derivatives."""
 
-    Attributes:
-        jacobian: J, (rows, nv); no rows where nothing is held.
-        force: Derivative of J^T lambda over the configuration at constant multipliers, (nv, nv).
-        speed: Derivative of J v over the configuration at constant v, (rows, nv).
-        lack: Derivatives of J a - lack at constant a over configuration and velocity, (rows, nv) each.
-        acceleration: Of the state, constraints held, (nv,).
-    """
-
-    jacobian: Array
-    force: Array
-    speed: Array
+    jacobian: Array  # J, (rows, nv); no rows where nothing is held
+    force: Array  # derivative of J^T lambda over the configuration at constant multipliers, (nv, nv)
+    speed: Array  # derivative of J v over the configuration at constant v, (rows, nv)
+    # derivatives of J a - lack at constant a over configuration and velocity, (rows, nv) each
     lack: tuple[Array, Array]
-    acceleration: Array
+    acceleration: Array  # of the state, constraints held, (nv,)
 
 
 def _constraint_terms(

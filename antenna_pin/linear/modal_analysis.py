@@ -45,20 +45,15 @@ Complex = NDArray[np.complex128]
 
 
 class _Bodies(NamedTuple):
-    """Bodies of a mechanism in one configuration, as linear maps.
+    """Bodies of a mechanism in one configuration, as linear maps."""
 
-    Attributes:
-        motion: Generalized velocity to each body's twist at its mass centre in world axes, (bodies, 6, nv).
-        inertia: Spatial inertia of each at its mass centre in world axes, (bodies, 6, 6).
-        coupling: Generalized force of inertia under an acceleration of the root with all else at rest
-            relative to it, (nv, 6); the root's origin and axes, those of the world with a fixed base.
-        rigid: Inertia of the whole as one rigid body about that origin, (6, 6).
-    """
-
+    # generalized velocity to each body's twist at its mass centre in world axes, (bodies, 6, nv)
     motion: Array
-    inertia: Array
+    inertia: Array  # spatial inertia of each at its mass centre in world axes, (bodies, 6, 6)
+    # generalized force of inertia under an acceleration of the root with all else at rest relative to it,
+    # (nv, 6); the root's origin and axes, those of the world with a fixed base
     coupling: Array
-    rigid: Array
+    rigid: Array  # inertia of the whole as one rigid body about that origin, (6, 6)
 
 
 def bodies_of(system: System, q: Array) -> _Bodies:

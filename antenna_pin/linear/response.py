@@ -39,15 +39,10 @@ _AXES = ("x", "y", "z")
 
 
 class _Shaking(NamedTuple):
-    """Motion of the base as a source of small motions.
+    """Motion of the base as a source of small motions."""
 
-    Attributes:
-        linear: The equations.
-        way: g, what all velocities are of the motion's, (nv,).
-    """
-
-    linear: Linearisation
-    way: Array
+    linear: Linearisation  # the equations
+    way: Array  # g, what all velocities are of the motion's, (nv,)
 
     def enters(self, omega: float) -> NDArray[np.complex128]:
         """Return the input of the linear system for unit acceleration at an angular frequency [rad/s]."""

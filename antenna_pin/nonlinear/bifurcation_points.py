@@ -61,17 +61,11 @@ Test = Callable[[NDArray[np.complex128]], float]
 
 
 class Located(NamedTuple):
-    """Location of a bifurcation in a step.
+    """Location of a bifurcation in a step."""
 
-    Attributes:
-        value: Of the parameter.
-        doubt: Half of the interval that it is known to be in.
-        along: How far along the step.
-    """
-
-    value: float
-    doubt: float
-    along: float
+    value: float  # of the parameter
+    doubt: float  # half of the interval that it is known to be in
+    along: float  # how far along the step
 
 
 class BranchStep:
@@ -411,15 +405,10 @@ _JUMP, _SHRUNK = 0.1, 1e-2
 
 
 class GrazeAhead(NamedTuple):
-    """Change in the number of contacts or events ahead of an orbit.
+    """Change in the number of contacts or events ahead of an orbit."""
 
-    Attributes:
-        arc: How far ahead.
-        value: Of the parameter there.
-    """
-
-    arc: float
-    value: float
+    arc: float  # how far ahead
+    value: float  # of the parameter there
 
 
 def curved_predictor(stepper: BranchStepper, node: Node, arc: float, passed: BranchStep | None) -> Array:

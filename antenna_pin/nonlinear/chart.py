@@ -43,17 +43,11 @@ class NotAlikeError(InvalidParameterError):
 
 
 class _ElementMode(NamedTuple):
-    """Mode of an element in a state.
+    """Mode of an element in a state."""
 
-    Attributes:
-        label: What messages call the element.
-        number: Of the mode.
-        word: For it.
-    """
-
-    label: str
-    number: int
-    word: str
+    label: str  # what messages call the element
+    number: int  # of the mode
+    word: str  # for it
 
 
 def _element_modes(system: System, state: State) -> Mapping[str, _ElementMode]:

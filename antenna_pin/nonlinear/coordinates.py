@@ -41,31 +41,18 @@ Array = NDArray[np.float64]
 
 
 class _MemoryNumber(NamedTuple):
-    """Number that an element with modes stores at a change of mode.
+    """Number that an element with modes stores at a change of mode."""
 
-    Attributes:
-        place: Of the element.
-        name: Its own.
-        label: What messages call it.
-        kind: Of the element.
-        words: Where the element's record begins in a program.
-        word: Where the number stands there.
-        joint: Of the joint's axis in v.
-        of_rate: Whether it is one of the joint's rate, else it is one of its way.
-        turns: Whether the joint turns without end: whole turns of it act on nothing.
-        modes: In which it is gone by.
-    """
-
-    place: str
-    name: str
-    label: str
-    kind: int
-    words: int
-    word: int
-    joint: int
-    of_rate: bool
-    turns: bool
-    modes: tuple[int, ...]
+    place: str  # of the element
+    name: str  # its own
+    label: str  # what messages call it
+    kind: int  # of the element
+    words: int  # where the element's record begins in a program
+    word: int  # where the number stands there
+    joint: int  # of the joint's axis in v
+    of_rate: bool  # whether it is one of the joint's rate, else it is one of its way
+    turns: bool  # whether the joint turns without end: whole turns of it act on nothing
+    modes: tuple[int, ...]  # in which it is gone by
 
     @property
     def key(self) -> str:
@@ -160,17 +147,11 @@ TIME_UNIT = 1e-2
 
 
 class Units(NamedTuple):
-    """Units of a perturbation: the run's error scales.
+    """Units of a perturbation: the run's error scales."""
 
-    Attributes:
-        position: Of the configuration, (nv,).
-        rate: Of the velocity, (nv,).
-        bristle: Of each bristle, (bristles,).
-    """
-
-    position: Array
-    rate: Array
-    bristle: Array
+    position: Array  # of the configuration, (nv,)
+    rate: Array  # of the velocity, (nv,)
+    bristle: Array  # of each bristle, (bristles,)
 
     @classmethod
     def of(cls, system: System, scales: ErrorScales | None = None) -> Units:
@@ -180,20 +161,13 @@ class Units(NamedTuple):
 
 
 class Frame(NamedTuple):
-    """Axes of coordinates in a state.
+    """Axes of coordinates in a state."""
 
-    Attributes:
-        free: Freedoms under closures and motions, in units, by columns, (nv, positions).
-        bound: Their orthogonal complement, (nv, nv - positions).
-        contact_memory: Contact and column of each coordinate of contact memory.
-        element_memory: Numbers of element memory that are coordinates.
-        clock: Whether time is a coordinate, behind positions and rates: the delay of the perturbed state.
-    """
-
-    free: Array
-    bound: Array
-    contact_memory: tuple[tuple[int, int], ...]
-    element_memory: tuple[int, ...] = ()
+    free: Array  # freedoms under closures and motions, in units, by columns, (nv, positions)
+    bound: Array  # their orthogonal complement, (nv, nv - positions)
+    contact_memory: tuple[tuple[int, int], ...]  # contact and column of each coordinate of contact memory
+    element_memory: tuple[int, ...] = ()  # numbers of element memory that are coordinates
+    # whether time is a coordinate, behind positions and rates: the delay of the perturbed state
     clock: bool = False
 
     @property
@@ -214,32 +188,21 @@ class Lift(NamedTuple):
     the coordinates of velocities, of the velocity, of bristles, of the logarithms of approach speeds, of
     those of effective masses, of parameters of the system in their scales, of element memory, of time.
     Coordinates are positions, rates, time if it is one, bristles, parameters, element memory, contact memory.
-
-    Attributes:
-        up: Perturbation of each coordinate, by columns, (perturbation, size).
-        down: Coordinates of a perturbation, (size, perturbation).
     """
 
-    up: Array
-    down: Array
+    up: Array  # perturbation of each coordinate, by columns, (perturbation, size)
+    down: Array  # coordinates of a perturbation, (size, perturbation)
 
 
 class RateJacobian(NamedTuple):
-    """Jacobian of the rates in a state.
+    """Jacobian of the rates in a state."""
 
-    Attributes:
-        sixth: Of the coordinates' rates over the coordinates, by differences of sixth order, (size, size).
-        fourth: The same by differences of fourth order.
-        along: Of rates along one perturbation, in units, (nv + bristles,).
-        noise: Round-off of these.
-        integrals: Of the rates of what is integrated over the coordinates, (nx, size).
-    """
-
+    # of the coordinates' rates over the coordinates, by differences of sixth order, (size, size)
     sixth: Array
-    fourth: Array
-    along: Array
-    noise: float
-    integrals: Array
+    fourth: Array  # the same by differences of fourth order
+    along: Array  # of rates along one perturbation, in units, (nv + bristles,)
+    noise: float  # round-off of these
+    integrals: Array  # of the rates of what is integrated over the coordinates, (nx, size)
 
 
 def perturbation_slices(system: System, kept: int, parameters: int = 0) -> tuple[slice, ...]:
@@ -342,39 +305,23 @@ _FAINT = 1e-10  # of what rows of constraints do, over the most: less is what ro
 
 
 class _CachedLift(NamedTuple):
-    """Lift in a cache.
+    """Lift in a cache."""
 
-    Attributes:
-        frame: Of which axes.
-        lift: The lift.
-        tilt: By how much the axes are off what constraints leave, as the tangent of an angle, in units.
-    """
-
-    frame: Frame
-    lift: Lift
-    tilt: float
+    frame: Frame  # of which axes
+    lift: Lift  # the lift
+    tilt: float  # by how much the axes are off what constraints leave, as the tangent of an angle, in units
 
 
 class _ConstraintsAt(NamedTuple):
-    """Constraints in a state.
+    """Constraints in a state."""
 
-    Attributes:
-        key: Time, state, and what elements hold there.
-        time: When [s].
-        y: State.
-        rows: Of constraints, (rows, nv).
-        over_time: By how much they are violated per second, (rows,).
-        over_numbers: How far and how fast over numbers of the system, (2, rows, numbers).
-        lifts: Those that were made there.
-    """
-
-    key: tuple[float, bytes, bytes]
-    time: float
-    y: Array
-    rows: Array
-    over_time: Array
-    over_numbers: Array
-    lifts: list[_CachedLift]
+    key: tuple[float, bytes, bytes]  # time, state, and what elements hold there
+    time: float  # when [s]
+    y: Array  # state
+    rows: Array  # of constraints, (rows, nv)
+    over_time: Array  # by how much they are violated per second, (rows,)
+    over_numbers: Array  # how far and how fast over numbers of the system, (2, rows, numbers)
+    lifts: list[_CachedLift]  # those that were made there
 
 
 class Lifts:

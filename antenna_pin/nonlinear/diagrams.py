@@ -58,27 +58,16 @@ _Entry = dict[str, Any]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Settings:
-    """Settings of every value of a diagram.
+    """Settings of every value of a diagram."""
 
-    Attributes:
-        scenario: What the parameter is laid over.
-        parameter: Key of the scenario, with dots.
-        section: Where the motion is looked at.
-        quantities: What is noted there.
-        count: Points kept [-].
-        transient: Points cut before them; None to judge [-].
-        most: Points after which to stop cutting; None for 20 times ``count`` [-].
-        tolerance: See :func:`antenna_pin.nonlinear.poincare` [-].
-    """
-
-    scenario: Scenario
-    parameter: str
-    section: Section
-    quantities: tuple[str, ...]
-    count: int
-    transient: int | None
-    most: int | None
-    tolerance: float
+    scenario: Scenario  # what the parameter is laid over
+    parameter: str  # key of the scenario, with dots
+    section: Section  # where the motion is looked at
+    quantities: tuple[str, ...]  # what is noted there
+    count: int  # points kept [-]
+    transient: int | None  # points cut before them; None to judge [-]
+    most: int | None  # points after which to stop cutting; None for 20 times ``count`` [-]
+    tolerance: float  # see :func:`antenna_pin.nonlinear.poincare` [-]
 
     def at(self, value: Any) -> Scenario:
         """Return the scenario with the parameter set to a value."""

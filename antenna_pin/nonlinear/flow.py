@@ -46,21 +46,13 @@ class FlowError(AntennaPinError, RuntimeError):
 
 
 class _SpanRun(NamedTuple):
-    """Result of a flow's run over a span.
+    """Result of a flow's run over a span."""
 
-    Attributes:
-        end: Where to.
-        onsets: How many contacts began on the way.
-        events: How many events happened.
-        changes: When contacts began and ended and events happened, in order [s].
-        touching: From when to when each contact lasted [s].
-    """
-
-    end: State
-    onsets: int
-    events: int
-    changes: tuple[float, ...]
-    touching: tuple[tuple[float, float], ...]
+    end: State  # where to
+    onsets: int  # how many contacts began on the way
+    events: int  # how many events happened
+    changes: tuple[float, ...]  # when contacts began and ended and events happened, in order [s]
+    touching: tuple[tuple[float, float], ...]  # from when to when each contact lasted [s]
 
 
 class Tangent(NamedTuple):

@@ -47,23 +47,14 @@ _AT_ONCE, _ULPS = 1e-12, 4.0
 
 
 class StepPart(NamedTuple):
-    """Part of a step, as fractions from 0 to 1.
+    """Part of a step, as fractions from 0 to 1."""
 
-    Attributes:
-        a: Where it begins.
-        b: Where it ends.
-        graded: Whether the step begins where contacts or drives have changed.
-        falling: Whether it ends there.
-        known: Whether its first and its last end are breaks that are known.
-        halvings: How often it may be cut yet.
-    """
-
-    a: float
-    b: float
-    graded: bool = False
-    falling: bool = False
-    known: tuple[bool, bool] = (False, False)
-    halvings: int = _HALVINGS
+    a: float  # where it begins
+    b: float  # where it ends
+    graded: bool = False  # whether the step begins where contacts or drives have changed
+    falling: bool = False  # whether it ends there
+    known: tuple[bool, bool] = (False, False)  # whether its first and its last end are breaks that are known
+    halvings: int = _HALVINGS  # how often it may be cut yet
 
     def at(self, places: Array) -> tuple[Array, Array]:
         """Return fractions of the step and their slopes over places from 0 to 1.
@@ -118,17 +109,11 @@ _NARROW, _CHANGE_OF_JUMP = 0.05, 0.5
 
 
 class _Jump(NamedTuple):
-    """Jump of a derivative.
+    """Jump of a derivative."""
 
-    Attributes:
-        place: Where.
-        beside: Places before it and behind it, near but apart from what is next to it.
-        later: By how much later it is for a perturbed state a step of the ramps away.
-    """
-
-    place: float
-    beside: tuple[float, float]
-    later: float
+    place: float  # where
+    beside: tuple[float, float]  # places before it and behind it, near but apart from what is next to it
+    later: float  # by how much later it is for a perturbed state a step of the ramps away
 
 
 def _remainder_matrix(places: Array) -> Array:
@@ -205,17 +190,11 @@ _MOST_DEFECTS = 16
 
 
 class _Kink(NamedTuple):
-    """Passing of a kink.
+    """Passing of a kink."""
 
-    Attributes:
-        force: b, a direction of the coordinates, (size,).
-        passing: n, likewise; the derivative of rates jumps by ``b n'`` [1/s].
-        later: By how much later a perturbed state comes there that is off by n over its own square [s].
-    """
-
-    force: Array
-    passing: Array
-    later: float
+    force: Array  # b, a direction of the coordinates, (size,)
+    passing: Array  # n, likewise; the derivative of rates jumps by ``b n'`` [1/s]
+    later: float  # by how much later a perturbed state comes there that is off by n over its own square [s]
 
     @classmethod
     def of(cls, jump: Array, way: Array, later: float) -> _Kink:

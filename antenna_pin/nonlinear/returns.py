@@ -44,15 +44,10 @@ _TAKEN = {"time", "point", "points", "branch", "value", "settled", "transient", 
 
 
 class _Points(NamedTuple):
-    """Returns to a section.
+    """Returns to a section."""
 
-    Attributes:
-        times: (n,) [s].
-        values: Of each quantity, (n, quantities).
-    """
-
-    times: Array
-    values: Array
+    times: Array  # (n,) [s]
+    values: Array  # of each quantity, (n, quantities)
 
 
 class SectionRun:
@@ -229,27 +224,16 @@ class SectionRun:
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class _SettledPoints:
-    """Last points of a section, with their transient and outcome.
+    """Last points of a section, with their transient and outcome."""
 
-    Attributes:
-        times: (n,) [s].
-        values: (n, quantities).
-        settled: Whether they have settled.
-        drift: Largest of their statistics over the size of the quantities; NaN for too few [-].
-        transient: Points before them [-].
-        outcome: How the run ended, by name.
-        message: That in words.
-        end: State that the run left; None if nothing was run.
-    """
-
-    times: Array
-    values: Array
-    settled: bool
-    drift: float
-    transient: int
-    outcome: str
-    message: str
-    end: State | None
+    times: Array  # (n,) [s]
+    values: Array  # (n, quantities)
+    settled: bool  # whether they have settled
+    drift: float  # largest of their statistics over the size of the quantities; NaN for too few [-]
+    transient: int  # points before them [-]
+    outcome: str  # how the run ended, by name
+    message: str  # that in words
+    end: State | None  # state that the run left; None if nothing was run
 
 
 def settled_points(

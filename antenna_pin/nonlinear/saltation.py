@@ -43,19 +43,12 @@ Array = NDArray[np.float64]
 
 
 class Tangents(NamedTuple):
-    """Tangents along a run, in coordinates along axes in the present state.
+    """Tangents along a run, in coordinates along axes in the present state."""
 
-    Attributes:
-        matrix: (size, k).
-        other: The same by differences of another order and another rule: what is between tells the doubt.
-        frame: The axes.
-        integrals: Tangents of integrals of the run, (nx, k).
-    """
-
-    matrix: Array
-    other: Array
-    frame: Frame
-    integrals: Array
+    matrix: Array  # (size, k)
+    other: Array  # the same by differences of another order and another rule: what is between tells the doubt
+    frame: Frame  # the axes
+    integrals: Array  # tangents of integrals of the run, (nx, k)
 
     def mapped(self, function: Callable[[Array], Array]) -> Tangents:
         """Return the tangents with a function applied to the columns of all arrays."""
@@ -93,25 +86,15 @@ def at_equal_times(field: VectorField, tangents: Tangents, time: float, y: Array
 
 
 class ElementTransition(NamedTuple):
-    """Change of mode of an element, with the effect of an impact.
+    """Change of mode of an element, with the effect of an impact."""
 
-    Attributes:
-        place: Of the element.
-        angle: Of the joint [rad] ([m]).
-        rate: Before it [rad/s] ([m/s]), ``rate_after`` it.
-        rate_after: See there.
-        loss: Energy lost in it [J].
-        impulse: On the child [N m s] ([N s]).
-        energy: Of the joint's own motion before, of elements that weigh it, else 0 [J].
-    """
-
-    place: str
-    angle: float
-    rate: float
-    rate_after: float
-    loss: float = 0.0
-    impulse: float = 0.0
-    energy: float = 0.0
+    place: str  # of the element
+    angle: float  # of the joint [rad] ([m])
+    rate: float  # before it [rad/s] ([m/s]), ``rate_after`` it
+    rate_after: float  # see there
+    loss: float = 0.0  # energy lost in it [J]
+    impulse: float = 0.0  # on the child [N m s] ([N s])
+    energy: float = 0.0  # of the joint's own motion before, of elements that weigh it, else 0 [J]
 
 
 class ElementReplay:
@@ -229,36 +212,23 @@ _LOST = 1e-13
 
 
 class EventShift(NamedTuple):
-    """Event, and the shifts of its time.
+    """Event, and the shifts of its time."""
 
-    Attributes:
-        what: ``onset``, ``release`` or ``event``.
-        name: Of the event; of a contact its number.
-        time: When [s].
-        late: By how much later it is for each tangent [s], (k,).
-    """
-
-    what: str
-    name: str
-    time: float
-    late: Array
+    what: str  # ``onset``, ``release`` or ``event``
+    name: str  # of the event; of a contact its number
+    time: float  # when [s]
+    late: Array  # by how much later it is for each tangent [s], (k,)
 
 
 class _Crossing(NamedTuple):
-    """Effect of the zero of an event function on perturbations.
+    """Effect of the zero of an event function on perturbations."""
 
-    Attributes:
-        moved: What they are of the state behind it, if a perturbed state came there at the same time,
-            (perturbation, size).
-        late: By how much a perturbed state comes later [s], (size,).
-        going: What the flow before it makes of a state behind it, per second, (perturbation,).
-        integrands: Rates of what is integrated, before it, (nx,).
-    """
-
+    # what they are of the state behind it, if a perturbed state came there at the same time, (perturbation,
+    # size)
     moved: Array
-    late: Array
-    going: Array
-    integrands: Array
+    late: Array  # by how much a perturbed state comes later [s], (size,)
+    going: Array  # what the flow before it makes of a state behind it, per second, (perturbation,)
+    integrands: Array  # rates of what is integrated, before it, (nx,)
 
 
 class Saltation:

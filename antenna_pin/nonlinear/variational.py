@@ -62,25 +62,16 @@ _OVER_KINKS = 13.0
 
 
 class _TangentStep(NamedTuple):
-    """A step of a run.
+    """A step of a run."""
 
-    Attributes:
-        time: When it begins [s].
-        size: Of it [s].
-        y: State where it begins.
-        until: When it ends [s].
-        end: State there, before what changes then.
-        changes: Whether contacts or drives have changed where it begins, and whether they do where it ends.
-        known: Whether there is a break that is known at the one and at the other end.
-    """
-
-    time: float
-    size: float
-    y: Array
-    until: float
-    end: Array
+    time: float  # when it begins [s]
+    size: float  # of it [s]
+    y: Array  # state where it begins
+    until: float  # when it ends [s]
+    end: Array  # state there, before what changes then
+    # whether contacts or drives have changed where it begins, and whether they do where it ends
     changes: tuple[bool, bool]
-    known: tuple[bool, bool]
+    known: tuple[bool, bool]  # whether there is a break that is known at the one and at the other end
 
     @property
     def part(self) -> StepPart:
