@@ -1,4 +1,4 @@
-"""Velocities that satisfy the constraints, found from some that need not; and how freely a state can move."""
+"""Velocities consistent with the constraints, and the remaining degrees of freedom."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _RANK = 1e-9
 
 
 def motions_that_prescribe(constraints: Constraints, at: int, held: Sequence[int] = ()) -> tuple[str, ...]:
-    """Return the names of the motions from which the rate of a joint follows; none if it is free, or fixed.
+    """Return the names of the motions that determine the rate of a joint.
 
     Args:
         constraints: With the rows of the state written.
@@ -63,7 +63,7 @@ def motions_that_prescribe(constraints: Constraints, at: int, held: Sequence[int
 
 
 def _combination(rows: Array, at: int) -> Array | None:
-    """Return by how much each row, of length one, makes up a joint's unit vector; None if they cannot."""
+    """Return the share of each unit row in a joint's unit vector, or None."""
     wanted = np.zeros(rows.shape[1])
     wanted[at] = 1.0
     lengths = np.linalg.norm(rows, axis=1)
@@ -74,7 +74,7 @@ def _combination(rows: Array, at: int) -> Array | None:
 
 
 def rows_that_share(constraints: Constraints) -> tuple[int, ...]:
-    """Return the elements, by the number of their row, whose load other rows could carry as well.
+    """Return the row numbers of elements whose load is statically indeterminate.
 
     Args:
         constraints: With the rows of the state written.
@@ -160,7 +160,7 @@ def worst(constraints: Constraints, residuals: Array) -> Unclosed:
 
 
 def worst_row(constraints: Constraints) -> str:
-    """Return which row has the largest residual of position, in words, as far as rows were last written."""
+    """Return the name of the row with the largest residual of position."""
     return worst(constraints, constraints.gap).row
 
 
@@ -185,7 +185,7 @@ class _Search:
         return np.asarray(-self.free @ np.linalg.lstsq(jacobian, lack[rows], rcond=1e-10)[0])
 
     def way(self, one: Array, other: Array) -> Array:
-        """Return how far each direction goes from one state to another, [rad] or of ways the same."""
+        """Return the distance between two states in each direction, [rad] or equivalent lengths."""
         nq = self.constraints.model.nq
         difference = pin.difference(self.constraints.model, one[:nq], other[:nq])
         return np.asarray(difference / self.reach)
@@ -214,7 +214,7 @@ def find_configuration(
     lacks: list[Unclosed] = []
 
     def look(trial: Array) -> float:
-        """Finish by Newton's method; return how far from the guess its farthest part is, if it closes."""
+        """Finish by Newton's method; return the largest distance from the guess if it converges."""
         unclosed = _newton(search, trial)
         if unclosed is not None:
             lacks.append(unclosed)
@@ -245,7 +245,7 @@ def find_configuration(
 
 
 def _out_of_reach(search: _Search, guess: Array) -> bool:
-    """Return whether an open equation changes with no motion, here and nearby, as of opposed axes."""
+    """Return whether an open equation is insensitive to motion, here and nearby."""
     y = guess.copy()
     open_here = np.full(search.constraints.rows, True)
     for scale in (0.0, 0.1):
@@ -259,7 +259,7 @@ def _out_of_reach(search: _Search, guess: Array) -> bool:
 
 
 def _led(search: _Search, guess: Array) -> Iterator[Array]:
-    """Yield where ways lead that begin with driven joints at their start, or are gone bit by bit."""
+    """Yield states reached from driven joints at their start, or by gradual steps."""
     motions = slice(0, len(search.constraints.plan.motions))
     lack = search.gap(guess)
     if motions.stop:
@@ -277,7 +277,7 @@ def _led(search: _Search, guess: Array) -> Iterator[Array]:
 
 
 def _followed(search: _Search, y: Array, lack: Array) -> bool:
-    """Move a state, in place, that lacks something, on to where it lacks nothing; along one solution.
+    """Move a state, in place, along one solution until no residual is left.
 
     Returns:
         Whether it came there.
@@ -302,7 +302,7 @@ def _followed(search: _Search, y: Array, lack: Array) -> bool:
 
 
 def _newton(search: _Search, y: Array, lack: Array | float = 0.0, *, few: bool = False) -> Unclosed | None:
-    """Close the loops by Newton's method with steps of least size, in place; up to what may be lacking.
+    """Close the loops by Newton's method with least steps, in place, within a tolerance.
 
     Args:
         search: What is looked for.
@@ -345,7 +345,7 @@ _SILENT = 1e-14
 
 
 def least_row(constraints: Constraints) -> str:
-    """Return of which row the least was left when rows were last factorized, in words: a closure's first."""
+    """Return the name of the least independent row of the last factorization."""
     names, plan = row_names(constraints), constraints.plan
     singles = len(plan.motions) + len(plan.couplings)
     rows = range(singles if plan.closures else len(plan.motions) if plan.couplings else 0, constraints.rows)
@@ -449,7 +449,7 @@ def mobility(constraints: Constraints, t: float, y: Array, program: Array) -> Mo
 
 
 def _reduced(constraints: Constraints, t: float, y: Array, program: Array) -> Array:
-    """Return the rows in directions of equal kinetic energy, (rows, nv); zero for one without effect."""
+    """Return the rows in directions of equal kinetic energy, (rows, nv), zero where ineffective."""
     model = constraints.model
     constraints.residuals(t, y, program)
     rows = constraints.jacobian.copy()
@@ -490,7 +490,7 @@ def redundancies(constraints: Constraints, t: float, y: Array, program: Array) -
 
 
 def _scaled(constraints: Constraints, rows: Array) -> Array:
-    """Return rows with the length that they count with: that of their largest number in J.
+    """Return rows scaled to the length of their largest number in J.
 
     It is taken over the largest of their closure's, of ways or of turns.
     """

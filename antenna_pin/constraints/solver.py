@@ -107,7 +107,7 @@ class Constraints:
         loaded_kernels.accelerate(t, y, program, self.plan.words, self.work, effort, mass, bias, rates)
 
     def loads(self) -> Array:
-        """Return what elements that hold carry in the state solved last, (holds,) [N m] or [N]."""
+        """Return loads of holding elements in the last solved state, (holds,) [N m] or [N]."""
         force_kernels.joint_forces(self.plan.words, self._all_forces, self._loads)
         return self._loads[len(self._loads) - self._holds :]
 
@@ -117,7 +117,7 @@ class Constraints:
         return self.found
 
     def mass(self, q: Array) -> Array:
-        """Return the mass matrix as constraints have it, (nv, nv): braced by couplings where it needs it."""
+        """Return the mass matrix of the constraints, (nv, nv), with couplings where necessary."""
         matrix: Array = np.triu(pin.crba(self.model, self.data, q))
         matrix += np.triu(matrix, 1).T
         factor_kernels.brace(self.plan.words, matrix)

@@ -87,7 +87,7 @@ def actuators_of(system: System) -> Mapping[str, str]:
 
 
 def settled(controllers: Mapping[str, Controller], system: System) -> dict[str, Controller]:
-    """Return controllers with what they take from the system that they command: joints, and their axes."""
+    """Return controllers with the joints that they command, and these joints' axes."""
     places = actuators_of(system)
     elements = {one.place: one.element for one in acting_in(system)}
     found: dict[str, Controller] = {}
@@ -104,7 +104,7 @@ def settled(controllers: Mapping[str, Controller], system: System) -> dict[str, 
 
 
 def _axis_in_base(system: System, joint: str | None) -> NDArray[np.float64] | None:
-    """Return the axis of a joint in the axes of a free base that carries it, (3,); None of others."""
+    """Return the axis of a joint in a free base's axes, (3,), or None."""
     mechanism = system.mechanism
     if joint is None or mechanism.base != "free":
         return None
@@ -224,7 +224,7 @@ class Adjustments:
 
 
 def first_modes(system: System, y: Array, t: float = 0.0) -> tuple[tuple[str, float], ...]:
-    """Return the modes of elements in a first state [q, v, x], as changes of numbers: (place, value).
+    """Return the modes of elements in an initial state [q, v, x]: (place, value).
 
     An element that is switched off holds nothing and refuses no start.
     """
@@ -260,7 +260,7 @@ def modes_kept(system: System, adjusted: Sequence[tuple[str, float]]) -> tuple[t
 def modes_in_another(
     system: System, y: Array, t: float, adjusted: Sequence[tuple[str, float]]
 ) -> tuple[tuple[str, float], ...]:
-    """Return the modes with which elements go on in a state [q, v, x] of another system: (place, value).
+    """Return the continued modes of elements in a state of another system: (place, value).
 
     Args:
         system: The other.

@@ -40,7 +40,7 @@ __all__ = [
 
 
 def start_with_base(system: System, y: NDArray[np.float64]) -> None:
-    """Put the joints that carry a shaken base where their motions begin, and as fast, in place.
+    """Place the joints of a shaken base at the start of their motions, in place.
 
     All else is given relative to the base and so begins with it: no blow sets it moving.
 
@@ -61,7 +61,7 @@ _ROUND_OFF = 1e-12
 
 
 def said_of_open(system: System, found: Any, length: float) -> str:
-    """Return in words by how much loops are open at the start, and the way out.
+    """Return a description of open loops at the start, and a remedy.
 
     Args:
         system: The system.
@@ -96,7 +96,7 @@ _LOOKS = 1001
 
 
 def check_limits(system: System, name: str, motion: Motion, begin: float, end: float) -> None:
-    """Refuse a motion that leaves its joint's limits in the URDF, from a time to another [s]."""
+    """Refuse a motion beyond its joint's URDF limits within a time span [s]."""
     limit = system.mechanism.urdf.joint(motion.joint).limit
     kind = system.mechanism.joint(motion.joint).kind
     if limit is None or limit.lower is None or limit.upper is None or kind == "continuous":
@@ -115,7 +115,7 @@ def check_limits(system: System, name: str, motion: Motion, begin: float, end: f
 
 
 def check_jumps(system: System, name: str, motion: Motion, begin: float, end: float) -> None:
-    """Refuse a motion along a reference that jumps, or whose rate does and must not, within a run [s]."""
+    """Refuse a motion along a discontinuous reference within a run [s]."""
     if not isinstance(motion, PrescribedMotion):
         return
     unit = "m" if system.slides(motion.joint) else "rad"
@@ -164,7 +164,7 @@ def assembled(
     held: Collection[str] = (),
     angles: Mapping[str, float] | None = None,
 ) -> tuple[Array, Array]:
-    """Return a configuration and a velocity near to those given that close all loops and follow all motions.
+    """Return a nearby configuration and velocity that close loops and follow motions.
 
     Journals stay where they are in their bearings, and as fast, but for what their joints leave free. A free
     base stays if no closure holds it to the world, and as fast if it can. Velocities of joints that no
@@ -237,7 +237,7 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
 
 
 def _write_follower_rates(system: System, y: Array, held: Collection[str]) -> None:
-    """Write the rates of followers of given or prescribed leaders, and of leaders of given followers."""
+    """Write the rates of followers of prescribed leaders, and of leaders of prescribed followers."""
     nq, nv = system.model.nq, system.model.nv
     slots = system.mechanism.joints
     v = y[nq : nq + nv]
@@ -284,7 +284,7 @@ def _free(system: System, y: Array, held: Collection[str]) -> Array:
 
 
 def _free_of_play(slot: JointSlot, motion: str | None, y: Array) -> Array:
-    """Return what a joint with play lets go in its own coordinates, (nv of it, k)."""
+    """Return the free directions of a joint with play, (nv of it, k)."""
     if slot.kind == "planar":
         return np.eye(3)[:, 2:]
     if motion is None:  # a ball in a socket
@@ -300,7 +300,7 @@ def _free_of_play(slot: JointSlot, motion: str | None, y: Array) -> Array:
 
 
 def check_closed(system: System, y: Array) -> None:
-    """Refuse a state whose loops are open by more than digits that were left out; close it to the last.
+    """Refuse a state with open loops, and close small residuals of omitted digits.
 
     Args:
         system: The system.
@@ -320,7 +320,7 @@ def check_closed(system: System, y: Array) -> None:
 
 
 def check_motions(system: System, y: Array, begin: float, end: float) -> None:
-    """Refuse motions that leave their joints' limits in the URDF, that jump, or that the loops cannot follow.
+    """Refuse motions that exceed joint limits, jump, or conflict with the loops.
 
     That they can is looked at only where nothing else is free to move.
 
@@ -372,7 +372,7 @@ def _check_reach(system: System, workspace: Workspace, y: Array, begin: float, e
 
 
 def _check_singular(system: System, workspace: Workspace, y: Array) -> None:
-    """Refuse motions that are not left free, and a start where the rank is less than beside it."""
+    """Refuse overdetermined motions, and a start with a locally reduced rank."""
     constraints = workspace.constraints
     assert constraints is not None
     program = workspace.program

@@ -1,4 +1,4 @@
-"""Blocks of a system's program: put together one by one, those of joints with play and held ones."""
+"""Blocks of a system's program: assembly, joints with play and joints by constraint."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def closures_by_name(
 
 
 def _held_closure(mechanism: Mechanism, name: str, kind: HeldKind) -> Closure:
-    """Return the closure that holds a floating joint to a kind of joint at its own place."""
+    """Return the closure that makes a floating joint one of another kind."""
     if kind not in ("revolute", "prismatic", "spherical"):
         raise InvalidParameterError("System", f"held[{name!r}]", "revolute, prismatic or spherical", kind)
     slot = held_slot(mechanism, name)
@@ -196,7 +196,7 @@ class InPython(NamedTuple):
         return f"what acts at joint {self.element.joint!r}"
 
     def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
-        """Return its numbers at time t [s], at an angle and a rate of its joint."""
+        """Return the controller's numbers at time t [s] for a joint's angle and rate."""
         return self.element.given(self.functions, t, angle, rate)
 
 
@@ -256,7 +256,7 @@ def check_booked(family: str, name: str, element: ForceElement) -> None:
 def places_in_x(
     program: Array, elements: Mapping[str, ForceElement], blocks: Mapping[str, int], integral: Integral
 ) -> NDArray[np.int_]:
-    """Return where in x each of some elements integrates something, -1 for one that does not.
+    """Return the index in x of each element's integral, -1 for none.
 
     Args:
         program: All blocks.
@@ -282,7 +282,7 @@ def turning(system: Any) -> dict[str, int]:
 
 
 def states_in_x(system: Any) -> NDArray[np.int_]:
-    """Return where in x all that elements of a system integrate and their efforts depend on stands."""
+    """Return the indices in x of all integrals that elements' efforts depend on."""
     found = [
         places_in_x(system.program, {name: element}, system.element_blocks[table], own)
         for table, elements in system.families.items()
@@ -308,7 +308,7 @@ def clearance_block(mechanism: Mechanism, joint: ClearanceJoint, row: int, x: in
 
 
 def held_block(mechanism: Mechanism, name: str, slides: bool, row: int, x: int, turn: int) -> Array:
-    """Return the block of a joint held by constraint: without contacts, for elements about its axis.
+    """Return the block of a joint by constraint, without contacts.
 
     Args:
         mechanism: The joint must be floating there.
@@ -329,7 +329,7 @@ def held_block(mechanism: Mechanism, name: str, slides: bool, row: int, x: int, 
 
 
 def _slot(mechanism: Mechanism, joint: ClearanceJoint) -> JointSlot:
-    """Return the slot of a clearance joint, checked to have the freedom that the joint needs."""
+    """Return the slot of a clearance joint after a check of its freedoms."""
     slot = mechanism.joint(joint.name)
     needed = "planar" if joint.planar else "floating"
     if slot.kind != needed:
@@ -349,7 +349,7 @@ def check_motion(
     own: str,
     motion: Motion,
 ) -> None:
-    """Refuse a motion of a joint without axis, of a slider with play, or one beside a motion or a drive.
+    """Refuse a motion without a suitable axis, or beside another motion or drive.
 
     Args:
         place: What it is, for the refusal.
@@ -376,7 +376,7 @@ def check_motion(
 
 
 def check_holds(place: str, mechanism: Mechanism, element: Element) -> None:
-    """Refuse an element that holds a joint without a row of its own, or whose load no row gives.
+    """Refuse a holding element without a row of its own, or with indeterminate load.
 
     Args:
         place: What it is, for the refusal.
@@ -443,7 +443,7 @@ def on_bearings(
 
 
 def kinds_about_axis(held: Mapping[str, HeldKind], carried: Collection[str]) -> dict[str, HeldKind]:
-    """Return what joints are that are free in the tree and have an axis, but no play, by name.
+    """Return the kinds of tree-free joints with an axis and no play, by name.
 
     Args:
         held: What those are held to that are held by constraint, by name.

@@ -1,4 +1,4 @@
-"""The couplings of a system: those of its URDF and those given, and where they put what nobody has placed."""
+"""Couplings of a system, from URDF and scenario, and default positions by them."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def _check(mechanism: Mechanism, place: str, coupling: Coupling, way_out: str) -
 
 
 def facts_of_couplings(mechanism: Mechanism, couplings: Mapping[str, Coupling]) -> dict[str, dict[str, Any]]:
-    """Return of each coupling, by name, its joints and numbers, and whether follower and leader slide."""
+    """Return, by coupling, its joints and numbers, and which of them slide."""
     sliding = {name for name, slot in mechanism.joints.items() if slot.kind == "prismatic"}
     return {
         name: {
@@ -142,7 +142,7 @@ def fit_turns(
     turn_x: Mapping[str, int],
     told: Collection[str],
 ) -> None:
-    """Give joints that turn without end the whole turns that couplings want, in a state [q, v, x], in place.
+    """Set the whole turns of unlimited joints by couplings in a state, in place.
 
     Args:
         mechanism: The mechanism.

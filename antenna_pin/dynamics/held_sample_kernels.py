@@ -1,4 +1,4 @@
-"""What constraints do at the samples of a run, compiled: accelerations, forces, residuals."""
+"""Accelerations, constraint forces and residuals at the samples of a run, compiled."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Held(NamedTuple):
 
 @by_address
 class Holding(NamedTuple):
-    """What holds a system at each of n samples, with its motion."""
+    """Constraint forces and motion of a system at n samples."""
 
     rates: Floats  # generalized accelerations, and behind them powers of motions, (n, nv + nx)
     closures: Floats  # force [N] and moment [N m] of each closure, (n, closures, 2, 3)

@@ -121,7 +121,7 @@ class Pushed(NamedTuple):
 def impulse(
     workspace: Workspace, t: float, y: Array, wanted: Mapping[int, float]
 ) -> tuple[Array, Array, Array]:
-    """Return the velocity after an impulse that gives joints rates, with all rows that hold held.
+    """Return the velocity after an impulse with prescribed joint rates and active rows.
 
     Args:
         workspace: The system, with the modes that its elements have from now on.
@@ -192,7 +192,7 @@ def push_apart(
 def _pushing(
     root: Array, v: Array, rows: list[Array], lacks: list[float], own: list[Array], least: Array
 ) -> list[tuple[int, float]]:
-    """Return which stops push, by number, and how hard, where each joint has a least rate off its stop."""
+    """Return pushing stops and impulses for given least rates off the stops."""
     from scipy.optimize import nnls
 
     change, _ = _nearest(root, rows, lacks)
@@ -263,7 +263,7 @@ def _of_joint(at: int, way: float, nv: int) -> Array:
 
 
 def reduced_inertia(workspace: Workspace, t: float, y: Array, block: int) -> float:
-    r"""Return the reduced inertia of an element's joint, with all rows that hold held [kg m^2] ([kg]).
+    r"""Return the reduced inertia of an element's joint under active rows [kg m^2] ([kg]).
 
     .. math:: I_r = \Lambda, \qquad \text{where } r \cdot (v^+ - v^-) = 1
 
@@ -295,7 +295,7 @@ def reduced_inertia(workspace: Workspace, t: float, y: Array, block: int) -> flo
 def _held_rows(
     workspace: Workspace, t: float, y: Array, free: Collection[int] = ()
 ) -> tuple[list[Array], list[float], int]:
-    """Return the rows that hold, what their rates lack, and how many of them are elements'.
+    """Return the active rows, their rate residuals, and the number of element rows.
 
     Those of ``free``, numbers of elements' holds, hold nothing.
     """
@@ -354,7 +354,7 @@ class NotFollowedError(MechanismError):
 def prescribing(
     workspace: Workspace, adjustments: Adjustments, t: float, y: Array, at: int, holds: Collection[str] = ()
 ) -> tuple[str, ...]:
-    """Return the motions that prescribe the rate of a joint; none if it is free, or fixed without them.
+    """Return the motions that prescribe the rate of a joint.
 
     Args:
         workspace: The system.
@@ -381,7 +381,7 @@ def check_restraint(
     place: str,
     holds: Collection[str] = (),
 ) -> None:
-    """Refuse an element that is to hold its joint, against any load, where motions move it.
+    """Refuse an element that would hold a joint with prescribed motion.
 
     Args:
         workspace: The system.
@@ -410,7 +410,7 @@ def check_restraint(
 
 
 def check_restraints(system: System, y: Array, t: float = 0.0) -> None:
-    """Refuse stops and latches without give at joints that motions move, in a first state [q, v, x].
+    """Refuse rigid stops and latches at joints with prescribed motion, at the start.
 
     Raises:
         NotFollowedError: There is one.

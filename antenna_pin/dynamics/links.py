@@ -1,4 +1,4 @@
-"""Elements on links as blocks of a system's program: forces from outside, and what a user writes."""
+"""Elements on links as blocks of a system's program: external and user-defined forces."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class OnLinksInPython(NamedTuple):
     def write(
         self, program: Array, t: float | None, y: Array, tree: NDArray[Any], places: NDArray[Any]
     ) -> None:
-        """Write what it does at time t [s], or that of its last question, and state y to its desk."""
+        """Write the element's action at time t [s] and state y to its desk."""
         place_bodies(y, self.nq, tree, places)
         desk = desk_in(program, self.block)
         now = float(desk[0]["time"][0]) if t is None else t
@@ -107,7 +107,7 @@ class OnLinksInPython(NamedTuple):
 
 
 def written_by(program: Array, block: int) -> tuple[float, ...]:
-    """Return all that the element at a place in a program has written to its desk."""
+    """Return the desk content of the element at a place in a program."""
     whole, links, joints, states = desk_in(program, block)
     parts = [links["force"], links["torque"], joints["torque"], states["rate"]]
     parts += [np.concatenate([whole["energy"], whole["loss"], whole["kink"]])]
@@ -140,7 +140,7 @@ def desk_in(program: Array, block: int | None) -> tuple[Any, Any, Any, Any]:
 
 
 def acting_on_links(system: Any, program: Array) -> Iterator[tuple[str, Array]]:
-    """Yield what elements on links do as a program last had it: a link each, force and moment, (6,).
+    """Yield the last actions of elements on links: link, force and moment, (6,).
 
     In the world's axes, the moment about its origin.
     """
@@ -152,7 +152,7 @@ def acting_on_links(system: Any, program: Array) -> Iterator[tuple[str, Array]]:
 
 
 def books_in_x(system: Any) -> dict[str, NDArray[np.int_]]:
-    """Return where in x what is integrated of forces stands: by the name that ``BOOK`` has, (forces, ...)."""
+    """Return the indices in x of the integrals of forces, by ``BOOK`` name, (forces, ...)."""
     heads = [
         system.program[at : at + kernels.PARAMETERS].view(kernels.ELEMENT)[0]
         for at in system.element_blocks.get("forces", {}).values()
@@ -167,14 +167,14 @@ def books_in_x(system: Any) -> dict[str, NDArray[np.int_]]:
 
 
 def works_in_x(system: Any) -> NDArray[np.int_]:
-    """Return where in x works of drives and forces stand, and their gross works, (n, 2)."""
+    """Return the indices in x of works and gross works, (n, 2)."""
     drives = np.column_stack([system.work_x, system.gross_work_x])
     forces = np.column_stack([system.force_x["work"], system.force_x["gross_work"]])
     return np.concatenate([drives[(drives >= 0).all(axis=1)], forces]).astype(np.int64)
 
 
 def place_on_links(system: Any, blocks: Blocks) -> int:
-    """Lay out springs between points, then forces, behind all else; return where in the program they begin.
+    """Append springs between points, then forces; return their places in the program.
 
     Args:
         system: The system; its ``element_blocks``, ``callables`` and ``force_places`` are written to.

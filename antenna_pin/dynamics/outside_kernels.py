@@ -1,4 +1,4 @@
-"""What compiled code asks outside: Pinocchio, coal, functions in Python, each by an address.
+"""Callbacks of compiled code through function pointers: Pinocchio, coal, functions in Python.
 
 Where an address is zero there is nothing to be asked: the kernel that is there answers. Questions and answers
 stand in arrays that both sides know. A question that could not be answered leaves its status in ``failed``:
@@ -72,5 +72,5 @@ def ask_at(outside: Outside, address: int, t: float, y: Floats) -> None:
 
 @inlined
 def has_failed(outside: Outside) -> bool:
-    """Whether something could not be answered."""
+    """Return whether a callback failed."""
     return bool(outside.asked[0].failed != ANSWERED)

@@ -1,4 +1,4 @@
-"""All that the samples of a run imply but its accelerations, compiled: one pass over the states."""
+"""Derived quantities at the samples of a run, except accelerations, compiled."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ DONE = layout(Done)
 def _apart_in(
     y: Floats, program: Floats, memory: Records[Memory], pose: Pose, table: Records[Contact]
 ) -> None:
-    """Fill what is known of the contacts that do not touch: the evaluation fills all the rest."""
+    """Fill the rows of separated contacts; the evaluation fills the others."""
     nq = head_of(program).nq
     b = HEADER
     while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
@@ -114,7 +114,7 @@ def _apart_in(
 
 @inlined
 def _look_at(row: Contact, seen: Seen) -> None:
-    """Write what a row of a contact table tells of its contact."""
+    """Write a contact's results from its row of a contact table."""
     force = max(row.force, 0.0)
     slip = 0.0
     friction = 0.0
@@ -135,7 +135,7 @@ def _look_at(row: Contact, seen: Seen) -> None:
 def _scenario(
     p: Floats, b: int, pose: Pose, table: Records[Contact], scratch: Records[Contact], out: NDArray[np.int8]
 ) -> None:
-    """Write how a joint touches: of bore and flanges their scenarios, of another whether it presses."""
+    """Write a joint's contact scenario, or contact flag where it has none."""
     j = joint_at(p, b)
     out[0] = 0
     out[1] = 0
@@ -155,7 +155,7 @@ def _scenario(
 
 @by_address
 class Samples(NamedTuple):
-    """The samples that are looked at."""
+    """Samples of a run for evaluation."""
 
     times: Floats  # (n,) [s]
     states: Floats  # (n, state)
@@ -180,7 +180,7 @@ class Whole(NamedTuple):
 
 @by_address
 class Sights(NamedTuple):
-    """What is seen at each of n samples."""
+    """Results at each of n samples."""
 
     forces: Floats  # generalized forces, (n, nv)
     contacts: NDArray[Seen]  # ``SEEN`` of each, (n, contacts)
@@ -275,7 +275,7 @@ def turned_angles(states: Floats, at: int, near: int, out: Floats) -> None:
 
 @kernel
 def clearance_motion(program: Floats, b: int, states: Floats, accelerations: Floats, out: Floats) -> None:
-    """Write motion angle, its rate and its acceleration of the joint block at b, (n, 3)."""
+    """Write motion angle, rate and acceleration of the joint block at b, (n, 3)."""
     head = head_of(program)
     nq, nv = head.nq, head.nv
     j = joint_at(program, b)
@@ -302,7 +302,7 @@ def clearance_motion(program: Floats, b: int, states: Floats, accelerations: Flo
 
 @kernel
 def tilt_rate(j: Joint, y: Floats, wx: float, wy: float, wz: float) -> tuple[float, float]:
-    """Return the rates of gx and gy of the motion angle for the angular velocity in journal axes [1/s]."""
+    """Return the rates of gx and gy of the motion angle [1/s]."""
     i = j.q + 3
     x = j.axes[0, 0] * y[i] + j.axes[1, 0] * y[i + 1] + j.axes[2, 0] * y[i + 2]
     q = j.axes[0, 1] * y[i] + j.axes[1, 1] * y[i + 1] + j.axes[2, 1] * y[i + 2]

@@ -343,7 +343,7 @@ def _between_links(system: System) -> list[JointSlot]:
 def sliding_motion(
     system: System, states: Array, found: Observed, programs: Sequence[Array]
 ) -> tuple[list[str], Array]:
-    """Return the joints that slide along an axis, and their motion; not those of elastic parts.
+    """Return the sliding joints and their motion, without those of elastic parts.
 
     Args:
         system: The system.
@@ -386,5 +386,5 @@ def sliding_motion(
 
 
 def _turned(axes: Array, vectors: Array) -> Array:
-    """Return vectors in the axes that others are in: number by number, the same among whatever others."""
+    """Return vectors in the axes of given rotations, bitwise independent of the batch."""
     return np.asarray(sum(axes[:, :, i] * vectors[:, i, np.newaxis] for i in range(3)))

@@ -88,7 +88,7 @@ def families_of(
     springs: Mapping[str, ForceElement],
     others: Mapping[str, Mapping[str, ForceElement]],
 ) -> dict[str, dict[str, ForceElement]]:
-    """Return all elements by family, in the families' order; of further families those that there are.
+    """Return all elements by family, in the families' order, without empty optional families.
 
     Raises:
         UnknownNameError: There is no such family.
@@ -146,7 +146,7 @@ def spaces(model: Any) -> tuple[str, ...]:
 
 
 def numbers(given: ArrayLike, count: int, name: str, unit: str) -> NDArray[np.float64]:
-    """Return a copy of a state's numbers, or refuse numbers that are not finite or too large.
+    """Return a copy of a state's numbers, or refuse non-finite or too large ones.
 
     Args:
         given: What is given.
@@ -191,7 +191,7 @@ def make_unit(mechanism: Mechanism, configuration: NDArray[np.float64]) -> None:
 
 
 def _unit_parts(mechanism: Mechanism) -> Iterator[tuple[str, slice]]:
-    """Yield what of q must be of length one: name of the joint, place in q."""
+    """Yield name and place in q of each part of unit length."""
     if mechanism.base == "free":
         yield "the base", slice(3, 7)
     inside = {
@@ -211,7 +211,7 @@ Array = NDArray[np.float64]
 
 @takes()
 class System:
-    """A mechanism with its force elements, as data: what a state is, and all numbers that its motion needs.
+    """A mechanism with its force elements, as data.
 
     Nothing in it changes once it is made: runs share it, in threads too, and it can be pickled (with drives
     in Python as far as those can). What a run works on is its :class:`antenna_pin.dynamics.Workspace`.
@@ -289,7 +289,7 @@ class System:
             mechanism.check_regular(self.plan.ties)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Take up what was pickled; where compiled functions of a user's stand is another place here."""
+        """Restore a pickled system, with user functions at new addresses."""
         self.__dict__.update(state)
         self._compose()
 
@@ -376,7 +376,7 @@ class System:
         self.rows = row
 
     def _place_integrals_of_contacts(self) -> None:
-        """Tell of each contact where its joint stands in the program, and its integrals in x."""
+        """Collect the program place and integrals in x of each contact's joint."""
         of_contact = [joint for joint in self.clearances for _ in joint.contact_names]
         #: Least approach speed of each contact [m/s].
         self.approach_speed_floors = tuple(joint.approach_speed_floor for joint in of_contact)
@@ -507,7 +507,7 @@ class System:
         return np.concatenate([configuration, velocity, x])
 
     def turn_on(self, y: Array) -> float:
-        """Bring the turned angles in y, in place, up to its configuration; return the fastest rate [rad/s].
+        """Update the turned angles in y, in place; return the fastest rate [rad/s].
 
         To be called where a step is accepted: no joint may have turned by half a turn since then.
         """

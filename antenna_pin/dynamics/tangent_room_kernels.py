@@ -20,7 +20,7 @@ from antenna_pin.mechanism.tree_kernels import Body, Place
 
 @by_address
 class Shifts(NamedTuple):
-    """How numbers of the system go with parameters, and with what elements keep: all of these by one name."""
+    """Derivatives of system numbers over parameters and over stored numbers of elements."""
 
     program: Words  # which words of the program, :class:`antenna_pin.integrate.word_kernels.Words`
     tree: Words  # which of the bodies' numbers, likewise
@@ -41,7 +41,7 @@ class Shifts(NamedTuple):
 
 @by_address
 class RowRoom(NamedTuple):
-    """What rows of constraints are differentiated with."""
+    """Arrays for the derivatives of constraint rows."""
 
     ties: Records[Tie]  # what closures are, TIE, (closures,)
     bias: Floats  # generalized force of gravity and velocities, scratch, (nv,)
@@ -60,7 +60,7 @@ class RowRoom(NamedTuple):
 
 @by_address
 class TangentRoom(NamedTuple):
-    """What the parts of a derivative are computed with."""
+    """Arrays for the parts of a derivative."""
 
     numbers: Numbers  # the system; its contact memory and program are those of the moment
     parts: Records[Part]  # what acts at joints, PART, (parts,)

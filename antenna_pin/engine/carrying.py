@@ -55,7 +55,7 @@ class Steps(NamedTuple):
 
 
 class Carrying:
-    """Carries displacements along steps by the stages of the method that a run is made with.
+    """Propagation of tangents along steps by the stages of the run's method.
 
     Args:
         stepper: Whose rates they go by, and whose method; its contact memory and program are those of the
@@ -172,7 +172,7 @@ class Carrying:
 
 
 def third_order(nodes: Array, last: int) -> tuple[Array, NDArray[np.int64]]:
-    """Return the weights of a method of third order, by three of a method's stages, and which these are.
+    """Return the weights and stages of an embedded third-order method.
 
     With nodes 0, c and d: weights of the step are those of the quadrature, and d's stage is from c's by what
     is left of the conditions of third order (Hairer, Norsett and Wanner 1993, II.1).

@@ -1,4 +1,4 @@
-"""A system in numbers, and the stepper each of whose steps is one call of compiled code."""
+"""A system in numbers, and a stepper of compiled steps."""
 
 from __future__ import annotations
 
@@ -164,7 +164,7 @@ def check_compiled(system: System) -> None:
 
 
 class Compiled:
-    """A workspace's system in numbers, for the steps of one run, and who answers what is not in them.
+    """A workspace's system in numbers, with callbacks, for the steps of one run.
 
     Args:
         workspace: What the run works on; its contact memory, program and contact table are used.

@@ -22,7 +22,7 @@ from antenna_pin.integrate.manifold_kernels import move_by_velocity, space_of
 
 @by_address
 class Room(NamedTuple):
-    """What derivatives are computed with."""
+    """Arrays for the differences of rates."""
 
     weights: Floats  # of differences at 1, 2, ... steps, of each kind, (kinds, points)
     layout: Ints  # of the manifold
@@ -34,7 +34,7 @@ class Room(NamedTuple):
 
 @inlined
 def _displace(y: Floats, way: Floats, h: float, room: Room) -> None:
-    """Write the state displaced by h times a displacement to the first row, and contact memory likewise."""
+    """Write the state and contact memory displaced by h to the first row."""
     space, memory = space_of(room.layout), room.numbers.memory
     nq, nv = space.nq, space.nv
     state, step = room.rows[0], room.numbers.step

@@ -1,4 +1,4 @@
-"""A stretch of steps: what it works on, how a step is tried, what an accepted one leaves, compiled."""
+"""Batch of steps, compiled: arrays, trial of a step, results of acceptance."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ STRETCH = layout(Stretch)
 
 @by_address
 class Buffers(NamedTuple):
-    """What a stretch writes for the record."""
+    """Output arrays of a batch of steps."""
 
     times: Floats  # of samples, (capacity,) [s]
     states: Floats  # of samples, (capacity, size)
@@ -93,7 +93,7 @@ class Buffers(NamedTuple):
 
 @by_address
 class Search(NamedTuple):
-    """What is looked for in a step (:func:`antenna_pin.dynamics.inspect_kernels.inspect_step`)."""
+    """Arrays for event location (:func:`antenna_pin.dynamics.inspect_kernels.inspect_step`)."""
 
     nodes: Floats  # scratch
     ignore: Ints  # how often each contact has changed at the start
@@ -132,13 +132,13 @@ class Loop(NamedTuple):
 
 @inlined
 def start_row(loop: Loop) -> int:
-    """Which of the stepper's rows is the state that the step starts from."""
+    """Return the stepper row of the step's start."""
     return int(loop.tableau.weights.shape[0] + START)
 
 
 @inlined
 def is_full(loop: Loop) -> bool:
-    """Whether a step more may not find room for what it writes."""
+    """Return whether another step might exceed the output arrays."""
     contacts = loop.search.ignore.shape[0]
     return bool(
         loop.stretch[0].samples + 2 * contacts + 4 > loop.buffers.times.shape[0]
@@ -149,7 +149,7 @@ def is_full(loop: Loop) -> bool:
 
 @inlined
 def samples_in(loop: Loop, tried: float) -> int:
-    """How many output times the trial step has at most."""
+    """Return the largest possible number of output times in the trial step."""
     s = loop.stretch[0]
     chosen = s.chosen
     while chosen < loop.chosen.shape[0] and loop.chosen[chosen] <= s.t + tried:
@@ -185,7 +185,7 @@ def try_step(loop: Loop, tried: float) -> float:
 
 @kernel
 def _compare(loop: Loop) -> None:
-    """Note how far the gaps that coal has measured at the step's end are from the closed form."""
+    """Record the largest difference between coal's gaps and the closed form."""
     numbers, search = loop.numbers, loop.search
     end = loop.work[loop.tableau.weights.shape[0] + STATE]
     contacts_in(end, numbers.program, numbers.pose, numbers.table)
@@ -197,7 +197,7 @@ def _compare(loop: Loop) -> None:
 
 @inlined
 def prepare(loop: Loop) -> None:
-    """Compute the dense output of the trial step; before, coal's gaps at its end are looked at."""
+    """Compute the dense output of the trial step, after a comparison of coal's gaps."""
     s = loop.stretch[0]
     if loop.search.compared.shape[0] > 0:
         _compare(loop)

@@ -68,7 +68,7 @@ class Radau(NamedTuple):
 
 @inlined
 def write_state(z: Floats, r: int, stages: int, layout: Ints, work: Floats) -> None:
-    """Write the state at the chart coordinates z[r], counted from the start, into STATE and U."""
+    """Write the state at chart coordinates z[r] into STATE and U."""
     space = space_of(layout)
     nq, nv, nx = space.nq, space.nv, space.nx
     for k in range(nv):
@@ -145,7 +145,7 @@ def _is_column(radau: Radau, c: int, k: int) -> bool:
 def newton_step(
     h: float, stages: int, layout: Ints, work: Floats, scales: Floats, rtol: float, radau: Radau
 ) -> float:
-    """Make a Newton step from the derivatives at the stages; return its size in tolerances (RMS)."""
+    """Make a Newton step from the stage derivatives; return its size in tolerances (RMS)."""
     space = space_of(layout)
     m, n = radau.columns.shape[0], radau.z.shape[1]
     forth, w, f = radau.forth, radau.w, radau.f
@@ -205,7 +205,7 @@ def _size(begin: int, end: int, h: float, stages: int, work: Floats, scales: Flo
 def estimate(
     h: float, row: int, stages: int, layout: Ints, work: Floats, scales: Floats, rtol: float, radau: Radau
 ) -> float:
-    """Write the error of the step, over h, into its row, and return it scaled (1 is the tolerance).
+    """Write the step's error, over h, into its row; return the scaled error.
 
     ``row`` has the derivative that it is estimated with: at the start, or there plus the first estimate.
     """

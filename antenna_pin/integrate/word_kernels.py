@@ -1,4 +1,4 @@
-"""Numbers of a flat array that go with parameters, displaced in place and put back, compiled.
+"""Numbers of a flat array that depend on parameters: displacement and restoration, compiled.
 
 Of each parameter a few numbers change: where they stand and by how much, one after the other, with where
 those of each parameter begin.

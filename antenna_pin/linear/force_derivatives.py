@@ -113,7 +113,7 @@ class Forces:
         return self._contacts.memory
 
     def displaced(self, step: Array, change: Array | None = None, bristles: Array | None = None) -> Array:
-        """Return the state after a step in the coordinates of velocities and a change of velocity."""
+        """Return the state after a tangent step and a change of velocity."""
         nq, nv = self.system.model.nq, self.system.model.nv
         y = self._y.copy()
         y[:nq] = pin.integrate(self.system.model, self._y[:nq], step)
@@ -197,7 +197,7 @@ class Forces:
         )
 
     def _add_states(self, by_bristle: Array, of_bristles: tuple[Array, Array]) -> None:
-        """Add what the states of elements do, and what changes them; each is of size 1.
+        """Add unit rates and effects of the states of elements.
 
         Where a joint rests its state grows by another slope either way: the mean of the two counts.
         """

@@ -201,7 +201,7 @@ class Linearisation:
 
     @property
     def state_matrix(self) -> Array:
-        """State matrix A of x' = A x + B f, x = [s, w, z], (2 k + bristles, same)."""
+        """State matrix A of x' = A x + B f, x = [s, w, z], square."""
         return self._matrix(self.damping, damped=True)
 
     @property

@@ -183,7 +183,7 @@ class Modes:
         ]
 
     def shape(self, mode: int) -> NDArray[np.complex128]:
-        """Return the shape of a mode in the coordinates of velocities, (nv,), to unit modal mass.
+        """Return the shape of a mode, (nv,), normalized to unit modal mass.
 
         Args:
             mode: Its number, from 1.
@@ -195,7 +195,7 @@ class Modes:
         return np.asarray(self.data["shape"].sel(mode=mode).values, dtype=complex)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the table in plain numbers; complex ones as two lists, None where there is none."""
+        """Return the table in plain numbers: complex as pairs, missing as None."""
         attributes = self.data.attrs
         table: dict[str, Any] = {
             name: attributes[name] for name in ("title", "case", "time", "play", "loads", "hold")

@@ -405,7 +405,7 @@ def _check(asked: _Settings, values: list[Any]) -> None:
 
 
 def submitted(executor: Executor, call: Callable[..., Any], *arguments: Any) -> Future[Any]:
-    """Return the future of a call; a process that is started for it takes no signals."""
+    """Return the future of a call in a worker process without signals."""
     with sheltered_processes():
         return executor.submit(call, *arguments)
 

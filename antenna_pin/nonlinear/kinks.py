@@ -1,4 +1,4 @@
-"""Kinks of the rates within steps: their detection, and tangents with the full Jacobian between them.
+"""Kinks of rates within steps, and tangents by the full Jacobian between them.
 
 A step of an equation ``w' = A(t) w`` has the order of its quadrature where A is smooth, and none where A
 jumps between two of the nodes or behind the last of them. So A is also evaluated along one direction, at more

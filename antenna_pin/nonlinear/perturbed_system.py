@@ -420,7 +420,7 @@ class PerturbedSystem:
 
 
 def _odd(function: Callable[[float], Array]) -> Array:
-    """Return the differences of a function between 1, 2, 3 and -1, -2, -3, (3, ...)."""
+    """Return the differences of a function between opposite points 1, 2, 3, (3, ...)."""
     values = np.array([function(point) for point in (1.0, 2.0, 3.0, -1.0, -2.0, -3.0)])
     return np.asarray(values[:3] - values[3:])
 
