@@ -304,11 +304,7 @@ def _followed(search: _Search, y: Array, lack: Array) -> bool:
 def _newton(search: _Search, y: Array, lack: Array | float = 0.0, *, few: bool = False) -> Unclosed | None:
     """Close the loops by Newton's method with least steps, in place, within a tolerance.
 
-    Args:
-        search: What is looked for.
-        y: State [q, v, x].
-        lack: What rows are to come to.
-        few: Whether it is to come there at once, in steps that are whole.
+    Residuals are reduced to ``lack``; if ``few``, by a few full steps only.
     """
     length = search.constraints.plan.length
     gap = search.gap(y) - lack

@@ -43,10 +43,6 @@ def start_with_base(system: System, y: NDArray[np.float64]) -> None:
     """Place the joints of a shaken base at the start of their motions, in place.
 
     All else is given relative to the base and so begins with it: no blow sets it moving.
-
-    Args:
-        system: The system.
-        y: State [q, v, x], at time zero.
     """
     for drive in system.drives.values():
         if isinstance(drive, Shake):
@@ -61,13 +57,7 @@ _ROUND_OFF = 1e-12
 
 
 def said_of_open(system: System, found: Any, length: float) -> str:
-    """Return a description of open loops at the start, and a remedy.
-
-    Args:
-        system: The system.
-        found: Residuals of its constraints, FOUND.
-        length: Of the mechanism, by which ways count as turns [m].
-    """
+    """Return a description of open loops at the start, and a remedy."""
     speed = max(found.speed / length, found.spin)
     rates = {
         name: abs(drive.profile()(0.0)[1])

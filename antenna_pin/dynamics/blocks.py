@@ -79,13 +79,7 @@ def closures_by_name(
     held: Mapping[str, HeldKind],
     closures: Mapping[str, Closure],
 ) -> dict[str, Closure]:
-    """Return all closures by name, those of joints held by constraint first.
-
-    Args:
-        mechanism: The mechanism.
-        held: What each joint that is held is held to, by name.
-        closures: Those that close loops, by name.
-    """
+    """Return all closures by name, those of joints held by constraint first."""
     found = {name: _held_closure(mechanism, name, kind) for name, kind in held.items()}
     for name, closure in closures.items():
         # Of a load, a closure and a joint of one name could not be told apart.
@@ -126,12 +120,6 @@ def element_block(system: Any, place: str, element: ForceElement, x: int) -> Arr
 
     That of an element between two joints, or that measures another joint than its own, ends with a head for
     the second.
-
-    Args:
-        system: The system, its joints with play laid out.
-        place: What it is, for the refusal.
-        element: The element.
-        x: Where in x what it integrates starts.
     """
     if isinstance(element, BetweenJoints):
         joints = [element.input, element.output]
@@ -210,9 +198,6 @@ def slides(mechanism: Mechanism, clearances: Sequence[ClearanceJoint], joint: st
 class Blocks:
     """A program that grows, and with it what its blocks integrate.
 
-    Args:
-        x: How many numbers of x are taken already.
-
     Attributes:
         all: The program's head, still zero, and the blocks so far.
         x: Where in x the next block's numbers start.
@@ -226,12 +211,7 @@ class Blocks:
         self.size = int(kernels.HEADER)
 
     def add(self, block: Array, integrals: int) -> int:
-        """Put a block at the end; return where in the program it stands.
-
-        Args:
-            block: Its numbers; still to be written to, if need be.
-            integrals: How many numbers it has in x.
-        """
+        """Put a block at the end; return where in the program it stands."""
         at = self.size
         self.all.append(block)
         self.size += len(block)
@@ -240,13 +220,7 @@ class Blocks:
 
 
 def check_booked(family: str, name: str, element: ForceElement) -> None:
-    """Refuse an element that integrates what the ledger of its family has no place for.
-
-    Args:
-        family: ``drive`` or ``spring``.
-        name: Of the element.
-        element: The element.
-    """
+    """Refuse an element that integrates what the ledger of its family has no place for."""
     others = (LOSS,) if family == "drive" else (WORK, GROSS_WORK)
     if strange := [one.name for one in element.integrals if one in others]:
         rule = "work and gross work of a drive, the loss of a spring, or what is no energy"
@@ -256,14 +230,7 @@ def check_booked(family: str, name: str, element: ForceElement) -> None:
 def places_in_x(
     program: Array, elements: Mapping[str, ForceElement], blocks: Mapping[str, int], integral: Integral
 ) -> NDArray[np.int_]:
-    """Return the index in x of each element's integral, -1 for none.
-
-    Args:
-        program: All blocks.
-        elements: By name.
-        blocks: Their places in the program, by name.
-        integral: What is integrated.
-    """
+    """Return the index in x of each element's integral, -1 for none."""
     found = []
     for name, element in elements.items():
         head = program[blocks[name] :][: kernels.PARAMETERS].view(kernels.ELEMENT)
@@ -295,12 +262,8 @@ def states_in_x(system: Any) -> NDArray[np.int_]:
 def clearance_block(mechanism: Mechanism, joint: ClearanceJoint, row: int, x: int, turn: int) -> Array:
     """Return the block of a joint with play.
 
-    Args:
-        mechanism: The joint must have the freedom there that it needs.
-        joint: The joint.
-        row: Of its first contact in a contact table.
-        x: Where in x its contacts' numbers start.
-        turn: Place of its turned angle in x, or -1.
+    Contacts begin at ``row`` of a contact table and at ``x``; ``turn`` is the place of the turned angle in x,
+    or -1.
     """
     slot = _slot(mechanism, joint)
     axes = np.eye(3) if joint.planar else frame_aligning_z(slot.axis)
@@ -310,13 +273,7 @@ def clearance_block(mechanism: Mechanism, joint: ClearanceJoint, row: int, x: in
 def held_block(mechanism: Mechanism, name: str, slides: bool, row: int, x: int, turn: int) -> Array:
     """Return the block of a joint by constraint, without contacts.
 
-    Args:
-        mechanism: The joint must be floating there.
-        name: Of the joint.
-        slides: Whether it slides along its axis rather than turning about it.
-        row: Of the next contact in a contact table.
-        x: Where in x the next numbers start.
-        turn: Place of its turned angle in x, or -1.
+    ``row`` and ``x`` are the next free ones; ``turn`` is the place of the turned angle in x, or -1.
     """
     slot = held_slot(mechanism, name)
     block = np.zeros(_layout.JOINT_WORDS)
@@ -349,16 +306,7 @@ def check_motion(
     own: str,
     motion: Motion,
 ) -> None:
-    """Refuse a motion without a suitable axis, or beside another motion or drive.
-
-    Args:
-        place: What it is, for the refusal.
-        mechanism: The mechanism.
-        turning: Joints that turn without end, with play or without.
-        drives: All drives, the motion among them.
-        own: The motion's name.
-        motion: The motion.
-    """
+    """Refuse a motion without a suitable axis, or beside another motion or drive."""
     slot = mechanism.joint(motion.joint)
     if slot.kind not in ("revolute", "continuous", "prismatic") and motion.joint not in turning:
         raise MechanismError(
@@ -376,13 +324,7 @@ def check_motion(
 
 
 def check_holds(place: str, mechanism: Mechanism, element: Element) -> None:
-    """Refuse a holding element without a row of its own, or with indeterminate load.
-
-    Args:
-        place: What it is, for the refusal.
-        mechanism: The mechanism.
-        element: The element.
-    """
+    """Refuse a holding element without a row of its own, or with indeterminate load."""
     joint = element.joint
     slot = mechanism.joint(joint)
     if slot.kind not in ("revolute", "continuous", "prismatic"):
@@ -443,12 +385,7 @@ def on_bearings(
 
 
 def kinds_about_axis(held: Mapping[str, HeldKind], carried: Collection[str]) -> dict[str, HeldKind]:
-    """Return the kinds of tree-free joints with an axis and no play, by name.
-
-    Args:
-        held: What those are held to that are held by constraint, by name.
-        carried: Those on bearings.
-    """
+    """Return the kinds of tree-free joints with an axis and no play, by name."""
     found: dict[str, HeldKind] = {**held}
     for name in carried:
         found[name] = "revolute"

@@ -26,11 +26,6 @@ def couplings_of(
 ) -> dict[str, Coupling]:
     """Return the couplings by name: the URDF's by their followers, then those given.
 
-    Args:
-        mechanism: The mechanism.
-        given: By name.
-        taken: Names that closures have.
-
     Raises:
         UnknownNameError: A joint that there is not.
         MechanismError: A joint without one axis, joints that follow each other round in a circle.
@@ -109,11 +104,7 @@ def put_follower_rates(
 ) -> None:
     """Write the rates that couplings imply into a velocity, in place.
 
-    Args:
-        mechanism: The mechanism.
-        couplings: Without circles.
-        v: Velocity, (nv,).
-        known: Given rates of joints, which stay [rad/s] ([m/s]); other leaders are at rest.
+    Known rates of joints stay [rad/s] ([m/s]); other leaders are at rest.
     """
     rated = [dataclasses.replace(one, offset=0.0) for one in couplings]
     for name, rate in _coupled(mechanism, rated, dict(known)):
@@ -144,12 +135,7 @@ def fit_turns(
 ) -> None:
     """Set the whole turns of unlimited joints by couplings in a state, in place.
 
-    Args:
-        mechanism: The mechanism.
-        couplings: Without circles.
-        y: The state; its turned angles are those of its configuration, but for whole turns.
-        turn_x: Places of turned angles in x, by joint.
-        told: Joints whose turns are given.
+    Turned angles of y, at ``turn_x``, are correct but for whole turns, which ``told`` joints keep.
     """
     x = y[mechanism.model.nq + mechanism.model.nv :]
 

@@ -40,12 +40,6 @@ Array = NDArray[np.float64]
 def point_spring_block(mechanism: Mechanism, place: str, spring: BetweenPoints, x: int) -> Array:
     """Return the block of a spring between points.
 
-    Args:
-        mechanism: The mechanism.
-        place: What it is, for a refusal.
-        spring: The spring.
-        x: Where in x its loss goes.
-
     Raises:
         UnknownNameError: A link that there is not.
         MechanismError: Both ends are on one body.
@@ -117,9 +111,7 @@ def written_by(program: Array, block: int) -> tuple[float, ...]:
 def desk_in(program: Array, block: int | None) -> tuple[Any, Any, Any, Any]:
     """Return a desk, views of it: whole, links, joints, states.
 
-    Args:
-        program: A program, or numbers that begin with the desk.
-        block: Where in the program its element stands; None where the desk stands first.
+    Without a block the desk stands first.
     """
     first = 0
     if block is not None:
@@ -176,9 +168,7 @@ def works_in_x(system: Any) -> NDArray[np.int_]:
 def place_on_links(system: Any, blocks: Blocks) -> int:
     """Append springs between points, then forces; return their places in the program.
 
-    Args:
-        system: The system; its ``element_blocks``, ``callables`` and ``force_places`` are written to.
-        blocks: The program so far.
+    The system's ``element_blocks``, ``callables`` and ``force_places`` are extended.
     """
     begin = blocks.size
     for name, spring in system.point_springs.items():
@@ -241,13 +231,6 @@ def _number(labels: list[str], k: int) -> str:
 
 def _block(system: Any, place: str, force: OnLinks, places: list[ForcePlace], x: int) -> Array:
     """Return the block of an element on links.
-
-    Args:
-        system: The system, its joints with play laid out.
-        place: What it is, for a refusal.
-        force: The element.
-        places: Where it acts.
-        x: Where in x what it integrates starts.
 
     Raises:
         UnknownNameError: A link or joint that there is not.

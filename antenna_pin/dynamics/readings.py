@@ -44,8 +44,7 @@ __all__ = [
 def program_parts(programs: Sequence[NDArray[np.float64]]) -> Iterator[tuple[int, int]]:
     """Yield ranges of samples, [start, stop), over which the program is constant.
 
-    Args:
-        programs: Force elements at each sample: the same array from one to the next unless they changed.
+    Successive programs are one and the same array unless elements have changed.
     """
     n = len(programs)
     return pairwise([0, *compress(range(1, n), map(operator.is_not, programs[1:], programs)), n])

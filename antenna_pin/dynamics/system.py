@@ -146,14 +146,7 @@ def spaces(model: Any) -> tuple[str, ...]:
 
 
 def numbers(given: ArrayLike, count: int, name: str, unit: str) -> NDArray[np.float64]:
-    """Return a copy of a state's numbers, or refuse non-finite or too large ones.
-
-    Args:
-        given: What is given.
-        count: How many there must be.
-        name: What they are called.
-        unit: SI unit of the largest [-].
-    """
+    """Return a copy of a state's numbers, or refuse non-finite or too large ones."""
     try:
         found = np.array(given, dtype=float)
     except (TypeError, ValueError):
@@ -169,10 +162,6 @@ def numbers(given: ArrayLike, count: int, name: str, unit: str) -> NDArray[np.fl
 
 def make_unit(mechanism: Mechanism, configuration: NDArray[np.float64]) -> None:
     """Make quaternions, and cosines and sines, of a configuration unit, in place.
-
-    Args:
-        mechanism: Whose it is.
-        configuration: (nq,).
 
     Raises:
         InvalidParameterError: One is further from it than round-off.

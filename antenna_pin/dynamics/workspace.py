@@ -331,9 +331,7 @@ class Workspace:
 def _moved_in_plane(place: Array, way: Array) -> tuple[float, float]:
     """Return x and y after a planar motion at constant velocity in body axes.
 
-    Args:
-        place: x, y, cosine and sine of the turn, (4,).
-        way: In the body's axes, and the turn, (3,).
+    The place is x, y, cosine and sine of the turn; the way is in body axes, with the turn.
     """
     x, y, c, s = place.tolist()
     u, v, turn = way.tolist()

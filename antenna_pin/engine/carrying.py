@@ -131,10 +131,7 @@ class Carrying:
     def _room(self, count: int, few: int, every: bool) -> CarryRoom:
         """Return what displacements, some of which are what others are off by, are carried with.
 
-        Args:
-            count: How many they are.
-            few: How many of these are displacements themselves.
-            every: Whether the others go by all stages.
+        Of ``count`` tangents the first ``few`` are tangents, the others errors, by all stages if ``every``.
         """
         room = self._rooms.get((count, few, every))
         if room is None or room.tangent is not self._tangents.room:
@@ -176,10 +173,6 @@ def third_order(nodes: Array, last: int) -> tuple[Array, NDArray[np.int64]]:
 
     With nodes 0, c and d: weights of the step are those of the quadrature, and d's stage is from c's by what
     is left of the conditions of third order (Hairer, Norsett and Wanner 1993, II.1).
-
-    Args:
-        nodes: Of the stages, (stages,).
-        last: The stage at which the step ends.
     """
     weights, asked = np.zeros((len(nodes), len(nodes))), np.zeros(len(nodes), dtype=np.int64)
     inner = [i for i in range(1, last) if 0.0 < nodes[i] < 1.0]

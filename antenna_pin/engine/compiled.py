@@ -56,9 +56,7 @@ class Answers:
     def give(self, question: str, function: Callable[[float], None]) -> None:
         """Let a function answer a question, a field of ``ASKED``.
 
-        Args:
-            question: Its name.
-            function: Of a time [s]; looks at ``outside`` and writes there, or raises what keeps it from that.
+        The function of a time [s] reads and writes ``outside``, or raises an error.
         """
         raised = self._raised
 
@@ -97,13 +95,7 @@ class Answers:
 
 
 def give_python(answers: Answers, workspace: Workspace, table: NDArray[Any]) -> None:
-    """Register the callbacks of a system's elements in Python.
-
-    Args:
-        answers: Who answers.
-        workspace: What the run works on; its contact table and program are written to.
-        table: Contact table that gaps are located in, CONTACT, written.
-    """
+    """Register the callbacks of a system's elements in Python."""
     state = answers.outside.state
     asked: kernels.Asked = answers.outside.asked[0]
     if workspace.paths or workspace.system.callables:
@@ -121,14 +113,7 @@ def give_python(answers: Answers, workspace: Workspace, table: NDArray[Any]) -> 
 
 
 def give_pinocchio(answers: Answers, workspace: Workspace, mass: Array, bias: Array) -> None:
-    """Let Pinocchio answer for the dynamics of the tree.
-
-    Args:
-        answers: Who answers.
-        workspace: What the run works on.
-        mass: Mass matrix, (nv, nv), written.
-        bias: (nv,), written.
-    """
+    """Let Pinocchio answer for the dynamics of the tree."""
     tree = workspace.model, workspace.data, answers.outside.state
     if workspace.constraints is None:
         function, acceleration = accelerations_of(*tree, answers.outside.effort)

@@ -94,15 +94,7 @@ def shifts_of(
     said: int,
     slopes: SystemSlopes,
 ) -> Shifts:
-    """Return them, laid out.
-
-    Args:
-        system: The system.
-        stepper: Its.
-        parts: What acts at its joints, ``PART``.
-        said: How many numbers a law says.
-        slopes: Which numbers, and by how much.
-    """
+    """Return them, laid out."""
     numbers, nv = stepper.numbers, stepper.manifold.nv
     own = np.zeros((len(slopes.kept), len(numbers.program)))
     own[np.arange(len(own)), slopes.kept] = 1.0
@@ -155,10 +147,7 @@ def _held(system: System, plan: Array) -> tuple[NDArray[Any], NDArray[Any]]:
 def _driven_otherwise(system: System, changed: NDArray[np.bool_], driven: slice) -> NDArray[np.bool_]:
     """Return which numbers go into elements that move joints, or hold them, (numbers,).
 
-    Args:
-        system: The system.
-        changed: Which words of its program go with which numbers, (numbers, words).
-        driven: Where in the constraints the joints' records stand.
+    ``changed``, (numbers, words), is the dependence of the program; joints' records stand at ``driven``.
     """
     assert system.plan is not None
     moved = np.zeros(len(changed), dtype=bool)

@@ -41,10 +41,6 @@ def rotors(system: System, v: Array) -> dict[str, float]:
     the axis. In its own axes the rest of the mechanism turns round; in axes that do not spin its equations
     stay what they are, whatever bearings and mechanism are.
 
-    Args:
-        system: The system.
-        v: Velocity, (nv,).
-
     Returns:
         Spin about the joint's axis [rad/s] by the joint's name.
     """

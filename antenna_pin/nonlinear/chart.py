@@ -242,14 +242,7 @@ class Chart:
         return tuple(values.items())
 
     def _close(self, workspace: Workspace, constraints: Constraints, y: Array, way: Array) -> None:
-        """Bring a state onto constraints in place, across the freedoms only.
-
-        Args:
-            workspace: Of the system whose constraints they are.
-            constraints: Its.
-            y: State, its configuration a way from the origin.
-            way: That way, in units, (nv,).
-        """
+        """Bring a state onto constraints in place, across the freedoms only."""
         model, time, length = self.system.model, self.origin.time, constraints.plan.length
         nq, nv, bound = model.nq, model.nv, self.frame.bound
         last = math.inf
@@ -392,10 +385,6 @@ def _shifted(contact: OpenContact, shift: float) -> OpenContact:
 
 class StatePerturbation:
     """Perturbations between states of a system, and perturbed states.
-
-    Args:
-        system: The system.
-        numbers: How many of its numbers are perturbed too.
 
     Attributes:
         kept: Element memory.

@@ -67,9 +67,6 @@ class _MemoryNumber(NamedTuple):
 class ElementMemory:
     """Numbers that the elements of a system store at changes of mode.
 
-    Args:
-        system: The system.
-
     Attributes:
         numbers: In the order of their elements.
         words: Where they stand in a program, (kept,).
@@ -251,15 +248,7 @@ def _contact_memory(masses: Sequence[bool], touching: Array) -> tuple[tuple[int,
 
 
 def frame_at(workspace: Workspace, units: Units, y: Array, touching: Array, kept: ElementMemory) -> Frame:
-    """Return the axes of coordinates in a state.
-
-    Args:
-        workspace: To look at constraints with, and at the modes of elements.
-        units: Of positions.
-        y: State [q, v, x].
-        touching: Of each contact, 0 or not, (contacts,).
-        kept: Element memory.
-    """
+    """Return the axes of coordinates in a state."""
     system, constraints = workspace.system, workspace.constraints
     memories, nv = _contact_memory(kept.masses, touching), system.model.nv
     numbers = kept.active_in(workspace.program)

@@ -83,9 +83,7 @@ class StepPart(NamedTuple):
 def coincidence(time: float, size: float) -> float:
     """Return the fraction of a step that counts as one time.
 
-    Args:
-        time: When it begins [s].
-        size: How long it is [s].
+    The step begins at a time [s] and has a size [s].
     """
     return max(_AT_ONCE, _ULPS * float(np.spacing(time)) / size)
 
@@ -152,13 +150,8 @@ def _locate_jump(
 ) -> _Jump | None:
     """Return the jump of a function of one number between two places, or None.
 
-    Args:
-        ramps: ``(place) -> values``, by steps that are the same everywhere.
-        jumps: The same by steps that straddle no kink.
-        low: Below the jump.
-        high: Above it.
-        before: Values there.
-        after: Likewise.
+    Values ``ramps(place)`` are by equal steps, ``jumps(place)`` by steps that straddle no kink; ``before``
+    and ``after`` are those at ``low`` and ``high``.
     """
     change = after - before
     size = float(change @ change)
@@ -209,10 +202,6 @@ class KinkDefects:
     """Defects of tangents at kinks: columns behind them, with the run's error and the flow.
 
     The columns are tangents, what the run is off by, the flow, what is missed.
-
-    Args:
-        count: How many tangents there are.
-        rtol: The run's tolerance.
     """
 
     def __init__(self, count: int, rtol: float) -> None:
@@ -279,11 +268,7 @@ class KinkDefects:
 class CutStep:
     """Repetition of a run's step, cut at kinks, for the error of the run's own.
 
-    Args:
-        field: The rates.
-        settings: Of the run.
-        scales: Of the run's errors.
-        source: Its contact memory and program are those of the step.
+    Contact memory and program of ``source`` are those of the step.
     """
 
     def __init__(self, field: VectorField, settings: RunSettings, scales: Array, source: Workspace) -> None:
@@ -333,9 +318,6 @@ class CutStep:
 class StepStates:
     """States within a step of a run, which is repeated on demand.
 
-    Args:
-        run: The run.
-
     Attributes:
         workspace: Its contact memory and program are those of the step.
         time: When the step begins [s].
@@ -365,11 +347,7 @@ class StepStates:
     def begin(self, time: float, y: Array, size: float, end: Array | None) -> None:
         """Begin a step.
 
-        Args:
-            time: When it begins [s].
-            y: State there.
-            size: Its size [s].
-            end: State at its end; None if that is not known but from the step.
+        The state at the end is None where only the step itself determines it.
         """
         self.time, self._first, self.size, self._end = time, y, size, end
         self._made = False
@@ -399,12 +377,8 @@ def _locate_kink(
 ) -> tuple[float, _Kink] | None:
     """Return fraction of the step and kink between two samples of a part, or None.
 
-    Args:
-        part: The part of the step.
-        between: Which of :data:`antenna_pin.nonlinear.kinks._SAMPLES`.
-        seen: What rates are along a tangent at each of them, first.
-        states: States within the step.
-        by: The rates, the axes of coordinates, the tangent, and that in coordinates.
+    ``between`` are two indices of ``_SAMPLES``, ``samples`` the rates along the tangent there; ``by`` are the
+    field, the axes, the tangent and its coordinates.
     """
     field, frame, way, unit = by
 
@@ -447,12 +421,7 @@ _NOISY = 30.0
 class JacobianPropagation:
     """Propagation of tangents with the full Jacobian, over parts as short as necessary.
 
-    Args:
-        field: The rates.
-        states: States within the step.
-        cut_step: Makes it anew, cut at kinks.
-        defects: Counts what tangents miss of these.
-        good: What a part may be wrong by, over the tangents.
+    A part's error over the tangents may reach ``good``.
 
     Attributes:
         made: Parts over which tangents were carried.
@@ -476,10 +445,7 @@ class JacobianPropagation:
     def begin(self, time: float, y: Array, anew: bool) -> None:
         """Begin a step in a state.
 
-        Args:
-            time: When [s].
-            y: State.
-            anew: Whether the round-off of rates may be another than it was.
+        The flag ``anew`` announces a possibly different round-off of rates.
         """
         self._steps += 1
         if anew or self._steps > self._looked_at + _LOOKS:

@@ -124,10 +124,7 @@ def changing_coordinates(chart: Chart, matrix: Array, free_period: bool = False)
     period is free a joint that slips, and sticks again where it did, is not told from that: it may be the way
     along the orbit.
 
-    Args:
-        chart: The coordinates.
-        matrix: Derivative of the map over the period, (n, n).
-        free_period: Whether the period is found too.
+    The matrix, (n, n), is the derivative of the map over the period, which is an unknown if ``free_period``.
     """
     rows = np.linalg.norm(matrix - np.eye(len(matrix)), axis=1)
     first = chart.size - len(chart.frame.contact_memory)

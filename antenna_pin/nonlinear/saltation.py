@@ -65,14 +65,7 @@ def with_time(tangents: Tangents) -> Tangents:
 
 
 def at_equal_times(field: VectorField, tangents: Tangents, time: float, y: Array) -> Tangents:
-    """Return tangents at equal times, without time as a coordinate.
-
-    Args:
-        field: The rates, with the contacts and the program of the moment.
-        tangents: Tangents.
-        time: When [s].
-        y: State.
-    """
+    """Return tangents at equal times, without time as a coordinate."""
     if not tangents.frame.clock:
         return tangents
     frame, up = tangents.frame._replace(clock=False), field.lift(tangents.frame, time, y).up
@@ -101,11 +94,6 @@ class ElementReplay:
     """Repetition of element actions on other states: impulses and element memory, in order.
 
     Decisions are those of the run.
-
-    Args:
-        workspace: The system's.
-        kept: Element memory.
-        numbers: The system's, if parameters displace them.
     """
 
     def __init__(
@@ -124,14 +112,7 @@ class ElementReplay:
     def __call__(
         self, done: tuple[ModeEffect | ImpulseEffect, ...], time: float, y: Array, numbers: Array
     ) -> tuple[Array, Array]:
-        """Return velocity, (nv,), and element memory, (memory,), behind the actions.
-
-        Args:
-            done: In order.
-            time: When [s].
-            y: State before.
-            numbers: What elements kept before.
-        """
+        """Return velocity, (nv,), and element memory, (memory,), behind the actions."""
         nq, nv = self._workspace.model.nq, self._workspace.model.nv
         state, numbers, program = y.copy(), numbers.copy(), self._workspace.program
         present = program.copy()
@@ -232,13 +213,7 @@ class _Crossing(NamedTuple):
 
 
 class Saltation:
-    """Propagation of tangents across events of a run.
-
-    Args:
-        field: The system's rates; its contacts and program are those before.
-        run: The run.
-        count: How many tangents are carried.
-    """
+    """Propagation of tangents across events of a run."""
 
     def __init__(self, field: VectorField, run: Run, count: int) -> None:
         """Begin without events."""
@@ -259,10 +234,7 @@ class Saltation:
     def across_events(self, tangents: Tangents, time: float, y: Array) -> Tangents:
         """Return tangents behind the events since the last call.
 
-        Args:
-            tangents: Tangents before it.
-            time: When [s].
-            y: State before it; brought behind it, in place.
+        The state y, before the events, is brought behind them in place.
         """
         for one in self._passages:
             tangents = self._event(one, tangents, time, y)
@@ -370,12 +342,7 @@ class Saltation:
         There its depth is the same in all of them; what they remember is of their own times, and bristles
         are straight.
 
-        Args:
-            c: Which.
-            memory: Memory of the contact in the state itself.
-            tangents: Tangents, with time.
-            time: When [s].
-            y: State.
+        The memory is that of the contact in the unperturbed state; tangents have time as a coordinate.
         """
         field = self._field
         lift = field.lift(tangents.frame, time, y)
@@ -409,12 +376,7 @@ class Saltation:
         error due to it is the same in the flow as in tangents: at the perturbed releases, where depths are
         equal again, it cancels.
 
-        Args:
-            c: Which.
-            flow: In which column the flow is, carried up to here as tangents are.
-            tangents: Tangents, with time.
-            time: When [s].
-            y: State.
+        The column ``flow`` holds the flow, propagated as tangents are.
         """
         field = self._field
         lift = field.lift(tangents.frame, time, y)

@@ -82,9 +82,7 @@ class _TangentStep(NamedTuple):
 class _StagePropagation:
     """Propagation of tangents along parts of a step by the integrator's stages.
 
-    Args:
-        carrying: By what.
-        moving: Parts of a tangent that change between events: ways, rates and bristles.
+    Ways, rates and bristles, ``moving``, are the parts of a tangent that change between events.
 
     Attributes:
         since: When contacts or drives have changed last [s].
@@ -105,13 +103,9 @@ class _StagePropagation:
     ) -> Tangents | None:
         """Return tangents behind a part of a step, or None where they are too inaccurate.
 
-        Args:
-            part: The piece.
-            start: When the step begins [s], its size [s], and the state where the piece begins.
-            lift: Coordinates as tangents.
-            tangents: Tangents before the piece.
-            good: What the method, or differences, may be off by, over a tangent: next to a kink of a
-                force the orders of these part.
+        ``start`` is the step's time [s], its size [s] and the state at the part's beginning. Errors of the
+        method and of differences, whose orders differ near a kink of a force, may reach ``good`` over a
+        tangent.
         """
         time, whole, y = start
         matrix, off = tangents.matrix, tangents.other - tangents.matrix
@@ -373,10 +367,7 @@ class TangentPropagation:
     def _change(self, memory: NDArray[Any], flipped: list[int], moved: bool) -> None:
         """Propagate tangents over the changes in the present state.
 
-        Args:
-            memory: Contact memory behind it.
-            flipped: Contacts that begin or end.
-            moved: Whether a step has led there, along which the flow is carried to contacts that end.
+        If ``moved``, a step has led there, along which the flow is propagated to contacts that end.
         """
         self._go_along()
         here, ending = (self._time, self._y), [c for c in flipped if memory["touching"][c] == 0.0]
@@ -508,11 +499,7 @@ class TangentPropagation:
         return self.field.lift(self._all.frame, time, y).down
 
     def turn(self, frame: Frame) -> None:
-        """Change the axes in the present state.
-
-        Args:
-            frame: The axes; of the contacts that count.
-        """
+        """Change the axes in the present state."""
         self._go_along()
         if not frame.clock:
             self._all = at_equal_times(self.field, self._all, *self._here)

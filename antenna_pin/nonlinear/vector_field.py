@@ -38,10 +38,6 @@ _NEW = 1e-3
 class _GapSlopes:
     """Derivatives of functions of poses in joints' play, with steps far coarser than forces'.
 
-    Args:
-        near: Evaluates it at perturbed states.
-        units: Of perturbations.
-
     Attributes:
         tangents: Know the derivatives of what is met at contacts; None where differences have to do.
     """
@@ -166,9 +162,8 @@ class _GapSlopes:
 def _gap_basis(rows: Sequence[Array], ways: int) -> Array:
     """Return the basis, by columns, (size, size).
 
-    Args:
-        rows: Derivatives of gaps over coordinates, the shallowest first, (size,) each.
-        ways: Among how many coordinates, the first ones, that one is chosen which changes a gap.
+    Rows are derivatives of gaps over coordinates, the shallowest first; a pivot that changes the gap is
+    sought among the first ``ways`` coordinates.
     """
     basis = np.eye(len(rows[0]))
     taken: list[int] = []
@@ -205,10 +200,7 @@ _LOCATING = 0.01  # over a step of differences, that with which a kink is locate
 class VectorField:
     """Rates of a system near states of one run, which it belongs to.
 
-    Args:
-        system: The system.
-        settings: Of the run whose engine evaluates them.
-        numbers: Parameters of the system that perturbations have, too; none if left out.
+    Perturbations include the parameters ``numbers``, if given.
 
     Attributes:
         workspace: Its contact memory and program are those of the moment.
@@ -405,13 +397,7 @@ class VectorField:
         self.round_off = max(float(roughness(beside.T).max(initial=0.0)), least)
 
     def directional(self, time: float, y: Array, way: Array) -> tuple[Array, float]:
-        """Return the derivative of the rates along a perturbation, in units, and its round-off.
-
-        Args:
-            time: [s].
-            y: State.
-            way: (perturbation,).
-        """
+        """Return the derivative of the rates along a perturbation, in units, and its round-off."""
         sixth, _, steps = self.slopes(time, y, way[:, None])
         return self._weighed(sixth)[:, 0], self._noise(way[:, None], steps)
 
@@ -485,11 +471,7 @@ class VectorField:
     def matrix(self, frame: Frame, time: float, y: Array, way: Array) -> RateJacobian:
         """Return the Jacobian of the coordinates' rates, along axes at rest.
 
-        Args:
-            frame: The axes.
-            time: [s].
-            y: State.
-            way: A perturbation along which the rates are looked at too, (perturbation,).
+        The rates are also evaluated along the perturbation ``way``.
         """
         lift = self.lift(frame, time, y)
         nq, nv = self.system.model.nq, self.system.model.nv
