@@ -44,16 +44,18 @@ Array = NDArray[np.float64]
 _RANK = 1e-9
 
 
-def motions_that_prescribe(constraints: Constraints, at: int, held: Sequence[int] = ()) -> tuple[str, ...]:
+def motions_that_prescribe(
+    constraints: Constraints, at: int, holding_rows: Sequence[int] = ()
+) -> tuple[str, ...]:
     """Return the names of the motions that determine the rate of a joint.
 
     Args:
         constraints: With the rows of the state written.
         at: Place of the joint in v.
-        held: Rows of elements that hold their joints, among the last of the plan, which count too.
+        holding_rows: Rows of elements that hold their joints, among the last of the plan, which count too.
     """
     motions = constraints.plan.motions
-    rows = constraints.every_row[[*range(constraints.rows), *(constraints.rows + k for k in held)]]
+    rows = constraints.every_row[[*range(constraints.rows), *(constraints.rows + k for k in holding_rows)]]
     if not motions or _combination(rows[len(motions) :], at) is not None:
         return ()
     shares = _combination(rows, at)
@@ -270,13 +272,13 @@ def _led(search: _Search, guess: Array) -> Iterator[Array]:
         stay = np.zeros_like(lack)
         stay[motions] = lack[motions]
         closed = guess.copy()
-        if _newton(search, closed, stay) is None and _followed(search, closed, stay):
+        if _newton(search, closed, stay) is None and _follow_solution(search, closed, stay):
             yield closed
-    if _followed(search, whole := guess.copy(), lack):
+    if _follow_solution(search, whole := guess.copy(), lack):
         yield whole
 
 
-def _followed(search: _Search, y: Array, lack: Array) -> bool:
+def _follow_solution(search: _Search, y: Array, lack: Array) -> bool:
     """Move a state, in place, along one solution until no residual is left.
 
     Returns:
@@ -471,7 +473,7 @@ def redundancies(constraints: Constraints, t: float, y: Array, program: Array) -
     rows = _reduced(constraints, t, y, program)[len(plan.motions) :]
     rank = _rank(rows)
     found = {}
-    for name, first, words in plan.held():
+    for name, first, words in plan.row_groups():
         start = first - len(plan.motions)
         own = range(start, start + len(words))
         equations = len(words) - (rank - _rank(np.delete(rows, own, axis=0)))
@@ -494,7 +496,7 @@ def _scaled(constraints: Constraints, rows: Array) -> Array:
     counts = np.abs(constraints.jacobian).max(axis=1, initial=0.0)
     counts[counts <= NOTHING * plan.length] = 0.0  # round-off says nothing, beside whatever
     counts[: len(plan.motions)] = 1.0
-    for _, first, held in plan.held():
+    for _, first, held in plan.row_groups():
         end = first + len(held)
         turns = first + sum(row.startswith("along") for row in held)
         for own in (slice(first, turns), slice(turns, end)):

@@ -144,9 +144,9 @@ def spread(couplings: Collection[Coupling], known: Collection[str]) -> Iterator[
         left = [one for one in left if not {one.follower, *one.leaders} <= told]
 
 
-def _tells(one: Coupling, told: Collection[str], forward: bool) -> bool:
-    if one.second is not None and one.second not in told:
+def _tells(one: Coupling, determined: Collection[str], forward: bool) -> bool:
+    if one.second is not None and one.second not in determined:
         return False
     if forward:
-        return one.leader in told and one.follower not in told
-    return one.follower in told and one.leader not in told and one.multiplier != 0.0
+        return one.leader in determined and one.follower not in determined
+    return one.follower in determined and one.leader not in determined and one.multiplier != 0.0

@@ -123,7 +123,7 @@ class Plan:
                 row[at] += slope
         return rows
 
-    def held(self) -> Iterator[tuple[str, int, tuple[str, ...]]]:
+    def row_groups(self) -> Iterator[tuple[str, int, tuple[str, ...]]]:
         """Yield name, first row and row meanings of each coupling, then of each closure."""
         for row, name in enumerate(self.couplings, len(self.motions)):
             yield name, row, ("the coupling",)

@@ -183,14 +183,14 @@ class Adjustments:
             raise UnknownNameError("Set", f"number of {element}", key, keys)
         self.values[place] = float(value)
 
-    def kept(self) -> tuple[Array, dict[str, float], dict[str, ForceElement]]:
+    def snapshot(self) -> tuple[Array, dict[str, float], dict[str, ForceElement]]:
         """Return what is needed to go back to these numbers."""
         return self._program.copy(), dict(self.values), dict(self.elements)
 
-    def go_back(self, kept: tuple[Array, dict[str, float], dict[str, ForceElement]]) -> None:
+    def go_back(self, snapshot: tuple[Array, dict[str, float], dict[str, ForceElement]]) -> None:
         """Restore the numbers of a snapshot."""
-        self._program[:] = kept[0]
-        self.values, self.elements = dict(kept[1]), dict(kept[2])
+        self._program[:] = snapshot[0]
+        self.values, self.elements = dict(snapshot[1]), dict(snapshot[2])
 
     def change(self, element: str, change: Change) -> None:
         """Bring an element, by its place, into another mode."""
@@ -209,7 +209,7 @@ class Adjustments:
         first = self._blocks[element] + kernels.PARAMETERS
         self._program[first : first + len(words)] = words
 
-    def held(self) -> frozenset[str]:
+    def held_joints(self) -> frozenset[str]:
         """Return the joints that elements hold at present."""
         return frozenset(
             element.joint
@@ -295,4 +295,4 @@ def joints_held(system: System, adjusted: Sequence[tuple[str, float]]) -> frozen
     found = Adjustments(system, system.program.copy())
     for place, value in adjusted:
         found.set(place, value)
-    return found.held()
+    return found.held_joints()

@@ -56,26 +56,27 @@ def start_with_base(system: System, y: NDArray[np.float64]) -> None:
 _ROUND_OFF = 1e-12
 
 
-def said_of_open(system: System, found: Any, length: float) -> str:
+def said_of_open(system: System, residuals: Any, length: float) -> str:
     """Return a description of open loops at the start, and a remedy."""
-    speed = max(found.speed / length, found.spin)
+    speed = max(residuals.speed / length, residuals.spin)
     rates = {
         name: abs(drive.profile()(0.0)[1])
         for name, drive in system.drives.items()
         if isinstance(drive, Motion)
     }
     fastest = max(rates, key=rates.__getitem__, default="")
-    if fastest and max(found.gap / length, found.turn) <= speed <= _ROUND_OFF * rates[fastest]:
+    if fastest and max(residuals.gap / length, residuals.turn) <= speed <= _ROUND_OFF * rates[fastest]:
         joint = system.drives[fastest].joint
         unit = "m/s" if system.mechanism.joint(joint).kind == "prismatic" else "rad/s"
         return (
             f"motion {fastest!r} is too fast: it moves joint {joint!r} by {number(rates[fastest])} "
             f"{unit} at t = 0, and its loops cannot be closed better than to the round-off of that, "
-            f"{number(found.speed)} m/s, {number(found.spin)} rad/s; make it slower"
+            f"{number(residuals.speed)} m/s, {number(residuals.spin)} rad/s; make it slower"
         )
     return (
-        f"its loops are open: {number(found.gap)} m, {number(found.turn)} rad, {number(found.speed)} m/s, "
-        f"{number(found.spin)} rad/s; close it by antenna_pin.dynamics.assembled"
+        f"its loops are open: {number(residuals.gap)} m, {number(residuals.turn)} rad, "
+        f"{number(residuals.speed)} m/s, {number(residuals.spin)} rad/s; close it by "
+        "antenna_pin.dynamics.assembled"
     )
 
 
@@ -226,23 +227,25 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
     _check_singular(system, workspace, y)
 
 
-def _write_follower_rates(system: System, y: Array, held: Collection[str]) -> None:
+def _write_follower_rates(system: System, y: Array, held_joints: Collection[str]) -> None:
     """Write the rates of followers of prescribed leaders, and of leaders of prescribed followers."""
     nq, nv = system.model.nq, system.model.nv
     slots = system.mechanism.joints
     v = y[nq : nq + nv]
-    known = {name: float(v[slot.v][0]) for name, slot in slots.items() if name in held or v[slot.v].any()}
+    known = {
+        name: float(v[slot.v][0]) for name, slot in slots.items() if name in held_joints or v[slot.v].any()
+    }
     known |= {one.joint: one.at(0.0)[1] for one in system.drives.values() if isinstance(one, Motion)}
     put_follower_rates(system.mechanism, system.couplings.values(), v, known)
 
 
-def _let_go(held: Collection[str]) -> str:
-    if not held:
+def _let_go(held_joints: Collection[str]) -> str:
+    if not held_joints:
         return "look at the closures' points and axes"
-    return f"let joints be found (guess = true) of those held: {', '.join(sorted(held))}"
+    return f"let joints be found (guess = true) of those held: {', '.join(sorted(held_joints))}"
 
 
-def _not_closed(system: System, unclosed: Unclosed, held: Collection[str]) -> str:
+def _not_closed(system: System, unclosed: Unclosed, held_joints: Collection[str]) -> str:
     unit = "rad" if unclosed.turns else "m"
     exact = ""
     if unclosed.turns and unclosed.residual < _INEXACT:
@@ -251,19 +254,19 @@ def _not_closed(system: System, unclosed: Unclosed, held: Collection[str]) -> st
         exact = "; its axes point opposite ways: turn one of them"
     return (
         f"initial state: the loops cannot be closed: {unclosed.row} lacks {number(unclosed.residual)} {unit} "
-        f"at best; {_let_go(held)}, or check the dimensions{exact}"
+        f"at best; {_let_go(held_joints)}, or check the dimensions{exact}"
     )
 
 
-def _free(system: System, y: Array, held: Collection[str]) -> Array:
+def _free(system: System, y: Array, held_joints: Collection[str]) -> Array:
     """Return the generalized directions in which an initial state may be changed, (nv, k)."""
     nv = system.model.nv
     play = {joint.name: joint for joint in system.clearances}
     columns: list[Array] = []
-    if system.mechanism.base == "free" and system.closed_to_world and BASE not in held:
+    if system.mechanism.base == "free" and system.closed_to_world and BASE not in held_joints:
         columns.append(np.eye(nv)[:, :6])
     for name, slot in system.mechanism.joints.items():
-        if name in held:
+        if name in held_joints:
             continue
         own = np.eye(nv)[:, slot.v]
         if name not in play:

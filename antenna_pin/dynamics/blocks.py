@@ -76,11 +76,11 @@ def held_slot(mechanism: Mechanism, name: str) -> JointSlot:
 
 def closures_by_name(
     mechanism: Mechanism,
-    held: Mapping[str, HeldKind],
+    held_kinds: Mapping[str, HeldKind],
     closures: Mapping[str, Closure],
 ) -> dict[str, Closure]:
     """Return all closures by name, those of joints held by constraint first."""
-    found = {name: _held_closure(mechanism, name, kind) for name, kind in held.items()}
+    found = {name: _held_closure(mechanism, name, kind) for name, kind in held_kinds.items()}
     for name, closure in closures.items():
         # Of a load, a closure and a joint of one name could not be told apart.
         if name in mechanism.joints:
@@ -179,11 +179,11 @@ class InPython(NamedTuple):
     functions: tuple[AskedFunction, ...]  # its functions as a run asks them
 
     @property
-    def said(self) -> str:
+    def label(self) -> str:
         """Name in refusals."""
         return f"what acts at joint {self.element.joint!r}"
 
-    def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
+    def values(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
         """Return the controller's numbers at time t [s] for a joint's angle and rate."""
         return self.element.given(self.functions, t, angle, rate)
 
@@ -354,7 +354,7 @@ def bearings_in(families: Families) -> Iterator[tuple[str, str, Bearing]]:
 
 
 def on_bearings(
-    mechanism: Mechanism, families: Families, with_play: Collection[str], held: Collection[str]
+    mechanism: Mechanism, families: Families, with_play: Collection[str], held_joints: Collection[str]
 ) -> tuple[str, ...]:
     """Return the names of the joints without play that bearings carry.
 
@@ -366,7 +366,7 @@ def on_bearings(
     for _, name, bearing in bearings_in(families):
         place, joint = f"bearing {name!r}", bearing.joint
         kind = mechanism.joint(joint).kind
-        if joint in held:
+        if joint in held_joints:
             raise MechanismError(
                 f"{place}: joint {joint!r} is held by constraint, and a bearing would carry nothing; take "
                 "the constraint or the bearing away"
@@ -384,9 +384,9 @@ def on_bearings(
     return tuple(found)
 
 
-def kinds_about_axis(held: Mapping[str, HeldKind], carried: Collection[str]) -> dict[str, HeldKind]:
+def kinds_about_axis(held_kinds: Mapping[str, HeldKind], carried: Collection[str]) -> dict[str, HeldKind]:
     """Return the kinds of tree-free joints with an axis and no play, by name."""
-    found: dict[str, HeldKind] = {**held}
+    found: dict[str, HeldKind] = {**held_kinds}
     for name in carried:
         found[name] = "revolute"
     return {name: kind for name, kind in found.items() if kind != "spherical"}

@@ -22,7 +22,7 @@ _ONE_AXIS = ("revolute", "continuous", "prismatic")
 
 
 def couplings_of(
-    mechanism: Mechanism, given: Mapping[str, Coupling], taken: Collection[str]
+    mechanism: Mechanism, couplings: Mapping[str, Coupling], closure_names: Collection[str]
 ) -> dict[str, Coupling]:
     """Return the couplings by name: the URDF's by their followers, then those given.
 
@@ -40,8 +40,8 @@ def couplings_of(
         _check(
             mechanism, place, found[name], "take the <mimic> out by mimic = false in its [mechanism.joints]"
         )
-    for name, coupling in given.items():
-        if name in found or name in taken:
+    for name, coupling in couplings.items():
+        if name in found or name in closure_names:
             rule = "of another name than a joint with <mimic>, or a closure"
             raise InvalidParameterError("System", f"couplings[{name!r}]", rule, name)
         found[name] = coupling
@@ -131,11 +131,11 @@ def fit_turns(
     couplings: Collection[Coupling],
     y: Array,
     turn_x: Mapping[str, int],
-    told: Collection[str],
+    given_joints: Collection[str],
 ) -> None:
     """Set the whole turns of unlimited joints by couplings in a state, in place.
 
-    Turned angles of y, at ``turn_x``, are correct but for whole turns, which ``told`` joints keep.
+    Turned angles of y, at ``turn_x``, are correct but for whole turns, which ``given_joints`` joints keep.
     """
     x = y[mechanism.model.nq + mechanism.model.nv :]
 
@@ -145,7 +145,7 @@ def fit_turns(
         return float(x[turn_x[name]] if name in turn_x else y[mechanism.joint(name).q][0])
 
     exact = {name for one in couplings for name in (one.follower, *one.leaders) if name not in turn_x}
-    for one, forward in spread(couplings, {*told, *exact}):
+    for one, forward in spread(couplings, {*given_joints, *exact}):
         name = one.follower if forward else one.leader
         second = place(one.second or "")
         wanted = one.led(place(one.leader), second) if forward else one.leading(place(one.follower), second)

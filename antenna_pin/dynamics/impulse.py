@@ -29,10 +29,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.constraints import motions_that_prescribe
@@ -43,6 +42,7 @@ from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.elements import Modal
 from antenna_pin.errors import MechanismError
+from antenna_pin.mechanism import mass_matrix
 
 __all__ = [
     "apart",
@@ -59,30 +59,6 @@ __all__ = [
 ]
 
 # --- impulses -----------------------------------------------------------------------------------------------
-#
-# Of rows J that hold, with their wanted rates s after the jump, the velocity after it is
-#
-# .. math:: v^+ = v^- + M^{-1} J^T \Lambda, \qquad J v^+ = s
-#
-# the nearest to that before in kinetic energy. The impulses are inner ones of the mechanism, so all
-# momentum stays.
-#
-# Stops that are struck at one instant, or that joints rest on, push only. With u their rates off the stops
-# and p their impulses they obey Newton's law in Moreau's form,
-#
-# .. math:: 0 \le p_i \quad \perp \quad u_i^+ - b_i \ge 0, \qquad b_i = e_i\, |u_i^-|, \quad u_i^- \le 0
-#
-# a complementarity problem whose velocity is the nearest one that the inequalities admit: it is unique, and
-# hangs on no order. Its impulses are found by the finite method of Lawson and Hanson for least distances. As
-# no row that pushes was leaving its stop, stops take
-#
-# .. math:: -\tfrac12 \sum_i p_i (u_i^+ + u_i^-) = \tfrac12 \sum_i p_i (1 - e_i) |u_i^-| \ge 0
-#
-# whatever restitution each of them has: no combination gains energy.
-#
-# References:
-#     Moreau (1988), Unilateral contact and dry friction in finite freedom dynamics, CISM 302.
-#     Lawson and Hanson (1974), Solving Least Squares Problems, chapter 23.
 
 Array = NDArray[np.float64]
 
@@ -317,8 +293,7 @@ def _root(workspace: Workspace, y: Array) -> Array:
     q, constraints = y[: workspace.model.nq], workspace.constraints
     if constraints is not None:
         return np.asarray(np.linalg.cholesky(constraints.mass(q)))
-    mass: Any = pin.crba(workspace.model, workspace.data, q)
-    return np.asarray(np.linalg.cholesky(np.triu(mass) + np.triu(mass, 1).T))
+    return np.asarray(np.linalg.cholesky(mass_matrix(workspace.model, workspace.data, q)))
 
 
 def _nearest(root: Array, rows: list[Array], lacks: list[float]) -> tuple[Array, Array]:
@@ -336,11 +311,11 @@ def _nearest(root: Array, rows: list[Array], lacks: list[float]) -> tuple[Array,
     return np.asarray(np.linalg.solve(root.T, change)), np.asarray(forces)
 
 
-def _lengths(workspace: Workspace, held: int) -> Array:
+def _lengths(workspace: Workspace, element_rows: int) -> Array:
     """Return by what the rows of elements that hold are multiplied, (holds,)."""
     plan = workspace.system.plan
     slots = [workspace.system.mechanism.joint(one.joint) for one in workspace.system.holds]
-    assert plan is not None or not held
+    assert plan is not None or not element_rows
     return np.array([1.0 if slot.kind == "prismatic" or plan is None else plan.length for slot in slots])
 
 

@@ -85,7 +85,7 @@ class OnLinksInPython(NamedTuple):
     nq: int  # where v begins in a state
 
     @property
-    def said(self) -> str:
+    def label(self) -> str:
         """Name in refusals."""
         return self.place
 

@@ -145,10 +145,10 @@ def spaces(model: Any) -> tuple[str, ...]:
     return tuple(kinds)
 
 
-def numbers(given: ArrayLike, count: int, name: str, unit: str) -> NDArray[np.float64]:
+def numbers(values: ArrayLike, count: int, name: str, unit: str) -> NDArray[np.float64]:
     """Return a copy of a state's numbers, or refuse non-finite or too large ones."""
     try:
-        found = np.array(given, dtype=float)
+        found = np.array(values, dtype=float)
     except (TypeError, ValueError):
         found = np.zeros(0)
     if found.shape == (count,) and np.isfinite(found).all():
@@ -156,7 +156,7 @@ def numbers(given: ArrayLike, count: int, name: str, unit: str) -> NDArray[np.fl
     else:
         rule = "finite" if count == 1 else f"{count} finite numbers"
     if rule:
-        raise InvalidParameterError("System", name, rule, said=unknown_type(given))
+        raise InvalidParameterError("System", name, rule, said=unknown_type(values))
     return found
 
 

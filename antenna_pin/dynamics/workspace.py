@@ -89,7 +89,8 @@ class Workspace:
             stretch[: query_kernels.HEAD].view(query_kernels.QUERIED)["block"] = start
             path.queried.take(stretch[query_kernels.HEAD :])
             end += query_kernels.QUERIED_WORDS
-        self._work = room[:end]
+        #: Array that contains ``tau``, a pose, ``memory`` and ``table``, as kernels require it.
+        self.work = room[:end]
         #: Those whose gaps are what a backend measures and nothing else.
         self.measured = [path for path in self.paths if path.measured]
         #: Those whose laws no compiled look at a contact can ask: in Python, or on gaps that are measured.
@@ -109,11 +110,6 @@ class Workspace:
             self._bodies = tree, np.zeros(len(tree) + 1, PLACE)
         #: What is held besides the tree; None if nothing is.
         self.constraints = None if system.plan is None else Constraints(system.plan, self.model, self.data)
-
-    @property
-    def work(self) -> Array:
-        """Array that contains ``tau``, a pose, ``memory`` and ``table``, as kernels require it."""
-        return self._work
 
     @property
     def bodies(self) -> NDArray[Any] | None:
@@ -150,7 +146,7 @@ class Workspace:
                 one.write(self.program, t, y, *self._bodies)
                 continue
             angle, rate, _, _ = kernels.joint_motion(self.program, one.block, y, self.model.nq)
-            self.program[one.words] = one.given(t, angle, rate)
+            self.program[one.words] = one.values(t, angle, rate)
 
     def tell_energies(self, y: Array) -> None:
         """Evaluate the stored energy of Python elements on links at their last time."""
@@ -230,7 +226,7 @@ class Workspace:
     def apply_elements(self, t: float, y: Array, rates: Array) -> None:
         """Evaluate the elements: ``tau``, the contacts' ``table``, and x rates behind rates[nv]."""
         self.prepare(t, y)
-        kernels.evaluate(t, y, self.program, self._work, rates)
+        kernels.evaluate(t, y, self.program, self.work, rates)
         if self._bodies is not None:
             link_kernels.add_forces(t, y, self.program, *self._bodies, self.tau, rates)
             if self.constraints is not None:

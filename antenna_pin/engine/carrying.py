@@ -135,10 +135,10 @@ class Carrying:
         """
         room = self._rooms.get((count, few, every))
         if room is None or room.tangent is not self._tangents.room:
-            room = self._rooms[count, few, every] = self._made(count, few, every)
+            room = self._rooms[count, few, every] = self._allocate(count, few, every)
         return room
 
-    def _made(self, count: int, few: int, every: bool) -> CarryRoom:
+    def _allocate(self, count: int, few: int, every: bool) -> CarryRoom:
         manifold, tableau, size = self._stepper.manifold, self._stepper.tableau, len(self._coarse)
         tangent = self._tangents.room
         moving, rates = 2 * manifold.nv + len(tangent.bristles), manifold.nv + manifold.nx

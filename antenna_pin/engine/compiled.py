@@ -81,10 +81,7 @@ class Answers:
     @property
     def refusal(self) -> FunctionError | None:
         """Return the last refusal of a user's function."""
-        for error in self._raised:
-            if isinstance(error, FunctionError):
-                return error
-        return None
+        return next((error for error in self._raised if isinstance(error, FunctionError)), None)
 
     def check(self) -> None:
         """Raise what has been raised where compiled code asked last, if anything was."""
@@ -144,7 +141,7 @@ def check_compiled(system: System) -> None:
             )
     for one in system.callables:
         raise MechanismError(
-            f"engine 'compiled': {one.said} is a function in Python; compile it with numba.njit, {way_out}"
+            f"engine 'compiled': {one.label} is a function in Python; compile it with numba.njit, {way_out}"
         )
 
 

@@ -19,7 +19,7 @@ from antenna_pin.joints import layout_kernels, motion_change_kernels
 from antenna_pin.joints.tangent_room_kernels import LawWords
 from antenna_pin.mechanism import BODY
 
-__all__ = ["SystemSlopes", "moves_rows", "shifts_of", "takes_slopes"]
+__all__ = ["SystemSlopes", "head_in", "moves_rows", "shifts_of", "takes_slopes"]
 
 Array = NDArray[np.float64]
 
@@ -91,7 +91,7 @@ def shifts_of(
     system: System,
     stepper: CompiledStepper,
     parts: NDArray[Any],
-    said: int,
+    law_outputs: int,
     slopes: SystemSlopes,
 ) -> Shifts:
     """Return them, laid out."""
@@ -104,7 +104,7 @@ def shifts_of(
         for one in (slopes.tree, slopes.plan, slopes.gravity)
     )
     count, contacts = len(program), len(numbers.memory)
-    closures, couplings = _held(system, plan)
+    closures, couplings = _row_slopes(system, plan)
     motions = np.zeros(count, dtype=bool)
     if system.plan is not None:
         motions = _driven_otherwise(system, program.astype(bool), system.plan.parts.motions)
@@ -129,12 +129,12 @@ def shifts_of(
         acts=_acts(system, parts, program.astype(bool), np.asarray(tree.any(axis=1))),
         steps=steps,
         rules=rules,
-        laws=np.zeros((contacts, int(np.diff(rules.first).max(initial=0)), 2, said)),
+        laws=np.zeros((contacts, int(np.diff(rules.first).max(initial=0)), 2, law_outputs)),
         forces=np.zeros((count, nv)),
     )
 
 
-def _held(system: System, plan: Array) -> tuple[NDArray[Any], NDArray[Any]]:
+def _row_slopes(system: System, plan: Array) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return by how much closures' and couplings' own numbers change, (numbers, ...) each."""
     kinds = layout_of_rows.CLOSURE, layout_of_rows.COUPLED
     if system.plan is None:
@@ -219,12 +219,12 @@ def _length(program: Array, block: int) -> int:
 
 def _joints_known(system: System, block: int) -> list[int]:
     """Return the blocks of the joints with play that an element acts at, or sees."""
-    heads = [_head(system, block)]
+    heads = [head_in(system, block)]
     if other := int(heads[0]["partner"]) or int(heads[0]["sensed"]):
-        heads.append(_head(system, block + other))
+        heads.append(head_in(system, block + other))
     return [int(one["play"]) for one in heads if one["play"] >= 0]
 
 
-def _head(system: System, block: int) -> np.void:
+def head_in(system: System, block: int) -> np.void:
     """Return the head of an element in a system's program."""
     return np.void(system.program[block:][: kernels.PARAMETERS].view(kernels.ELEMENT)[0])

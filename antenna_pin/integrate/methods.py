@@ -70,9 +70,6 @@ DENSE: tuple[dict[int, float], ...] = (
 
 
 # --- tables -------------------------------------------------------------------------------------------------
-#
-# All are used with their last main stage at the end of the step (its derivative is the first stage of the
-# next step), so every method has a derivative at both ends and a dense output.
 
 Array = NDArray[np.float64]
 

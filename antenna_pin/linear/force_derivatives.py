@@ -208,15 +208,15 @@ class Forces:
         every = np.eye(nv)
         ways = np.eye(len(self.system.bristle_x))[:, own]
 
-        def seen(y: Array) -> Array:
+        def evaluate(y: Array) -> Array:
             self._elements.apply_elements(self.time, y, self._rates)
             rates = self._rates[nv + self.system.bristle_x]
             return np.concatenate([self._elements.tau, rates])
 
-        found, _ = gradient(lambda change: seen(self.displaced(zero, None, change)), ways, STEPS)
+        found, _ = gradient(lambda change: evaluate(self.displaced(zero, None, change)), ways, STEPS)
         by_bristle[:, own] = found
-        at, _ = gradient(lambda step: seen(self.displaced(step)), every, STEPS)
-        moving, _ = gradient(lambda change: seen(self.displaced(zero, change)), every, STEPS)
+        at, _ = gradient(lambda step: evaluate(self.displaced(step)), every, STEPS)
+        moving, _ = gradient(lambda change: evaluate(self.displaced(zero, change)), every, STEPS)
         for whole, part in zip(of_bristles, (at, moving), strict=True):
             whole[own] = part[nv:][own]
 

@@ -19,6 +19,7 @@ from antenna_pin.elements import Modal
 from antenna_pin.errors import MechanismError
 from antenna_pin.linear.force_derivatives import ForceDerivatives, Forces
 from antenna_pin.linear.operating_point import At
+from antenna_pin.mechanism import mass_matrix
 
 __all__ = [
     "Linearisation",
@@ -197,7 +198,7 @@ class Linearisation:
 
     @property
     def state_matrix(self) -> Array:
-        """State matrix A of x' = A x + B f, x = [s, w, z], square."""
+        """State matrix A of x' = A x + B f, x = [s, w, z]."""
         return self._matrix(self.damping, damped=True)
 
     @property
@@ -268,8 +269,7 @@ def linearise(at: At) -> Linearisation:
     used = np.zeros(nv) if at.rest else acceleration
     pin.computeRNEADerivatives(model, data, y[:nq], v, used)
     by_place, by_speed = (np.array(one).reshape(nv, nv) for one in (data.dtau_dq, data.dtau_dv))
-    mass = np.triu(np.array(pin.crba(model, data, y[:nq])).reshape(nv, nv))
-    mass += np.triu(mass, 1).T
+    mass = mass_matrix(model, data, y[:nq])
     n, rigid = _free_directions(at, weightless)
     if n.shape[1] == 0:
         names = ", ".join(at.hold) or "none"

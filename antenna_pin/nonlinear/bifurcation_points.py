@@ -73,7 +73,7 @@ class BranchStep:
 
     Args:
         stepper: Of the branch.
-        first: What it begins with; how far along is measured in the direction there.
+        begin: What it begins with; how far along is measured in the direction there.
         last: What it comes to.
         arc: How far that is.
 
@@ -81,11 +81,11 @@ class BranchStep:
         beside: Orbits before its first and behind its last, by how far along they would be.
     """
 
-    def __init__(self, stepper: BranchStepper, first: Node, last: Node, arc: float) -> None:
+    def __init__(self, stepper: BranchStepper, begin: Node, last: Node, arc: float) -> None:
         """Know both ends."""
-        self.stepper, self.first, self.last, self.arc = stepper, first, last, arc
-        self._points = {0.0: first.point, arc: last.point}
-        self._nodes = {0.0: first, arc: last}
+        self.stepper, self.first, self.last, self.arc = stepper, begin, last, arc
+        self._points = {0.0: begin.point, arc: last.point}
+        self._nodes = {0.0: begin, arc: last}
         self.beside: dict[float, Node] = {}
 
     def point(self, along: float) -> Point:

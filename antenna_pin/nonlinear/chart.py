@@ -158,7 +158,7 @@ class Chart:
         return len(self.names)
 
     @property
-    def held(self) -> int:
+    def held_directions(self) -> int:
         """Number of directions removed by elements that hold their joints."""
         constraints, program = self._workspace.constraints, self._workspace.program
         if constraints is None:

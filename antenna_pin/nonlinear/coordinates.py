@@ -93,9 +93,7 @@ class ElementMemory:
         first, then = (dict(state.adjusted) for state in (here, there))
         out = []
         for one in (self.numbers[k] for k in numbers):
-            change = then.get(one.key, 0.0) - first.get(
-                one.key, 0.0
-            )  # nothing is kept as long as nothing was
+            change = then.get(one.key, 0.0) - first.get(one.key, 0.0)  # zero before the first change of mode
             out.append(math.remainder(change, 2.0 * math.pi) if one.turns and not one.of_rate else change)
         return np.array(out)
 
@@ -122,9 +120,9 @@ def _memory_numbers(system: System) -> Iterator[_MemoryNumber]:
                 )
 
 
-def _axis(system: System, first: int, joint: str | None) -> int:
+def _axis(system: System, start: int, joint: str | None) -> int:
     """Return the index in v of a joint's axis; with play, the last."""
-    return first if joint is None else system.mechanism.joint(joint).v.stop - 1
+    return start if joint is None else system.mechanism.joint(joint).v.stop - 1
 
 
 def _word_of(element: Modal, name: str) -> int | None:
@@ -202,24 +200,24 @@ class RateJacobian(NamedTuple):
     integrals: Array  # of the rates of what is integrated over the coordinates, (nx, size)
 
 
-def perturbation_slices(system: System, kept: int, parameters: int = 0) -> tuple[slice, ...]:
+def perturbation_slices(system: System, memory: int, parameters: int = 0) -> tuple[slice, ...]:
     """Return the slices of a perturbation.
 
     They are way, rate, bristles, approach speeds, masses, parameters, kept numbers, time.
 
     Args:
         system: The system.
-        kept: How many numbers its elements keep.
+        memory: How many numbers its elements keep.
         parameters: How many of its numbers are perturbed (:mod:`antenna_pin.nonlinear.perturbed_system`).
     """
     nv, contacts = system.model.nv, len(system.contact_names)
-    sizes = [nv, nv, len(system.bristle_x), contacts, contacts, parameters, kept, 1]
+    sizes = [nv, nv, len(system.bristle_x), contacts, contacts, parameters, memory, 1]
     ends = np.cumsum(sizes).tolist()
     return tuple(slice(end - size, end) for end, size in zip(ends, sizes, strict=True))
 
 
 def own_coordinates(
-    frame: Frame, size: int, lasting: Collection[int], kept: Collection[int] = ()
+    frame: Frame, size: int, lasting: Collection[int], constant: Collection[int] = ()
 ) -> NDArray[np.bool_]:
     """Return which coordinates belong to a perturbed state alone, (size,).
 
@@ -230,14 +228,14 @@ def own_coordinates(
         frame: The axes; contact memory is behind all other coordinates, element memory before it.
         size: How many coordinates there are.
         lasting: Contacts that last over the time that is looked at.
-        kept: Numbers of elements that nothing changes over it.
+        constant: Numbers of elements that nothing changes over it.
     """
     own = np.ones(size, dtype=bool)
     remembered = size - len(frame.contact_memory)
     for k, (contact, _) in enumerate(frame.contact_memory, remembered):
         own[k] = contact not in lasting
     for k, number in enumerate(frame.element_memory, remembered - len(frame.element_memory)):
-        own[k] = number not in kept
+        own[k] = number not in constant
     return own
 
 
@@ -247,11 +245,13 @@ def _contact_memory(masses: Sequence[bool], touching: Array) -> tuple[tuple[int,
     return tuple((c, column) for c in touch for column in ((1, 2) if masses[c] else (1,)))
 
 
-def frame_at(workspace: Workspace, units: Units, y: Array, touching: Array, kept: ElementMemory) -> Frame:
+def frame_at(
+    workspace: Workspace, units: Units, y: Array, touching: Array, element_memory: ElementMemory
+) -> Frame:
     """Return the axes of coordinates in a state."""
     system, constraints = workspace.system, workspace.constraints
-    memories, nv = _contact_memory(kept.masses, touching), system.model.nv
-    numbers = kept.active_in(workspace.program)
+    memories, nv = _contact_memory(element_memory.masses, touching), system.model.nv
+    numbers = element_memory.active_in(workspace.program)
     if constraints is None:
         return Frame(np.eye(nv), np.zeros((nv, 0)), memories, numbers)
     left = directions(constraints, y, workspace.program, motions=True, holds=True)
@@ -319,7 +319,7 @@ class Lifts:
     Args:
         workspace: Its program is that of the moment.
         units: Of perturbations.
-        kept: Element memory.
+        element_memory: Element memory.
         parts: Of a perturbation.
         speeds: ``(time, y, positions) -> (rows, k)``: the derivatives along perturbations of how fast
             constraints are violated, numbers of the system left as they are.
@@ -330,14 +330,14 @@ class Lifts:
         self,
         workspace: Workspace,
         units: Units,
-        kept: ElementMemory,
+        element_memory: ElementMemory,
         parts: tuple[slice, ...],
         speeds: Callable[[float, Array, Array], Array],
         over_numbers: Callable[[float, Array], Array],
     ) -> None:
         """Begin with none."""
-        self._workspace, self._units, self._kept, self._parts = workspace, units, kept, parts
-        self._kept_units = kept.units(units.position, units.rate)
+        self._workspace, self._units, self._kept, self._parts = workspace, units, element_memory, parts
+        self._kept_units = element_memory.units(units.position, units.rate)
         self._speeds, self._over_numbers = speeds, over_numbers
         self._states: list[_ConstraintsAt] = []
         self._free: list[_CachedLift] = []  # without constraints they are the same in every state
@@ -348,13 +348,13 @@ class Lifts:
         Closures and motions hold in perturbed states, to first order: across the axes a perturbation is what
         they want it to be.
         """
-        return self._made(frame, time, y).lift
+        return self._at(frame, time, y).lift
 
     def tilt(self, frame: Frame, time: float, y: Array) -> float:
         """Return the angle between a frame's axes and the constraints' freedoms, as a tangent."""
-        return self._made(frame, time, y).tilt
+        return self._at(frame, time, y).tilt
 
-    def _made(self, frame: Frame, time: float, y: Array) -> _CachedLift:
+    def _at(self, frame: Frame, time: float, y: Array) -> _CachedLift:
         held = None if self._workspace.constraints is None else self._held_at(time, y)
         lifts = self._free if held is None else held.lifts
         for one in lifts:
@@ -408,28 +408,32 @@ class Lifts:
         self._states = [found, *self._states[: _CACHED - 1]]
         return found
 
-    def _hold(self, up: Array, frame: Frame, held: _ConstraintsAt) -> float:
+    def _hold(self, up: Array, frame: Frame, constraints: _ConstraintsAt) -> float:
         """Make perturbations hold closures and motions, in place; return the tilt of axes."""
         way, rate, *_, numbers, _, _ = self._parts
         n, clock = frame.positions, list(range(2 * frame.positions, frame.first_bristle))
-        rows, over = held.rows, held.over_numbers
+        rows, over = constraints.rows, constraints.over_numbers
         across = self._units.position[:, None] * frame.bound
         first = frame.first_bristle + len(self._units.bristle)
         last = first + numbers.stop - numbers.start
         # Constraints depend on the configuration, on time, and on numbers of the system and its elements.
         places = [*range(n), *clock, *range(first, last + len(frame.element_memory))]
-        gaps = [np.outer(held.over_time, up[-1, clock]), over[0], self._gaps_over_kept(frame, held)]
+        gaps = [
+            np.outer(constraints.over_time, up[-1, clock]),
+            over[0],
+            self._gaps_over_kept(frame, constraints),
+        ]
         off = np.hstack([rows @ up[way, :n], *gaps])
         back = np.linalg.lstsq(rows @ across, off, rcond=_FAINT)[0]
         up[way, places] -= across @ back
         moved = up[:, places]
-        turned = self._speeds(held.time, held.y, moved) + over[1] @ moved[numbers]
+        turned = self._speeds(constraints.time, constraints.y, moved) + over[1] @ moved[numbers]
         across = self._units.rate[:, None] * frame.bound
         off = np.hstack([turned, rows @ up[rate, n : 2 * n]])
         up[rate, [*places, *range(n, 2 * n)]] -= across @ np.linalg.lstsq(rows @ across, off, rcond=_FAINT)[0]
         return float(np.abs(back[:, :n]).max(initial=0.0))
 
-    def _gaps_over_kept(self, frame: Frame, held: _ConstraintsAt) -> Array:
+    def _gaps_over_kept(self, frame: Frame, state: _ConstraintsAt) -> Array:
         """Return the derivatives of constraints over element memory, in its units, (rows, k).
 
         A row that holds a joint goes with its place, linearly.
@@ -442,7 +446,7 @@ class Lifts:
             kept, found = program[word], []
             for side in (0.5, -0.5):
                 program[word] = kept + side * step
-                constraints.residuals(held.time, held.y, program)
+                constraints.residuals(state.time, state.y, program)
                 found.append(constraints.every_gap.copy())
             program[word] = kept
             columns.append((found[0] - found[1])[:, None])

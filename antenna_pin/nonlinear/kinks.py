@@ -81,10 +81,7 @@ class StepPart(NamedTuple):
 
 
 def coincidence(time: float, size: float) -> float:
-    """Return the fraction of a step that counts as one time.
-
-    The step begins at a time [s] and has a size [s].
-    """
+    """Return the fraction of a step, from ``time`` [s], that counts as one time."""
     return max(_AT_ONCE, _ULPS * float(np.spacing(time)) / size)
 
 
@@ -371,7 +368,7 @@ class StepStates:
 def _locate_kink(
     part: StepPart,
     between: tuple[int, int],
-    seen: list[tuple[Array, float]],
+    samples: list[tuple[Array, float]],
     states: StepStates,
     by: tuple[VectorField, Frame, Array, Array],
 ) -> tuple[float, _Kink] | None:
@@ -393,8 +390,8 @@ def _locate_kink(
         lambda place: looked(place, field.directional),
         float(_SAMPLES[low]),
         float(_SAMPLES[high]),
-        seen[low][0],
-        seen[high][0],
+        samples[low][0],
+        samples[high][0],
     )
     if found is None:
         return None

@@ -97,16 +97,17 @@ class ElementReplay:
     """
 
     def __init__(
-        self, workspace: Workspace, kept: ElementMemory, numbers: ParameterShift | None = None
+        self, workspace: Workspace, element_memory: ElementMemory, numbers: ParameterShift | None = None
     ) -> None:
         """Collect the elements."""
-        self._workspace, self._kept, self._numbers = workspace, kept, numbers
+        self._workspace, self._kept, self._numbers = workspace, element_memory, numbers
         self._holds = [one.name for one in workspace.system.holds]
         #: Element transitions of the last call, in order.
         self.met: list[ElementTransition] = []
         self._blocks = {one.place: one.block for one in acting_in(workspace.system)}
         self._own: Mapping[str, list[int]] = {
-            place: [k for k, one in enumerate(kept.numbers) if one.place == place] for place in self._blocks
+            place: [k for k, one in enumerate(element_memory.numbers) if one.place == place]
+            for place in self._blocks
         }
 
     def __call__(

@@ -252,7 +252,7 @@ class TangentPropagation:
 
     Args:
         run: Before its first step; its steps are logged.
-        first: Axes in its first state.
+        frame: Axes in its first state.
         ways: Tangents to propagate, in coordinates along these, (size, k), or what makes them of these; all
             of them if left out.
         numbers: Parameters of the system that are coordinates too; none if left out.
@@ -266,7 +266,7 @@ class TangentPropagation:
     def __init__(
         self,
         run: Run,
-        first: Frame,
+        frame: Frame,
         ways: Array | Callable[[Lift], Array] | None = None,
         numbers: ParameterSlopes | None = None,
         looks: Sequence[float] = (),
@@ -291,14 +291,14 @@ class TangentPropagation:
         #: Callbacks at looks and before changes: ``(time, y, perturbations)``, the last (perturbation, k).
         self.on_look: Callable[[float, Array, Array], None] | None = None
         self.on_change: Callable[[float, Array, Array], None] | None = None
-        lift = self.field.lift(first, self._time, self._y)
+        lift = self.field.lift(frame, self._time, self._y)
         start = np.eye(lift.up.shape[1]) if ways is None else ways(lift) if callable(ways) else ways
         self._saltation = Saltation(self.field, run, start.shape[1])
         self._defects = KinkDefects(start.shape[1], settings.rtol)
         self._matrices = JacobianPropagation(self.field, states, self._cut_step, self._defects, self._good)
         self._matrices.begin(self._time, self._y, True)
         start = self._defects.begin(start)
-        self._all = Tangents(start, start.copy(), first, np.zeros((run.system.manifold.nx, start.shape[1])))
+        self._all = Tangents(start, start.copy(), frame, np.zeros((run.system.manifold.nx, start.shape[1])))
 
     @property
     def tangents(self) -> Tangents:
@@ -488,11 +488,11 @@ class TangentPropagation:
         self._here = self._looks.pop(0), self.states.at(theta)
         self._tell(self.on_look)
 
-    def _tell(self, told: Callable[[float, Array, Array], None] | None) -> None:
+    def _tell(self, callback: Callable[[float, Array, Array], None] | None) -> None:
         """Call a callback with the perturbations in the present state."""
-        if told is not None:
+        if callback is not None:
             tangents, (time, y) = self.tangents, self._here
-            told(time, y, self.field.lift(tangents.frame, time, y).up @ tangents.matrix)
+            callback(time, y, self.field.lift(tangents.frame, time, y).up @ tangents.matrix)
 
     def _down(self, time: float, y: Array) -> Array:
         """Return the map from perturbations to coordinates."""

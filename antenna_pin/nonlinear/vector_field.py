@@ -22,14 +22,11 @@ Array = NDArray[np.float64]
 
 # --- gaps along perturbations -------------------------------------------------------------------------------
 
-# Difference steps over the scale of a play, and over a parameter's; refinement factor, most refinements, and
-# relative difference of orders, where the scale is finer, as of a tilt near zero.
+# Difference steps over the scale of a play, and over a parameter's.
 _GAP_STEP, _OF_NUMBERS = 1e-3, 1e-2
-_GAP_FINER, _GAP_TRIES, _PART = (
-    10.0,
-    3,
-    1e-8,
-)  # the last: what parts two orders then, over the largest derivative
+# Where the scale is finer, as of a tilt near zero: refinement factor, most refinements, and difference of two
+# orders over the largest derivative.
+_GAP_FINER, _GAP_TRIES, _PART = 10.0, 3, 1e-8
 _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 # Share of a row's largest number that must remain beside those before, for new information.
 _NEW = 1e-3
@@ -42,16 +39,16 @@ class _GapSlopes:
         tangents: Know the derivatives of what is met at contacts; None where differences have to do.
     """
 
-    def __init__(self, near: PerturbedSystem, units: Units) -> None:
-        self._near, self._coarse = near, near.coarseness(units, _GAP_STEP)
-        *_, speeds, masses, _, _, clock = near.parts
+    def __init__(self, perturbed: PerturbedSystem, units: Units) -> None:
+        self._near, self._coarse = perturbed, perturbed.coarseness(units, _GAP_STEP)
+        *_, speeds, masses, _, _, clock = perturbed.parts
         self._coarse[speeds] = self._coarse[masses] = 1.0 / STEP
         self._coarse[clock] = 1.0 / (STEP * TIME_UNIT)
-        self._table = np.zeros(len(near.workspace.table), CONTACT)
+        self._table = np.zeros(len(perturbed.workspace.table), CONTACT)
         self.tangents: Tangents | None = None
-        joints = near.system.clearances
+        joints = perturbed.system.clearances
         self._of_points = [joint.load == "point" for joint in joints for _ in joint.contact_names]
-        self._over_numbers = np.eye(len(self._coarse))[:, near.parts[-3]]
+        self._over_numbers = np.eye(len(self._coarse))[:, perturbed.parts[-3]]
 
     def tangents_at(self, c: int) -> Tangents | None:
         """Return the analytic derivatives at a contact; None for distributed load."""
@@ -305,7 +302,7 @@ class VectorField:
         return np.asarray(best)
 
     def slopes(
-        self, time: float, y: Array, ways: Array, first: Array | None = None
+        self, time: float, y: Array, ways: Array, chosen_steps: Array | None = None
     ) -> tuple[Array, Array, Array]:
         """Return the derivatives of the rates along perturbations, and the steps used.
 
@@ -316,12 +313,12 @@ class VectorField:
             time: [s].
             y: State.
             ways: Perturbations of a size of about 1 in units, by columns, (perturbation, k).
-            first: Steps of differences that are chosen for them, if they are known already, (k,).
+            chosen_steps: Steps of differences that are chosen for them, if they are known already, (k,).
 
         Returns:
             By differences of sixth and of fourth order, (nv + nx, k) each; and steps, (k,).
         """
-        steps = self._steps(y, ways, True) if first is None else first.copy()
+        steps = self._steps(y, ways, True) if chosen_steps is None else chosen_steps.copy()
         found = self._differences(time, y, ways, steps, self._tangents or self._slopes)
         off, noise = self._sizes(found[0] - found[1]), _NOISY * self.round_off
         largest = self._sizes(found[0]).max(initial=0.0)
