@@ -170,11 +170,11 @@ def worst_row(constraints: Constraints) -> str:
 class _Search:
     """Unknowns of the search, and their directions."""
 
-    constraints: Constraints  # what is to hold at time zero
-    program: Array  # of the system's elements
-    free: Array  # generalized directions in which the configuration may be changed, (nv, k)
+    constraints: Constraints  # constraints at time zero
+    program: Array  # program of the elements
+    free: Array  # admissible generalized directions, (nv, k)
     retract: Retract  # ``(y, step)``: moves the configuration in y by a generalized step
-    reach: Array  # what counts as much as 1 rad, of each generalized direction, (nv,)
+    reach: Array  # equivalent of a 1 rad turn in each direction, (nv,)
 
     def gap(self, y: Array) -> Array:
         """Return the residuals of a state, which count in metres."""
@@ -459,7 +459,7 @@ def _reduced(constraints: Constraints, t: float, y: Array, program: Array) -> Ar
 class Redundancy:
     """Warning that equations of a closure or coupling are redundant."""
 
-    equations: int  # how many could be left out together
+    equations: int  # number of equations that could be left out together
     # each equation that could be left out alone, in words: ``along z`` in axes of the first side
     among: tuple[str, ...]
 

@@ -55,11 +55,11 @@ class DrivenJoint:
 class PlanParts(NamedTuple):
     """Places of the parts' records in a plan's numbers."""
 
-    tree: slice  # of bodies, BODY
-    closures: slice  # CLOSURE
-    motions: slice  # DRIVEN
-    couplings: slice  # COUPLED
-    holds: slice  # of elements that may hold, DRIVEN
+    tree: slice  # bodies, BODY
+    closures: slice  # closures, CLOSURE
+    motions: slice  # motions, DRIVEN
+    couplings: slice  # couplings, COUPLED
+    holds: slice  # elements that may hold, DRIVEN
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -23,9 +23,9 @@ Array = NDArray[np.float64]
 class Solution(NamedTuple):
     """Numbers of a solution."""
 
-    rank: int  # how many rows are independent
-    least: float  # the least of what was left of a row that counts as independent, over its scale [-]
-    most: float  # the most of what was left of one that does not [-]
+    rank: int  # number of independent rows
+    least: float  # smallest remainder of an independent row, over its scale [-]
+    most: float  # largest remainder of a dependent row, over its scale [-]
     gap: float  # largest residual in ways [m], ``turn`` in turns [rad]; ``speed``, ``spin``: of their rates
     turn: float
     speed: float

@@ -36,10 +36,10 @@ __all__ = [
 class Acting(NamedTuple):
     """An element of a system."""
 
-    family: str  # the table that a scenario has for it, such as ``drives``
-    name: str  # its own
-    element: ForceElement  # what it is
-    block: int  # where its block stands in a program
+    family: str  # table in a scenario, such as ``drives``
+    name: str  # name in that table
+    element: ForceElement  # the element
+    block: int  # place of its block in a program
 
     @property
     def label(self) -> str:

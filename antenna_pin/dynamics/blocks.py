@@ -173,10 +173,10 @@ def element_head(system: Any, place: str, joint: str) -> NDArray[Any]:
 class InPython(NamedTuple):
     """An element whose numbers Python writes before each evaluation."""
 
-    block: int  # where in a program its block stands
-    words: slice  # where its numbers go
+    block: int  # place of its block in a program
+    words: slice  # places of its numbers
     element: Element  # the element
-    functions: tuple[AskedFunction, ...]  # its functions as a run asks them
+    functions: tuple[AskedFunction, ...]  # callbacks of a run
 
     @property
     def label(self) -> str:

@@ -26,11 +26,11 @@ class Held(NamedTuple):
     work: Floats  # their work array
     mass: Floats  # mass matrix, (nv, nv), scratch
     bias: Floats  # (nv,), scratch
-    room: Records[BodyRoom]  # of the tree's dynamics, ROOM, (bodies + 1,)
+    room: Records[BodyRoom]  # arrays for the tree's dynamics, ROOM, (bodies + 1,)
     # of :func:`antenna_pin.constraints.force_kernels.least_forces`, (2 rows (rows + 1),), scratch
     least: Floats
     multipliers: Floats  # (rows,), scratch
-    applied: Floats  # what elements on links do to bodies at the samples, (n, 6 bodies), or (n, 0)
+    applied: Floats  # actions of elements on links on bodies at the samples, (n, 6 bodies), or (n, 0)
 
 
 @by_address
@@ -39,7 +39,7 @@ class Holding(NamedTuple):
 
     rates: Floats  # generalized accelerations, and behind them powers of motions, (n, nv + nx)
     closures: Floats  # force [N] and moment [N m] of each closure, (n, closures, 2, 3)
-    joints: Floats  # what holds motions, then couplings' followers, then joints that elements hold, (n, all)
+    joints: Floats  # forces of motions, of couplings' followers, and of holding elements, (n, all)
     residuals: Floats  # largest of positions [m], [rad] and of rates [m/s], [rad/s], (n, 4)
 
 

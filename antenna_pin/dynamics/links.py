@@ -70,7 +70,7 @@ assert _desk.HEAD_WORDS == kernels.PARAMETERS
 class ForcePlace(NamedTuple):
     """A place at which a force acts."""
 
-    name: str  # the force's, and of one on several links the link's behind it
+    name: str  # name of the force, with the link's if there are several
     force: str  # the force's name
     link: str  # the link, or ``world``
     point: tuple[float, float, float]  # in its frame [m]
@@ -79,10 +79,10 @@ class ForcePlace(NamedTuple):
 class OnLinksInPython(NamedTuple):
     """Element on links whose Python function is called before each evaluation."""
 
-    block: int  # where in a program its block stands
+    block: int  # place of its block in a program
     element: Any  # the element
-    place: str  # its name, for what is said of it
-    nq: int  # where v begins in a state
+    place: str  # name in messages
+    nq: int  # start of v in a state
 
     @property
     def label(self) -> str:

@@ -15,24 +15,24 @@ from antenna_pin.mechanism.tree_kernels import Body, Place
 class Numbers(NamedTuple):
     """A system in numbers, and what one run works on."""
 
-    program: Floats  # of its elements
+    program: Floats  # program of the elements
     work: Floats  # of :func:`antenna_pin.dynamics.kernels.evaluate`
-    tree: Records[Body]  # its bodies, BODY
+    tree: Records[Body]  # bodies, BODY
     gravity: Floats  # (3,) [m/s^2]
-    room: Records[BodyRoom]  # of the tree's dynamics, ROOM, (bodies + 1,)
+    room: Records[BodyRoom]  # arrays for the tree's dynamics, ROOM, (bodies + 1,)
     places: Records[Place]  # PLACE, (bodies + 1,), scratch
-    plan: Floats  # of the constraints, empty where there are none
-    held: Floats  # their work array
+    plan: Floats  # constraints, empty where there are none
+    held: Floats  # work array of the constraints
     mass: Floats  # mass matrix, (nv, nv), scratch
     bias: Floats  # (nv,), scratch
     step: Floats  # (nv,), scratch
     pose: Records[Pose]  # POSE, (1,), scratch
     table: Records[Contact]  # A contact table, scratch
-    own: Records[Contact]  # the contact table that the derivative writes
+    own: Records[Contact]  # contact table of the derivative
     memory: Records[Memory]  # the contact memory
     rates: Floats  # derivatives, (2, nv + nx), scratch
     force: Floats  # generalized force, (nv,), scratch
     moved: Floats  # A step's end before it was brought onto the constraints, (size,)
     flag: Ints  # whether it was moved, (1,)
-    booked: int  # place in a state of the energy that this puts in
-    outside: Outside  # what is asked outside
+    booked: int  # place in a state of the correction's energy
+    outside: Outside  # callbacks

@@ -46,10 +46,10 @@ ASKED = layout(Asked)
 class Outside(NamedTuple):
     """Questions and answers."""
 
-    asked: Records[Asked]  # ASKED, (1,)
-    state: Floats  # at which is asked, [q, v, x], (size,)
-    effort: Floats  # generalized force under which accelerations are asked for, (nv,)
-    acceleration: Floats  # the answer to that, (nv,)
+    asked: Records[Asked]  # requests of callbacks, ASKED, (1,)
+    state: Floats  # state of a request, [q, v, x], (size,)
+    effort: Floats  # generalized force of a request for accelerations, (nv,)
+    acceleration: Floats  # resulting accelerations, (nv,)
 
 
 @inlined

@@ -183,13 +183,13 @@ class Sights(NamedTuple):
     """Results at each of n samples."""
 
     forces: Floats  # generalized forces, (n, nv)
-    contacts: NDArray[Seen]  # ``SEEN`` of each, (n, contacts)
-    poses: NDArray[Pose]  # of the journals with the wrenches on them, POSE, (n, joints)
-    scenarios: NDArray[np.int8]  # of contact, radial and axial, (n, joints, 2)
-    efforts: NDArray[Effort]  # of the drives, ``EFFORT``, (n, drives)
+    contacts: NDArray[Seen]  # results of contacts, ``SEEN``, (n, contacts)
+    poses: NDArray[Pose]  # poses of journals and wrenches on them, POSE, (n, joints)
+    scenarios: NDArray[np.int8]  # contact scenarios, radial and axial, (n, joints, 2)
+    efforts: NDArray[Effort]  # results of drives, ``EFFORT``, (n, drives)
     audits: Records[Audit]  # energies and momenta, AUDIT, (n,)
-    stretches: NDArray[Stretched]  # of the springs between points, ``STRETCH``, (n, springs)
-    applied: NDArray[Applied]  # of the places at which forces act, ``APPLIED``, (n, places)
+    stretches: NDArray[Stretched]  # results of springs between points, ``STRETCH``, (n, springs)
+    applied: NDArray[Applied]  # results at places of forces, ``APPLIED``, (n, places)
     kept: Floats  # energies that forces store [J], (n, forces)
     # what elements on links do to bodies, (n, 6 bodies), if friction by load asks, else (n, 0)
     wrenches: Floats

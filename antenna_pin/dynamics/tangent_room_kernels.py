@@ -22,78 +22,78 @@ from antenna_pin.mechanism.tree_kernels import Body, Place
 class Shifts(NamedTuple):
     """Derivatives of system numbers over parameters and over stored numbers of elements."""
 
-    program: Words  # which words of the program, :class:`antenna_pin.integrate.word_kernels.Words`
-    tree: Words  # which of the bodies' numbers, likewise
-    flat: Floats  # the bodies' numbers, flat, the tree's own
-    bodies: NDArray[Body]  # by how much each body's change, BODY, (numbers, bodies)
-    gravity: Floats  # by how much gravity does, (numbers, 3) [m/s^2]
-    heavy: Ints  # whether the tree, gravity or a constraint changes, (numbers,)
-    closures: NDArray[Closure]  # by how much closures' own numbers change, CLOSURE, (numbers, closures)
-    couplings: NDArray[Coupled]  # those of couplings, COUPLED, (numbers, couplings)
-    motions: Ints  # whether motions change, (numbers,)
-    lacks: Floats  # how what accelerations lack does, scratch, (numbers, kinds, width)
-    acts: Ints  # what of each part changes, 0 if nothing, then of elements on links, (parts + 1, numbers)
+    program: Words  # changed words of the program, :class:`antenna_pin.integrate.word_kernels.Words`
+    tree: Words  # changed words of the bodies
+    flat: Floats  # the tree's own bodies, flat
+    bodies: NDArray[Body]  # changes of bodies, BODY, (numbers, bodies)
+    gravity: Floats  # changes of gravity, (numbers, 3) [m/s^2]
+    heavy: Ints  # flags of changes of tree, gravity or constraints, (numbers,)
+    closures: NDArray[Closure]  # changes of closures, CLOSURE, (numbers, closures)
+    couplings: NDArray[Coupled]  # changes of couplings, COUPLED, (numbers, couplings)
+    motions: Ints  # flags of changes of motions, (numbers,)
+    lacks: Floats  # changes of biases of accelerations, scratch, (numbers, kinds, width)
+    acts: Ints  # dependence of each part, last of elements on links, (parts + 1, numbers)
     steps: Floats  # first steps of differences, (numbers,)
-    rules: LawWords  # numbers of contacts' laws that change
-    laws: Floats  # derivatives of what laws say over these, scratch, (contacts, words, kinds, said)
-    forces: Floats  # of the forces that the motion takes, with their sign turned, scratch, (numbers, nv)
+    rules: LawWords  # changed words of contacts' laws
+    laws: Floats  # derivatives of laws over these, scratch, (contacts, words, kinds, outputs)
+    forces: Floats  # constraint forces, sign reversed, scratch, (numbers, nv)
 
 
 @by_address
 class RowRoom(NamedTuple):
     """Arrays for the derivatives of constraint rows."""
 
-    ties: Records[Tie]  # what closures are, TIE, (closures,)
+    ties: Records[Tie]  # closures in the state, TIE, (closures,)
     bias: Floats  # generalized force of gravity and velocities, scratch, (nv,)
     force: Floats  # multipliers, (rows,)
-    force_change: Floats  # how they change, scratch, (rows,)
+    force_change: Floats  # their changes, scratch, (rows,)
     # how what accelerations lack changes, of the first kind, and by how much others differ from that,
     # scratch, (kinds, width)
     lacks: Floats
-    speeds: Floats  # how rates of motions change, scratch, (motions,)
+    speeds: Floats  # changes of rates of motions, scratch, (motions,)
     twist: Floats  # scratch, (4,)
     wanted: Floats  # accelerations of motions, scratch, (motions,)
-    trial: Floats  # their differences, how they bend, and the middle, scratch, (kinds + 2, motions)
-    jerks: Floats  # those over time, (kinds, motions)
-    column: Floats  # those over one number, scratch, (kinds, motions)
+    trial: Floats  # differences of these, curvature and middle, scratch, (kinds + 2, motions)
+    jerks: Floats  # derivatives of these over time, (kinds, motions)
+    column: Floats  # derivatives of these over one number, scratch, (kinds, motions)
 
 
 @by_address
 class TangentRoom(NamedTuple):
     """Arrays for the parts of a derivative."""
 
-    numbers: Numbers  # the system; its contact memory and program are those of the moment
-    parts: Records[Part]  # what acts at joints, PART, (parts,)
-    links_x: Ints  # where in x what elements on links integrate begins, (1,)
-    weights: Floats  # of differences at 1, 2, ... steps, of each kind, (kinds, points)
-    layout: Ints  # of the manifold
-    bristles: Ints  # their places in x, (bristles,)
-    bristle_of: Ints  # which bristle each place of x is, -1 if none, (nx,)
-    units: Floats  # of ways, rates and bristles, (2 nv + bristles,)
-    below: Ints  # the freedom next below each one, (nv,)
-    asks: Ints  # what is asked for, scratch, (2,)
-    state: Floats  # the state, and where it is displaced, (1, size)
-    step: Floats  # of ways, scratch, (nv,)
+    numbers: Numbers  # the system, with the present contact memory and program
+    parts: Records[Part]  # elements and contacts at joints, PART, (parts,)
+    links_x: Ints  # start in x of the integrals of elements on links, (1,)
+    weights: Floats  # weights of differences at 1, 2, ... steps, by kind, (kinds, points)
+    layout: Ints  # layout of the manifold
+    bristles: Ints  # places of bristles in x, (bristles,)
+    bristle_of: Ints  # index of the bristle at each place of x, -1 for none, (nx,)
+    units: Floats  # units of positions, rates and bristles, (2 nv + bristles,)
+    below: Ints  # next lower freedom of each one, (nv,)
+    asks: Ints  # requested outputs, scratch, (2,)
+    state: Floats  # the state, displaced in place, (1, size)
+    step: Floats  # tangent step, scratch, (nv,)
     tau: Floats  # generalized force, scratch, (nv,)
-    rates: Floats  # of velocities and of x, scratch, (nv + nx,)
-    drift: Floats  # rates of x of the state itself, (nx,)
-    poses: Records[Pose]  # POSE, (3,): of a journal as it is, its changes, and displaced
-    remembered: Records[Memory]  # MEMORY, scratch, (1,)
+    rates: Floats  # rates of velocities and x, scratch, (nv + nx,)
+    drift: Floats  # rates of x in the unperturbed state, (nx,)
+    poses: Records[Pose]  # pose of a journal, its changes, and the displaced pose, POSE, (3,)
+    remembered: Records[Memory]  # contact memory, MEMORY, scratch, (1,)
     freedoms: Floats  # one freedom of a factor, scratch, (nv,)
-    looked: Floats  # what is looked at, scratch, (values,)
-    change: Floats  # how that of a contact changes, scratch, (kinds, LOOKED)
-    shapes: Floats  # by how much its dimensions do, and these displaced, scratch, (2, CANDIDATE)
-    wrench: Floats  # how the force and moment of a joint's contacts do, scratch, (kinds, 6)
-    carried: Floats  # what these do along freedoms as the joint's frames change, scratch, (6,)
-    trial: Floats  # its differences, how it bends, and the middle, scratch, (kinds + 2, values)
-    column: Floats  # those that are kept, (kinds, values)
-    middle: Floats  # what a law says undisplaced, scratch, (values,)
-    sides: Floats  # what an element sees of its joints, scratch, (2, ROWS, MOST)
-    over: Ints  # over which numbers of a displacement its law is differentiated, scratch, (slots,)
-    of_law: Floats  # its derivatives, scratch, (slots, kinds, values)
-    asked: Floats  # what laws are asked with, scratch
-    said: Floats  # what they say, scratch
-    laws: Floats  # derivatives of that, (contacts of a joint, asked, kinds, said)
+    looked: Floats  # values under differentiation, scratch, (values,)
+    change: Floats  # derivatives of a contact's values, scratch, (kinds, LOOKED)
+    shapes: Floats  # changes of a contact's dimensions, and displaced dimensions, scratch, (2, CANDIDATE)
+    wrench: Floats  # changes of force and moment of a joint's contacts, scratch, (kinds, 6)
+    carried: Floats  # changes of their action with the joint's frames, scratch, (6,)
+    trial: Floats  # differences of values, curvature and middle, scratch, (kinds + 2, values)
+    column: Floats  # accepted differences, (kinds, values)
+    middle: Floats  # output of a law without displacement, scratch, (values,)
+    sides: Floats  # inputs of an element from its joints, scratch, (2, ROWS, MOST)
+    over: Ints  # numbers over which its law is differentiated, scratch, (slots,)
+    of_law: Floats  # derivatives of its law, scratch, (slots, kinds, values)
+    asked: Floats  # inputs of laws, scratch
+    said: Floats  # outputs of laws, scratch
+    laws: Floats  # derivatives of outputs, (contacts of a joint, inputs, kinds, outputs)
     # PLACE, (bodies + 1,), the tree's own; those that constraints write, if there are any
     places: Records[Place]
     room: Records[BodyRoom]  # ROOM, likewise
@@ -102,7 +102,7 @@ class TangentRoom(NamedTuple):
     acceleration: Floats  # (nv,)
     bodies: Records[Change]  # CHANGE, (bodies + 1,), the last the ground
     body: Records[Change]  # CHANGE, scratch, (1,)
-    first_number: Ints  # where in a displacement numbers of the system begin, (1,)
-    seen: Ints  # which of them a joint sees, scratch, (numbers,)
-    shifts: Shifts  # how these numbers go
-    rows: RowRoom  # what constraints are differentiated with
+    first_number: Ints  # start of system numbers in a displacement, (1,)
+    seen: Ints  # flags of numbers that affect a joint, scratch, (numbers,)
+    shifts: Shifts  # derivatives of system numbers
+    rows: RowRoom  # arrays for rows of constraints

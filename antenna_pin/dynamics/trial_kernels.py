@@ -36,18 +36,18 @@ ALL: Any = np.int64(-1)
 class Trial(NamedTuple):
     """Trial step under inspection: its dense output and scratch arrays."""
 
-    layout: Ints  # of the joints with play, a part of the manifold's
+    layout: Ints  # layout of the joints with play, part of the manifold's
     dense: Floats  # coefficients of the dense output
     work: Floats  # the stepper's rows
-    start: int  # which of them is the state that the step starts from
-    program: Floats  # the system's
+    start: int  # row of the step's start
+    program: Floats  # the system's program
     memory: Records[Memory]  # contact memory during the step, MEMORY, (contacts,)
     out: Floats  # A state, as far as the layout goes, and scratch, (2, size)
     pose: Records[Pose]  # of one journal, POSE, (1,)
     table: Records[Contact]  # contact table, CONTACT, written
-    own: Records[Contact]  # the one that the derivative writes
-    rates: Floats  # written, and of no use
-    outside: Outside  # who measures gaps that no closed form knows, and asks laws in Python
+    own: Records[Contact]  # contact table of the derivative
+    rates: Floats  # output without use
+    outside: Outside  # callbacks for measured gaps and laws in Python
 
 
 @inlined

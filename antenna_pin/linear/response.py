@@ -42,7 +42,7 @@ class _Shaking(NamedTuple):
     """Motion of the base as a source of small motions."""
 
     linear: Linearisation  # the equations
-    way: Array  # g, what all velocities are of the motion's, (nv,)
+    way: Array  # g, ratio of all velocities to the motion's, (nv,)
 
     def enters(self, omega: float) -> NDArray[np.complex128]:
         """Return the input of the linear system for unit acceleration at an angular frequency [rad/s]."""
@@ -118,8 +118,8 @@ _BELOW, _BEYOND, _DECADES = 0.2, 3.0, 3.0
 class _Output(NamedTuple):
     name: str
     unit: str
-    row: Array  # over the coordinates of velocities, (nv,)
-    bends: bool = False  # it is the second derivative of that which counts
+    row: Array  # derivative over the coordinates of velocities, (nv,)
+    bends: bool = False  # whether its second derivative is the output
 
 
 @takes()

@@ -63,9 +63,9 @@ Test = Callable[[NDArray[np.complex128]], float]
 class Located(NamedTuple):
     """Location of a bifurcation in a step."""
 
-    value: float  # of the parameter
-    doubt: float  # half of the interval that it is known to be in
-    along: float  # how far along the step
+    value: float  # value of the parameter
+    doubt: float  # half of the interval around it
+    along: float  # arc along the step
 
 
 class BranchStep:
@@ -407,8 +407,8 @@ _JUMP, _SHRUNK = 0.1, 1e-2
 class GrazeAhead(NamedTuple):
     """Change in the number of contacts or events ahead of an orbit."""
 
-    arc: float  # how far ahead
-    value: float  # of the parameter there
+    arc: float  # arc ahead
+    value: float  # value of the parameter there
 
 
 def curved_predictor(stepper: BranchStepper, node: Node, arc: float, passed: BranchStep | None) -> Array:

@@ -45,9 +45,9 @@ class NotAlikeError(InvalidParameterError):
 class _ElementMode(NamedTuple):
     """Mode of an element in a state."""
 
-    label: str  # what messages call the element
-    number: int  # of the mode
-    word: str  # for it
+    label: str  # name in messages
+    number: int  # number of the mode
+    word: str  # name of the mode
 
 
 def _element_modes(system: System, state: State) -> Mapping[str, _ElementMode]:

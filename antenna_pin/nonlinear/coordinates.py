@@ -43,16 +43,16 @@ Array = NDArray[np.float64]
 class _MemoryNumber(NamedTuple):
     """Number that an element with modes stores at a change of mode."""
 
-    place: str  # of the element
-    name: str  # its own
-    label: str  # what messages call it
-    kind: int  # of the element
-    words: int  # where the element's record begins in a program
-    word: int  # where the number stands there
-    joint: int  # of the joint's axis in v
-    of_rate: bool  # whether it is one of the joint's rate, else it is one of its way
-    turns: bool  # whether the joint turns without end: whole turns of it act on nothing
-    modes: tuple[int, ...]  # in which it is gone by
+    place: str  # place of the element
+    name: str  # name in the element
+    label: str  # name in messages
+    kind: int  # kind of the element
+    words: int  # start of the element's record in a program
+    word: int  # place of the number in a program
+    joint: int  # index of the joint's axis in v
+    of_rate: bool  # whether it is a rate of the joint, else a position
+    turns: bool  # whether the joint turns without end, so that whole turns have no effect
+    modes: tuple[int, ...]  # modes in which the number is active
 
     @property
     def key(self) -> str:
@@ -144,9 +144,9 @@ TIME_UNIT = 1e-2
 class Units(NamedTuple):
     """Units of a perturbation: the run's error scales."""
 
-    position: Array  # of the configuration, (nv,)
-    rate: Array  # of the velocity, (nv,)
-    bristle: Array  # of each bristle, (bristles,)
+    position: Array  # units of the configuration, (nv,)
+    rate: Array  # units of the velocity, (nv,)
+    bristle: Array  # units of bristles, (bristles,)
 
     @classmethod
     def of(cls, system: System, scales: ErrorScales | None = None) -> Units:
@@ -195,8 +195,8 @@ class RateJacobian(NamedTuple):
     # of the coordinates' rates over the coordinates, by differences of sixth order, (size, size)
     sixth: Array
     fourth: Array  # the same by differences of fourth order
-    along: Array  # of rates along one perturbation, in units, (nv + bristles,)
-    noise: float  # round-off of these
+    along: Array  # derivative of rates along one perturbation, in units, (nv + bristles,)
+    noise: float  # round-off of ``along``
     integrals: Array  # of the rates of what is integrated over the coordinates, (nx, size)
 
 
@@ -296,7 +296,7 @@ _FAINT = 1e-10  # of what rows of constraints do, over the most: less is what ro
 class _CachedLift(NamedTuple):
     """Lift in a cache."""
 
-    frame: Frame  # of which axes
+    frame: Frame  # axes of the lift
     lift: Lift  # the lift
     tilt: float  # by how much the axes are off what constraints leave, as the tangent of an angle, in units
 
@@ -304,13 +304,13 @@ class _CachedLift(NamedTuple):
 class _ConstraintsAt(NamedTuple):
     """Constraints in a state."""
 
-    key: tuple[float, bytes, bytes]  # time, state, and what elements hold there
-    time: float  # when [s]
+    key: tuple[float, bytes, bytes]  # time, state and program
+    time: float  # time [s]
     y: Array  # state
-    rows: Array  # of constraints, (rows, nv)
-    over_time: Array  # by how much they are violated per second, (rows,)
-    over_numbers: Array  # how far and how fast over numbers of the system, (2, rows, numbers)
-    lifts: list[_CachedLift]  # those that were made there
+    rows: Array  # rows of constraints, (rows, nv)
+    over_time: Array  # explicit time derivative of constraints, (rows,)
+    over_numbers: Array  # derivatives of gaps and speeds over system numbers, (2, rows, numbers)
+    lifts: list[_CachedLift]  # lifts in this state
 
 
 class Lifts:

@@ -60,10 +60,10 @@ _Entry = dict[str, Any]
 class _Settings:
     """Settings of every value of a diagram."""
 
-    scenario: Scenario  # what the parameter is laid over
+    scenario: Scenario  # base scenario
     parameter: str  # key of the scenario, with dots
-    section: Section  # where the motion is looked at
-    quantities: tuple[str, ...]  # what is noted there
+    section: Section  # section of the points
+    quantities: tuple[str, ...]  # recorded quantities
     count: int  # points kept [-]
     transient: int | None  # points cut before them; None to judge [-]
     most: int | None  # points after which to stop cutting; None for 20 times ``count`` [-]

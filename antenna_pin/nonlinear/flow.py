@@ -48,11 +48,11 @@ class FlowError(AntennaPinError, RuntimeError):
 class _SpanRun(NamedTuple):
     """Result of a flow's run over a span."""
 
-    end: State  # where to
-    onsets: int  # how many contacts began on the way
-    events: int  # how many events happened
-    changes: tuple[float, ...]  # when contacts began and ended and events happened, in order [s]
-    touching: tuple[tuple[float, float], ...]  # from when to when each contact lasted [s]
+    end: State  # state at the end
+    onsets: int  # number of onsets
+    events: int  # number of events
+    changes: tuple[float, ...]  # times of onsets, releases and events, in order [s]
+    touching: tuple[tuple[float, float], ...]  # begin and end of each contact [s]
 
 
 class Tangent(NamedTuple):

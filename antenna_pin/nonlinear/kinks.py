@@ -49,12 +49,12 @@ _AT_ONCE, _ULPS = 1e-12, 4.0
 class StepPart(NamedTuple):
     """Part of a step, as fractions from 0 to 1."""
 
-    a: float  # where it begins
-    b: float  # where it ends
-    graded: bool = False  # whether the step begins where contacts or drives have changed
-    falling: bool = False  # whether it ends there
-    known: tuple[bool, bool] = (False, False)  # whether its first and its last end are breaks that are known
-    halvings: int = _HALVINGS  # how often it may be cut yet
+    a: float  # begin
+    b: float  # end
+    graded: bool = False  # whether contacts or drives change at the step's begin
+    falling: bool = False  # whether contacts or drives change at the step's end
+    known: tuple[bool, bool] = (False, False)  # whether begin and end are known breaks
+    halvings: int = _HALVINGS  # remaining number of cuts
 
     def at(self, places: Array) -> tuple[Array, Array]:
         """Return fractions of the step and their slopes over places from 0 to 1.
@@ -106,9 +106,9 @@ _NARROW, _CHANGE_OF_JUMP = 0.05, 0.5
 class _Jump(NamedTuple):
     """Jump of a derivative."""
 
-    place: float  # where
-    beside: tuple[float, float]  # places before it and behind it, near but apart from what is next to it
-    later: float  # by how much later it is for a perturbed state a step of the ramps away
+    place: float  # place of the jump
+    beside: tuple[float, float]  # places before and behind it, near but separate
+    later: float  # delay of a perturbed state one step of the ramps away
 
 
 def _remainder_matrix(places: Array) -> Array:

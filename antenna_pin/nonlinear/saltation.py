@@ -45,9 +45,9 @@ Array = NDArray[np.float64]
 class Tangents(NamedTuple):
     """Tangents along a run, in coordinates along axes in the present state."""
 
-    matrix: Array  # (size, k)
+    matrix: Array  # tangents, (size, k)
     other: Array  # the same by differences of another order and another rule: what is between tells the doubt
-    frame: Frame  # the axes
+    frame: Frame  # axes of the coordinates
     integrals: Array  # tangents of integrals of the run, (nx, k)
 
     def mapped(self, function: Callable[[Array], Array]) -> Tangents:
@@ -81,12 +81,12 @@ def at_equal_times(field: VectorField, tangents: Tangents, time: float, y: Array
 class ElementTransition(NamedTuple):
     """Change of mode of an element, with the effect of an impact."""
 
-    place: str  # of the element
-    angle: float  # of the joint [rad] ([m])
-    rate: float  # before it [rad/s] ([m/s]), ``rate_after`` it
-    rate_after: float  # see there
-    loss: float = 0.0  # energy lost in it [J]
-    impulse: float = 0.0  # on the child [N m s] ([N s])
+    place: str  # place of the element
+    angle: float  # angle of the joint [rad] ([m])
+    rate: float  # rate before the change [rad/s] ([m/s])
+    rate_after: float  # rate after the change
+    loss: float = 0.0  # energy loss [J]
+    impulse: float = 0.0  # impulse on the child [N m s] ([N s])
     energy: float = 0.0  # of the joint's own motion before, of elements that weigh it, else 0 [J]
 
 
@@ -197,9 +197,9 @@ class EventShift(NamedTuple):
     """Event, and the shifts of its time."""
 
     what: str  # ``onset``, ``release`` or ``event``
-    name: str  # of the event; of a contact its number
-    time: float  # when [s]
-    late: Array  # by how much later it is for each tangent [s], (k,)
+    name: str  # name of the event, or number of the contact
+    time: float  # time of the event [s]
+    late: Array  # delay with each tangent [s], (k,)
 
 
 class _Crossing(NamedTuple):

@@ -64,14 +64,13 @@ _OVER_KINKS = 13.0
 class _TangentStep(NamedTuple):
     """A step of a run."""
 
-    time: float  # when it begins [s]
-    size: float  # of it [s]
-    y: Array  # state where it begins
-    until: float  # when it ends [s]
-    end: Array  # state there, before what changes then
-    # whether contacts or drives have changed where it begins, and whether they do where it ends
-    changes: tuple[bool, bool]
-    known: tuple[bool, bool]  # whether there is a break that is known at the one and at the other end
+    time: float  # begin [s]
+    size: float  # size [s]
+    y: Array  # state at the begin
+    until: float  # end [s]
+    end: Array  # state at the end, before its changes
+    changes: tuple[bool, bool]  # whether contacts or drives change at begin and end
+    known: tuple[bool, bool]  # whether begin and end are known breaks
 
     @property
     def part(self) -> StepPart:
