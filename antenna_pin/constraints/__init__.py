@@ -1,4 +1,4 @@
-"""Closed loops, couplings and motions: what joints must satisfy besides the tree, and how it is held."""
+"""Closed loops, couplings and motions: constraints beyond the tree, and their enforcement."""
 
 from antenna_pin.base.lazy import exported
 

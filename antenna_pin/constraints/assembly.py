@@ -1,4 +1,4 @@
-"""Velocities that satisfy the constraints, found from some that need not; and how freely a state can move."""
+"""Velocities consistent with the constraints, and the remaining degrees of freedom."""
 
 from __future__ import annotations
 
@@ -44,16 +44,18 @@ Array = NDArray[np.float64]
 _RANK = 1e-9
 
 
-def motions_that_prescribe(constraints: Constraints, at: int, held: Sequence[int] = ()) -> tuple[str, ...]:
-    """Return the names of the motions from which the rate of a joint follows; none if it is free, or fixed.
+def motions_that_prescribe(
+    constraints: Constraints, at: int, holding_rows: Sequence[int] = ()
+) -> tuple[str, ...]:
+    """Return the names of the motions that determine the rate of a joint.
 
     Args:
         constraints: With the rows of the state written.
         at: Place of the joint in v.
-        held: Rows of elements that hold their joints, among the last of the plan, which count too.
+        holding_rows: Rows of elements that hold their joints, among the last of the plan, which count too.
     """
     motions = constraints.plan.motions
-    rows = constraints.every_row[[*range(constraints.rows), *(constraints.rows + k for k in held)]]
+    rows = constraints.every_row[[*range(constraints.rows), *(constraints.rows + k for k in holding_rows)]]
     if not motions or _combination(rows[len(motions) :], at) is not None:
         return ()
     shares = _combination(rows, at)
@@ -63,7 +65,7 @@ def motions_that_prescribe(constraints: Constraints, at: int, held: Sequence[int
 
 
 def _combination(rows: Array, at: int) -> Array | None:
-    """Return by how much each row, of length one, makes up a joint's unit vector; None if they cannot."""
+    """Return the share of each unit row in a joint's unit vector, or None."""
     wanted = np.zeros(rows.shape[1])
     wanted[at] = 1.0
     lengths = np.linalg.norm(rows, axis=1)
@@ -74,7 +76,7 @@ def _combination(rows: Array, at: int) -> Array | None:
 
 
 def rows_that_share(constraints: Constraints) -> tuple[int, ...]:
-    """Return the elements, by the number of their row, whose load other rows could carry as well.
+    """Return the row numbers of elements whose load is statically indeterminate.
 
     Args:
         constraints: With the rows of the state written.
@@ -160,27 +162,19 @@ def worst(constraints: Constraints, residuals: Array) -> Unclosed:
 
 
 def worst_row(constraints: Constraints) -> str:
-    """Return which row has the largest residual of position, in words, as far as rows were last written."""
+    """Return the name of the row with the largest residual of position."""
     return worst(constraints, constraints.gap).row
 
 
 @dataclass(frozen=True, slots=True)
 class _Search:
-    """Unknowns of the search, and their directions.
+    """Unknowns of the search, and their directions."""
 
-    Attributes:
-        constraints: What is to hold at time zero.
-        program: Of the system's elements.
-        free: Generalized directions in which the configuration may be changed, (nv, k).
-        retract: ``(y, step)``: moves the configuration in y by a generalized step.
-        reach: What counts as much as 1 rad, of each generalized direction, (nv,).
-    """
-
-    constraints: Constraints
-    program: Array
-    free: Array
-    retract: Retract
-    reach: Array
+    constraints: Constraints  # constraints at time zero
+    program: Array  # program of the elements
+    free: Array  # admissible generalized directions, (nv, k)
+    retract: Retract  # ``(y, step)``: moves the configuration in y by a generalized step
+    reach: Array  # equivalent of a 1 rad turn in each direction, (nv,)
 
     def gap(self, y: Array) -> Array:
         """Return the residuals of a state, which count in metres."""
@@ -193,7 +187,7 @@ class _Search:
         return np.asarray(-self.free @ np.linalg.lstsq(jacobian, lack[rows], rcond=1e-10)[0])
 
     def way(self, one: Array, other: Array) -> Array:
-        """Return how far each direction goes from one state to another, [rad] or of ways the same."""
+        """Return the distance between two states in each direction, [rad] or equivalent lengths."""
         nq = self.constraints.model.nq
         difference = pin.difference(self.constraints.model, one[:nq], other[:nq])
         return np.asarray(difference / self.reach)
@@ -222,7 +216,7 @@ def find_configuration(
     lacks: list[Unclosed] = []
 
     def look(trial: Array) -> float:
-        """Finish by Newton's method; return how far from the guess its farthest part is, if it closes."""
+        """Finish by Newton's method; return the largest distance from the guess if it converges."""
         unclosed = _newton(search, trial)
         if unclosed is not None:
             lacks.append(unclosed)
@@ -253,7 +247,7 @@ def find_configuration(
 
 
 def _out_of_reach(search: _Search, guess: Array) -> bool:
-    """Return whether an open equation changes with no motion, here and nearby, as of opposed axes."""
+    """Return whether an open equation is insensitive to motion, here and nearby."""
     y = guess.copy()
     open_here = np.full(search.constraints.rows, True)
     for scale in (0.0, 0.1):
@@ -267,7 +261,7 @@ def _out_of_reach(search: _Search, guess: Array) -> bool:
 
 
 def _led(search: _Search, guess: Array) -> Iterator[Array]:
-    """Yield where ways lead that begin with driven joints at their start, or are gone bit by bit."""
+    """Yield states reached from driven joints at their start, or by gradual steps."""
     motions = slice(0, len(search.constraints.plan.motions))
     lack = search.gap(guess)
     if motions.stop:
@@ -278,14 +272,14 @@ def _led(search: _Search, guess: Array) -> Iterator[Array]:
         stay = np.zeros_like(lack)
         stay[motions] = lack[motions]
         closed = guess.copy()
-        if _newton(search, closed, stay) is None and _followed(search, closed, stay):
+        if _newton(search, closed, stay) is None and _follow_solution(search, closed, stay):
             yield closed
-    if _followed(search, whole := guess.copy(), lack):
+    if _follow_solution(search, whole := guess.copy(), lack):
         yield whole
 
 
-def _followed(search: _Search, y: Array, lack: Array) -> bool:
-    """Move a state, in place, that lacks something, on to where it lacks nothing; along one solution.
+def _follow_solution(search: _Search, y: Array, lack: Array) -> bool:
+    """Move a state, in place, along one solution until no residual is left.
 
     Returns:
         Whether it came there.
@@ -310,13 +304,9 @@ def _followed(search: _Search, y: Array, lack: Array) -> bool:
 
 
 def _newton(search: _Search, y: Array, lack: Array | float = 0.0, *, few: bool = False) -> Unclosed | None:
-    """Close the loops by Newton's method with steps of least size, in place; up to what may be lacking.
+    """Close the loops by Newton's method with least steps, in place, within a tolerance.
 
-    Args:
-        search: What is looked for.
-        y: State [q, v, x].
-        lack: What rows are to come to.
-        few: Whether it is to come there at once, in steps that are whole.
+    Residuals are reduced to ``lack``; if ``few``, by a few full steps only.
     """
     length = search.constraints.plan.length
     gap = search.gap(y) - lack
@@ -353,7 +343,7 @@ _SILENT = 1e-14
 
 
 def least_row(constraints: Constraints) -> str:
-    """Return of which row the least was left when rows were last factorized, in words: a closure's first."""
+    """Return the name of the least independent row of the last factorization."""
     names, plan = row_names(constraints), constraints.plan
     singles = len(plan.motions) + len(plan.couplings)
     rows = range(singles if plan.closures else len(plan.motions) if plan.couplings else 0, constraints.rows)
@@ -457,7 +447,7 @@ def mobility(constraints: Constraints, t: float, y: Array, program: Array) -> Mo
 
 
 def _reduced(constraints: Constraints, t: float, y: Array, program: Array) -> Array:
-    """Return the rows in directions of equal kinetic energy, (rows, nv); zero for one without effect."""
+    """Return the rows in directions of equal kinetic energy, (rows, nv), zero where ineffective."""
     model = constraints.model
     constraints.residuals(t, y, program)
     rows = constraints.jacobian.copy()
@@ -467,14 +457,10 @@ def _reduced(constraints: Constraints, t: float, y: Array, program: Array) -> Ar
 
 @dataclass(frozen=True, slots=True)
 class Redundancy:
-    """Warning that equations of a closure or coupling are redundant.
+    """Warning that equations of a closure or coupling are redundant."""
 
-    Attributes:
-        equations: How many could be left out together.
-        among: Each equation that could be left out alone, in words: ``along z`` in axes of the first side.
-    """
-
-    equations: int
+    equations: int  # number of equations that could be left out together
+    # each equation that could be left out alone, in words: ``along z`` in axes of the first side
     among: tuple[str, ...]
 
 
@@ -487,7 +473,7 @@ def redundancies(constraints: Constraints, t: float, y: Array, program: Array) -
     rows = _reduced(constraints, t, y, program)[len(plan.motions) :]
     rank = _rank(rows)
     found = {}
-    for name, first, words in plan.held():
+    for name, first, words in plan.row_groups():
         start = first - len(plan.motions)
         own = range(start, start + len(words))
         equations = len(words) - (rank - _rank(np.delete(rows, own, axis=0)))
@@ -502,7 +488,7 @@ def redundancies(constraints: Constraints, t: float, y: Array, program: Array) -
 
 
 def _scaled(constraints: Constraints, rows: Array) -> Array:
-    """Return rows with the length that they count with: that of their largest number in J.
+    """Return rows scaled to the length of their largest number in J.
 
     It is taken over the largest of their closure's, of ways or of turns.
     """
@@ -510,7 +496,7 @@ def _scaled(constraints: Constraints, rows: Array) -> Array:
     counts = np.abs(constraints.jacobian).max(axis=1, initial=0.0)
     counts[counts <= NOTHING * plan.length] = 0.0  # round-off says nothing, beside whatever
     counts[: len(plan.motions)] = 1.0
-    for _, first, held in plan.held():
+    for _, first, held in plan.row_groups():
         end = first + len(held)
         turns = first + sum(row.startswith("along") for row in held)
         for own in (slice(first, turns), slice(turns, end)):

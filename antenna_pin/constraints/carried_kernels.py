@@ -1,4 +1,4 @@
-"""What joints with friction by load carry: forces and moments at the middles of their bearings, compiled.
+"""Forces and moments at the bearings of joints with load-dependent friction, compiled.
 
 It follows from what the bodies beyond a joint need for their accelerations, less what closures and elements
 on links do to them: of redundant equations the least forces. In ``room`` stand ``OF_BODY`` numbers of each
@@ -88,7 +88,7 @@ def _complete(axes: Floats) -> None:
 
 @kernel
 def _write_wrenches(plan: Floats, work: Floats, rates: Floats, room: Floats) -> None:
-    """Write accelerations of the bodies, and what their joints carry at their origins, in the world."""
+    """Write accelerations of the bodies and loads at the joint origins, in world axes."""
     head = plan_of(plan)
     for b in range(head.bodies):
         _move(plan, work, rates, room, b)
@@ -112,7 +112,7 @@ def _write_wrenches(plan: Floats, work: Floats, rates: Floats, room: Floats) -> 
 
 @inlined
 def _move(plan: Floats, work: Floats, rates: Floats, room: Floats, b: int) -> None:
-    """Write a body's acceleration, and what it needs for it by itself: against gravity, at its origin."""
+    """Write a body's acceleration and its own force and moment at its origin."""
     head, body, place, at = plan_of(plan), body_at(plan, b), place_at(work, b), OF_BODY * b
     spare = room[OF_BODY * head.bodies :]
     lever, slide, turn = spare[0:3], spare[3:6], spare[6:9]
@@ -162,7 +162,7 @@ def _move(plan: Floats, work: Floats, rates: Floats, room: Floats, b: int) -> No
 
 @inlined
 def _gyrate(body: Body, place: Place, spin: Floats, out: Floats) -> None:
-    """Write the moment about its centre that a body needs, in the world: I alpha + w x (I w)."""
+    """Write a body's inertial moment about its centre: I alpha + w x (I w)."""
     own = out[3:6]
     _turn_inertia(body, place, spin, out[6:12], own)
     for k in range(3):

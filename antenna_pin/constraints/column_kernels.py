@@ -1,4 +1,4 @@
-"""J of a closure, compiled: what each joint that carries one of its sides does to its equations."""
+"""J of a closure, compiled: columns of the joints that carry its two sides."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Holds = tuple[Nine, Held, Triple]
 
 @kernel
 def closure_columns(plan: Floats, work: Floats, closure: Closure) -> None:
-    """Write J of a closure whose frames are placed; its square turns about ``slide`` of the first."""
+    """Write J of a closure whose frames are placed; ``slide`` is its first perpendicular axis."""
     # In numbers of their own: what is written might be them, for all that a compiler knows.
     a, b = place_at(work, plan_of(plan).bodies + 1), place_at(work, plan_of(plan).bodies + 2)
     r, along, about = a.rotation, closure.along, closure.about
@@ -75,7 +75,7 @@ def _columns(plan: Floats, work: Floats, row: int, b: int, sign: float, origin: 
 
 @inlined
 def _way_column(work: Floats, at: int, x: float, y: float, z: float, frame: Nine, held: Held) -> None:
-    """Write one column of a closure's rows, at ``work[at:]``: of a way along (x, y, z)."""
+    """Write one column of a closure's rows, at ``work[at:]``, for translation along (x, y, z)."""
     if held[0] != 0:
         work[at] = frame[0] * x + frame[1] * y + frame[2] * z
         at += 1
@@ -88,7 +88,7 @@ def _way_column(work: Floats, at: int, x: float, y: float, z: float, frame: Nine
 
 @inlined
 def _turn_column(work: Floats, at: int, length: float, axis: Triple, d: Triple, holds: Holds) -> None:
-    """Write one column of a closure's rows, at ``work[at:]``: of a turn about an axis, d away."""
+    """Write one column of a closure's rows, at ``work[at:]``, for rotation about an axis."""
     x, y, z = axis
     frame, held, square = holds
     _way_column(work, at, y * d[2] - z * d[1], z * d[0] - x * d[2], x * d[1] - y * d[0], frame, held)

@@ -1,4 +1,4 @@
-"""A coupling: a joint that follows another, as in a gear or a rack, or two others, as in a differential."""
+"""Couplings: joints that follow one or two others, as in gears, racks and differentials."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["Coupling", "check_order", "spread"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Coupling:
-    r"""A joint held to multiples of the positions of one other joint, or two; without play, and both ways.
+    r"""A joint held, without play and in both directions, to multiples of others' positions.
 
     .. math:: \phi_\text{follower} = m\, \phi_\text{leader} + m_2\, \phi_\text{second} + \phi_0
 
@@ -41,12 +41,12 @@ class Coupling:
 
     @classmethod
     def differential(cls, *, carrier: str, first: str, second: str) -> Self:
-        """Return that of a differential: its carrier turns by the mean of what its two sides turn by."""
+        """Return the coupling of a differential: the carrier's turn is the sides' mean."""
         return cls(follower=carrier, leader=first, multiplier=0.5, second=second, second_multiplier=0.5)
 
     @classmethod
     def planetary(cls, *, carrier: str, sun: str, ring: str, ratio: float) -> Self:
-        """Return that of a planetary gear: (1 + ratio) carrier = sun + ratio ring, all in the housing.
+        """Return a planetary gear's coupling: (1 + ratio) carrier = sun + ratio ring.
 
         Args:
             carrier: Joint of the planets' carrier.
@@ -144,9 +144,9 @@ def spread(couplings: Collection[Coupling], known: Collection[str]) -> Iterator[
         left = [one for one in left if not {one.follower, *one.leaders} <= told]
 
 
-def _tells(one: Coupling, told: Collection[str], forward: bool) -> bool:
-    if one.second is not None and one.second not in told:
+def _tells(one: Coupling, determined: Collection[str], forward: bool) -> bool:
+    if one.second is not None and one.second not in determined:
         return False
     if forward:
-        return one.leader in told and one.follower not in told
-    return one.follower in told and one.leader not in told and one.multiplier != 0.0
+        return one.leader in determined and one.follower not in determined
+    return one.follower in determined and one.leader not in determined and one.multiplier != 0.0

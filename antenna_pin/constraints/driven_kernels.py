@@ -1,4 +1,4 @@
-"""The row of a motion of a joint that does more than turn about its axis, as one with play; compiled.
+"""Rows of motions of joints with more freedom than one axis, compiled.
 
 Its motion angle is the twist about the axis (:mod:`antenna_pin.mechanism.twist_kernels`), the row its
 gradient; the multiplier is a couple that acts on both sides, along the axis where these are parallel. How
@@ -23,7 +23,7 @@ _TURN = 1e-3
 
 @kernel
 def twist_row(y: Floats, plan: Floats, work: Floats, driven: Driven) -> tuple[float, float]:
-    """Write the columns of a motion of a joint that moves otherwise too: the gradient of its motion angle.
+    """Write the columns of such a motion: the gradient of its motion angle.
 
     Returns:
         The angle with its whole turns [rad], and what it accelerates by at accelerations of zero [rad/s^2].
@@ -56,7 +56,7 @@ def _about(axes: Floats, values: Floats, at: int, k: int) -> float:
 
 @inlined
 def _turned_twist(h: Triple, qw: float, s: float, turn: Triple, w: Triple) -> Triple:
-    """Return gx, gy and bias of a twist whose body is turned further by s times a turn."""
+    """Return gx, gy and bias of a twist after a further turn by s."""
     x, y, z = turn
     hx = h[0] + 0.5 * s * (qw * x + h[1] * z - h[2] * y)
     hy = h[1] + 0.5 * s * (qw * y + h[2] * x - h[0] * z)
@@ -71,7 +71,7 @@ def _turned_twist(h: Triple, qw: float, s: float, turn: Triple, w: Triple) -> Tr
 def change_of_twist(
     y: Floats, way: Floats, acceleration: Floats, plan: Floats, driven: Driven, out: Floats
 ) -> None:
-    """Write how the gradient, the bias and the rate of a driven twist change along a displacement.
+    """Write changes of gradient, bias and rate of a driven twist along a displacement.
 
     Args:
         y: State.
@@ -123,7 +123,7 @@ def change_motions(
     scratch: tuple[Floats, Floats, Floats],
     out: Floats,
 ) -> None:
-    """Add how rows of motions change along a displacement, time and numbers of the system left as they are.
+    """Add changes of motions' rows along a displacement at constant time and parameters.
 
     Args:
         y: State.
@@ -154,7 +154,7 @@ def change_motions(
 
 @inlined
 def driven_rate(y: Floats, plan: Floats, work: Floats, driven: Driven) -> float:
-    """Return the rate of a joint with a motion [rad/s or m/s], by its row where that is written."""
+    """Return the rate of a joint with a motion [rad/s or m/s]."""
     head = plan_of(plan)
     if driven.moves == 0:
         return float(y[head.nq + driven.v])

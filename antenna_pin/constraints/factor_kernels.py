@@ -1,4 +1,4 @@
-"""Rows of constraints made orthogonal, compiled: J L^-T = R^T Q^T, and how many are independent.
+"""Orthogonal rows of constraints, compiled: J L^-T = R^T Q^T, and the rank.
 
 With M = L L^T the rows of J become those of ``J L^-T``, in which the kinetic energy is the sum of squares.
 They are made orthogonal one after another, each time the one of which most is left (modified Gram-Schmidt
@@ -81,7 +81,7 @@ def brace(plan: Floats, mass: Floats) -> None:
 
 @inlined
 def _slope(own: Coupled, k: int) -> float:
-    """What a coupling's row has of its follower, leader or second leader before it is scaled."""
+    """Return coefficients of a coupling's follower, leader and second leader before scaling."""
     if k == 0:
         return 1.0
     return -float(own.multiplier) if k == 1 else -float(own.second)
@@ -191,7 +191,7 @@ def _reduce(plan: Floats, work: Floats, left: Floats, squares: Floats, weights: 
 
 @inlined
 def _scale(largest: Floats, first: int, count: int) -> None:
-    """Let a closure's rows of ways, or of turns, count by their numbers beside the largest of all.
+    """Scale a closure's translational or rotational rows by their largest number.
 
     Where a row vanishes an equation is lost. Numbers of J are geometry: lengths, in which kinetic energies
     are squares, differ by any factor between ways that turn a body and those that move it.
@@ -206,13 +206,13 @@ def _scale(largest: Floats, first: int, count: int) -> None:
 
 @inlined
 def _entry(s: int, nv: int) -> int:
-    """Return where the row at place s begins in what is left of rows; its next number is a lane further."""
+    """Return the start of the row at place s in the remaining rows."""
     return (s - s % LANES) * nv + s % LANES
 
 
 @inlined
 def _take(p: int, best: int, scale: float, nv: int, own: Floats, left: Floats) -> None:
-    """Write a multiple of the row at place ``best`` to ``own``, and in its place that of place p."""
+    """Write a multiple of the row at ``best`` to ``own``, and swap in row p."""
     entry, first = _entry(best, nv), _entry(p, nv)
     for k in range(nv):
         own[k] = scale * left[entry + LANES * k]
@@ -223,7 +223,7 @@ def _take(p: int, best: int, scale: float, nv: int, own: Floats, left: Floats) -
 
 @inlined
 def _gather(nv: int, own: Floats, numbers: Floats, at: Ints) -> int:
-    """Write what numbers of a direction are not zero, and where their lanes are; return how many.
+    """Write the nonzero numbers of a direction and their lanes; return their count.
 
     Rows see some freedoms only: those of their limbs.
     """
@@ -237,7 +237,7 @@ def _gather(nv: int, own: Floats, numbers: Floats, at: Ints) -> int:
 
 @inlined
 def _clean(plan: Floats, work: Floats, p: int, length: float, own: Floats, triangle: Floats) -> float:
-    """Take out of ``own``, row p over its length, what round-off has left of the directions before.
+    """Remove round-off components of earlier directions from ``own``, normalized row p.
 
     Of a row of which little was left that is round-off of most of it. Returns by how much it has shrunk.
     """
@@ -263,7 +263,7 @@ def _take_out(
     triangle: Floats,
     squares: Floats,
 ) -> None:
-    """Take the direction p out of all rows behind it; write its row of R and the squares that are left.
+    """Project direction p out of all later rows; write its row of R.
 
     ``direction`` is how many of its numbers are not zero, these, and where they stand.
     """

@@ -70,7 +70,7 @@ def least_forces(plan: Floats, work: Floats, room: Floats, out: Floats) -> None:
 
 @inlined
 def _axis(work: Floats, b: int, rotation: Floats, k: int) -> float:
-    """Return component k, in the world, of the third axis of a frame on a body, or on the world."""
+    """Return world component k of the third axis of a frame on a body."""
     if b < 0:
         return float(rotation[k, 2])
     on = place_at(work, b).rotation
@@ -92,7 +92,7 @@ def _on_first(work: Floats, b: int, rotation: Floats, vector: Floats, k: int) ->
 
 @kernel
 def wrenches(plan: Floats, work: Floats, forces: Floats, out: Floats) -> None:
-    """Write force [N] and moment [N m] of each closure on its second link, (closures, 2, 3).
+    """Write force [N] and moment [N m] of each closure on its second link.
 
     In axes of the first side's frame, the moment about the second side's point.
 
@@ -133,7 +133,7 @@ def wrenches(plan: Floats, work: Floats, forces: Floats, out: Floats) -> None:
 
 @kernel
 def joint_forces(plan: Floats, forces: Floats, out: Floats) -> None:
-    """Write the forces [N] and torques [N m] that hold motions, and couplings' followers, for multipliers.
+    """Write constraint forces [N] and torques [N m] of motions and of couplings' followers.
 
     First those of the motions, then those of the couplings, then those of elements that hold.
     """

@@ -1,4 +1,4 @@
-"""How the constraints of a system lie in flat numbers: declared once, read by name.
+"""Layout of a system's constraints in flat numbers.
 
 ``plan`` does not change during a run: ``PLAN``, then the tree's bodies, then a ``CLOSURE`` for each
 closure, a ``DRIVEN`` for each motion, a ``COUPLED`` for each coupling, a ``DRIVEN`` for each element that may
@@ -15,7 +15,7 @@ from antenna_pin.mechanism.tree_kernels import BODY, PLACE, Body, Place
 
 
 class Plan(Record):
-    """The head of a plan: sizes, and the starts of its arrays in a work array."""
+    """Head of a plan: sizes, and the starts of its arrays in a work array."""
 
     bodies: int  # how many
     closures: int  # how many
@@ -185,7 +185,7 @@ def place_at(work: Floats, b: int) -> Place:
 
 @inlined
 def applied_in(plan: Floats) -> tuple[int, int]:
-    """Return from where to where elements on links act on bodies, 6 words each; nowhere if none asks."""
+    """Return the range of the forces on bodies of elements on links, 6 words each."""
     head = plan_of(plan)
     return head.loaded, head.loaded + (6 * head.bodies if head.loaded != 0 else 0)
 

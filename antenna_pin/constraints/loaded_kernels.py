@@ -76,7 +76,7 @@ def solve(
 def _bear(
     y: Floats, program: Floats, plan: Floats, work: Floats, effort: Floats, bias: Floats, rates: Floats
 ) -> None:
-    """Add what friction by load does to a solution without it, and tell elements of their loads."""
+    """Add load-dependent friction to a frictionless solution, and store the elements' loads."""
     head = plan_of(plan)
     nv, n = head.nv, head.holds
     at = head.loaded + 6 * head.bodies
@@ -127,7 +127,7 @@ def _rub(y: Floats, program: Floats, head: Plan, own: Driven) -> float:
 
 @kernel
 def _newton(y: Floats, program: Floats, plan: Floats, carried: Floats, tau: Floats, room: Floats) -> bool:
-    """Write the torques of friction by load, from zero on; return whether they are a solution."""
+    """Write the torques of load-dependent friction, starting at zero; return whether they converge."""
     head = plan_of(plan)
     n = head.holds
     for _ in range(_ROUNDS):
@@ -160,7 +160,7 @@ def _newton(y: Floats, program: Floats, plan: Floats, carried: Floats, tau: Floa
 
 @inlined
 def _eliminate(n: int, room: Floats) -> bool:
-    """Solve n equations, row by row with their right sides, in place; return whether det > 0."""
+    """Solve n equations in place, right sides behind the rows; return whether det > 0."""
     positive = True
     for p in range(n):
         best = p
@@ -189,7 +189,7 @@ def _eliminate(n: int, room: Floats) -> bool:
 def _burden(
     program: Floats, plan: Floats, own: Driven, carried: Floats, tau: Floats, i: int, j: int
 ) -> tuple[float, float]:
-    """Return the load N of hold i, and its derivative by the torque of friction of hold j (-1: of none)."""
+    """Return the load N of hold i and its derivative over hold j's friction torque."""
     n = plan_of(plan).holds
     radial, axial, bending, _ = elements.bearing(own.kind, program, own.words)
     if radial == 0.0 and axial == 0.0:

@@ -1,4 +1,4 @@
-"""The constraints of a system in numbers: closures, motions, couplings, and the tree that they act on."""
+"""Constraints of a system in numbers: closures, motions, couplings, and their tree."""
 
 from __future__ import annotations
 
@@ -53,21 +53,13 @@ class DrivenJoint:
 
 
 class PlanParts(NamedTuple):
-    """Places of the parts' records in a plan's numbers.
+    """Places of the parts' records in a plan's numbers."""
 
-    Attributes:
-        tree: Of bodies, BODY.
-        closures: CLOSURE.
-        motions: DRIVEN.
-        couplings: COUPLED.
-        holds: Of elements that may hold, DRIVEN.
-    """
-
-    tree: slice
-    closures: slice
-    motions: slice
-    couplings: slice
-    holds: slice
+    tree: slice  # bodies, BODY
+    closures: slice  # closures, CLOSURE
+    motions: slice  # motions, DRIVEN
+    couplings: slice  # couplings, COUPLED
+    holds: slice  # elements that may hold, DRIVEN
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -131,8 +123,8 @@ class Plan:
                 row[at] += slope
         return rows
 
-    def held(self) -> Iterator[tuple[str, int, tuple[str, ...]]]:
-        """Yield of each coupling, then of each closure: its name, its first row, what its rows hold."""
+    def row_groups(self) -> Iterator[tuple[str, int, tuple[str, ...]]]:
+        """Yield name, first row and row meanings of each coupling, then of each closure."""
         for row, name in enumerate(self.couplings, len(self.motions)):
             yield name, row, ("the coupling",)
         for name, words in self.rows.items():
@@ -275,7 +267,7 @@ def _coupled(
 
 
 def _may_be_singular(mechanism: Mechanism) -> bool:
-    """Return whether a body is a frame, a point or a rod, so that joints may move without inertia."""
+    """Return whether a body has no inertia about some axis: frame, point or rod."""
     for body in list(mechanism.model.inertias)[1:]:
         moments = np.linalg.eigvalsh(body.inertia)
         if not (body.mass > 0.0 and moments[0] > _THIN * moments[-1]):
@@ -314,7 +306,7 @@ def _place_numbers(head: NDArray[np.void], bodies: int, rows: int, nv: int) -> i
 
 
 def on_body(mechanism: Mechanism, place: str, side: Anchor) -> tuple[int, Array]:
-    """Return the body that a side is on, -1 for the world, and its frame there, (4, 4).
+    """Return the body of a side, -1 for the world, and the frame, (4, 4).
 
     Raises:
         UnknownNameError: There is no such link; ``place`` says where it was asked for.

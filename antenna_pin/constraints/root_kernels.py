@@ -1,4 +1,4 @@
-"""The root L of a matrix M = L L^T, and solutions by it, compiled; zeros that limbs leave are left out."""
+"""Root L of M = L L^T and its solutions, compiled, sparse for limbs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from antenna_pin.compiled.decorators import inlined
 
 @inlined
 def write_root(mass: Floats, nv: int, root: Floats, first: Floats) -> None:
-    """Write L of M = L L^T row by row, (nv nv,), and where each row begins: limbs leave zeros in it.
+    """Write L of M = L L^T, (nv nv,), and each row's first column.
 
     On the diagonal stand inverses.
     """

@@ -67,13 +67,13 @@ _ROUND_OFF = 4.0 * 2.220446049250313e-16
 
 @kernel
 def write_rows(t: float, y: Floats, program: Floats, plan: Floats, work: Floats) -> None:
-    """Write the rows of all constraints at time t [s] and state y, with their residuals, to a work array."""
+    """Write the rows of all constraints at time t [s] and state y, with residuals."""
     _write(t, y, program, plan, work, True)
 
 
 @kernel
 def write_residuals(t: float, y: Floats, program: Floats, plan: Floats, work: Floats) -> None:
-    """Write residuals as :func:`write_rows` does, and leave J as it is; what accelerations lack is lost."""
+    """Write residuals as :func:`write_rows`, but leave J; biases of accelerations are overwritten."""
     _write(t, y, program, plan, work, False)
 
 
@@ -126,7 +126,10 @@ def _note(plan: Floats, work: Floats, row: int, turns: bool, gap: float, speed: 
 
 @inlined
 def _position(y: Floats, x: int, q: int, turn: int) -> float:
-    """Position of a joint with one axis in a state [q, v, x], where x begins: its angle with whole turns."""
+    """Return the position of a single-axis joint in a state, with whole turns.
+
+    The state is [q, v, x]; x begins at ``x``, with turned angles at ``turn``.
+    """
     if turn < 0:
         return float(y[q])
     return unwrapped(math.atan2(y[q + 1], y[q]), y[x + turn])
@@ -150,7 +153,7 @@ def _motion_row(t: float, y: Floats, program: Floats, plan: Floats, work: Floats
 
 @kernel
 def _hold_row(y: Floats, program: Floats, plan: Floats, work: Floats, own: Driven) -> None:
-    """Write the row of an element that may hold its joint where it is: of zeros where it does not.
+    """Write the row of an element that may hold its joint; zeros otherwise.
 
     Rows of zeros are dropped when rows are factorized.
     """
@@ -193,7 +196,7 @@ def _coupling_row(y: Floats, plan: Floats, work: Floats, coupled: Coupled) -> No
 
 @inlined
 def _place_frame(plan: Floats, work: Floats, b: int, rotation: Floats, origin: Floats, own: Place) -> None:
-    """Write where a closure's frame is and how it moves: of a body, or of the world."""
+    """Write placement and motion of a closure's frame on a body or the world."""
     if b < 0:
         for k in range(3):
             own.origin[k] = origin[k]
@@ -273,7 +276,10 @@ def _closure_rows(plan: Floats, work: Floats, closure: Closure) -> None:
 
 @inlined
 def _rotation_vector(a: Place, b: Place, attitude: int, angle: Floats) -> None:
-    """Write the rotation vector of B in A, in axes of A; unless the attitude counts, of the third axis."""
+    """Write the rotation vector of B in A, in axes of A.
+
+    Where the attitude does not count, it is that of the third axis.
+    """
     p, q = a.rotation, b.rotation
     zx = p[0, 0] * q[0, 2] + p[1, 0] * q[1, 2] + p[2, 0] * q[2, 2]
     zy = p[0, 1] * q[0, 2] + p[1, 1] * q[1, 2] + p[2, 1] * q[2, 2]
@@ -303,7 +309,7 @@ def _rotation_vector(a: Place, b: Place, attitude: int, angle: Floats) -> None:
 def _square_row(
     plan: Floats, work: Floats, row: int, a: Place, b: Place, spin: Floats, bias_spin: Floats
 ) -> None:
-    """Write the row of two axes held at right angles; its direction e to the first frame's ``slide``."""
+    """Write the row of two perpendicular axes; direction e lies along ``slide``."""
     gap = speed = lack = 0.0
     for n in range(3):
         i, j = (n + 1) % 3, (n + 2) % 3

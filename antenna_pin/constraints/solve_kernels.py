@@ -29,7 +29,7 @@ OPEN = 1e-11
 
 @inlined
 def _forward(plan: Floats, work: Floats, wanted: int, sign: float, out: Floats) -> None:
-    """Solve R^T y = sign * wanted for the rows that count; zero stands for the others, (width,)."""
+    """Solve R^T y = sign * wanted for the active rows; zero for others, (width,)."""
     head, rank = plan_of(plan), found_in(plan, work).rank
     width = head.width
     triangle = work[head.triangle : head.triangle + head.rows * width]
@@ -67,7 +67,7 @@ def _from_reduced(plan: Floats, work: Floats, reduced: Floats, out: Floats) -> N
 
 @kernel
 def correction(plan: Floats, work: Floats, of_speed: bool, out: Floats) -> None:
-    """Write the generalized step that takes the residuals of position (of velocity) away, least in energy."""
+    """Write the least-energy generalized step that removes residuals of position or velocity."""
     head = plan_of(plan)
     span, width, second = head.span, head.width, head.scratch + max(head.span, head.width)
     reduced, factors = work[head.scratch : head.scratch + span], work[second : second + width]

@@ -13,26 +13,20 @@ from antenna_pin.constraints import factor_kernels, force_kernels, loaded_kernel
 from antenna_pin.constraints import layout_kernels as _layout
 from antenna_pin.constraints.plan import Plan
 from antenna_pin.constraints.solve_kernels import CLOSED, NEAR, OPEN, ROUNDS
+from antenna_pin.mechanism import mass_matrix
 
 __all__ = ["Constraints"]
 
 Array = NDArray[np.float64]
 
 
-class Found(NamedTuple):
-    """Numbers of a solution.
+class Solution(NamedTuple):
+    """Numbers of a solution."""
 
-    Attributes:
-        rank: How many rows are independent.
-        least: The least of what was left of a row that counts as independent, over its scale [-].
-        most: The most of what was left of one that does not [-].
-        gap: Largest residual in ways [m], ``turn`` in turns [rad]; ``speed``, ``spin``: of their rates.
-    """
-
-    rank: int
-    least: float
-    most: float
-    gap: float
+    rank: int  # number of independent rows
+    least: float  # smallest remainder of an independent row, over its scale [-]
+    most: float  # largest remainder of a dependent row, over its scale [-]
+    gap: float  # largest residual in ways [m], ``turn`` in turns [rad]; ``speed``, ``spin``: of their rates
     turn: float
     speed: float
     spin: float
@@ -72,7 +66,7 @@ class Constraints:
         self.shares = part("shares", rows)
         #: What elements on links do to bodies, where friction by load asks for it, else empty.
         self.applied = self.work[int(head["loaded"]) :][: 6 * int(head["bodies"]) if head["loaded"] else 0]
-        self._found = part("found", _layout.FOUND_WORDS).view(_layout.FOUND)
+        self._solution = part("found", _layout.FOUND_WORDS).view(_layout.FOUND)
         self._step = np.zeros(nv)
         #: Room for the least forces, and those, of redundant rows (``force_kernels.least_forces``).
         self.least_room = np.zeros(2 * every * (every + 1))
@@ -88,14 +82,14 @@ class Constraints:
         self.turning = np.concatenate(slides) == 0
 
     @property
-    def found(self) -> Found:
+    def solution(self) -> Solution:
         """Numbers of the last solution."""
-        return Found._make(self._found.item())
+        return Solution._make(self._solution.item())
 
     @property
     def residual(self) -> tuple[float, float, float, float]:
         """The largest residuals of the rows that were written last [m], [rad], [m/s], [rad/s]."""
-        found = self.found
+        found = self.solution
         return found.gap, found.turn, found.speed, found.spin
 
     def accelerate(self, t: float, y: Array, program: Array, effort: Array, rates: Array) -> None:
@@ -114,19 +108,18 @@ class Constraints:
         loaded_kernels.accelerate(t, y, program, self.plan.words, self.work, effort, mass, bias, rates)
 
     def loads(self) -> Array:
-        """Return what elements that hold carry in the state solved last, (holds,) [N m] or [N]."""
+        """Return loads of holding elements in the last solved state, (holds,) [N m] or [N]."""
         force_kernels.joint_forces(self.plan.words, self._all_forces, self._loads)
         return self._loads[len(self._loads) - self._holds :]
 
-    def residuals(self, t: float, y: Array, program: Array) -> Found:
+    def residuals(self, t: float, y: Array, program: Array) -> Solution:
         """Write the rows of a state; return what is found, with the largest residuals."""
         rows_kernels.write_rows(t, y, program, self.plan.words, self.work)
-        return self.found
+        return self.solution
 
     def mass(self, q: Array) -> Array:
-        """Return the mass matrix as constraints have it, (nv, nv): braced by couplings where it needs it."""
-        matrix: Array = np.triu(pin.crba(self.model, self.data, q))
-        matrix += np.triu(matrix, 1).T
+        """Return the mass matrix of the constraints, (nv, nv), with couplings where necessary."""
+        matrix = mass_matrix(self.model, self.data, q)
         factor_kernels.brace(self.plan.words, matrix)
         return matrix
 
@@ -148,11 +141,11 @@ class Constraints:
         return self._in_place() and self._in_motion()
 
     def _in_place(self) -> bool:
-        found = self.found
+        found = self.solution
         return bool(found.gap <= CLOSED * self.plan.length and found.turn <= CLOSED)
 
     def _in_motion(self) -> bool:
-        found = self.found
+        found = self.solution
         return bool(found.speed <= CLOSED * self.plan.length and found.spin <= CLOSED)
 
     def project(self, t: float, y: Array, program: Array, retract: Callable[[Array, Array], None]) -> bool:
@@ -173,7 +166,7 @@ class Constraints:
         self.residuals(t, y, program)
         at_rest = self._in_place()
         length = self.plan.length
-        last = np.maximum(self.found.gap, self.found.turn * length)  # NaN if one is
+        last = np.maximum(self.solution.gap, self.solution.turn * length)  # NaN if one is
         # The rows hardly turn over such a correction: one factorization serves it all, else there is another.
         near = last < NEAR * length
         self.factorize(y[:nq])

@@ -1,4 +1,4 @@
-"""How equations and forces of closures and couplings change with the state and with numbers, compiled.
+"""Derivatives of equations and forces of closures and couplings, compiled.
 
 Spatial vectors are in world axes about one point that rests
 (:mod:`antenna_pin.mechanism.tangent_kernels`).
@@ -107,7 +107,7 @@ def _own(closure: Closure, second: bool, bodies: Records[Change], ground: int) -
 
 @inlined
 def _axis(work: Floats, b: int, rotation: Floats, k: int, n: int) -> float:
-    """Return component n, in the world, of axis k of a frame on a body, or on the world."""
+    """Return world component n of axis k of a frame on a body."""
     if b < 0:
         return float(rotation[n, k])
     on = place_at(work, b).rotation
@@ -118,7 +118,7 @@ def _axis(work: Floats, b: int, rotation: Floats, k: int, n: int) -> float:
 def read_ties(
     plan: Floats, work: Floats, gravity: Floats, bodies: Records[Change], ties: Records[Tie]
 ) -> None:
-    """Write what closures are in a state that is solved, and take their wrenches from those of joints.
+    """Write closures in a solved state; subtract their wrenches from those of joints.
 
     Args:
         plan: Of the constraints.
@@ -242,7 +242,7 @@ def _change_motion(a: Change, b: Change, tie: Tie) -> None:
 
 @inlined
 def _direction_changes(closure: Closure, tie: Tie) -> Six:
-    """Return how e changes, and how the moment of a closure's wrench about the point does."""
+    """Return changes of e and of the moment of a closure's wrench about the point."""
     w, s, p, b, f = tie.way, (tie.first_shift, tie.second_shift), tie.point, tie.other, tie.wrench
     moved = (
         w[0] - s[0][0] + s[1][0],
@@ -328,7 +328,7 @@ def let_ties_rest(ties: Records[Tie]) -> None:
 def shift_couplings(
     plan: Floats, moved: Records[Coupled], force: Floats, acceleration: Floats, lack: Floats, out: Floats
 ) -> None:
-    """Add how what accelerations lack in couplings' rows changes with a number, and how their forces do.
+    """Add changes, over one number, of biases and forces of couplings' rows.
 
     By what a row is multiplied does not count: it is of no equation.
 

@@ -34,19 +34,12 @@ __all__ = [
 
 
 class Acting(NamedTuple):
-    """An element of a system.
+    """An element of a system."""
 
-    Attributes:
-        family: The table that a scenario has for it, such as ``drives``.
-        name: Its own.
-        element: What it is.
-        block: Where its block stands in a program.
-    """
-
-    family: str
-    name: str
-    element: ForceElement
-    block: int
+    family: str  # table in a scenario, such as ``drives``
+    name: str  # name in that table
+    element: ForceElement  # the element
+    block: int  # place of its block in a program
 
     @property
     def label(self) -> str:
@@ -94,7 +87,7 @@ def actuators_of(system: System) -> Mapping[str, str]:
 
 
 def settled(controllers: Mapping[str, Controller], system: System) -> dict[str, Controller]:
-    """Return controllers with what they take from the system that they command: joints, and their axes."""
+    """Return controllers with the joints that they command, and these joints' axes."""
     places = actuators_of(system)
     elements = {one.place: one.element for one in acting_in(system)}
     found: dict[str, Controller] = {}
@@ -111,7 +104,7 @@ def settled(controllers: Mapping[str, Controller], system: System) -> dict[str, 
 
 
 def _axis_in_base(system: System, joint: str | None) -> NDArray[np.float64] | None:
-    """Return the axis of a joint in the axes of a free base that carries it, (3,); None of others."""
+    """Return the axis of a joint in a free base's axes, (3,), or None."""
     mechanism = system.mechanism
     if joint is None or mechanism.base != "free":
         return None
@@ -190,14 +183,14 @@ class Adjustments:
             raise UnknownNameError("Set", f"number of {element}", key, keys)
         self.values[place] = float(value)
 
-    def kept(self) -> tuple[Array, dict[str, float], dict[str, ForceElement]]:
+    def snapshot(self) -> tuple[Array, dict[str, float], dict[str, ForceElement]]:
         """Return what is needed to go back to these numbers."""
         return self._program.copy(), dict(self.values), dict(self.elements)
 
-    def go_back(self, kept: tuple[Array, dict[str, float], dict[str, ForceElement]]) -> None:
+    def go_back(self, snapshot: tuple[Array, dict[str, float], dict[str, ForceElement]]) -> None:
         """Restore the numbers of a snapshot."""
-        self._program[:] = kept[0]
-        self.values, self.elements = dict(kept[1]), dict(kept[2])
+        self._program[:] = snapshot[0]
+        self.values, self.elements = dict(snapshot[1]), dict(snapshot[2])
 
     def change(self, element: str, change: Change) -> None:
         """Bring an element, by its place, into another mode."""
@@ -216,7 +209,7 @@ class Adjustments:
         first = self._blocks[element] + kernels.PARAMETERS
         self._program[first : first + len(words)] = words
 
-    def held(self) -> frozenset[str]:
+    def held_joints(self) -> frozenset[str]:
         """Return the joints that elements hold at present."""
         return frozenset(
             element.joint
@@ -231,7 +224,7 @@ class Adjustments:
 
 
 def first_modes(system: System, y: Array, t: float = 0.0) -> tuple[tuple[str, float], ...]:
-    """Return the modes of elements in a first state [q, v, x], as changes of numbers: (place, value).
+    """Return the modes of elements in an initial state [q, v, x]: (place, value).
 
     An element that is switched off holds nothing and refuses no start.
     """
@@ -267,7 +260,7 @@ def modes_kept(system: System, adjusted: Sequence[tuple[str, float]]) -> tuple[t
 def modes_in_another(
     system: System, y: Array, t: float, adjusted: Sequence[tuple[str, float]]
 ) -> tuple[tuple[str, float], ...]:
-    """Return the modes with which elements go on in a state [q, v, x] of another system: (place, value).
+    """Return the continued modes of elements in a state of another system: (place, value).
 
     Args:
         system: The other.
@@ -302,4 +295,4 @@ def joints_held(system: System, adjusted: Sequence[tuple[str, float]]) -> frozen
     found = Adjustments(system, system.program.copy())
     for place, value in adjusted:
         found.set(place, value)
-    return found.held()
+    return found.held_joints()

@@ -1,4 +1,4 @@
-"""How what an element sees of a joint, and along what it acts there, change with the joint's state, compiled.
+"""Changes of joint motion and force direction of elements with the joint's state, compiled.
 
 Of a joint an element sees its angle, or way, s and the rate s' = g . v of that, and acts along n: its effort
 does n of it along the joint's freedoms, at the rate n . v. A displacement (w, dv) of the joint makes
@@ -34,7 +34,7 @@ ROWS, MOST = 10, 6
 
 @inlined
 def freedoms_of(p: Floats, b: int) -> tuple[int, int]:
-    """Return the first of the freedoms that an element's head at b knows, in v, and how many they are."""
+    """Return the first velocity index of an element's freedoms, and their number."""
     e = element_at(p, b)
     if e.play < 0:
         return e.v, 1
@@ -56,7 +56,7 @@ def _unit(k: int) -> Triple:
 
 @inlined
 def _axis_goes(j: Joint, e: ElementHead) -> bool:
-    """Whether it acts along the axis of what is on the parent, which the child sees turn."""
+    """Return whether the effort acts along the parent's axis."""
     return bool((e.about == ABOUT_JOURNAL) == (j.on_child != 0))
 
 
@@ -64,7 +64,7 @@ def _axis_goes(j: Joint, e: ElementHead) -> bool:
 def _write_turned(
     j: Joint, e: ElementHead, y: Floats, first: int, slope: tuple[float, float], out: Floats
 ) -> None:
-    """Write the rows of a joint with play that turns, but for n; ``slope``: gx and gy of its angle."""
+    """Write the rows of a turning joint with play; ``slope``: gx and gy."""
     a, i = j.axes, j.q + 3
     gx, gy = slope
     hx = a[0, 0] * y[i] + a[1, 0] * y[i + 1] + a[2, 0] * y[i + 2]
@@ -118,7 +118,7 @@ def _write_slid(j: Joint, e: ElementHead, y: Floats, first: int, out: Floats) ->
 
 @kernel
 def write_motion(p: Floats, b: int, y: Floats, nq: int, tau: Floats, out: Floats) -> tuple[float, float]:
-    """Write what a head of an element sees of its joint and along what it acts, and how that changes.
+    """Write joint motion and force direction of an element's head, and their changes.
 
     Args:
         p: Program.
@@ -157,7 +157,7 @@ def write_motion(p: Floats, b: int, y: Floats, nq: int, tau: Floats, out: Floats
 
 @inlined
 def change_along(rows: Floats, first: int, count: int, way: Floats, nv: int) -> Triple:
-    """Return how an angle changes along a displacement, its rate, and the rate along which it acts."""
+    """Return changes of an angle, its rate, and its working rate along a displacement."""
     angle, rate, speed = 0.0, 0.0, 0.0
     for k in range(count):
         w, dv = way[first + k], way[nv + first + k]

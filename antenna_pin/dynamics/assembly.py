@@ -40,13 +40,9 @@ __all__ = [
 
 
 def start_with_base(system: System, y: NDArray[np.float64]) -> None:
-    """Put the joints that carry a shaken base where their motions begin, and as fast, in place.
+    """Place the joints of a shaken base at the start of their motions, in place.
 
     All else is given relative to the base and so begins with it: no blow sets it moving.
-
-    Args:
-        system: The system.
-        y: State [q, v, x], at time zero.
     """
     for drive in system.drives.values():
         if isinstance(drive, Shake):
@@ -60,32 +56,27 @@ def start_with_base(system: System, y: NDArray[np.float64]) -> None:
 _ROUND_OFF = 1e-12
 
 
-def said_of_open(system: System, found: Any, length: float) -> str:
-    """Return in words by how much loops are open at the start, and the way out.
-
-    Args:
-        system: The system.
-        found: Residuals of its constraints, FOUND.
-        length: Of the mechanism, by which ways count as turns [m].
-    """
-    speed = max(found.speed / length, found.spin)
+def said_of_open(system: System, residuals: Any, length: float) -> str:
+    """Return a description of open loops at the start, and a remedy."""
+    speed = max(residuals.speed / length, residuals.spin)
     rates = {
         name: abs(drive.profile()(0.0)[1])
         for name, drive in system.drives.items()
         if isinstance(drive, Motion)
     }
     fastest = max(rates, key=rates.__getitem__, default="")
-    if fastest and max(found.gap / length, found.turn) <= speed <= _ROUND_OFF * rates[fastest]:
+    if fastest and max(residuals.gap / length, residuals.turn) <= speed <= _ROUND_OFF * rates[fastest]:
         joint = system.drives[fastest].joint
         unit = "m/s" if system.mechanism.joint(joint).kind == "prismatic" else "rad/s"
         return (
             f"motion {fastest!r} is too fast: it moves joint {joint!r} by {number(rates[fastest])} "
             f"{unit} at t = 0, and its loops cannot be closed better than to the round-off of that, "
-            f"{number(found.speed)} m/s, {number(found.spin)} rad/s; make it slower"
+            f"{number(residuals.speed)} m/s, {number(residuals.spin)} rad/s; make it slower"
         )
     return (
-        f"its loops are open: {number(found.gap)} m, {number(found.turn)} rad, {number(found.speed)} m/s, "
-        f"{number(found.spin)} rad/s; close it by antenna_pin.dynamics.assembled"
+        f"its loops are open: {number(residuals.gap)} m, {number(residuals.turn)} rad, "
+        f"{number(residuals.speed)} m/s, {number(residuals.spin)} rad/s; close it by "
+        "antenna_pin.dynamics.assembled"
     )
 
 
@@ -96,7 +87,7 @@ _LOOKS = 1001
 
 
 def check_limits(system: System, name: str, motion: Motion, begin: float, end: float) -> None:
-    """Refuse a motion that leaves its joint's limits in the URDF, from a time to another [s]."""
+    """Refuse a motion beyond its joint's URDF limits within a time span [s]."""
     limit = system.mechanism.urdf.joint(motion.joint).limit
     kind = system.mechanism.joint(motion.joint).kind
     if limit is None or limit.lower is None or limit.upper is None or kind == "continuous":
@@ -115,7 +106,7 @@ def check_limits(system: System, name: str, motion: Motion, begin: float, end: f
 
 
 def check_jumps(system: System, name: str, motion: Motion, begin: float, end: float) -> None:
-    """Refuse a motion along a reference that jumps, or whose rate does and must not, within a run [s]."""
+    """Refuse a motion along a discontinuous reference within a run [s]."""
     if not isinstance(motion, PrescribedMotion):
         return
     unit = "m" if system.slides(motion.joint) else "rad"
@@ -164,7 +155,7 @@ def assembled(
     held: Collection[str] = (),
     angles: Mapping[str, float] | None = None,
 ) -> tuple[Array, Array]:
-    """Return a configuration and a velocity near to those given that close all loops and follow all motions.
+    """Return a nearby configuration and velocity that close loops and follow motions.
 
     Journals stay where they are in their bearings, and as fast, but for what their joints leave free. A free
     base stays if no closure holds it to the world, and as fast if it can. Velocities of joints that no
@@ -236,23 +227,25 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
     _check_singular(system, workspace, y)
 
 
-def _write_follower_rates(system: System, y: Array, held: Collection[str]) -> None:
-    """Write the rates of followers of given or prescribed leaders, and of leaders of given followers."""
+def _write_follower_rates(system: System, y: Array, held_joints: Collection[str]) -> None:
+    """Write the rates of followers of prescribed leaders, and of leaders of prescribed followers."""
     nq, nv = system.model.nq, system.model.nv
     slots = system.mechanism.joints
     v = y[nq : nq + nv]
-    known = {name: float(v[slot.v][0]) for name, slot in slots.items() if name in held or v[slot.v].any()}
+    known = {
+        name: float(v[slot.v][0]) for name, slot in slots.items() if name in held_joints or v[slot.v].any()
+    }
     known |= {one.joint: one.at(0.0)[1] for one in system.drives.values() if isinstance(one, Motion)}
     put_follower_rates(system.mechanism, system.couplings.values(), v, known)
 
 
-def _let_go(held: Collection[str]) -> str:
-    if not held:
+def _let_go(held_joints: Collection[str]) -> str:
+    if not held_joints:
         return "look at the closures' points and axes"
-    return f"let joints be found (guess = true) of those held: {', '.join(sorted(held))}"
+    return f"let joints be found (guess = true) of those held: {', '.join(sorted(held_joints))}"
 
 
-def _not_closed(system: System, unclosed: Unclosed, held: Collection[str]) -> str:
+def _not_closed(system: System, unclosed: Unclosed, held_joints: Collection[str]) -> str:
     unit = "rad" if unclosed.turns else "m"
     exact = ""
     if unclosed.turns and unclosed.residual < _INEXACT:
@@ -261,19 +254,19 @@ def _not_closed(system: System, unclosed: Unclosed, held: Collection[str]) -> st
         exact = "; its axes point opposite ways: turn one of them"
     return (
         f"initial state: the loops cannot be closed: {unclosed.row} lacks {number(unclosed.residual)} {unit} "
-        f"at best; {_let_go(held)}, or check the dimensions{exact}"
+        f"at best; {_let_go(held_joints)}, or check the dimensions{exact}"
     )
 
 
-def _free(system: System, y: Array, held: Collection[str]) -> Array:
+def _free(system: System, y: Array, held_joints: Collection[str]) -> Array:
     """Return the generalized directions in which an initial state may be changed, (nv, k)."""
     nv = system.model.nv
     play = {joint.name: joint for joint in system.clearances}
     columns: list[Array] = []
-    if system.mechanism.base == "free" and system.closed_to_world and BASE not in held:
+    if system.mechanism.base == "free" and system.closed_to_world and BASE not in held_joints:
         columns.append(np.eye(nv)[:, :6])
     for name, slot in system.mechanism.joints.items():
-        if name in held:
+        if name in held_joints:
             continue
         own = np.eye(nv)[:, slot.v]
         if name not in play:
@@ -284,7 +277,7 @@ def _free(system: System, y: Array, held: Collection[str]) -> Array:
 
 
 def _free_of_play(slot: JointSlot, motion: str | None, y: Array) -> Array:
-    """Return what a joint with play lets go in its own coordinates, (nv of it, k)."""
+    """Return the free directions of a joint with play, (nv of it, k)."""
     if slot.kind == "planar":
         return np.eye(3)[:, 2:]
     if motion is None:  # a ball in a socket
@@ -300,7 +293,7 @@ def _free_of_play(slot: JointSlot, motion: str | None, y: Array) -> Array:
 
 
 def check_closed(system: System, y: Array) -> None:
-    """Refuse a state whose loops are open by more than digits that were left out; close it to the last.
+    """Refuse a state with open loops, and close small residuals of omitted digits.
 
     Args:
         system: The system.
@@ -320,7 +313,7 @@ def check_closed(system: System, y: Array) -> None:
 
 
 def check_motions(system: System, y: Array, begin: float, end: float) -> None:
-    """Refuse motions that leave their joints' limits in the URDF, that jump, or that the loops cannot follow.
+    """Refuse motions that exceed joint limits, jump, or conflict with the loops.
 
     That they can is looked at only where nothing else is free to move.
 
@@ -372,7 +365,7 @@ def _check_reach(system: System, workspace: Workspace, y: Array, begin: float, e
 
 
 def _check_singular(system: System, workspace: Workspace, y: Array) -> None:
-    """Refuse motions that are not left free, and a start where the rank is less than beside it."""
+    """Refuse overdetermined motions, and a start with a locally reduced rank."""
     constraints = workspace.constraints
     assert constraints is not None
     program = workspace.program

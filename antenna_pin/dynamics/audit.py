@@ -49,7 +49,7 @@ class Audit:
 
 
 def energy_of_python_laws(workspace: Workspace) -> float:
-    """Return the energy stored in touching contacts with laws in Python, by the workspace's table [J]."""
+    """Return the energy of touching contacts with laws in Python [J]."""
     energy = 0.0
     for path in workspace.paths:
         if not path.compiled:

@@ -122,7 +122,7 @@ def _lever(body: Body, own: Place) -> Triple:
 def _momenta(
     body: Body, own: Place, sx: float, sy: float, sz: float
 ) -> tuple[float, float, float, float, float, float, float]:
-    """Linear and angular momentum of a body about its own mass centre, in the world, and kinetic energy.
+    """Return a body's momenta about its mass centre, in the world, and kinetic energy.
 
     That of the armature at its joint is in the energy, and in no momentum.
     """

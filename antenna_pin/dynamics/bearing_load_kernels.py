@@ -1,4 +1,4 @@
-"""What bearings carry at the samples of a run, compiled."""
+"""Loads of bearings at the samples of a run, compiled."""
 
 from __future__ import annotations
 

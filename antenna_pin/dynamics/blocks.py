@@ -1,4 +1,4 @@
-"""Blocks of a system's program: put together one by one, those of joints with play and held ones."""
+"""Blocks of a system's program: assembly, joints with play and joints by constraint."""
 
 from __future__ import annotations
 
@@ -76,17 +76,11 @@ def held_slot(mechanism: Mechanism, name: str) -> JointSlot:
 
 def closures_by_name(
     mechanism: Mechanism,
-    held: Mapping[str, HeldKind],
+    held_kinds: Mapping[str, HeldKind],
     closures: Mapping[str, Closure],
 ) -> dict[str, Closure]:
-    """Return all closures by name, those of joints held by constraint first.
-
-    Args:
-        mechanism: The mechanism.
-        held: What each joint that is held is held to, by name.
-        closures: Those that close loops, by name.
-    """
-    found = {name: _held_closure(mechanism, name, kind) for name, kind in held.items()}
+    """Return all closures by name, those of joints held by constraint first."""
+    found = {name: _held_closure(mechanism, name, kind) for name, kind in held_kinds.items()}
     for name, closure in closures.items():
         # Of a load, a closure and a joint of one name could not be told apart.
         if name in mechanism.joints:
@@ -98,7 +92,7 @@ def closures_by_name(
 
 
 def _held_closure(mechanism: Mechanism, name: str, kind: HeldKind) -> Closure:
-    """Return the closure that holds a floating joint to a kind of joint at its own place."""
+    """Return the closure that makes a floating joint one of another kind."""
     if kind not in ("revolute", "prismatic", "spherical"):
         raise InvalidParameterError("System", f"held[{name!r}]", "revolute, prismatic or spherical", kind)
     slot = held_slot(mechanism, name)
@@ -126,12 +120,6 @@ def element_block(system: Any, place: str, element: ForceElement, x: int) -> Arr
 
     That of an element between two joints, or that measures another joint than its own, ends with a head for
     the second.
-
-    Args:
-        system: The system, its joints with play laid out.
-        place: What it is, for the refusal.
-        element: The element.
-        x: Where in x what it integrates starts.
     """
     if isinstance(element, BetweenJoints):
         joints = [element.input, element.output]
@@ -183,27 +171,20 @@ def element_head(system: Any, place: str, joint: str) -> NDArray[Any]:
 
 
 class InPython(NamedTuple):
-    """An element whose numbers Python writes before each evaluation.
+    """An element whose numbers Python writes before each evaluation."""
 
-    Attributes:
-        block: Where in a program its block stands.
-        words: Where its numbers go.
-        element: The element.
-        functions: Its functions as a run asks them.
-    """
-
-    block: int
-    words: slice
-    element: Element
-    functions: tuple[AskedFunction, ...]
+    block: int  # place of its block in a program
+    words: slice  # places of its numbers
+    element: Element  # the element
+    functions: tuple[AskedFunction, ...]  # callbacks of a run
 
     @property
-    def said(self) -> str:
+    def label(self) -> str:
         """Name in refusals."""
         return f"what acts at joint {self.element.joint!r}"
 
-    def given(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
-        """Return its numbers at time t [s], at an angle and a rate of its joint."""
+    def values(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
+        """Return the controller's numbers at time t [s] for a joint's angle and rate."""
         return self.element.given(self.functions, t, angle, rate)
 
 
@@ -216,9 +197,6 @@ def slides(mechanism: Mechanism, clearances: Sequence[ClearanceJoint], joint: st
 
 class Blocks:
     """A program that grows, and with it what its blocks integrate.
-
-    Args:
-        x: How many numbers of x are taken already.
 
     Attributes:
         all: The program's head, still zero, and the blocks so far.
@@ -233,12 +211,7 @@ class Blocks:
         self.size = int(kernels.HEADER)
 
     def add(self, block: Array, integrals: int) -> int:
-        """Put a block at the end; return where in the program it stands.
-
-        Args:
-            block: Its numbers; still to be written to, if need be.
-            integrals: How many numbers it has in x.
-        """
+        """Put a block at the end; return where in the program it stands."""
         at = self.size
         self.all.append(block)
         self.size += len(block)
@@ -247,13 +220,7 @@ class Blocks:
 
 
 def check_booked(family: str, name: str, element: ForceElement) -> None:
-    """Refuse an element that integrates what the ledger of its family has no place for.
-
-    Args:
-        family: ``drive`` or ``spring``.
-        name: Of the element.
-        element: The element.
-    """
+    """Refuse an element that integrates what the ledger of its family has no place for."""
     others = (LOSS,) if family == "drive" else (WORK, GROSS_WORK)
     if strange := [one.name for one in element.integrals if one in others]:
         rule = "work and gross work of a drive, the loss of a spring, or what is no energy"
@@ -263,14 +230,7 @@ def check_booked(family: str, name: str, element: ForceElement) -> None:
 def places_in_x(
     program: Array, elements: Mapping[str, ForceElement], blocks: Mapping[str, int], integral: Integral
 ) -> NDArray[np.int_]:
-    """Return where in x each of some elements integrates something, -1 for one that does not.
-
-    Args:
-        program: All blocks.
-        elements: By name.
-        blocks: Their places in the program, by name.
-        integral: What is integrated.
-    """
+    """Return the index in x of each element's integral, -1 for none."""
     found = []
     for name, element in elements.items():
         head = program[blocks[name] :][: kernels.PARAMETERS].view(kernels.ELEMENT)
@@ -289,7 +249,7 @@ def turning(system: Any) -> dict[str, int]:
 
 
 def states_in_x(system: Any) -> NDArray[np.int_]:
-    """Return where in x all that elements of a system integrate and their efforts depend on stands."""
+    """Return the indices in x of all integrals that elements' efforts depend on."""
     found = [
         places_in_x(system.program, {name: element}, system.element_blocks[table], own)
         for table, elements in system.families.items()
@@ -302,12 +262,8 @@ def states_in_x(system: Any) -> NDArray[np.int_]:
 def clearance_block(mechanism: Mechanism, joint: ClearanceJoint, row: int, x: int, turn: int) -> Array:
     """Return the block of a joint with play.
 
-    Args:
-        mechanism: The joint must have the freedom there that it needs.
-        joint: The joint.
-        row: Of its first contact in a contact table.
-        x: Where in x its contacts' numbers start.
-        turn: Place of its turned angle in x, or -1.
+    Contacts begin at ``row`` of a contact table and at ``x``; ``turn`` is the place of the turned angle in x,
+    or -1.
     """
     slot = _slot(mechanism, joint)
     axes = np.eye(3) if joint.planar else frame_aligning_z(slot.axis)
@@ -315,15 +271,9 @@ def clearance_block(mechanism: Mechanism, joint: ClearanceJoint, row: int, x: in
 
 
 def held_block(mechanism: Mechanism, name: str, slides: bool, row: int, x: int, turn: int) -> Array:
-    """Return the block of a joint held by constraint: without contacts, for elements about its axis.
+    """Return the block of a joint by constraint, without contacts.
 
-    Args:
-        mechanism: The joint must be floating there.
-        name: Of the joint.
-        slides: Whether it slides along its axis rather than turning about it.
-        row: Of the next contact in a contact table.
-        x: Where in x the next numbers start.
-        turn: Place of its turned angle in x, or -1.
+    ``row`` and ``x`` are the next free ones; ``turn`` is the place of the turned angle in x, or -1.
     """
     slot = held_slot(mechanism, name)
     block = np.zeros(_layout.JOINT_WORDS)
@@ -336,7 +286,7 @@ def held_block(mechanism: Mechanism, name: str, slides: bool, row: int, x: int, 
 
 
 def _slot(mechanism: Mechanism, joint: ClearanceJoint) -> JointSlot:
-    """Return the slot of a clearance joint, checked to have the freedom that the joint needs."""
+    """Return the slot of a clearance joint after a check of its freedoms."""
     slot = mechanism.joint(joint.name)
     needed = "planar" if joint.planar else "floating"
     if slot.kind != needed:
@@ -356,16 +306,7 @@ def check_motion(
     own: str,
     motion: Motion,
 ) -> None:
-    """Refuse a motion of a joint without axis, of a slider with play, or one beside a motion or a drive.
-
-    Args:
-        place: What it is, for the refusal.
-        mechanism: The mechanism.
-        turning: Joints that turn without end, with play or without.
-        drives: All drives, the motion among them.
-        own: The motion's name.
-        motion: The motion.
-    """
+    """Refuse a motion without a suitable axis, or beside another motion or drive."""
     slot = mechanism.joint(motion.joint)
     if slot.kind not in ("revolute", "continuous", "prismatic") and motion.joint not in turning:
         raise MechanismError(
@@ -383,13 +324,7 @@ def check_motion(
 
 
 def check_holds(place: str, mechanism: Mechanism, element: Element) -> None:
-    """Refuse an element that holds a joint without a row of its own, or whose load no row gives.
-
-    Args:
-        place: What it is, for the refusal.
-        mechanism: The mechanism.
-        element: The element.
-    """
+    """Refuse a holding element without a row of its own, or with indeterminate load."""
     joint = element.joint
     slot = mechanism.joint(joint)
     if slot.kind not in ("revolute", "continuous", "prismatic"):
@@ -419,7 +354,7 @@ def bearings_in(families: Families) -> Iterator[tuple[str, str, Bearing]]:
 
 
 def on_bearings(
-    mechanism: Mechanism, families: Families, with_play: Collection[str], held: Collection[str]
+    mechanism: Mechanism, families: Families, with_play: Collection[str], held_joints: Collection[str]
 ) -> tuple[str, ...]:
     """Return the names of the joints without play that bearings carry.
 
@@ -431,7 +366,7 @@ def on_bearings(
     for _, name, bearing in bearings_in(families):
         place, joint = f"bearing {name!r}", bearing.joint
         kind = mechanism.joint(joint).kind
-        if joint in held:
+        if joint in held_joints:
             raise MechanismError(
                 f"{place}: joint {joint!r} is held by constraint, and a bearing would carry nothing; take "
                 "the constraint or the bearing away"
@@ -449,14 +384,9 @@ def on_bearings(
     return tuple(found)
 
 
-def kinds_about_axis(held: Mapping[str, HeldKind], carried: Collection[str]) -> dict[str, HeldKind]:
-    """Return what joints are that are free in the tree and have an axis, but no play, by name.
-
-    Args:
-        held: What those are held to that are held by constraint, by name.
-        carried: Those on bearings.
-    """
-    found: dict[str, HeldKind] = {**held}
+def kinds_about_axis(held_kinds: Mapping[str, HeldKind], carried: Collection[str]) -> dict[str, HeldKind]:
+    """Return the kinds of tree-free joints with an axis and no play, by name."""
+    found: dict[str, HeldKind] = {**held_kinds}
     for name in carried:
         found[name] = "revolute"
     return {name: kind for name, kind in found.items() if kind != "spherical"}

@@ -16,7 +16,7 @@ Answer = Callable[[float], None]
 
 
 def accelerations_of(model: Any, data: Any, y: Array, effort: Array) -> tuple[Answer, Array]:
-    """Return what finds the acceleration at a state under a generalized force, and where it stands, (nv,).
+    """Return a function for forward dynamics, and its array of accelerations, (nv,).
 
     That is Pinocchio's own array: what ``pin.aba`` returns would be a copy of it, and cost a tenth more. The
     answer has to be kept as long as the array is read.
@@ -30,7 +30,7 @@ def accelerations_of(model: Any, data: Any, y: Array, effort: Array) -> tuple[An
 
 
 def terms_of(model: Any, data: Any, y: Array, mass: Array, bias: Array) -> Answer:
-    """Return what writes mass matrix, (nv, nv), and bias, (nv,), at a state in an array."""
+    """Return a function that writes mass matrix, (nv, nv), and bias, (nv,)."""
     q, v = y[: model.nq], y[model.nq : model.nq + model.nv]
     mass_of, bias_of = pin.crba, pin.nonLinearEffects
 

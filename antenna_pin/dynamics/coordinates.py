@@ -37,11 +37,9 @@ def coordinate_names(mechanism: Mechanism) -> tuple[tuple[str, ...], tuple[str, 
 
 
 def reach_of(mechanism: Mechanism, length: float) -> NDArray[np.float64]:
-    """Return what counts as much as a turn of 1 rad, of each generalized direction (nv,).
+    """Return the equivalent of a 1 rad turn in each generalized direction, (nv,).
 
-    Args:
-        mechanism: The mechanism.
-        length: What of ways does [m].
+    A turn of 1 rad is equivalent to a displacement by ``length`` [m].
     """
     reach = np.ones(mechanism.model.nv)
     if mechanism.base == "free":

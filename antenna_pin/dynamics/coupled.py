@@ -1,4 +1,4 @@
-"""The couplings of a system: those of its URDF and those given, and where they put what nobody has placed."""
+"""Couplings of a system, from URDF and scenario, and default positions by them."""
 
 from __future__ import annotations
 
@@ -22,14 +22,9 @@ _ONE_AXIS = ("revolute", "continuous", "prismatic")
 
 
 def couplings_of(
-    mechanism: Mechanism, given: Mapping[str, Coupling], taken: Collection[str]
+    mechanism: Mechanism, couplings: Mapping[str, Coupling], closure_names: Collection[str]
 ) -> dict[str, Coupling]:
     """Return the couplings by name: the URDF's by their followers, then those given.
-
-    Args:
-        mechanism: The mechanism.
-        given: By name.
-        taken: Names that closures have.
 
     Raises:
         UnknownNameError: A joint that there is not.
@@ -45,8 +40,8 @@ def couplings_of(
         _check(
             mechanism, place, found[name], "take the <mimic> out by mimic = false in its [mechanism.joints]"
         )
-    for name, coupling in given.items():
-        if name in found or name in taken:
+    for name, coupling in couplings.items():
+        if name in found or name in closure_names:
             rule = "of another name than a joint with <mimic>, or a closure"
             raise InvalidParameterError("System", f"couplings[{name!r}]", rule, name)
         found[name] = coupling
@@ -74,7 +69,7 @@ def _check(mechanism: Mechanism, place: str, coupling: Coupling, way_out: str) -
 
 
 def facts_of_couplings(mechanism: Mechanism, couplings: Mapping[str, Coupling]) -> dict[str, dict[str, Any]]:
-    """Return of each coupling, by name, its joints and numbers, and whether follower and leader slide."""
+    """Return, by coupling, its joints and numbers, and which of them slide."""
     sliding = {name for name, slot in mechanism.joints.items() if slot.kind == "prismatic"}
     return {
         name: {
@@ -109,11 +104,7 @@ def put_follower_rates(
 ) -> None:
     """Write the rates that couplings imply into a velocity, in place.
 
-    Args:
-        mechanism: The mechanism.
-        couplings: Without circles.
-        v: Velocity, (nv,).
-        known: Given rates of joints, which stay [rad/s] ([m/s]); other leaders are at rest.
+    Known rates of joints stay [rad/s] ([m/s]); other leaders are at rest.
     """
     rated = [dataclasses.replace(one, offset=0.0) for one in couplings]
     for name, rate in _coupled(mechanism, rated, dict(known)):
@@ -140,16 +131,11 @@ def fit_turns(
     couplings: Collection[Coupling],
     y: Array,
     turn_x: Mapping[str, int],
-    told: Collection[str],
+    given_joints: Collection[str],
 ) -> None:
-    """Give joints that turn without end the whole turns that couplings want, in a state [q, v, x], in place.
+    """Set the whole turns of unlimited joints by couplings in a state, in place.
 
-    Args:
-        mechanism: The mechanism.
-        couplings: Without circles.
-        y: The state; its turned angles are those of its configuration, but for whole turns.
-        turn_x: Places of turned angles in x, by joint.
-        told: Joints whose turns are given.
+    Turned angles of y, at ``turn_x``, are correct but for whole turns, which ``given_joints`` joints keep.
     """
     x = y[mechanism.model.nq + mechanism.model.nv :]
 
@@ -159,7 +145,7 @@ def fit_turns(
         return float(x[turn_x[name]] if name in turn_x else y[mechanism.joint(name).q][0])
 
     exact = {name for one in couplings for name in (one.follower, *one.leaders) if name not in turn_x}
-    for one, forward in spread(couplings, {*told, *exact}):
+    for one, forward in spread(couplings, {*given_joints, *exact}):
         name = one.follower if forward else one.leader
         second = place(one.second or "")
         wanted = one.led(place(one.leader), second) if forward else one.leading(place(one.follower), second)

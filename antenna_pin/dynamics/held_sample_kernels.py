@@ -1,4 +1,4 @@
-"""What constraints do at the samples of a run, compiled: accelerations, forces, residuals."""
+"""Accelerations, constraint forces and residuals at the samples of a run, compiled."""
 
 from __future__ import annotations
 
@@ -20,44 +20,27 @@ from antenna_pin.mechanism.tree_kernels import PLACE
 
 @by_address
 class Held(NamedTuple):
-    """Constraints, and room for their solution.
+    """Constraints, and room for their solution."""
 
-    Attributes:
-        plan: The constraints.
-        work: Their work array.
-        mass: Mass matrix, (nv, nv), scratch.
-        bias: (nv,), scratch.
-        room: Of the tree's dynamics, ROOM, (bodies + 1,).
-        least: Of :func:`antenna_pin.constraints.force_kernels.least_forces`, (2 rows (rows + 1),), scratch.
-        multipliers: (rows,), scratch.
-        applied: What elements on links do to bodies at the samples, (n, 6 bodies), or (n, 0).
-    """
-
-    plan: Floats
-    work: Floats
-    mass: Floats
-    bias: Floats
-    room: Records[BodyRoom]
+    plan: Floats  # the constraints
+    work: Floats  # their work array
+    mass: Floats  # mass matrix, (nv, nv), scratch
+    bias: Floats  # (nv,), scratch
+    room: Records[BodyRoom]  # arrays for the tree's dynamics, ROOM, (bodies + 1,)
+    # of :func:`antenna_pin.constraints.force_kernels.least_forces`, (2 rows (rows + 1),), scratch
     least: Floats
-    multipliers: Floats
-    applied: Floats
+    multipliers: Floats  # (rows,), scratch
+    applied: Floats  # actions of elements on links on bodies at the samples, (n, 6 bodies), or (n, 0)
 
 
 @by_address
 class Holding(NamedTuple):
-    """What holds a system at each of n samples, with its motion.
+    """Constraint forces and motion of a system at n samples."""
 
-    Attributes:
-        rates: Generalized accelerations, and behind them powers of motions, (n, nv + nx).
-        closures: Force [N] and moment [N m] of each closure, (n, closures, 2, 3).
-        joints: What holds motions, then couplings' followers, then joints that elements hold, (n, all).
-        residuals: Largest of positions [m], [rad] and of rates [m/s], [rad/s], (n, 4).
-    """
-
-    rates: Floats
-    closures: Floats
-    joints: Floats
-    residuals: Floats
+    rates: Floats  # generalized accelerations, and behind them powers of motions, (n, nv + nx)
+    closures: Floats  # force [N] and moment [N m] of each closure, (n, closures, 2, 3)
+    joints: Floats  # forces of motions, of couplings' followers, and of holding elements, (n, all)
+    residuals: Floats  # largest of positions [m], [rad] and of rates [m/s], [rad/s], (n, 4)
 
 
 @kernel

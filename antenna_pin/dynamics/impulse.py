@@ -29,10 +29,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.constraints import motions_that_prescribe
@@ -43,6 +42,7 @@ from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.elements import Modal
 from antenna_pin.errors import MechanismError
+from antenna_pin.mechanism import mass_matrix
 
 __all__ = [
     "apart",
@@ -59,30 +59,6 @@ __all__ = [
 ]
 
 # --- impulses -----------------------------------------------------------------------------------------------
-#
-# Of rows J that hold, with their wanted rates s after the jump, the velocity after it is
-#
-# .. math:: v^+ = v^- + M^{-1} J^T \Lambda, \qquad J v^+ = s
-#
-# the nearest to that before in kinetic energy. The impulses are inner ones of the mechanism, so all
-# momentum stays.
-#
-# Stops that are struck at one instant, or that joints rest on, push only. With u their rates off the stops
-# and p their impulses they obey Newton's law in Moreau's form,
-#
-# .. math:: 0 \le p_i \quad \perp \quad u_i^+ - b_i \ge 0, \qquad b_i = e_i\, |u_i^-|, \quad u_i^- \le 0
-#
-# a complementarity problem whose velocity is the nearest one that the inequalities admit: it is unique, and
-# hangs on no order. Its impulses are found by the finite method of Lawson and Hanson for least distances. As
-# no row that pushes was leaving its stop, stops take
-#
-# .. math:: -\tfrac12 \sum_i p_i (u_i^+ + u_i^-) = \tfrac12 \sum_i p_i (1 - e_i) |u_i^-| \ge 0
-#
-# whatever restitution each of them has: no combination gains energy.
-#
-# References:
-#     Moreau (1988), Unilateral contact and dry friction in finite freedom dynamics, CISM 302.
-#     Lawson and Hanson (1974), Solving Least Squares Problems, chapter 23.
 
 Array = NDArray[np.float64]
 
@@ -107,31 +83,21 @@ class Push(NamedTuple):
 
 
 class Pushed(NamedTuple):
-    """The impulses of one instant, and what they do.
+    """The impulses of one instant, and what they do."""
 
-    Attributes:
-        velocity: After them, (nv,).
-        pushes: Impulses of the stops, zero or more, (pushes,) [N m s] ([N s]).
-        rates: Of the joints off their stops after them, (pushes,) [rad/s] ([m/s]).
-        holds: Impulses on the child of the rows of elements that hold, (holds,) [N m s] ([N s]).
-        lost: Energy that these take, (holds,) [J].
-        works: Work of the prescribed motions, (motions,) [J].
-        met: Whether all rows that hold have their rates.
-    """
-
-    velocity: Array
-    pushes: Array
-    rates: Array
-    holds: Array
-    lost: Array
-    works: Array
-    met: bool
+    velocity: Array  # after them, (nv,)
+    pushes: Array  # impulses of the stops, zero or more, (pushes,) [N m s] ([N s])
+    rates: Array  # of the joints off their stops after them, (pushes,) [rad/s] ([m/s])
+    holds: Array  # impulses on the child of the rows of elements that hold, (holds,) [N m s] ([N s])
+    lost: Array  # energy that these take, (holds,) [J]
+    works: Array  # work of the prescribed motions, (motions,) [J]
+    met: bool  # whether all rows that hold have their rates
 
 
 def impulse(
     workspace: Workspace, t: float, y: Array, wanted: Mapping[int, float]
 ) -> tuple[Array, Array, Array]:
-    """Return the velocity after an impulse that gives joints rates, with all rows that hold held.
+    """Return the velocity after an impulse with prescribed joint rates and active rows.
 
     Args:
         workspace: The system, with the modes that its elements have from now on.
@@ -202,7 +168,7 @@ def push_apart(
 def _pushing(
     root: Array, v: Array, rows: list[Array], lacks: list[float], own: list[Array], least: Array
 ) -> list[tuple[int, float]]:
-    """Return which stops push, by number, and how hard, where each joint has a least rate off its stop."""
+    """Return pushing stops and impulses for given least rates off the stops."""
     from scipy.optimize import nnls
 
     change, _ = _nearest(root, rows, lacks)
@@ -273,7 +239,7 @@ def _of_joint(at: int, way: float, nv: int) -> Array:
 
 
 def reduced_inertia(workspace: Workspace, t: float, y: Array, block: int) -> float:
-    r"""Return the reduced inertia of an element's joint, with all rows that hold held [kg m^2] ([kg]).
+    r"""Return the reduced inertia of an element's joint under active rows [kg m^2] ([kg]).
 
     .. math:: I_r = \Lambda, \qquad \text{where } r \cdot (v^+ - v^-) = 1
 
@@ -305,7 +271,7 @@ def reduced_inertia(workspace: Workspace, t: float, y: Array, block: int) -> flo
 def _held_rows(
     workspace: Workspace, t: float, y: Array, free: Collection[int] = ()
 ) -> tuple[list[Array], list[float], int]:
-    """Return the rows that hold, what their rates lack, and how many of them are elements'.
+    """Return the active rows, their rate residuals, and the number of element rows.
 
     Those of ``free``, numbers of elements' holds, hold nothing.
     """
@@ -327,8 +293,7 @@ def _root(workspace: Workspace, y: Array) -> Array:
     q, constraints = y[: workspace.model.nq], workspace.constraints
     if constraints is not None:
         return np.asarray(np.linalg.cholesky(constraints.mass(q)))
-    mass: Any = pin.crba(workspace.model, workspace.data, q)
-    return np.asarray(np.linalg.cholesky(np.triu(mass) + np.triu(mass, 1).T))
+    return np.asarray(np.linalg.cholesky(mass_matrix(workspace.model, workspace.data, q)))
 
 
 def _nearest(root: Array, rows: list[Array], lacks: list[float]) -> tuple[Array, Array]:
@@ -346,11 +311,11 @@ def _nearest(root: Array, rows: list[Array], lacks: list[float]) -> tuple[Array,
     return np.asarray(np.linalg.solve(root.T, change)), np.asarray(forces)
 
 
-def _lengths(workspace: Workspace, held: int) -> Array:
+def _lengths(workspace: Workspace, element_rows: int) -> Array:
     """Return by what the rows of elements that hold are multiplied, (holds,)."""
     plan = workspace.system.plan
     slots = [workspace.system.mechanism.joint(one.joint) for one in workspace.system.holds]
-    assert plan is not None or not held
+    assert plan is not None or not element_rows
     return np.array([1.0 if slot.kind == "prismatic" or plan is None else plan.length for slot in slots])
 
 
@@ -364,7 +329,7 @@ class NotFollowedError(MechanismError):
 def prescribing(
     workspace: Workspace, adjustments: Adjustments, t: float, y: Array, at: int, holds: Collection[str] = ()
 ) -> tuple[str, ...]:
-    """Return the motions that prescribe the rate of a joint; none if it is free, or fixed without them.
+    """Return the motions that prescribe the rate of a joint.
 
     Args:
         workspace: The system.
@@ -391,7 +356,7 @@ def check_restraint(
     place: str,
     holds: Collection[str] = (),
 ) -> None:
-    """Refuse an element that is to hold its joint, against any load, where motions move it.
+    """Refuse an element that would hold a joint with prescribed motion.
 
     Args:
         workspace: The system.
@@ -420,7 +385,7 @@ def check_restraint(
 
 
 def check_restraints(system: System, y: Array, t: float = 0.0) -> None:
-    """Refuse stops and latches without give at joints that motions move, in a first state [q, v, x].
+    """Refuse rigid stops and latches at joints with prescribed motion, at the start.
 
     Raises:
         NotFollowedError: There is one.

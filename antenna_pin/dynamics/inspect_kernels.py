@@ -1,4 +1,4 @@
-"""What happens to the contacts inside an accepted trial step, from its dense output, compiled.
+"""Events of contacts inside an accepted trial step, from its dense output, compiled.
 
 At ``NODES`` + 1 equally spaced points of the step each contact's gap, depth rate and force are computed. From
 them follow the first change of contact (with the gaps that dipped and came back between two points), and the
@@ -29,7 +29,7 @@ NODE_SIZE = 3
 
 @inlined
 def _may_cross(c: int, sign: float, level: float, nodes: Floats) -> bool:
-    """Whether :func:`_crossing` has anything to look at: a gap past the level, or one that turns back."""
+    """Return whether a gap passes the level or reverses within the step."""
     for k in range(NODES):
         if sign * (nodes[GAP, k + 1, c] - level) > 0.0:
             return True
@@ -40,7 +40,9 @@ def _may_cross(c: int, sign: float, level: float, nodes: Floats) -> bool:
 
 @kernel
 def _crossing(c: int, sign: float, level: float, h: float, nodes: Floats, trial: Trial) -> float:
-    """First fraction at which the gap of contact c passes a level, or 2. sign = 1: upwards, -1: downwards.
+    """Return the first fraction at which gap c passes a level, or 2.
+
+    The sign is 1 for upward and -1 for downward passes.
 
     f = sign * (gap - level) is negative (or zero, at the start) before; f' has the sign of -sign * depth
     rate.
@@ -115,7 +117,7 @@ def fill_nodes(nodes: Floats, trial: Trial, from_last: bool, at_end: bool) -> No
 
 @inlined
 def _take_end(nodes: Floats, trial: Trial) -> None:
-    """Write the last point from what the derivative has found there; only contacts apart are located."""
+    """Write the last point from the evaluated state; only separated contacts are located."""
     apart_contacts_of(trial.start + STATE - START, trial)
     for c in range(trial.memory.shape[0]):
         touching = trial.memory[c].touching != 0.0
@@ -137,7 +139,7 @@ def inspect_step(
     trial: Trial,
     ends: tuple[bool, bool],
 ) -> tuple[int, float, bool]:
-    """Return what happens first within the step: which contact, at what fraction, and whether it is too deep.
+    """Return the first event within the step: contact, fraction, and whether too deep.
 
     If it is not too deep, past its limit, it changes: touches or parts. Where nothing happens before the
     fraction ``until`` that is -1 and ``until``; with an ``until`` of 2 such a step will be accepted as it is:

@@ -122,7 +122,7 @@ def joint_motion(p: Floats, b: int, y: Floats, nq: int) -> tuple[float, float, f
 
 @kernel
 def own_motion(p: Floats, b: int, y: Floats, nq: int) -> tuple[float, float, float, float]:
-    """Angle (or way) and its rate of the joint of a head, and gx, gy of :func:`motion_angle`."""
+    """Return angle (or position) and rate of a head's joint, with gx, gy."""
     e = element_at(p, b)
     k = nq + e.v
     if e.play < 0 and e.joint != CIRCLE:
@@ -146,7 +146,7 @@ def own_motion(p: Floats, b: int, y: Floats, nq: int) -> tuple[float, float, flo
 
 @kernel
 def element_state(p: Floats, b: int, t: float, y: Floats, nq: int) -> Triple:
-    """Torque [N m] (force [N] at a prismatic joint) of the element block at b, and what it follows.
+    """Return torque [N m] or force [N] of the element at b, with its input.
 
     The reference and its error are not-a-number where the element follows none.
     """
@@ -168,7 +168,9 @@ def element_kink(p: Floats, b: int, k: int, t: float, y: Floats) -> float:
 
 @kernel
 def element_switch(p: Floats, b: int, k: int, t: float, y: Floats, load: float) -> tuple[float, float]:
-    """Function k of the element block at b, positive while its mode stays, and its rate (0: not known).
+    """Return function k of the element block at b, and its rate (0: unknown).
+
+    The function is positive as long as the mode lasts.
 
     ``load`` is the torque that its row carries [N m] (force [N]), 0 where it holds nothing.
     """
@@ -182,14 +184,14 @@ def element_switch(p: Floats, b: int, k: int, t: float, y: Floats, load: float) 
 
 @inlined
 def effort_at(p: Floats, b: int, motion: Triple, own: tuple[Floats, int]) -> float:
-    """Effort of the element block at b, by time, angle (or way) and rate, and where its own states begin."""
+    """Return effort of the element block at b from time, joint position and rate."""
     e = element_at(p, b)
     return float(e.on * elements.effort_of(e.kind, p, b + PARAMETERS, motion, own))
 
 
 @inlined
 def book_at(p: Floats, b: int, motion: Triple, own: tuple[Floats, int], rates: Floats, x: int) -> None:
-    """Write the rates of what the element block at b integrates, by angle (or way), rate and power."""
+    """Write the rates of the integrals of the element block at b."""
     e = element_at(p, b)
     angle, rate, power = motion
     elements.write_rates_of(e.kind, p, b + PARAMETERS, (angle, e.on * rate, power), own, rates, x)
@@ -221,7 +223,7 @@ def _element(p: Floats, b: int, t: float, y: Floats, head: Program, tau: Floats,
 def act_at(
     p: Floats, b: int, effort: float, slope: tuple[float, float], y: Floats, nq: int, tau: Floats
 ) -> float:
-    """Add an effort at the joint of a head to tau; return the rate of that along which it acts."""
+    """Add an effort at a head's joint to tau; return its working rate."""
     e = element_at(p, b)
     if e.play < 0:
         tau[e.v] += effort
@@ -235,7 +237,7 @@ def act_at(
 
 @kernel
 def _between(p: Floats, b: int, t: float, y: Floats, head: Program, tau: Floats, rates: Floats) -> None:
-    """Add the generalized force of an element between two joints; write the rates of loss and impulse."""
+    """Add the generalized force of a two-joint element; write its loss and impulse rates."""
     e, nq = element_at(p, b), head.nq
     angle, rate, gx, gy = own_motion(p, b, y, nq)
     other, other_rate, ox, oy = own_motion(p, b + e.partner, y, nq)
@@ -249,7 +251,7 @@ def _between(p: Floats, b: int, t: float, y: Floats, head: Program, tau: Floats,
 def efforts_between(
     p: Floats, b: int, t: float, seen: tuple[float, float, float, float], rates: Floats, x: int
 ) -> tuple[float, float]:
-    """Efforts of an element at its two joints, by angle and rate of both; write its rates of x."""
+    """Return efforts of an element at its two joints; write its rates of x."""
     e, at = element_at(p, b), b + PARAMETERS
     angle, rate, other, other_rate = seen
     deflection, speed, over, over_other = elements.between(e.kind, p, at, angle, rate, other, other_rate)
@@ -264,7 +266,7 @@ def efforts_between(
 def _push(
     j: Joint, e: ElementHead, effort: float, slope: tuple[float, float], y: Floats, nq: int, tau: Floats
 ) -> float:
-    """Add an effort at a free joint with play to tau; return the rate of that along which it acts.
+    """Add an effort at a free joint with play to tau; return its working rate.
 
     ``slope`` is (gx, gy) of the motion angle.
     """
@@ -308,7 +310,7 @@ def _bearing(p: Floats, b: int, y: Floats, head: Program, pose: Pose, tau: Float
 
 @inlined
 def element_forces(p: Floats, b: int, t: float, y: Floats, pose: Pose, tau: Floats, rates: Floats) -> None:
-    """Add the generalized force of the element at a joint whose block stands at b; write its rates of x."""
+    """Add the generalized force of the joint element at b; write its rates of x."""
     if element_at(p, b).about == ABOUT_POSE:
         _bearing(p, b, y, head_of(p), pose, tau, rates)
     else:
@@ -327,7 +329,7 @@ def element_energy(p: Floats, b: int, y: Floats, nq: int) -> float:
 
 @kernel
 def evaluate(t: float, y: Floats, program: Floats, work: Floats, rates: Floats) -> None:
-    """Write the generalized force of all elements into work, and the rates of x behind rates[nv].
+    """Write the generalized force of all elements into work, and their rates of x.
 
     ``work`` is [generalized force (nv), POSE, MEMORY (contacts), CONTACT (rows)] in one array, because each
     argument costs a part of what is computed.
@@ -356,7 +358,7 @@ def evaluate(t: float, y: Floats, program: Floats, work: Floats, rates: Floats) 
 def stored_energy(
     y: Floats, program: Floats, memory: Records[Memory], table: Records[Contact]
 ) -> tuple[float, float]:
-    """Energy stored in touching contacts (compiled laws; gaps from the table) and in joint springs [J]."""
+    """Return the energy stored in touching contacts and joint springs [J]."""
     head = head_of(program)
     nq = head.nq
     contacts = springs = 0.0

@@ -1,4 +1,4 @@
-"""Elements on links, compiled: what they see, what they do to the tree, and what of that is booked.
+"""Elements on links, compiled: their inputs, forces on the tree, and bookkeeping.
 
 Their blocks stand at the end of a program, from ``points`` of its head on, with the springs between points
 (:mod:`antenna_pin.dynamics.point_kernels`) first: ``ELEMENT``, of which kind, length, x, on and partner count
@@ -58,7 +58,7 @@ def desk_of(program: Floats, b: int) -> Desk:
 
 @kernel
 def see(t: float, y: Floats, program: Floats, b: int, places: Records[Place]) -> None:
-    """Write what the element at b sees to its desk, with the bodies where ``places`` says."""
+    """Write the input of the element at b to its desk, from ``places`` of bodies."""
     head = head_of(program)
     whole, links, joints, states = desk_of(program, b)
     whole[0].time = t
@@ -136,7 +136,7 @@ def _apply(
     tau: Floats,
     rates: Floats,
 ) -> None:
-    """Add what stands on the desk of the element at b to tau, and book it.
+    """Add the desk's forces of the element at b to tau, and book them.
 
     The mass centre of all is where the scratch place of ``places`` says.
     """
@@ -203,7 +203,7 @@ def add_forces(
     tau: Floats,
     rates: Floats,
 ) -> None:
-    """Add the generalized forces of all elements on links, and write the rates of what they integrate.
+    """Add the generalized forces of all elements on links; write their rates of x.
 
     Args:
         t: Time [s].
@@ -231,7 +231,7 @@ def add_forces(
 
 @kernel
 def write_wrenches(program: Floats, places: Records[Place], out: Floats) -> None:
-    """Write what all elements on links do to each body, as they did last: world axes, (6 bodies,).
+    """Write the last wrenches of all elements on bodies: world axes, (6 bodies,).
 
     Of each body force [N], and moment about its origin [N m]; nothing if ``out`` is empty.
     """
@@ -255,7 +255,10 @@ def write_wrenches(program: Floats, places: Records[Place], out: Floats) -> None
 
 @kernel
 def kept_on_links(y: Floats, program: Floats, b: int, places: Records[Place]) -> float:
-    """Energy stored in the element at b [J], with the bodies where ``places`` says; at its last time."""
+    """Return the stored energy of the element at b [J].
+
+    Bodies are at ``places``; the time is that of the last evaluation.
+    """
     whole, _, _, _ = desk_of(program, b)
     if whole[0].passive == 0:
         return 0.0
@@ -266,7 +269,7 @@ def kept_on_links(y: Floats, program: Floats, b: int, places: Records[Place]) ->
 
 @kernel
 def stored(y: Floats, program: Floats, places: Records[Place]) -> float:
-    """Energy stored in all elements on links [J], with the bodies where ``places`` says."""
+    """Return the energy stored in all elements on links [J]."""
     total = 0.0
     b = head_of(program).points
     while b < program.shape[0]:

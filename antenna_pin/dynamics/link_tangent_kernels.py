@@ -1,4 +1,4 @@
-"""How generalized forces of elements on links, and the rates of what they integrate, change, compiled.
+"""Derivatives of generalized forces and rates of elements on links, compiled.
 
 Such an element sees all joints below its links: it is differentiated along each displacement as a whole, and
 over each number of the system. ``room`` is :class:`antenna_pin.dynamics.tangent_room_kernels.TangentRoom`.
@@ -36,7 +36,7 @@ def _displace(y: Floats, way: Floats, h: float, room: TangentRoom) -> None:
 def add_link_changes(
     t: float, y: Floats, ways: Floats, steps: Floats, room: TangentRoom, out: Floats
 ) -> None:
-    """Add how elements on links do, by differences along each displacement, and over numbers of the system.
+    """Add derivatives of elements on links along displacements and over system parameters.
 
     Args:
         t: Time [s].
@@ -69,7 +69,7 @@ def add_link_changes(
 
 @inlined
 def _moves(way: Floats, count: int) -> bool:
-    """Whether a displacement has anything of the state."""
+    """Return whether a displacement has any component of the state."""
     found = False
     for i in range(count):
         found = found or way[i] != 0.0
@@ -110,7 +110,7 @@ def _differentiate_links(t: float, y: Floats, way: Floats, m: int, step: float, 
 
 @inlined
 def _pulls(room: TangentRoom) -> int:
-    """Return how many numbers elements on links change: forces, and the rates of what they integrate."""
+    """Return the count of output numbers of elements on links."""
     return int(room.rates.shape[0] - room.links_x[0])
 
 

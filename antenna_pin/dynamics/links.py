@@ -1,4 +1,4 @@
-"""Elements on links as blocks of a system's program: forces from outside, and what a user writes."""
+"""Elements on links as blocks of a system's program: external and user-defined forces."""
 
 from __future__ import annotations
 
@@ -40,12 +40,6 @@ Array = NDArray[np.float64]
 def point_spring_block(mechanism: Mechanism, place: str, spring: BetweenPoints, x: int) -> Array:
     """Return the block of a spring between points.
 
-    Args:
-        mechanism: The mechanism.
-        place: What it is, for a refusal.
-        spring: The spring.
-        x: Where in x its loss goes.
-
     Raises:
         UnknownNameError: A link that there is not.
         MechanismError: Both ends are on one body.
@@ -74,45 +68,31 @@ assert _desk.HEAD_WORDS == kernels.PARAMETERS
 
 
 class ForcePlace(NamedTuple):
-    """A place at which a force acts.
+    """A place at which a force acts."""
 
-    Attributes:
-        name: The force's, and of one on several links the link's behind it.
-        force: The force's name.
-        link: The link, or ``world``.
-        point: In its frame [m].
-    """
-
-    name: str
-    force: str
-    link: str
-    point: tuple[float, float, float]
+    name: str  # name of the force, with the link's if there are several
+    force: str  # the force's name
+    link: str  # the link, or ``world``
+    point: tuple[float, float, float]  # in its frame [m]
 
 
 class OnLinksInPython(NamedTuple):
-    """Element on links whose Python function is called before each evaluation.
+    """Element on links whose Python function is called before each evaluation."""
 
-    Attributes:
-        block: Where in a program its block stands.
-        element: The element.
-        place: Its name, for what is said of it.
-        nq: Where v begins in a state.
-    """
-
-    block: int
-    element: Any
-    place: str
-    nq: int
+    block: int  # place of its block in a program
+    element: Any  # the element
+    place: str  # name in messages
+    nq: int  # start of v in a state
 
     @property
-    def said(self) -> str:
+    def label(self) -> str:
         """Name in refusals."""
         return self.place
 
     def write(
         self, program: Array, t: float | None, y: Array, tree: NDArray[Any], places: NDArray[Any]
     ) -> None:
-        """Write what it does at time t [s], or that of its last question, and state y to its desk."""
+        """Write the element's action at time t [s] and state y to its desk."""
         place_bodies(y, self.nq, tree, places)
         desk = desk_in(program, self.block)
         now = float(desk[0]["time"][0]) if t is None else t
@@ -121,7 +101,7 @@ class OnLinksInPython(NamedTuple):
 
 
 def written_by(program: Array, block: int) -> tuple[float, ...]:
-    """Return all that the element at a place in a program has written to its desk."""
+    """Return the desk content of the element at a place in a program."""
     whole, links, joints, states = desk_in(program, block)
     parts = [links["force"], links["torque"], joints["torque"], states["rate"]]
     parts += [np.concatenate([whole["energy"], whole["loss"], whole["kink"]])]
@@ -131,9 +111,7 @@ def written_by(program: Array, block: int) -> tuple[float, ...]:
 def desk_in(program: Array, block: int | None) -> tuple[Any, Any, Any, Any]:
     """Return a desk, views of it: whole, links, joints, states.
 
-    Args:
-        program: A program, or numbers that begin with the desk.
-        block: Where in the program its element stands; None where the desk stands first.
+    Without a block the desk stands first.
     """
     first = 0
     if block is not None:
@@ -154,7 +132,7 @@ def desk_in(program: Array, block: int | None) -> tuple[Any, Any, Any, Any]:
 
 
 def acting_on_links(system: Any, program: Array) -> Iterator[tuple[str, Array]]:
-    """Yield what elements on links do as a program last had it: a link each, force and moment, (6,).
+    """Yield the last actions of elements on links: link, force and moment, (6,).
 
     In the world's axes, the moment about its origin.
     """
@@ -166,7 +144,7 @@ def acting_on_links(system: Any, program: Array) -> Iterator[tuple[str, Array]]:
 
 
 def books_in_x(system: Any) -> dict[str, NDArray[np.int_]]:
-    """Return where in x what is integrated of forces stands: by the name that ``BOOK`` has, (forces, ...)."""
+    """Return the indices in x of the integrals of forces, by ``BOOK`` name, (forces, ...)."""
     heads = [
         system.program[at : at + kernels.PARAMETERS].view(kernels.ELEMENT)[0]
         for at in system.element_blocks.get("forces", {}).values()
@@ -181,18 +159,16 @@ def books_in_x(system: Any) -> dict[str, NDArray[np.int_]]:
 
 
 def works_in_x(system: Any) -> NDArray[np.int_]:
-    """Return where in x works of drives and forces stand, and their gross works, (n, 2)."""
+    """Return the indices in x of works and gross works, (n, 2)."""
     drives = np.column_stack([system.work_x, system.gross_work_x])
     forces = np.column_stack([system.force_x["work"], system.force_x["gross_work"]])
     return np.concatenate([drives[(drives >= 0).all(axis=1)], forces]).astype(np.int64)
 
 
 def place_on_links(system: Any, blocks: Blocks) -> int:
-    """Lay out springs between points, then forces, behind all else; return where in the program they begin.
+    """Append springs between points, then forces; return their places in the program.
 
-    Args:
-        system: The system; its ``element_blocks``, ``callables`` and ``force_places`` are written to.
-        blocks: The program so far.
+    The system's ``element_blocks``, ``callables`` and ``force_places`` are extended.
     """
     begin = blocks.size
     for name, spring in system.point_springs.items():
@@ -255,13 +231,6 @@ def _number(labels: list[str], k: int) -> str:
 
 def _block(system: Any, place: str, force: OnLinks, places: list[ForcePlace], x: int) -> Array:
     """Return the block of an element on links.
-
-    Args:
-        system: The system, its joints with play laid out.
-        place: What it is, for a refusal.
-        force: The element.
-        places: Where it acts.
-        x: Where in x what it integrates starts.
 
     Raises:
         UnknownNameError: A link or joint that there is not.

@@ -13,50 +13,26 @@ from antenna_pin.mechanism.tree_kernels import Body, Place
 
 @by_address
 class Numbers(NamedTuple):
-    """A system in numbers, and what one run works on.
+    """A system in numbers, and what one run works on."""
 
-    Attributes:
-        program: Of its elements.
-        work: Of :func:`antenna_pin.dynamics.kernels.evaluate`.
-        tree: Its bodies, BODY.
-        gravity: (3,) [m/s^2].
-        room: Of the tree's dynamics, ROOM, (bodies + 1,).
-        places: PLACE, (bodies + 1,), scratch.
-        plan: Of the constraints, empty where there are none.
-        held: Their work array.
-        mass: Mass matrix, (nv, nv), scratch.
-        bias: (nv,), scratch.
-        step: (nv,), scratch.
-        pose: POSE, (1,), scratch.
-        table: A contact table, scratch.
-        own: The contact table that the derivative writes.
-        memory: The contact memory.
-        rates: Derivatives, (2, nv + nx), scratch.
-        force: Generalized force, (nv,), scratch.
-        moved: A step's end before it was brought onto the constraints, (size,).
-        flag: Whether it was moved, (1,).
-        booked: Place in a state of the energy that this puts in.
-        outside: What is asked outside.
-    """
-
-    program: Floats
-    work: Floats
-    tree: Records[Body]
-    gravity: Floats
-    room: Records[BodyRoom]
-    places: Records[Place]
-    plan: Floats
-    held: Floats
-    mass: Floats
-    bias: Floats
-    step: Floats
-    pose: Records[Pose]
-    table: Records[Contact]
-    own: Records[Contact]
-    memory: Records[Memory]
-    rates: Floats
-    force: Floats
-    moved: Floats
-    flag: Ints
-    booked: int
-    outside: Outside
+    program: Floats  # program of the elements
+    work: Floats  # of :func:`antenna_pin.dynamics.kernels.evaluate`
+    tree: Records[Body]  # bodies, BODY
+    gravity: Floats  # (3,) [m/s^2]
+    room: Records[BodyRoom]  # arrays for the tree's dynamics, ROOM, (bodies + 1,)
+    places: Records[Place]  # PLACE, (bodies + 1,), scratch
+    plan: Floats  # constraints, empty where there are none
+    held: Floats  # work array of the constraints
+    mass: Floats  # mass matrix, (nv, nv), scratch
+    bias: Floats  # (nv,), scratch
+    step: Floats  # (nv,), scratch
+    pose: Records[Pose]  # POSE, (1,), scratch
+    table: Records[Contact]  # A contact table, scratch
+    own: Records[Contact]  # contact table of the derivative
+    memory: Records[Memory]  # the contact memory
+    rates: Floats  # derivatives, (2, nv + nx), scratch
+    force: Floats  # generalized force, (nv,), scratch
+    moved: Floats  # A step's end before it was brought onto the constraints, (size,)
+    flag: Ints  # whether it was moved, (1,)
+    booked: int  # place in a state of the correction's energy
+    outside: Outside  # callbacks

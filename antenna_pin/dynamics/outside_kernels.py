@@ -1,4 +1,4 @@
-"""What compiled code asks outside: Pinocchio, coal, functions in Python, each by an address.
+"""Callbacks of compiled code through function pointers: Pinocchio, coal, functions in Python.
 
 Where an address is zero there is nothing to be asked: the kernel that is there answers. Questions and answers
 stand in arrays that both sides know. A question that could not be answered leaves its status in ``failed``:
@@ -44,19 +44,12 @@ ASKED = layout(Asked)
 
 @by_address
 class Outside(NamedTuple):
-    """Questions and answers.
+    """Questions and answers."""
 
-    Attributes:
-        asked: ASKED, (1,).
-        state: At which is asked, [q, v, x], (size,).
-        effort: Generalized force under which accelerations are asked for, (nv,).
-        acceleration: The answer to that, (nv,).
-    """
-
-    asked: Records[Asked]
-    state: Floats
-    effort: Floats
-    acceleration: Floats
+    asked: Records[Asked]  # requests of callbacks, ASKED, (1,)
+    state: Floats  # state of a request, [q, v, x], (size,)
+    effort: Floats  # generalized force of a request for accelerations, (nv,)
+    acceleration: Floats  # resulting accelerations, (nv,)
 
 
 @inlined
@@ -79,5 +72,5 @@ def ask_at(outside: Outside, address: int, t: float, y: Floats) -> None:
 
 @inlined
 def has_failed(outside: Outside) -> bool:
-    """Whether something could not be answered."""
+    """Return whether a callback failed."""
     return bool(outside.asked[0].failed != ANSWERED)

@@ -38,7 +38,7 @@ _NEAR = 1e-6
 def highest_force(
     c: int, low: float, middle: float, high: float, force: float, trial: Trial
 ) -> tuple[float, float]:
-    """Return the largest normal force [N] of contact c between two fractions of a step, and its fraction.
+    """Return the largest normal force [N] of contact c between two fractions, and its fraction.
 
     Brent's way (1973): parabolas through the three best points, golden section where they do not help.
 
@@ -99,7 +99,7 @@ def highest_force(
 
 @inlined
 def _may_pass(nodes: Floats, best: int, c: int, least: float, trial: Trial) -> bool:
-    """Whether the force of a contact may be larger beside the point at which it is largest than ``least``."""
+    """Return whether the contact's force may exceed ``least`` beside its largest sample."""
     force = nodes[NORMAL_FORCE, best, c]
     if best == NODES:
         return bool(1.05 * force > least and value_at(NORMAL_FORCE, 1.0 - 1e-3, c, trial) > force)
@@ -113,7 +113,7 @@ def _may_pass(nodes: Floats, best: int, c: int, least: float, trial: Trial) -> b
 
 @kernel
 def track_peaks(t: float, h: float, nodes: Floats, peaks: Records[Peak], trial: Trial) -> None:
-    """Raise the peaks of each touching contact (``PEAK``) to the maxima of this step's dense output."""
+    """Raise the peaks of touching contacts (``PEAK``) to maxima of the dense output."""
     memory = trial.memory
     for c in range(memory.shape[0]):
         if memory[c].touching == 0.0:

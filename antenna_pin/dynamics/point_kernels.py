@@ -1,4 +1,4 @@
-"""Springs and dampers between points, compiled: their forces, energy and losses, from where the bodies are.
+"""Springs and dampers between points, compiled: forces, energy and losses.
 
 Their blocks stand first among those of elements on links (:mod:`antenna_pin.dynamics.link_kernels`), from
 ``points`` of a program's head on: ``ELEMENT``, of which kind, length, x and on count, the record of its kind,
@@ -85,7 +85,7 @@ def _place(side: Side, places: Records[Place]) -> Six:
 
 @inlined
 def line(program: Floats, b: int, places: Records[Place]) -> tuple[float, float, float, float, float]:
-    """Return length, its rate, and direction from the first to the second end of the spring at b.
+    """Return length, length rate and direction of the spring at b.
 
     Where the ends coincide the direction is that in which they move apart; zero if they do not.
     """
@@ -108,7 +108,7 @@ def line(program: Floats, b: int, places: Records[Place]) -> tuple[float, float,
 def draw(
     program: Floats, b: int, tree: Records[Body], places: Records[Place], tau: Floats, rates: Floats
 ) -> None:
-    """Add the generalized force of the spring at b, and write the rate of its loss.
+    """Add the generalized force of the spring at b; write its loss rate.
 
     Args:
         program: Of all force elements.
@@ -139,7 +139,7 @@ def draw(
 
 @kernel
 def push(body: Body, own: Place, force: Triple, torque: Triple, point: Triple, tau: Floats) -> None:
-    """Add what a force at a point of the world, and a torque, do at the joint of a body."""
+    """Add the effect of a force at a world point, and torque, on a joint."""
     fx, fy, fz = force
     tx, ty, tz = torque
     px, py, pz = point
@@ -166,7 +166,7 @@ def push(body: Body, own: Place, force: Triple, torque: Triple, point: Triple, t
 def add_wrench(
     body: int, places: Records[Place], force: Triple, torque: Triple, point: Triple, out: Floats
 ) -> None:
-    """Add a force at a point of the world, and a torque, to those on a body about its origin, (bodies, 6)."""
+    """Add a force at a world point, and torque, to a body's wrench, (bodies, 6)."""
     fx, fy, fz = force
     tx, ty, tz = torque
     px, py, pz = point
@@ -198,7 +198,7 @@ def add_pull(program: Floats, b: int, places: Records[Place], out: Floats) -> No
 
 @kernel
 def stored_between(program: Floats, b: int, places: Records[Place]) -> float:
-    """Energy stored in the spring at b [J], with the bodies where ``places`` says."""
+    """Return the energy stored in the spring at b [J]."""
     e = element_at(program, b)
     length, _, _, _, _ = line(program, b, places)
     return float(e.on * elements.stored(e.kind, program, b + PARAMETERS, length))

@@ -1,4 +1,4 @@
-"""What is asked of coal at a state, set out and taken in by compiled code; only the asking is Python's.
+"""Queries to coal at a state: written and evaluated by compiled code.
 
 Behind the contact table, the work array of :func:`antenna_pin.dynamics.kernels.evaluate` has a stretch for
 each joint of which coal measures the gaps and nothing else is done in Python: where its block stands in the
@@ -34,13 +34,13 @@ def _first(head: Program) -> int:
 
 @inlined
 def has_queries(program: Floats, work: Floats) -> bool:
-    """Whether there is anything to be set out."""
+    """Return whether queries are necessary."""
     return bool(_first(head_of(program)) < work.shape[0])
 
 
 @kernel
 def set_out_queries(y: Floats, program: Floats, work: Floats) -> None:
-    """Set out what is to be asked of coal at the state y: the gaps of contacts that touch."""
+    """Write the queries to coal at the state y: gaps of touching contacts."""
     head = head_of(program)
     nv = head.nv
     pose = work[nv : nv + POSE_WORDS].view(POSE)
@@ -59,7 +59,7 @@ def set_out_queries(y: Floats, program: Floats, work: Floats) -> None:
 
 @kernel
 def take_in_queries(y: Floats, program: Floats, work: Floats) -> bool:
-    """Write coal's answers into the contact table; whether they are final, or coal is to be asked again."""
+    """Write coal's results into the contact table; return whether they are final."""
     head = head_of(program)
     nv = head.nv
     pose = work[nv : nv + POSE_WORDS].view(POSE)

@@ -42,17 +42,16 @@ __all__ = [
 
 
 def program_parts(programs: Sequence[NDArray[np.float64]]) -> Iterator[tuple[int, int]]:
-    """Yield first and last (past the end) of the samples over which the program stays the same array.
+    """Yield ranges of samples, [start, stop), over which the program is constant.
 
-    Args:
-        programs: Force elements at each sample: the same array from one to the next unless they changed.
+    Successive programs are one and the same array unless elements have changed.
     """
     n = len(programs)
     return pairwise([0, *compress(range(1, n), map(operator.is_not, programs[1:], programs)), n])
 
 
 def records_at(programs: Sequence[NDArray[np.float64]], place: int, layout: np.dtype[Any]) -> NDArray[Any]:
-    """Return the records at a place of the program at each sample, as events and parameters have left them.
+    """Return the program's records at a place at each sample.
 
     Args:
         programs: Force elements at each sample: the same array from one to the next unless they changed.
@@ -108,7 +107,7 @@ def acceleration(
 
 
 def motion_block(system: System, joint: str) -> Array:
-    """Return the numbers of a joint's motion for kernels, as a block behind the system's program.
+    """Return the block of a joint's motion angle for kernels.
 
     Raises:
         AntennaPinError: There is no such joint, or it has no axis.
@@ -117,7 +116,7 @@ def motion_block(system: System, joint: str) -> Array:
 
 
 class JointMotion:
-    """Angle and rate of a joint that has an axis: ideal, by constraint or with play.
+    """Angle and rate of a single-axis joint: ideal, by constraint, or with play.
 
     Args:
         system: The system.
@@ -134,7 +133,7 @@ class JointMotion:
         self._nq = system.model.nq
 
     def __call__(self, y: Array) -> tuple[float, float]:
-        """Return angle [rad] (position [m] of a sliding joint) and rate of a state [q, v, x]."""
+        """Return angle [rad] (or position [m]) and rate in a state [q, v, x]."""
         angle, rate, _, _ = kernels.joint_motion(self._program, self._block, y, self._nq)
         return float(angle), float(rate)
 
@@ -199,7 +198,7 @@ def journal_attitudes(
     programs: Sequence[Array],
     before: tuple[Array, Array] | None = None,
 ) -> Array:
-    """Return the attitudes of the journals' frames in their bearings', as quaternions without jumps in sign.
+    """Return the attitudes of journals in their bearings, as quaternions of continuous sign.
 
     Args:
         system: The system.
@@ -272,7 +271,7 @@ def mobility_of(system: System, y: Array) -> Mobility:
 
 
 def constraint_counts(system: System, y: Array) -> dict[str, Any]:
-    """Return how many equations hold a system in a state [q, v, x], and what they leave free.
+    """Return the number of constraint equations of a state, and the remaining freedoms.
 
     ``closure_equations`` of closures and couplings, how many of these are ``couplings``, if any,
     ``closure_rank`` (independent ones), ``motions``, ``rank`` (of all), ``freedoms`` of the tree,
@@ -309,7 +308,7 @@ def constraint_counts(system: System, y: Array) -> dict[str, Any]:
 
 
 def _moving(system: System, y: Array) -> dict[str, dict[str, Any]]:
-    """Return the rates of moving joints without a prescribed motion, by name: of turns, or else of ways."""
+    """Return the rates of moving joints without prescribed motion, by name."""
     nq, mechanism, found = system.model.nq, system.mechanism, {}
     slots = {name: (slot.ways, slot.v) for name, slot in mechanism.joints.items()}
     if mechanism.base == "free":

@@ -1,4 +1,4 @@
-"""All that the samples of a run imply but its accelerations, compiled: one pass over the states."""
+"""Derived quantities at the samples of a run, except accelerations, compiled."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ DONE = layout(Done)
 def _apart_in(
     y: Floats, program: Floats, memory: Records[Memory], pose: Pose, table: Records[Contact]
 ) -> None:
-    """Fill what is known of the contacts that do not touch: the evaluation fills all the rest."""
+    """Fill the rows of separated contacts; the evaluation fills the others."""
     nq = head_of(program).nq
     b = HEADER
     while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
@@ -114,7 +114,7 @@ def _apart_in(
 
 @inlined
 def _look_at(row: Contact, seen: Seen) -> None:
-    """Write what a row of a contact table tells of its contact."""
+    """Write a contact's results from its row of a contact table."""
     force = max(row.force, 0.0)
     slip = 0.0
     friction = 0.0
@@ -135,7 +135,7 @@ def _look_at(row: Contact, seen: Seen) -> None:
 def _scenario(
     p: Floats, b: int, pose: Pose, table: Records[Contact], scratch: Records[Contact], out: NDArray[np.int8]
 ) -> None:
-    """Write how a joint touches: of bore and flanges their scenarios, of another whether it presses."""
+    """Write a joint's contact scenario, or contact flag where it has none."""
     j = joint_at(p, b)
     out[0] = 0
     out[1] = 0
@@ -155,74 +155,43 @@ def _scenario(
 
 @by_address
 class Samples(NamedTuple):
-    """The samples that are looked at.
+    """Samples of a run for evaluation."""
 
-    Attributes:
-        times: (n,) [s].
-        states: (n, state).
-        memories: Of the contacts, MEMORY, (n, contacts).
-    """
-
-    times: Floats
-    states: Floats
-    memories: NDArray[Memory]
+    times: Floats  # (n,) [s]
+    states: Floats  # (n, state)
+    memories: NDArray[Memory]  # of the contacts, MEMORY, (n, contacts)
 
 
 @by_address
 class Whole(NamedTuple):
-    """A system, and room for its evaluation.
+    """A system, and room for its evaluation."""
 
-    Attributes:
-        program: The force elements.
-        work: Of :func:`antenna_pin.dynamics.kernels.evaluate`; its contact table is ``table``.
-        table: Contact table, CONTACT, (rows,).
-        rates: To write to.
-        blocks: Places of the joints with play in the program.
-        drives: Places of the drives.
-        tree: Bodies (``BODY``).
-        gravity: (3,) [m/s^2].
-        places: To write to, PLACE, (bodies + 1,).
-        scratch: A contact table to write to, CONTACT, (5,).
-    """
-
-    program: Floats
-    work: Floats
-    table: Records[Contact]
-    rates: Floats
-    blocks: Ints
-    drives: Ints
-    tree: Records[Body]
-    gravity: Floats
-    places: Records[Place]
-    scratch: Records[Contact]
+    program: Floats  # the force elements
+    work: Floats  # of :func:`antenna_pin.dynamics.kernels.evaluate`; its contact table is ``table``
+    table: Records[Contact]  # contact table, CONTACT, (rows,)
+    rates: Floats  # to write to
+    blocks: Ints  # places of the joints with play in the program
+    drives: Ints  # places of the drives
+    tree: Records[Body]  # bodies (``BODY``)
+    gravity: Floats  # (3,) [m/s^2]
+    places: Records[Place]  # to write to, PLACE, (bodies + 1,)
+    scratch: Records[Contact]  # A contact table to write to, CONTACT, (5,)
 
 
 @by_address
 class Sights(NamedTuple):
-    """What is seen at each of n samples.
+    """Results at each of n samples."""
 
-    Attributes:
-        forces: Generalized forces, (n, nv).
-        contacts: ``SEEN`` of each, (n, contacts).
-        poses: Of the journals with the wrenches on them, POSE, (n, joints).
-        scenarios: Of contact, radial and axial, (n, joints, 2).
-        efforts: Of the drives, ``EFFORT``, (n, drives).
-        audits: Energies and momenta, AUDIT, (n,).
-        stretches: Of the springs between points, ``STRETCH``, (n, springs).
-        applied: Of the places at which forces act, ``APPLIED``, (n, places).
-        kept: Energies that forces store [J], (n, forces).
-        wrenches: What elements on links do to bodies, (n, 6 bodies), if friction by load asks, else (n, 0).
-    """
-
-    forces: Floats
-    contacts: NDArray[Seen]
-    poses: NDArray[Pose]
-    scenarios: NDArray[np.int8]
-    efforts: NDArray[Effort]
-    audits: Records[Audit]
-    stretches: NDArray[Stretched]
-    applied: NDArray[Applied]
-    kept: Floats
+    forces: Floats  # generalized forces, (n, nv)
+    contacts: NDArray[Seen]  # results of contacts, ``SEEN``, (n, contacts)
+    poses: NDArray[Pose]  # poses of journals and wrenches on them, POSE, (n, joints)
+    scenarios: NDArray[np.int8]  # contact scenarios, radial and axial, (n, joints, 2)
+    efforts: NDArray[Effort]  # results of drives, ``EFFORT``, (n, drives)
+    audits: Records[Audit]  # energies and momenta, AUDIT, (n,)
+    stretches: NDArray[Stretched]  # results of springs between points, ``STRETCH``, (n, springs)
+    applied: NDArray[Applied]  # results at places of forces, ``APPLIED``, (n, places)
+    kept: Floats  # energies that forces store [J], (n, forces)
+    # what elements on links do to bodies, (n, 6 bodies), if friction by load asks, else (n, 0)
     wrenches: Floats
 
 
@@ -306,7 +275,7 @@ def turned_angles(states: Floats, at: int, near: int, out: Floats) -> None:
 
 @kernel
 def clearance_motion(program: Floats, b: int, states: Floats, accelerations: Floats, out: Floats) -> None:
-    """Write motion angle, its rate and its acceleration of the joint block at b, (n, 3)."""
+    """Write motion angle, rate and acceleration of the joint block at b, (n, 3)."""
     head = head_of(program)
     nq, nv = head.nq, head.nv
     j = joint_at(program, b)
@@ -333,7 +302,7 @@ def clearance_motion(program: Floats, b: int, states: Floats, accelerations: Flo
 
 @kernel
 def tilt_rate(j: Joint, y: Floats, wx: float, wy: float, wz: float) -> tuple[float, float]:
-    """Return the rates of gx and gy of the motion angle for the angular velocity in journal axes [1/s]."""
+    """Return the rates of gx and gy of the motion angle [1/s]."""
     i = j.q + 3
     x = j.axes[0, 0] * y[i] + j.axes[1, 0] * y[i + 1] + j.axes[2, 0] * y[i + 2]
     q = j.axes[0, 1] * y[i] + j.axes[1, 1] * y[i + 1] + j.axes[2, 1] * y[i + 2]

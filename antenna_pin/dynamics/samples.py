@@ -341,14 +341,14 @@ def _between_links(system: System) -> list[JointSlot]:
 
 
 def sliding_motion(
-    system: System, states: Array, found: Observed, programs: Sequence[Array]
+    system: System, states: Array, observation: Observed, programs: Sequence[Array]
 ) -> tuple[list[str], Array]:
-    """Return the joints that slide along an axis, and their motion; not those of elastic parts.
+    """Return the sliding joints and their motion, without those of elastic parts.
 
     Args:
         system: The system.
         states: (n, nq + nv + nx).
-        found: What the equations of motion give there.
+        observation: What the equations of motion give there.
         programs: Force elements at each, as of :func:`observed`.
 
     Returns:
@@ -359,11 +359,11 @@ def sliding_motion(
     names, motions = [], []
     for slot in _between_links(system):
         v = states[:, system.model.nq :][:, slot.v]
-        a = found.acceleration[:, slot.v]
+        a = observation.acceleration[:, slot.v]
         if slot.name in guided:
             k = guided[slot.name]
             block = records_at(programs, system.clearance_blocks[slot.name], JOINT)
-            pose, axes, centre = found.pose[:, k], block["axes"], block["centre"]
+            pose, axes, centre = observation.pose[:, k], block["axes"], block["centre"]
             # In the child's own axes: the bearing's axis, the journal's centre, and how fast it moves, seen
             # from the parent, or from the child where the bearing is.
             if system.clearances[k].bearing_on == "child":
@@ -386,5 +386,5 @@ def sliding_motion(
 
 
 def _turned(axes: Array, vectors: Array) -> Array:
-    """Return vectors in the axes that others are in: number by number, the same among whatever others."""
+    """Return vectors in the axes of given rotations, bitwise independent of the batch."""
     return np.asarray(sum(axes[:, :, i] * vectors[:, i, np.newaxis] for i in range(3)))

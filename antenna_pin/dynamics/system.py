@@ -88,7 +88,7 @@ def families_of(
     springs: Mapping[str, ForceElement],
     others: Mapping[str, Mapping[str, ForceElement]],
 ) -> dict[str, dict[str, ForceElement]]:
-    """Return all elements by family, in the families' order; of further families those that there are.
+    """Return all elements by family, in the families' order, without empty optional families.
 
     Raises:
         UnknownNameError: There is no such family.
@@ -145,17 +145,10 @@ def spaces(model: Any) -> tuple[str, ...]:
     return tuple(kinds)
 
 
-def numbers(given: ArrayLike, count: int, name: str, unit: str) -> NDArray[np.float64]:
-    """Return a copy of a state's numbers, or refuse numbers that are not finite or too large.
-
-    Args:
-        given: What is given.
-        count: How many there must be.
-        name: What they are called.
-        unit: SI unit of the largest [-].
-    """
+def numbers(values: ArrayLike, count: int, name: str, unit: str) -> NDArray[np.float64]:
+    """Return a copy of a state's numbers, or refuse non-finite or too large ones."""
     try:
-        found = np.array(given, dtype=float)
+        found = np.array(values, dtype=float)
     except (TypeError, ValueError):
         found = np.zeros(0)
     if found.shape == (count,) and np.isfinite(found).all():
@@ -163,16 +156,12 @@ def numbers(given: ArrayLike, count: int, name: str, unit: str) -> NDArray[np.fl
     else:
         rule = "finite" if count == 1 else f"{count} finite numbers"
     if rule:
-        raise InvalidParameterError("System", name, rule, said=unknown_type(given))
+        raise InvalidParameterError("System", name, rule, said=unknown_type(values))
     return found
 
 
 def make_unit(mechanism: Mechanism, configuration: NDArray[np.float64]) -> None:
     """Make quaternions, and cosines and sines, of a configuration unit, in place.
-
-    Args:
-        mechanism: Whose it is.
-        configuration: (nq,).
 
     Raises:
         InvalidParameterError: One is further from it than round-off.
@@ -191,7 +180,7 @@ def make_unit(mechanism: Mechanism, configuration: NDArray[np.float64]) -> None:
 
 
 def _unit_parts(mechanism: Mechanism) -> Iterator[tuple[str, slice]]:
-    """Yield what of q must be of length one: name of the joint, place in q."""
+    """Yield name and place in q of each part of unit length."""
     if mechanism.base == "free":
         yield "the base", slice(3, 7)
     inside = {
@@ -211,7 +200,7 @@ Array = NDArray[np.float64]
 
 @takes()
 class System:
-    """A mechanism with its force elements, as data: what a state is, and all numbers that its motion needs.
+    """A mechanism with its force elements, as data.
 
     Nothing in it changes once it is made: runs share it, in threads too, and it can be pickled (with drives
     in Python as far as those can). What a run works on is its :class:`antenna_pin.dynamics.Workspace`.
@@ -289,7 +278,7 @@ class System:
             mechanism.check_regular(self.plan.ties)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        """Take up what was pickled; where compiled functions of a user's stand is another place here."""
+        """Restore a pickled system, with user functions at new addresses."""
         self.__dict__.update(state)
         self._compose()
 
@@ -376,7 +365,7 @@ class System:
         self.rows = row
 
     def _place_integrals_of_contacts(self) -> None:
-        """Tell of each contact where its joint stands in the program, and its integrals in x."""
+        """Collect the program place and integrals in x of each contact's joint."""
         of_contact = [joint for joint in self.clearances for _ in joint.contact_names]
         #: Least approach speed of each contact [m/s].
         self.approach_speed_floors = tuple(joint.approach_speed_floor for joint in of_contact)
@@ -507,7 +496,7 @@ class System:
         return np.concatenate([configuration, velocity, x])
 
     def turn_on(self, y: Array) -> float:
-        """Bring the turned angles in y, in place, up to its configuration; return the fastest rate [rad/s].
+        """Update the turned angles in y, in place; return the fastest rate [rad/s].
 
         To be called where a step is accepted: no joint may have turned by half a turn since then.
         """

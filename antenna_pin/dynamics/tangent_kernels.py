@@ -1,4 +1,4 @@
-"""How generalized forces of elements at joints, and the rates of what they integrate, change, compiled.
+"""Derivatives of generalized forces and rates of elements at joints, compiled.
 
 Such an element sees angle and rate of a joint or two, its own states and time: its law is differentiated over
 each of these, and over the numbers that it has, by itself. How what it sees changes, and along what it acts,
@@ -69,7 +69,7 @@ def _act(part: Part, t: float, room: TangentRoom) -> None:
 
 @inlined
 def _say(part: Part, t: float, pushes: bool, room: TangentRoom) -> None:
-    """Write what an element's law says of ``room.asked`` to ``room.looked``; its efforts where asked."""
+    """Write the output of an element's law for ``room.asked`` to ``room.looked``."""
     p, b, rates, asked, out = room.numbers.program, part.block, room.rates, room.asked, room.looked
     e, space = element_at(p, b), space_of(room.layout)
     if e.partner != 0:
@@ -86,7 +86,7 @@ def _say(part: Part, t: float, pushes: bool, room: TangentRoom) -> None:
 
 @inlined
 def _move(part: Part, kind: int, s: int, n: int, y: Floats, h: float, room: TangentRoom) -> None:
-    """Displace one number that an element knows."""
+    """Displace one input of an element's law."""
     space, state = space_of(room.layout), room.state[0]
     if kind == _WAY:
         own = factor_of(room.layout, part.factor[s])
@@ -114,7 +114,7 @@ def _differentiate(
     room: TangentRoom,
     out: Floats,
 ) -> None:
-    """Write the derivatives over one number: of what an element does, or of what its law says.
+    """Write the derivatives of an element's action, or of its law, over one number.
 
     ``about``: over what, of which joint, which of these, and whether what it does is looked at as a whole.
     """
@@ -154,7 +154,7 @@ def _differentiate(
 
 @kernel
 def _add_column(part: Part, at: int, ways: Floats, room: TangentRoom, out: Floats) -> None:
-    """Add the derivatives over one number times what each displacement has of it, at ways[:, at]."""
+    """Add the derivatives over one number, times its displacements at ways[:, at]."""
     nv = room.tau.shape[0]
     for d in range(ways.shape[0]):
         share = ways[d, at]
@@ -173,7 +173,7 @@ def _add_column(part: Part, at: int, ways: Floats, room: TangentRoom, out: Float
 
 @kernel
 def _look(part: Part, t: float, y: Floats, room: TangentRoom) -> float:
-    """Write what an element sees and says, and along what it acts; return the rate along which it acts."""
+    """Write an element's inputs, outputs and force direction; return its working rate."""
     p, b, nq = room.numbers.program, part.block, space_of(room.layout).nq
     e, asked, sides = element_at(p, b), room.asked, room.sides
     for n in range(ASKED):
@@ -201,7 +201,7 @@ def _look(part: Part, t: float, y: Floats, room: TangentRoom) -> float:
 def _differentiate_law(
     part: Part, t: float, y: Floats, ways: Floats, steps: Floats, room: TangentRoom
 ) -> int:
-    """Write the derivatives of what a law says over all that displacements move; return how many these are.
+    """Write the derivatives of a law over displaced inputs; return their count.
 
     Those over its power go to ``room.column``. ``room.over``: which number of a displacement each is over, or
     below zero what is asked.

@@ -20,165 +20,89 @@ from antenna_pin.mechanism.tree_kernels import Body, Place
 
 @by_address
 class Shifts(NamedTuple):
-    """How numbers of the system go with parameters, and with what elements keep: all of these by one name.
+    """Derivatives of system numbers over parameters and over stored numbers of elements."""
 
-    Attributes:
-        program: Which words of the program, :class:`antenna_pin.integrate.word_kernels.Words`.
-        tree: Which of the bodies' numbers, likewise.
-        flat: The bodies' numbers, flat, the tree's own.
-        bodies: By how much each body's change, BODY, (numbers, bodies).
-        gravity: By how much gravity does, (numbers, 3) [m/s^2].
-        heavy: Whether the tree, gravity or a constraint changes, (numbers,).
-        closures: By how much closures' own numbers change, CLOSURE, (numbers, closures).
-        couplings: Those of couplings, COUPLED, (numbers, couplings).
-        motions: Whether motions change, (numbers,).
-        lacks: How what accelerations lack does, scratch, (numbers, kinds, width).
-        acts: What of each part changes, 0 if nothing, then of elements on links, (parts + 1, numbers).
-        steps: First steps of differences, (numbers,).
-        rules: Numbers of contacts' laws that change.
-        laws: Derivatives of what laws say over these, scratch, (contacts, words, kinds, said).
-        forces: Of the forces that the motion takes, with their sign turned, scratch, (numbers, nv).
-    """
-
-    program: Words
-    tree: Words
-    flat: Floats
-    bodies: NDArray[Body]
-    gravity: Floats
-    heavy: Ints
-    closures: NDArray[Closure]
-    couplings: NDArray[Coupled]
-    motions: Ints
-    lacks: Floats
-    acts: Ints
-    steps: Floats
-    rules: LawWords
-    laws: Floats
-    forces: Floats
+    program: Words  # changed words of the program, :class:`antenna_pin.integrate.word_kernels.Words`
+    tree: Words  # changed words of the bodies
+    flat: Floats  # the tree's own bodies, flat
+    bodies: NDArray[Body]  # changes of bodies, BODY, (numbers, bodies)
+    gravity: Floats  # changes of gravity, (numbers, 3) [m/s^2]
+    heavy: Ints  # flags of changes of tree, gravity or constraints, (numbers,)
+    closures: NDArray[Closure]  # changes of closures, CLOSURE, (numbers, closures)
+    couplings: NDArray[Coupled]  # changes of couplings, COUPLED, (numbers, couplings)
+    motions: Ints  # flags of changes of motions, (numbers,)
+    lacks: Floats  # changes of biases of accelerations, scratch, (numbers, kinds, width)
+    acts: Ints  # dependence of each part, last of elements on links, (parts + 1, numbers)
+    steps: Floats  # first steps of differences, (numbers,)
+    rules: LawWords  # changed words of contacts' laws
+    laws: Floats  # derivatives of laws over these, scratch, (contacts, words, kinds, outputs)
+    forces: Floats  # constraint forces, sign reversed, scratch, (numbers, nv)
 
 
 @by_address
 class RowRoom(NamedTuple):
-    """What rows of constraints are differentiated with.
+    """Arrays for the derivatives of constraint rows."""
 
-    Attributes:
-        ties: What closures are, TIE, (closures,).
-        bias: Generalized force of gravity and velocities, scratch, (nv,).
-        force: Multipliers, (rows,).
-        force_change: How they change, scratch, (rows,).
-        lacks: How what accelerations lack changes, of the first kind, and by how much others differ from
-            that, scratch, (kinds, width).
-        speeds: How rates of motions change, scratch, (motions,).
-        twist: Scratch, (4,).
-        wanted: Accelerations of motions, scratch, (motions,).
-        trial: Their differences, how they bend, and the middle, scratch, (kinds + 2, motions).
-        jerks: Those over time, (kinds, motions).
-        column: Those over one number, scratch, (kinds, motions).
-    """
-
-    ties: Records[Tie]
-    bias: Floats
-    force: Floats
-    force_change: Floats
+    ties: Records[Tie]  # closures in the state, TIE, (closures,)
+    bias: Floats  # generalized force of gravity and velocities, scratch, (nv,)
+    force: Floats  # multipliers, (rows,)
+    force_change: Floats  # their changes, scratch, (rows,)
+    # how what accelerations lack changes, of the first kind, and by how much others differ from that,
+    # scratch, (kinds, width)
     lacks: Floats
-    speeds: Floats
-    twist: Floats
-    wanted: Floats
-    trial: Floats
-    jerks: Floats
-    column: Floats
+    speeds: Floats  # changes of rates of motions, scratch, (motions,)
+    twist: Floats  # scratch, (4,)
+    wanted: Floats  # accelerations of motions, scratch, (motions,)
+    trial: Floats  # differences of these, curvature and middle, scratch, (kinds + 2, motions)
+    jerks: Floats  # derivatives of these over time, (kinds, motions)
+    column: Floats  # derivatives of these over one number, scratch, (kinds, motions)
 
 
 @by_address
 class TangentRoom(NamedTuple):
-    """What the parts of a derivative are computed with.
+    """Arrays for the parts of a derivative."""
 
-    Attributes:
-        numbers: The system; its contact memory and program are those of the moment.
-        parts: What acts at joints, PART, (parts,).
-        links_x: Where in x what elements on links integrate begins, (1,).
-        weights: Of differences at 1, 2, ... steps, of each kind, (kinds, points).
-        layout: Of the manifold.
-        bristles: Their places in x, (bristles,).
-        bristle_of: Which bristle each place of x is, -1 if none, (nx,).
-        units: Of ways, rates and bristles, (2 nv + bristles,).
-        below: The freedom next below each one, (nv,).
-        asks: What is asked for, scratch, (2,).
-        state: The state, and where it is displaced, (1, size).
-        step: Of ways, scratch, (nv,).
-        tau: Generalized force, scratch, (nv,).
-        rates: Of velocities and of x, scratch, (nv + nx,).
-        drift: Rates of x of the state itself, (nx,).
-        poses: POSE, (3,): of a journal as it is, its changes, and displaced.
-        remembered: MEMORY, scratch, (1,).
-        freedoms: One freedom of a factor, scratch, (nv,).
-        looked: What is looked at, scratch, (values,).
-        change: How that of a contact changes, scratch, (kinds, LOOKED).
-        shapes: By how much its dimensions do, and these displaced, scratch, (2, CANDIDATE).
-        wrench: How the force and moment of a joint's contacts do, scratch, (kinds, 6).
-        carried: What these do along freedoms as the joint's frames change, scratch, (6,).
-        trial: Its differences, how it bends, and the middle, scratch, (kinds + 2, values).
-        column: Those that are kept, (kinds, values).
-        middle: What a law says undisplaced, scratch, (values,).
-        sides: What an element sees of its joints, scratch, (2, ROWS, MOST).
-        over: Over which numbers of a displacement its law is differentiated, scratch, (slots,).
-        of_law: Its derivatives, scratch, (slots, kinds, values).
-        asked: What laws are asked with, scratch.
-        said: What they say, scratch.
-        laws: Derivatives of that, (contacts of a joint, asked, kinds, said).
-        places: PLACE, (bodies + 1,), the tree's own; those that constraints write, if there are any.
-        room: ROOM, likewise.
-        mass: Factors of the mass matrix, of a tree without constraints, (nv, nv).
-        lanes: Right-hand sides, scratch, (nv, LANES).
-        acceleration: (nv,).
-        bodies: CHANGE, (bodies + 1,), the last the ground.
-        body: CHANGE, scratch, (1,).
-        first_number: Where in a displacement numbers of the system begin, (1,).
-        seen: Which of them a joint sees, scratch, (numbers,).
-        shifts: How these numbers go.
-        rows: What constraints are differentiated with.
-    """
-
-    numbers: Numbers
-    parts: Records[Part]
-    links_x: Ints
-    weights: Floats
-    layout: Ints
-    bristles: Ints
-    bristle_of: Ints
-    units: Floats
-    below: Ints
-    asks: Ints
-    state: Floats
-    step: Floats
-    tau: Floats
-    rates: Floats
-    drift: Floats
-    poses: Records[Pose]
-    remembered: Records[Memory]
-    freedoms: Floats
-    looked: Floats
-    change: Floats
-    shapes: Floats
-    wrench: Floats
-    carried: Floats
-    trial: Floats
-    column: Floats
-    middle: Floats
-    sides: Floats
-    over: Ints
-    of_law: Floats
-    asked: Floats
-    said: Floats
-    laws: Floats
+    numbers: Numbers  # the system, with the present contact memory and program
+    parts: Records[Part]  # elements and contacts at joints, PART, (parts,)
+    links_x: Ints  # start in x of the integrals of elements on links, (1,)
+    weights: Floats  # weights of differences at 1, 2, ... steps, by kind, (kinds, points)
+    layout: Ints  # layout of the manifold
+    bristles: Ints  # places of bristles in x, (bristles,)
+    bristle_of: Ints  # index of the bristle at each place of x, -1 for none, (nx,)
+    units: Floats  # units of positions, rates and bristles, (2 nv + bristles,)
+    below: Ints  # next lower freedom of each one, (nv,)
+    asks: Ints  # requested outputs, scratch, (2,)
+    state: Floats  # the state, displaced in place, (1, size)
+    step: Floats  # tangent step, scratch, (nv,)
+    tau: Floats  # generalized force, scratch, (nv,)
+    rates: Floats  # rates of velocities and x, scratch, (nv + nx,)
+    drift: Floats  # rates of x in the unperturbed state, (nx,)
+    poses: Records[Pose]  # pose of a journal, its changes, and the displaced pose, POSE, (3,)
+    remembered: Records[Memory]  # contact memory, MEMORY, scratch, (1,)
+    freedoms: Floats  # one freedom of a factor, scratch, (nv,)
+    looked: Floats  # values under differentiation, scratch, (values,)
+    change: Floats  # derivatives of a contact's values, scratch, (kinds, LOOKED)
+    shapes: Floats  # changes of a contact's dimensions, and displaced dimensions, scratch, (2, CANDIDATE)
+    wrench: Floats  # changes of force and moment of a joint's contacts, scratch, (kinds, 6)
+    carried: Floats  # changes of their action with the joint's frames, scratch, (6,)
+    trial: Floats  # differences of values, curvature and middle, scratch, (kinds + 2, values)
+    column: Floats  # accepted differences, (kinds, values)
+    middle: Floats  # output of a law without displacement, scratch, (values,)
+    sides: Floats  # inputs of an element from its joints, scratch, (2, ROWS, MOST)
+    over: Ints  # numbers over which its law is differentiated, scratch, (slots,)
+    of_law: Floats  # derivatives of its law, scratch, (slots, kinds, values)
+    asked: Floats  # inputs of laws, scratch
+    said: Floats  # outputs of laws, scratch
+    laws: Floats  # derivatives of outputs, (contacts of a joint, inputs, kinds, outputs)
+    # PLACE, (bodies + 1,), the tree's own; those that constraints write, if there are any
     places: Records[Place]
-    room: Records[BodyRoom]
-    mass: Floats
-    lanes: Floats
-    acceleration: Floats
-    bodies: Records[Change]
-    body: Records[Change]
-    first_number: Ints
-    seen: Ints
-    shifts: Shifts
-    rows: RowRoom
+    room: Records[BodyRoom]  # ROOM, likewise
+    mass: Floats  # factors of the mass matrix, of a tree without constraints, (nv, nv)
+    lanes: Floats  # right-hand sides, scratch, (nv, LANES)
+    acceleration: Floats  # (nv,)
+    bodies: Records[Change]  # CHANGE, (bodies + 1,), the last the ground
+    body: Records[Change]  # CHANGE, scratch, (1,)
+    first_number: Ints  # start of system numbers in a displacement, (1,)
+    seen: Ints  # flags of numbers that affect a joint, scratch, (numbers,)
+    shifts: Shifts  # derivatives of system numbers
+    rows: RowRoom  # arrays for rows of constraints

@@ -1,4 +1,4 @@
-"""A contact's gap, depth rate and force anywhere in a trial step, from its dense output, compiled."""
+"""Gap, depth rate and force of a contact anywhere in a trial step, compiled."""
 
 from __future__ import annotations
 
@@ -34,40 +34,25 @@ ALL: Any = np.int64(-1)
 
 @by_address
 class Trial(NamedTuple):
-    """A trial step as it is looked at: its dense output, and where the looking writes.
+    """Trial step under inspection: its dense output and scratch arrays."""
 
-    Attributes:
-        layout: Of the joints with play, a part of the manifold's.
-        dense: Coefficients of the dense output.
-        work: The stepper's rows.
-        start: Which of them is the state that the step starts from.
-        program: The system's.
-        memory: Contact memory during the step, MEMORY, (contacts,).
-        out: A state, as far as the layout goes, and scratch, (2, size).
-        pose: Of one journal, POSE, (1,).
-        table: Contact table, CONTACT, written.
-        own: The one that the derivative writes.
-        rates: Written, and of no use.
-        outside: Who measures gaps that no closed form knows, and asks laws in Python.
-    """
-
-    layout: Ints
-    dense: Floats
-    work: Floats
-    start: int
-    program: Floats
-    memory: Records[Memory]
-    out: Floats
-    pose: Records[Pose]
-    table: Records[Contact]
-    own: Records[Contact]
-    rates: Floats
-    outside: Outside
+    layout: Ints  # layout of the joints with play, part of the manifold's
+    dense: Floats  # coefficients of the dense output
+    work: Floats  # the stepper's rows
+    start: int  # row of the step's start
+    program: Floats  # the system's program
+    memory: Records[Memory]  # contact memory during the step, MEMORY, (contacts,)
+    out: Floats  # A state, as far as the layout goes, and scratch, (2, size)
+    pose: Records[Pose]  # of one journal, POSE, (1,)
+    table: Records[Contact]  # contact table, CONTACT, written
+    own: Records[Contact]  # contact table of the derivative
+    rates: Floats  # output without use
+    outside: Outside  # callbacks for measured gaps and laws in Python
 
 
 @inlined
 def _look(b: int, y: Floats, nq: int, nv: int, trial: Trial) -> None:
-    """Fill the contact table for the joint whose block stands at b and the state y, with normal forces."""
+    """Fill the contact table of the joint block at b, with normal forces."""
     program, pose, table, memory = trial.program, trial.pose[0], trial.table, trial.memory
     j = joint_at(program, b)
     journal_state(j, y, nq, pose)
@@ -85,7 +70,10 @@ def _look(b: int, y: Floats, nq: int, nv: int, trial: Trial) -> None:
 
 @inlined
 def _ask_outside(y: Floats, contact: int, with_forces: bool, trial: Trial) -> None:
-    """Have filled in what no kernel knows of a contact (of all: -1), at a state or its joint's part of it."""
+    """Evaluate what no kernel computes for a contact, or for all (-1).
+
+    The state is whole, or that of the contact's joint.
+    """
     outside, asked = trial.outside, trial.outside.asked[0]
     if asked.gaps == 0 and asked.forces == 0:
         return
@@ -117,7 +105,7 @@ def contacts_at(theta: float, trial: Trial) -> None:
 
 @kernel
 def contacts_of(row: int, trial: Trial) -> None:
-    """Fill the contact table for the state in one of the stepper's rows, normal forces included."""
+    """Fill the contact table for the state in a stepper row, normal forces included."""
     program = trial.program
     head = head_of(program)
     b = HEADER
@@ -129,7 +117,7 @@ def contacts_of(row: int, trial: Trial) -> None:
 
 @inlined
 def apart_contacts_of(row: int, trial: Trial) -> None:
-    """Fill the contact table for the state in one of the stepper's rows, of contacts that are apart."""
+    """Fill the contact table of separated contacts for the state in a stepper row."""
     program, memory = trial.program, trial.memory
     head = head_of(program)
     b = HEADER
@@ -146,7 +134,7 @@ def apart_contacts_of(row: int, trial: Trial) -> None:
 
 @kernel
 def contacts_in(y: Floats, program: Floats, pose: Records[Pose], table: Records[Contact]) -> None:
-    """Fill gap, normal, point, depth rate and slip of all contacts in a state, in closed form."""
+    """Fill gap, normal, point, depth rate and slip of all contacts in closed form."""
     nq = head_of(program).nq
     b = HEADER
     while b < program.shape[0] and block_at(program, b).kind == CLEARANCE:
@@ -207,7 +195,7 @@ def value_at(column: int, theta: float, c: int, trial: Trial) -> float:
 def root_of(
     column: int, c: int, low: float, high: float, f_low: float, f_high: float, level: float, trial: Trial
 ) -> float:
-    """Where a column is at a level, between two fractions: bisection with regula falsi (Illinois).
+    """Return the fraction of a column's level crossing: bisection with regula falsi (Illinois).
 
     ``f_low`` and ``f_high`` are the column less the level there, of opposite signs.
     """
@@ -239,5 +227,5 @@ def root_of(
 
 @inlined
 def rise_of_tangents(at_start: float, at_end: float, rate: float, end_rate: float, width: float) -> float:
-    """How far above its value at the start the tangents at its ends meet: a concave curve stays below."""
+    """Return the height of the end tangents' intersection: an upper bound for concave curves."""
     return rate * (at_end - at_start - end_rate * width) / (rate - end_rate)

@@ -29,7 +29,7 @@ TURN = layout(Turn)
 
 @kernel
 def turn_on(program: Floats, turns: Records[Turn], y: Floats) -> float:
-    """Bring the turned angles in a state's x up to its configuration; return the fastest rate [rad/s].
+    """Update the turned angles in a state's x; return the fastest rate [rad/s].
 
     ``turns`` has a record ``TURN`` per angle.
     """

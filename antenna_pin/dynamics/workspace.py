@@ -33,7 +33,7 @@ ON_SURFACE = 1e-15  # [m]: a starting gap this small is a gap of zero
 
 
 class Workspace:
-    """A place to evaluate a system's equations of motion; one for each run, for it is written to.
+    """Workspace for a system's equations of motion; one for each run.
 
     As with Pinocchio's ``model, data`` two workspaces of one system do not see each other.
 
@@ -89,7 +89,8 @@ class Workspace:
             stretch[: query_kernels.HEAD].view(query_kernels.QUERIED)["block"] = start
             path.queried.take(stretch[query_kernels.HEAD :])
             end += query_kernels.QUERIED_WORDS
-        self._work = room[:end]
+        #: Array that contains ``tau``, a pose, ``memory`` and ``table``, as kernels require it.
+        self.work = room[:end]
         #: Those whose gaps are what a backend measures and nothing else.
         self.measured = [path for path in self.paths if path.measured]
         #: Those whose laws no compiled look at a contact can ask: in Python, or on gaps that are measured.
@@ -111,13 +112,8 @@ class Workspace:
         self.constraints = None if system.plan is None else Constraints(system.plan, self.model, self.data)
 
     @property
-    def work(self) -> Array:
-        """The array that ``tau``, a pose, ``memory`` and ``table`` are parts of, as the kernels take it."""
-        return self._work
-
-    @property
     def bodies(self) -> NDArray[Any] | None:
-        """The bodies on which elements on links act, BODY, (bodies,); None if there are no such elements."""
+        """Bodies of elements on links, BODY, (bodies,); None without such elements."""
         return None if self._bodies is None else self._bodies[0]
 
     @property
@@ -141,7 +137,7 @@ class Workspace:
         return rates[:nv]
 
     def prepare_motions(self, t: float, y: Array) -> None:
-        """Write the numbers of elements in Python at time t [s] and state y into the program."""
+        """Write the numbers of Python elements at time t [s] and state y."""
         for on, one in zip(self._on, self.system.callables, strict=True):
             if on[0] == 0.0:
                 continue
@@ -150,17 +146,17 @@ class Workspace:
                 one.write(self.program, t, y, *self._bodies)
                 continue
             angle, rate, _, _ = kernels.joint_motion(self.program, one.block, y, self.model.nq)
-            self.program[one.words] = one.given(t, angle, rate)
+            self.program[one.words] = one.values(t, angle, rate)
 
     def tell_energies(self, y: Array) -> None:
-        """Evaluate the stored energy of Python elements on links, at the time of their last call."""
+        """Evaluate the stored energy of Python elements on links at their last time."""
         for on, one in zip(self._on, self.system.callables, strict=True):
             if on[0] != 0.0 and isinstance(one, OnLinksInPython) and one.element.passive:
                 assert self._bodies is not None
                 one.write(self.program, None, y, *self._bodies)
 
     def see_on_links(self, block: int, t: float, y: Array, element: Any) -> None:
-        """Have an element on links, by its place in the program, write what it does to its desk."""
+        """Write the action of an element on links, by program place, to its desk."""
         assert self._bodies is not None
         if getattr(element, "called", True):
             place_bodies(y, self.model.nq, *self._bodies)
@@ -171,13 +167,13 @@ class Workspace:
             one.write(self.program, t, y, *self._bodies)
 
     def kink_on_links(self, block: int, t: float, y: Array) -> float:
-        """Return the function of an element on links, by its place in the program, that is zero at kinks."""
+        """Return the kink function of an element on links, by program place."""
         assert self._bodies is not None
         self.prepare_motions(t, y)
         return float(link_kernels.kink_on_links(t, y, self.program, block, *self._bodies))
 
     def locate(self, y: Array, table: NDArray[Any]) -> None:
-        """Fill gap, normal, point, rate and slip of all contacts in a table, by what locates their changes.
+        """Fill gap, normal, point, rate and slip of all contacts by event location.
 
         That is the closed form where there is one, coal's gaps being those; else it is the backend.
         """
@@ -185,18 +181,18 @@ class Workspace:
         self.measure_into(table, y)
 
     def measure_into(self, table: NDArray[Any], y: Array, contact: int = -1) -> None:
-        """Fill in the rows whose gaps are what a backend measures: of a contact's joint, or of all (-1)."""
+        """Fill the rows of a contact's joint, or of all (-1), with backend gaps."""
         for path in self.measured:
             if contact < 0 or contact in path:
                 path.locate(y, table)
 
     def ask_laws(self, table: NDArray[Any], contact: int = -1) -> None:
-        """Write the normal forces of a contact, or of all (-1), with laws asked in Python, to a table."""
+        """Write the normal forces of a contact, or of all (-1), by Python laws."""
         for path in self.asked_laws:
             path.ask_laws(table, contact)
 
     def measure(self, y: Array) -> None:
-        """Bring all rows of ``table`` up to date for a state: gap, normal, point, rates of every contact.
+        """Update all rows of ``table`` for a state: gap, normal, point and rates.
 
         The derivative itself updates the touching contacts only. Coal's gaps are asked for where it is the
         backend.
@@ -212,7 +208,7 @@ class Workspace:
         self.prepare_motions(t, y)
 
     def asked_in_steps(self) -> Callable[[float, Array], None]:
-        """Return what does as :meth:`prepare` where coal's queries are set out and taken in by kernels."""
+        """Return an equivalent of :meth:`prepare` with coal's queries in compiled code."""
         queried = [path.queried.answer for path in self.paths if path.queried is not None]
         paths = [path.prepare for path in self.paths if path.queried is None]
         motions = self.prepare_motions if self.system.callables else None
@@ -230,14 +226,14 @@ class Workspace:
     def apply_elements(self, t: float, y: Array, rates: Array) -> None:
         """Evaluate the elements: ``tau``, the contacts' ``table``, and x rates behind rates[nv]."""
         self.prepare(t, y)
-        kernels.evaluate(t, y, self.program, self._work, rates)
+        kernels.evaluate(t, y, self.program, self.work, rates)
         if self._bodies is not None:
             link_kernels.add_forces(t, y, self.program, *self._bodies, self.tau, rates)
             if self.constraints is not None:
                 link_kernels.write_wrenches(self.program, self._bodies[1], self.constraints.applied)
 
     def derivative(self, t: float, y: Array, rates: Array) -> None:
-        """Write [acceleration (nv), rate of x (nx)] at time t [s] and state y into rates.
+        """Write [acceleration (nv), rate of x (nx)] at t [s] and y into rates.
 
         For people and for what is asked now and then; the steps of a run have the same compiled
         (:mod:`antenna_pin.engine`).
@@ -249,7 +245,7 @@ class Workspace:
             rates[: self.model.nv] = self._accelerate(t, y, self.tau)
 
     def hold(self, t: float, y: Array, program: Array) -> None:
-        """Bring a state that is only looked at onto what a program holds, in place, and book nothing."""
+        """Bring a state onto a program's holds, in place, without bookkeeping."""
         assert self.constraints is not None
         present = self.program.copy()
         self.program[:] = program
@@ -260,7 +256,7 @@ class Workspace:
             self.program[:] = present
 
     def retract(self, y: Array, step: Array) -> None:
-        """Move the configuration in y, in place, by a step in the coordinates of velocities, (nv,).
+        """Move the configuration in y, in place, by a tangent step, (nv,).
 
         Pinocchio's own divides by the turn what cancels but for that, where a joint moves in a plane: of a
         turn of 1e-13 rad a step keeps three digits.
@@ -329,11 +325,9 @@ class Workspace:
 
 
 def _moved_in_plane(place: Array, way: Array) -> tuple[float, float]:
-    """Return where a motion in a plane leads, x and y, whose velocity in the body's axes stays as it is.
+    """Return x and y after a planar motion at constant velocity in body axes.
 
-    Args:
-        place: x, y, cosine and sine of the turn, (4,).
-        way: In the body's axes, and the turn, (3,).
+    The place is x, y, cosine and sine of the turn; the way is in body axes, with the turn.
     """
     x, y, c, s = place.tolist()
     u, v, turn = way.tolist()

@@ -1,4 +1,4 @@
-"""Displacements of a state carried along a step of a run, by the run's own method, compiled.
+"""Propagation of tangents along a step by the run's own method, compiled.
 
 State and displacements w are one set of equations, y' = f(y) and ``w' = dv - [v, w]``, ``dv' = Df w``, and go
 by the same stages: what comes of w is of the order of the method, and its embedded weights tell the error.
@@ -29,51 +29,31 @@ _EVEN = 0.9
 
 @by_address
 class CarryRoom(NamedTuple):
-    """What displacements are carried with.
+    """Arrays for the propagation of tangents.
 
     They are of two kinds: those themselves, and behind them what these are off by.
-
-    Attributes:
-        tangent: What the derivative of the rates is computed with.
-        tableau: The method's.
-        work: The rows of a stepper; START, STATE and RATES are those of the state.
-        ways: Displacements at the start, (k, displacement).
-        now: Those at the stage; at the end those at the end.
-        slopes: Rates of their ways, rates and bristles, by stage, (stages, k, moving).
-        coarse: Over what a step of differences of each part must be one at most, (displacement,).
-        steps: Of differences along them, (k,).
-        rests: Weights of the stages of what displacements are off by, (stages, stages).
-        asked: Which of the stages these have, 0 or not, (stages,).
-        few: The displacements themselves, as ``now``, where the others are not asked for; scratch at last.
-        few_steps: Of differences along these.
-        few_both: As ``both``, of these.
-        books: How what is integrated along the run is displaced by the step, (few, nx).
-        bracket: Scratch, (nv,).
-        both: Derivatives of the rates, by differences of two orders, (2, k, nv + nx).
-        errors: By how much the end is off, of displacements themselves, (few, moving).
-        rough: By how much it would be by the other order of differences, (few, moving).
-        sizes: Of these two, in units, (2, few).
     """
 
-    tangent: TangentRoom
-    tableau: Tableau
-    work: Floats
-    ways: Floats
-    now: Floats
-    slopes: Floats
-    coarse: Floats
-    steps: Floats
-    rests: Floats
-    asked: Ints
+    tangent: TangentRoom  # what the derivative of the rates is computed with
+    tableau: Tableau  # the method's
+    work: Floats  # the rows of a stepper; START, STATE and RATES are those of the state
+    ways: Floats  # displacements at the start, (k, displacement)
+    now: Floats  # those at the stage; at the end those at the end
+    slopes: Floats  # rates of their ways, rates and bristles, by stage, (stages, k, moving)
+    coarse: Floats  # over what a step of differences of each part must be one at most, (displacement,)
+    steps: Floats  # of differences along them, (k,)
+    rests: Floats  # weights of the stages of what displacements are off by, (stages, stages)
+    asked: Ints  # which of the stages these have, 0 or not, (stages,)
+    # the displacements themselves, as ``now``, where the others are not asked for; scratch at last
     few: Floats
-    few_steps: Floats
-    few_both: Floats
-    books: Floats
-    bracket: Floats
-    both: Floats
-    errors: Floats
-    rough: Floats
-    sizes: Floats
+    few_steps: Floats  # of differences along these
+    few_both: Floats  # as ``both``, of these
+    books: Floats  # how what is integrated along the run is displaced by the step, (few, nx)
+    bracket: Floats  # scratch, (nv,)
+    both: Floats  # derivatives of the rates, by differences of two orders, (2, k, nv + nx)
+    errors: Floats  # by how much the end is off, of displacements themselves, (few, moving)
+    rough: Floats  # by how much it would be by the other order of differences, (few, moving)
+    sizes: Floats  # of these two, in units, (2, few)
 
 
 @inlined
@@ -99,7 +79,7 @@ def _grade(t: float, h: float, until: float, since: float) -> tuple[int, float]:
 
 @inlined
 def _place(s: float, grade: int, origin: float) -> tuple[float, float]:
-    """Return which part of the time has gone by at s, from 0 to 1, and how fast it goes there."""
+    """Return the fraction of time at s in [0, 1], and its derivative."""
     if grade == 0:
         return s, 1.0
     root = origin + (1.0 - origin) * (s if grade > 0 else 1.0 - s)
@@ -110,7 +90,7 @@ def _place(s: float, grade: int, origin: float) -> tuple[float, float]:
 
 @inlined
 def _displace(i: int, h: float, room: CarryRoom) -> None:
-    """Write the displacements at stage i; what they are off by where that is asked for."""
+    """Write the tangents at stage i, and their errors if required."""
     slopes, now, few = room.slopes, room.now, room.few.shape[0]
     for d in range(now.shape[0]):
         if d >= few and room.asked[i] == 0 and i < room.tableau.last:
@@ -161,7 +141,7 @@ def _note(i: int, h: float, speed: float, y: Floats, both: Floats, room: CarryRo
 
 @inlined
 def _judge(h: float, room: CarryRoom) -> None:
-    """Write by how much displacements are off by the method, and the sizes of that and of roughness."""
+    """Write the method's errors of the tangents, with sizes of errors and roughness."""
     weights, slopes, units, others = room.tableau.errors, room.slopes, room.tangent.units, room.few
     for d in range(room.few.shape[0]):
         first, second = 0.0, 0.0
@@ -188,7 +168,7 @@ def _judge(h: float, room: CarryRoom) -> None:
 
 @inlined
 def _prepare(room: CarryRoom) -> None:
-    """Choose steps of differences of what is differentiated as a whole, and let constant parts be."""
+    """Choose difference steps for differences of the whole, and leave constant parts."""
     for d in range(room.ways.shape[0]):
         largest = 0.0
         for k in range(room.ways.shape[1]):

@@ -55,7 +55,7 @@ class Steps(NamedTuple):
 
 
 class Carrying:
-    """Carries displacements along steps by the stages of the method that a run is made with.
+    """Propagation of tangents along steps by the stages of the run's method.
 
     Args:
         stepper: Whose rates they go by, and whose method; its contact memory and program are those of the
@@ -131,17 +131,14 @@ class Carrying:
     def _room(self, count: int, few: int, every: bool) -> CarryRoom:
         """Return what displacements, some of which are what others are off by, are carried with.
 
-        Args:
-            count: How many they are.
-            few: How many of these are displacements themselves.
-            every: Whether the others go by all stages.
+        Of ``count`` tangents the first ``few`` are tangents, the others errors, by all stages if ``every``.
         """
         room = self._rooms.get((count, few, every))
         if room is None or room.tangent is not self._tangents.room:
-            room = self._rooms[count, few, every] = self._made(count, few, every)
+            room = self._rooms[count, few, every] = self._allocate(count, few, every)
         return room
 
-    def _made(self, count: int, few: int, every: bool) -> CarryRoom:
+    def _allocate(self, count: int, few: int, every: bool) -> CarryRoom:
         manifold, tableau, size = self._stepper.manifold, self._stepper.tableau, len(self._coarse)
         tangent = self._tangents.room
         moving, rates = 2 * manifold.nv + len(tangent.bristles), manifold.nv + manifold.nx
@@ -172,14 +169,10 @@ class Carrying:
 
 
 def third_order(nodes: Array, last: int) -> tuple[Array, NDArray[np.int64]]:
-    """Return the weights of a method of third order, by three of a method's stages, and which these are.
+    """Return the weights and stages of an embedded third-order method.
 
     With nodes 0, c and d: weights of the step are those of the quadrature, and d's stage is from c's by what
     is left of the conditions of third order (Hairer, Norsett and Wanner 1993, II.1).
-
-    Args:
-        nodes: Of the stages, (stages,).
-        last: The stage at which the step ends.
     """
     weights, asked = np.zeros((len(nodes), len(nodes))), np.zeros(len(nodes), dtype=np.int64)
     inner = [i for i in range(1, last) if 0.0 < nodes[i] < 1.0]

@@ -1,4 +1,4 @@
-"""Displacements carried along steps of a run one after another, compiled: in as many parts as each needs."""
+"""Propagation of tangents along successive steps, compiled, in adaptive parts."""
 
 from __future__ import annotations
 
@@ -18,38 +18,24 @@ _PARTS, _BETTER = 4, 2.0**-7
 
 @by_address
 class ChainRoom(NamedTuple):
-    """Steps along which displacements are carried one after another.
+    """Steps along which displacements are carried one after another."""
 
-    Attributes:
-        room: What each is carried with: what displacements are off by, by three stages.
-        full: As that, by all stages.
-        times: When they begin, (steps,) [s].
-        sizes: Of them, (steps,) [s].
-        since: When contacts, drives or rates have changed last, (steps,) [s].
-        until: When they change next, (1,) [s].
-        states: Where they begin, (steps, size).
-        scales: Of the parts of a displacement in coordinates, (displacement,).
-        first: Displacements where a step begins, scratch, (k, displacement).
-        booked: How what is integrated along the run is displaced by a step, scratch, (few, nx).
-        books: The same, so far.
-    """
-
-    room: CarryRoom
-    full: CarryRoom
-    times: Floats
-    sizes: Floats
-    since: Floats
-    until: Floats
-    states: Floats
-    scales: Floats
-    first: Floats
-    booked: Floats
-    books: Floats
+    room: CarryRoom  # what each is carried with: what displacements are off by, by three stages
+    full: CarryRoom  # as that, by all stages
+    times: Floats  # when they begin, (steps,) [s]
+    sizes: Floats  # of them, (steps,) [s]
+    since: Floats  # when contacts, drives or rates have changed last, (steps,) [s]
+    until: Floats  # when they change next, (1,) [s]
+    states: Floats  # where they begin, (steps, size)
+    scales: Floats  # of the parts of a displacement in coordinates, (displacement,)
+    first: Floats  # displacements where a step begins, scratch, (k, displacement)
+    booked: Floats  # how what is integrated along the run is displaced by a step, scratch, (few, nx)
+    books: Floats  # the same, so far
 
 
 @inlined
 def _worst(good: float, scales: Floats, room: CarryRoom) -> float:
-    """Return how well a step's displacements are known, over how well they must: at most 1 is well enough."""
+    """Return the relative error of a step's tangents over the tolerance."""
     worst = 0.0
     for d in range(room.few.shape[0]):
         total = 0.0
@@ -67,7 +53,7 @@ def _worst(good: float, scales: Floats, room: CarryRoom) -> float:
 
 @inlined
 def _is_rapid(h: float, room: CarryRoom) -> bool:
-    """Whether what displacements are off by changes so much in a step that three stages tell it no more."""
+    """Return whether errors of tangents vary too much in a step for three stages."""
     units, slopes = room.tangent.units, room.slopes
     for d in range(room.few.shape[0], room.now.shape[0]):
         size = 0.0
@@ -94,7 +80,7 @@ def _set(ways: Floats, there: Floats) -> None:
 
 @inlined
 def _take(there: CarryRoom, room: CarryRoom) -> None:
-    """Begin the next step where one has led, and with what displacements there are off by."""
+    """Begin the next step with the tangents and errors at a step's end."""
     few = there.few.shape[0]
     for d in range(few):
         for k in range(there.errors.shape[1]):
@@ -104,7 +90,7 @@ def _take(there: CarryRoom, room: CarryRoom) -> None:
 
 @kernel
 def _carry_in_parts(n: int, parts: int, good: float, chain: ChainRoom) -> float:
-    """Carry displacements along a step in equal parts; return how well they are known, as :func:`_worst`."""
+    """Propagate tangents along a step in equal parts; return the error as :func:`_worst`."""
     room, full, worst = chain.room, chain.full, 0.0
     stages, size = room.tableau.weights.shape[0], chain.sizes[n] / parts
     for k in range(chain.states.shape[1]):

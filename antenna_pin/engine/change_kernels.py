@@ -1,4 +1,4 @@
-"""A step made again to end where something happens, and a contact that touches or parts, compiled."""
+"""Repetition of a step up to an event, and contacts that begin or end, compiled."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ FAILED = 2
 
 @kernel
 def make_again(loop: Loop, c: int, level: float, size: float, longest: float) -> int:
-    """Make the trial step again to end where something happens; its dense output is there then.
+    """Repeat the trial step up to an event, and compute its dense output.
 
     The error of the step that went on past that point says nothing of the one up to it. Where that one's is
     too large, a shorter step is to be tried.
@@ -69,7 +69,7 @@ def make_again(loop: Loop, c: int, level: float, size: float, longest: float) ->
 
 @kernel
 def _lack(loop: Loop, c: int, level: float) -> float:
-    """How much longer the trial step is to be [s]; zero if it ends well, or cannot be told better."""
+    """Return the Newton correction of the step size to the event [s], or zero."""
     numbers = loop.numbers
     outside = numbers.outside
     if c < 0:
@@ -98,7 +98,7 @@ def take_up(loop: Loop) -> int:
 
 @kernel
 def change(loop: Loop) -> int:
-    """Let the contact that meets or leaves its surface at the present state touch, or part."""
+    """Apply onset or release of the contact located at the present state."""
     s, numbers, c = loop.stretch[0], loop.numbers, loop.stretch[0].contact
     locate(loop.work[start_row(loop)], numbers.program, numbers.pose, numbers.table, numbers.outside)
     _flip(loop, c, numbers.table[c].rate)
@@ -123,7 +123,7 @@ def graze(loop: Loop) -> int:
 
 @kernel
 def _flip(loop: Loop, c: int, rate: float) -> None:
-    """Let a contact touch, at a depth rate [m/s], or part; a sample of its largest force is due then."""
+    """Apply onset, at a depth rate [m/s], or release; schedule its peak sample."""
     s, book, buffers = loop.stretch[0], loop.book, loop.buffers
     y = loop.work[start_row(loop)]
     s.phase, s.flipped = FRESH, 1

@@ -1,4 +1,4 @@
-"""A system in numbers, and the stepper each of whose steps is one call of compiled code."""
+"""A system in numbers, and a stepper of compiled steps."""
 
 from __future__ import annotations
 
@@ -56,9 +56,7 @@ class Answers:
     def give(self, question: str, function: Callable[[float], None]) -> None:
         """Let a function answer a question, a field of ``ASKED``.
 
-        Args:
-            question: Its name.
-            function: Of a time [s]; looks at ``outside`` and writes there, or raises what keeps it from that.
+        The function of a time [s] reads and writes ``outside``, or raises an error.
         """
         raised = self._raised
 
@@ -83,10 +81,7 @@ class Answers:
     @property
     def refusal(self) -> FunctionError | None:
         """Return the last refusal of a user's function."""
-        for error in self._raised:
-            if isinstance(error, FunctionError):
-                return error
-        return None
+        return next((error for error in self._raised if isinstance(error, FunctionError)), None)
 
     def check(self) -> None:
         """Raise what has been raised where compiled code asked last, if anything was."""
@@ -97,13 +92,7 @@ class Answers:
 
 
 def give_python(answers: Answers, workspace: Workspace, table: NDArray[Any]) -> None:
-    """Register the callbacks of a system's elements in Python.
-
-    Args:
-        answers: Who answers.
-        workspace: What the run works on; its contact table and program are written to.
-        table: Contact table that gaps are located in, CONTACT, written.
-    """
+    """Register the callbacks of a system's elements in Python."""
     state = answers.outside.state
     asked: kernels.Asked = answers.outside.asked[0]
     if workspace.paths or workspace.system.callables:
@@ -121,14 +110,7 @@ def give_python(answers: Answers, workspace: Workspace, table: NDArray[Any]) -> 
 
 
 def give_pinocchio(answers: Answers, workspace: Workspace, mass: Array, bias: Array) -> None:
-    """Let Pinocchio answer for the dynamics of the tree.
-
-    Args:
-        answers: Who answers.
-        workspace: What the run works on.
-        mass: Mass matrix, (nv, nv), written.
-        bias: (nv,), written.
-    """
+    """Let Pinocchio answer for the dynamics of the tree."""
     tree = workspace.model, workspace.data, answers.outside.state
     if workspace.constraints is None:
         function, acceleration = accelerations_of(*tree, answers.outside.effort)
@@ -159,12 +141,12 @@ def check_compiled(system: System) -> None:
             )
     for one in system.callables:
         raise MechanismError(
-            f"engine 'compiled': {one.said} is a function in Python; compile it with numba.njit, {way_out}"
+            f"engine 'compiled': {one.label} is a function in Python; compile it with numba.njit, {way_out}"
         )
 
 
 class Compiled:
-    """A workspace's system in numbers, for the steps of one run, and who answers what is not in them.
+    """A workspace's system in numbers, with callbacks, for the steps of one run.
 
     Args:
         workspace: What the run works on; its contact memory, program and contact table are used.

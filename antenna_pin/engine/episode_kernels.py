@@ -1,4 +1,4 @@
-"""Contacts from onset to release, compiled: what they remember while they last, and what is kept of them."""
+"""Contacts from onset to release, compiled: discrete state and episode records."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from antenna_pin.joints.pose_kernels import journal_state
 
 
 class Episode(Record):
-    """One contact from onset to release."""
+    """Contact from onset to release."""
 
     contact: int  # index
     onset: float  # [s]
@@ -40,7 +40,7 @@ EPISODE = layout(Episode)
 
 
 class Places(Record):
-    """Where in a state the numbers of a contact stand, and its limits."""
+    """Places of a contact's numbers in a state, and its limits."""
 
     impulse: int  # place in y
     lost_normal: int  # place in y
@@ -56,7 +56,7 @@ PLACES = layout(Places)
 
 @by_address
 class Book(NamedTuple):
-    """The contacts of a run, and what is kept of them.
+    """Contacts of a run, and their episode records.
 
     Attributes:
         memory: The contact memory, MEMORY, (contacts,).
@@ -84,7 +84,7 @@ class Book(NamedTuple):
 
 @kernel
 def touch(book: Book, c: int, t: float, rate: float, mass: float, y: Floats) -> None:
-    """Begin a contact at time t [s], at a depth rate [m/s] and an effective mass [kg]; y is its state."""
+    """Begin a contact at t [s] with a depth rate [m/s] and effective mass [kg]."""
     place, memory, peak = book.places[c], book.memory[c], book.peaks[c]
     memory.touching = 1.0
     memory.approach_speed = max(rate, place.floor)
@@ -115,7 +115,7 @@ def touch(book: Book, c: int, t: float, rate: float, mass: float, y: Floats) -> 
 
 @kernel
 def complete(book: Book, c: int, y: Floats) -> None:
-    """Write what a contact has come to by the state y into its episode, if it has one."""
+    """Update a contact's episode, if any, by the state y."""
     number = book.open[c]
     if number < 0:
         return
@@ -129,7 +129,7 @@ def complete(book: Book, c: int, y: Floats) -> None:
 
 @kernel
 def release(book: Book, c: int, t: float, y: Floats) -> None:
-    """End a contact at time t [s] and state y; what is kept of its largest force stays, to be sampled."""
+    """End a contact at t [s] and y; its pending peak remains for sampling."""
     memory = book.memory[c]
     memory.touching = 0.0
     memory.approach_speed = 0.0
@@ -144,7 +144,7 @@ def release(book: Book, c: int, t: float, y: Floats) -> None:
 def keep_peaks(
     t: float, h: float, space: Ints, dense: Floats, work: Floats, start: int, out: Floats, book: Book
 ) -> None:
-    """Keep the state at the largest force so far of each contact that lasts, of the step from t [s]."""
+    """Store the state at each lasting contact's largest force in the present step."""
     for c in range(book.memory.shape[0]):
         if book.open[c] < 0:
             continue
@@ -163,7 +163,7 @@ def keep_peaks(
 
 @kernel
 def effective_mass(c: int, y: Floats, numbers: Numbers) -> float:
-    """Return the mass that an impact along the normal of contact c sees at the state y [kg].
+    """Return the effective mass along the normal of contact c at y [kg].
 
     It is what :meth:`antenna_pin.dynamics.Workspace.effective_mass` finds, by the compiled dynamics.
     """

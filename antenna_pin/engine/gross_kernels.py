@@ -1,4 +1,4 @@
-"""Gross works of a step, compiled: the integral of |P| of what puts in the power P.
+"""Gross works of a step, compiled: integrals of |P| over sources of power P.
 
 |P| has a kink where P changes its sign, and a step goes over it. The work W, whose rate is P, has none: it is
 integrated as all is, turns back there, and what it has gone one way and the other is the gross work. Where it
@@ -19,7 +19,7 @@ _PARTS, _HALVINGS = 16, 50
 
 @inlined
 def _turns(i: int, last: int, work: Floats) -> bool:
-    """Whether component i of a step's rates has either sign at its stages."""
+    """Return whether rates of component i change sign among the stages."""
     least, most = 0.0, 0.0
     for j in range(last + 1):
         least = min(least, work[j, i])
@@ -29,7 +29,7 @@ def _turns(i: int, last: int, work: Floats) -> bool:
 
 @kernel
 def turn_back(works: Ints, tableau: Tableau, space: Ints, work: Floats) -> bool:
-    """Whether a work turns back in the step in the work rows.
+    """Return whether any work reverses within the step.
 
     Args:
         works: Where works and their gross works stand in x, (n, 2).
@@ -46,7 +46,7 @@ def turn_back(works: Ints, tableau: Tableau, space: Ints, work: Floats) -> bool:
 
 @inlined
 def _gone(i: int, theta: float, dense: Floats) -> tuple[float, float]:
-    """How far component i has gone at a fraction of the step, and how fast it goes there, over the step."""
+    """Return relative distance and rate of component i at a fraction of the step."""
     value, slope = 0.0, 0.0
     for p in range(dense.shape[0] - 1, -1, -1):
         value = value * theta + dense[p, i]
@@ -68,7 +68,7 @@ def _turning(i: int, low: float, high: float, rises: bool, dense: Floats) -> flo
 
 @inlined
 def _way(i: int, theta: float, dense: Floats) -> float:
-    """Return how far component i has gone up to a fraction of the step, either way."""
+    """Return the total variation of component i up to a fraction of the step."""
     total, since = 0.0, 0.0
     low, (_, slope) = 0.0, _gone(i, 0.0, dense)
     rises = slope > 0.0
@@ -87,7 +87,7 @@ def _way(i: int, theta: float, dense: Floats) -> float:
 def settle(
     theta: float, works: Ints, tableau: Tableau, space: Ints, work: Floats, dense: Floats, y: Floats
 ) -> None:
-    """Write the gross works of those that turn back in a step to a state within it.
+    """Write the gross works of reversing powers to a state within the step.
 
     Args:
         theta: Fraction of the step at which the state is.

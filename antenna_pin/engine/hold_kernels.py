@@ -1,4 +1,4 @@
-"""Closures and motions in a compiled step: its end brought onto them, and the energy of that booked.
+"""Closures and motions in a compiled step: end correction and its energy.
 
 What :class:`antenna_pin.constraints.Constraints` does by the same kernels, for a state inside compiled code.
 Mass matrix and bias are the tree's own, or asked outside.
@@ -42,7 +42,7 @@ def _in_motion(plan: Floats, work: Floats) -> bool:
 
 @inlined
 def factorize_rows(t: float, y: Floats, numbers: Numbers) -> None:
-    """Factorize rows that were just written, with the mass matrix of the same state; write ``bias`` too."""
+    """Factorize fresh rows with the mass matrix of the same state; write ``bias``."""
     plan, work, terms = numbers.plan, numbers.held, numbers.outside.asked[0].terms
     if terms != 0:
         ask_at(numbers.outside, terms, t, y)
@@ -54,7 +54,7 @@ def factorize_rows(t: float, y: Floats, numbers: Numbers) -> None:
 
 @inlined
 def set_motions(t: float, y: Floats, numbers: Numbers) -> None:
-    """Have the numbers of motions in Python at a time written into the program, if there are any."""
+    """Write the numbers of Python motions at a time into the program."""
     motions = numbers.outside.asked[0].motions
     if motions != 0:
         ask_at(numbers.outside, motions, t, y)
@@ -101,7 +101,7 @@ def _close(t: float, rows: Floats, r: int, layout: Ints, numbers: Numbers) -> bo
 
 @kernel
 def _energy(t: float, y: Floats, numbers: Numbers) -> float:
-    """Energy that a state whose rows are written stores, with the contact memory as it is [J]."""
+    """Return the energy stored in a state with written rows [J]."""
     program = numbers.program
     if head_of(program).points < program.shape[0]:
         set_motions(t, y, numbers)  # elements on links in Python tell what they store
@@ -114,7 +114,7 @@ def _energy(t: float, y: Floats, numbers: Numbers) -> float:
 
 @kernel
 def project(t: float, rows: Floats, r: int, layout: Ints, numbers: Numbers) -> int:
-    """Bring rows[r], a step's end, onto the constraints, in place, and book the energy; return what came.
+    """Project rows[r], a step's end, onto the constraints; book its energy; return status.
 
     Unless it is lost, its rows are written afterwards.
     """

@@ -1,4 +1,4 @@
-"""How what is met at an onset changes along displacements: gap, depth rate, effective mass; compiled.
+"""Derivatives of gap, depth rate and effective mass at an onset, compiled.
 
 With n the generalized force of one newton along the normal, the effective mass m is that of the acceleration
 u that it makes, at rest, without weight and motions, constraints held by multipliers lambda::
@@ -53,7 +53,7 @@ OPENING, CLOSING, HEAVIER, MET = 0, 1, 2, 3
 
 @inlined
 def _press(j: Joint, row: Contact, pose: Pose, force: Floats) -> None:
-    """Write one newton along a contact's normal to the pose, and what it does along the freedoms."""
+    """Write a contact's unit normal force to the pose, and its generalized force."""
     n, r, f, m = row.normal, row.point, pose.force, pose.moment
     x, y, z = r[0] - pose.centre[0], r[1] - pose.centre[1], r[2] - pose.centre[2]
     f[0], f[1], f[2] = n[0], n[1], n[2]
@@ -85,7 +85,7 @@ def _press_change(j: Joint, row: Contact, room: TangentRoom, out: Floats) -> Non
 
 @inlined
 def _accelerate(y: Floats, force: Floats, weightless: Floats, room: TangentRoom) -> float:
-    """Write what a force does to a tree at rest, to ``room.acceleration`` and bodies; return their product.
+    """Write the response of a resting tree to a force; return their product.
 
     Constraints have their multipliers in ``room.rows.force``.
     """
@@ -121,7 +121,7 @@ def _accelerate(y: Floats, force: Floats, weightless: Floats, room: TangentRoom)
 
 @inlined
 def _power(own: Floats, lacks: Floats, room: TangentRoom) -> float:
-    """Return u^T of changes of forces and lambda^T of what accelerations lack, with its sign turned."""
+    """Return u^T of force changes and lambda^T of acceleration biases, sign reversed."""
     total: float = 0.0
     for k in range(own.shape[0]):
         total += room.acceleration[k] * own[k]
@@ -151,7 +151,7 @@ def _shift(m: int, weightless: Floats, room: TangentRoom) -> None:
 
 @inlined
 def _change_along(way: Floats, weightless: Floats, room: TangentRoom, own: Floats) -> float:
-    """Return u^T (dJ^T lambda - dM u) + lambda^T dJ u along a displacement; ``own``: scratch, (nv,)."""
+    """Return u^T (dJ^T lambda - dM u) + lambda^T dJ u along a displacement."""
     numbers, shifts, rows, nv = room.numbers, room.shifts, room.rows, own.shape[0]
     lacks = rows.lacks[0]
     for k in range(nv):
@@ -176,7 +176,7 @@ def _change_along(way: Floats, weightless: Floats, room: TangentRoom, own: Float
 def write_met(
     joint: int, c: int, y: Floats, ways: Floats, masses: bool, room: TangentRoom, out: Floats
 ) -> None:
-    """Write how what is met at a contact changes along displacements.
+    """Write derivatives of a contact's onset along displacements.
 
     Args:
         joint: Which of the room's parts is the contact's joint.

@@ -1,4 +1,4 @@
-"""An implicit step, compiled as a whole: its own entry, compiled when it is first asked for."""
+"""Compiled implicit step, an entry of its own, compiled on demand."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def attempt_implicit(
     numbers: Numbers,
     asked: Ints,
 ) -> float:
-    """Try a step of size h [s] from the start in the work rows; return its scaled error.
+    """Try a step of size h [s] from the work rows; return its scaled error.
 
     ``asked``, (1,), is raised by how often the derivative was.
     """

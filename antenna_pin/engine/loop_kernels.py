@@ -54,7 +54,7 @@ REJECTED_IN_A_ROW = 1000
 
 @released
 def go_on(loop: Loop) -> int:
-    """Make steps until something happens that the loop outside has to see to; return what (see above)."""
+    """Make steps until the outer loop must act; return the reason (see above)."""
     s = loop.stretch[0]
     s.known = 0
     s.ended = 0
@@ -105,20 +105,20 @@ def end_at(loop: Loop, size: float, longest: float, search: bool) -> int:
 
 @inlined
 def _in_turn(loop: Loop, reason: int) -> int:
-    """Say what comes after a part that has done: the loop outside's turn, where it sees to this step."""
+    """Return the next state of the loop behind a completed part."""
     return MOVED_ON if reason == GOES_ON and loop.stretch[0].watched != 0 else reason
 
 
 @inlined
 def _is_shown(loop: Loop) -> bool:
-    """Whether the loop outside wants to see what was made: a contact has changed, or it sees each step."""
+    """Return whether the outer loop must process the step."""
     s = loop.stretch[0]
     return bool(s.shown != FREELY and (s.flipped != 0 or (s.shown == SINGLY and s.accepted > 0)))
 
 
 @inlined
 def _has_room(loop: Loop) -> bool:
-    """Whether there is room for the samples of the trial step, and of a change in it."""
+    """Return whether buffers suffice for the samples of the trial step and an event."""
     s = loop.stretch[0]
     s.needed = samples_in(loop, s.tried) + 2 * loop.search.ignore.shape[0] + 4
     return bool(s.samples + s.needed <= loop.buffers.times.shape[0])
@@ -126,7 +126,7 @@ def _has_room(loop: Loop) -> bool:
 
 @inlined
 def _try(loop: Loop) -> int:
-    """Try a step; if it passes, prepare what it is looked at with."""
+    """Try a step; if accepted, prepare its inspection."""
     s, pace, outside = loop.stretch[0], loop.pace, loop.numbers.outside
     tried, by_end = cut(pace, loop.breaks, s.t, s.h)
     if by_end and s.cut == 0:
@@ -176,7 +176,7 @@ def _try(loop: Loop) -> int:
 
 @inlined
 def _search(loop: Loop) -> int:
-    """Search the trial step for the first contact that changes; accept it if none does, and no event."""
+    """Search the trial step for the first contact event; accept it if none."""
     s, search = loop.stretch[0], loop.search
     if not _has_room(loop):
         return PAUSED

@@ -62,7 +62,7 @@ class Pace:
         self._renew()
 
     def end_next_at(self, here: float, instant: float) -> None:
-        """Let a step end at an instant of a series, beside those given, in place of the last one named so.
+        """Add an instant of a series as a step end, replacing its predecessor.
 
         Args:
             here: Where steps begin [s].
@@ -72,7 +72,7 @@ class Pace:
         self._renew()
 
     def _renew(self) -> None:
-        """Write the instants ahead: up to the next of the series, which names another when it is there."""
+        """Write the instants ahead, each series by its next one only."""
         end, (here, instant) = float(self.numbers["end"][0]), self._series
         self.numbers["next"] = 0
         if instant < end:
@@ -83,7 +83,7 @@ class Pace:
 
 
 class Sizes:
-    """Step sizes by pattern of touching contacts: impacts of one kind need steps of one size.
+    """Step sizes by pattern of touching contacts: similar impacts need similar steps.
 
     Args:
         memory: The contact memory, MEMORY, (contacts,), of which the present pattern is read.

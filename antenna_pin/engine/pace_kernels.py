@@ -1,4 +1,4 @@
-"""The size of a step, compiled: what its error allows, and what must not be stepped over."""
+"""Step size, compiled: by error control and by instants at step ends."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ PACE = layout(Pace)
 
 @kernel
 def cut(pace: Records[Pace], breaks: Floats, t: float, h: float) -> tuple[float, bool]:
-    """Cut a step from t [s] to the longest allowed, to the next instant at which steps end, to the end.
+    """Cut a step from t [s] to its maximum, the next instant, or the end.
 
     Args:
         pace: PACE, (1,); moves on to the next instant.
@@ -107,13 +107,13 @@ def shortened(pace: Records[Pace], tried: float, error: float) -> float:
 
 @kernel
 def hopeless(pace: Records[Pace], h: float) -> bool:
-    """Whether a step shortened to h [s] is not to be tried."""
+    """Return whether a step shortened to h [s] is too short to try."""
     return bool(h < pace[0].least or pace[0].adaptive == 0)
 
 
 @by_address
 class Sizes(NamedTuple):
-    """Step sizes by pattern of touching contacts: impacts of one kind need steps of one size.
+    """Step sizes by pattern of touching contacts: similar impacts need similar steps.
 
     Attributes:
         patterns: Which contacts touch, 0 or 1, (capacity, contacts).
@@ -156,6 +156,6 @@ def note_size(table: Sizes, memory: Records[Memory], h: float) -> None:
 
 @kernel
 def size_after_change(table: Sizes, memory: Records[Memory], h: float) -> float:
-    """Return the step to try in a pattern that has just begun [s], after one of h [s] in another."""
+    """Return the first step size in a new contact pattern [s], from h [s] before."""
     k = _number(table, memory)
     return float(h if k == table.count[0] else min(table.sizes[k], 10.0 * h))

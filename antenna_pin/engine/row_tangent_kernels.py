@@ -37,13 +37,13 @@ from antenna_pin.mechanism.tangent_kernels import read_bodies
 
 @inlined
 def has_rows(room: TangentRoom) -> bool:
-    """Whether there are constraints."""
+    """Return whether constraints exist."""
     return bool(room.numbers.plan.shape[0] > 0)
 
 
 @kernel
 def prepare_rows(t: float, y: Floats, tau: Floats, room: TangentRoom) -> None:
-    """Write how a tree moves and accelerates under constraints, and their factors; powers of motions too."""
+    """Write motion, acceleration and factors of a constrained tree, with powers of motions."""
     numbers, rows, nv = room.numbers, room.rows, room.tau.shape[0]
     plan, work = numbers.plan, numbers.held
     write_rows(t, y, numbers.program, plan, work)
@@ -91,7 +91,7 @@ def _differentiate_motions(t: float, m: int, step: float, room: TangentRoom, out
 
 @inlined
 def _write_motions(columns: Floats, plan: Floats, out: Floats) -> None:
-    """Write derivatives of motions' accelerations by row: the first kind, and by how much others differ."""
+    """Write derivatives of motions' accelerations by row, and their differences between orders."""
     head = plan_of(plan)
     for k in range(head.motions):
         own = driven_at(plan, k)
@@ -109,7 +109,7 @@ def differentiate_over_time(t: float, step: float, room: TangentRoom) -> None:
 
 @kernel
 def shift_rows(t: float, m: int, room: TangentRoom, out: Floats) -> None:
-    """Write how rows change with number m, behind how bodies do; add to the forces what they change.
+    """Write changes of rows with number m, and add their forces.
 
     Args:
         t: Time [s].
@@ -132,7 +132,7 @@ def shift_rows(t: float, m: int, room: TangentRoom, out: Floats) -> None:
 
 @kernel
 def change_rows(y: Floats, way: Floats, room: TangentRoom, out: Floats) -> None:
-    """Write how rows change along a displacement, behind how bodies do; add to the forces what they change.
+    """Write changes of rows along a displacement, and add their forces.
 
     As :func:`shift_rows` does; those over time and numbers are in it.
     """

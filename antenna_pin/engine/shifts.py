@@ -19,7 +19,7 @@ from antenna_pin.joints import layout_kernels, motion_change_kernels
 from antenna_pin.joints.tangent_room_kernels import LawWords
 from antenna_pin.mechanism import BODY
 
-__all__ = ["SystemSlopes", "moves_rows", "shifts_of", "takes_slopes"]
+__all__ = ["SystemSlopes", "head_in", "moves_rows", "shifts_of", "takes_slopes"]
 
 Array = NDArray[np.float64]
 
@@ -91,18 +91,10 @@ def shifts_of(
     system: System,
     stepper: CompiledStepper,
     parts: NDArray[Any],
-    said: int,
+    law_outputs: int,
     slopes: SystemSlopes,
 ) -> Shifts:
-    """Return them, laid out.
-
-    Args:
-        system: The system.
-        stepper: Its.
-        parts: What acts at its joints, ``PART``.
-        said: How many numbers a law says.
-        slopes: Which numbers, and by how much.
-    """
+    """Return them, laid out."""
     numbers, nv = stepper.numbers, stepper.manifold.nv
     own = np.zeros((len(slopes.kept), len(numbers.program)))
     own[np.arange(len(own)), slopes.kept] = 1.0
@@ -112,7 +104,7 @@ def shifts_of(
         for one in (slopes.tree, slopes.plan, slopes.gravity)
     )
     count, contacts = len(program), len(numbers.memory)
-    closures, couplings = _held(system, plan)
+    closures, couplings = _row_slopes(system, plan)
     motions = np.zeros(count, dtype=bool)
     if system.plan is not None:
         motions = _driven_otherwise(system, program.astype(bool), system.plan.parts.motions)
@@ -137,12 +129,12 @@ def shifts_of(
         acts=_acts(system, parts, program.astype(bool), np.asarray(tree.any(axis=1))),
         steps=steps,
         rules=rules,
-        laws=np.zeros((contacts, int(np.diff(rules.first).max(initial=0)), 2, said)),
+        laws=np.zeros((contacts, int(np.diff(rules.first).max(initial=0)), 2, law_outputs)),
         forces=np.zeros((count, nv)),
     )
 
 
-def _held(system: System, plan: Array) -> tuple[NDArray[Any], NDArray[Any]]:
+def _row_slopes(system: System, plan: Array) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return by how much closures' and couplings' own numbers change, (numbers, ...) each."""
     kinds = layout_of_rows.CLOSURE, layout_of_rows.COUPLED
     if system.plan is None:
@@ -155,10 +147,7 @@ def _held(system: System, plan: Array) -> tuple[NDArray[Any], NDArray[Any]]:
 def _driven_otherwise(system: System, changed: NDArray[np.bool_], driven: slice) -> NDArray[np.bool_]:
     """Return which numbers go into elements that move joints, or hold them, (numbers,).
 
-    Args:
-        system: The system.
-        changed: Which words of its program go with which numbers, (numbers, words).
-        driven: Where in the constraints the joints' records stand.
+    ``changed``, (numbers, words), is the dependence of the program; joints' records stand at ``driven``.
     """
     assert system.plan is not None
     moved = np.zeros(len(changed), dtype=bool)
@@ -194,7 +183,7 @@ def _rules(system: System, changes: Array, steps: Array, contacts: int) -> LawWo
 def _acts(
     system: System, parts: NDArray[Any], changed: NDArray[np.bool_], heavier: NDArray[np.bool_]
 ) -> NDArray[np.int64]:
-    """Return what of each part goes with each number, (parts + 1, numbers); last of elements on links."""
+    """Return the dependence of each part on each number, (parts + 1, numbers)."""
     program, out = system.program, np.zeros((len(parts) + 1, len(changed)), dtype=np.int64)
     for p, part in enumerate(parts):
         block = int(part["block"])
@@ -230,12 +219,12 @@ def _length(program: Array, block: int) -> int:
 
 def _joints_known(system: System, block: int) -> list[int]:
     """Return the blocks of the joints with play that an element acts at, or sees."""
-    heads = [_head(system, block)]
+    heads = [head_in(system, block)]
     if other := int(heads[0]["partner"]) or int(heads[0]["sensed"]):
-        heads.append(_head(system, block + other))
+        heads.append(head_in(system, block + other))
     return [int(one["play"]) for one in heads if one["play"] >= 0]
 
 
-def _head(system: System, block: int) -> np.void:
+def head_in(system: System, block: int) -> np.void:
     """Return the head of an element in a system's program."""
     return np.void(system.program[block:][: kernels.PARAMETERS].view(kernels.ELEMENT)[0])

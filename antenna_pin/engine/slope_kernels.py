@@ -22,28 +22,19 @@ from antenna_pin.integrate.manifold_kernels import move_by_velocity, space_of
 
 @by_address
 class Room(NamedTuple):
-    """What derivatives are computed with.
+    """Arrays for the differences of rates."""
 
-    Attributes:
-        weights: Of differences at 1, 2, ... steps, of each kind, (kinds, points).
-        layout: Of the manifold.
-        bristles: Their places in x, (bristles,).
-        numbers: The system; its contact memory is as it was in the end.
-        rows: Scratch, (2, size).
-        kept: Contact memory of the state itself, MEMORY, (contacts,).
-    """
-
-    weights: Floats
-    layout: Ints
-    bristles: Ints
-    numbers: Numbers
-    rows: Floats
-    kept: Records[Memory]
+    weights: Floats  # of differences at 1, 2, ... steps, of each kind, (kinds, points)
+    layout: Ints  # of the manifold
+    bristles: Ints  # their places in x, (bristles,)
+    numbers: Numbers  # the system; its contact memory is as it was in the end
+    rows: Floats  # scratch, (2, size)
+    kept: Records[Memory]  # contact memory of the state itself, MEMORY, (contacts,)
 
 
 @inlined
 def _displace(y: Floats, way: Floats, h: float, room: Room) -> None:
-    """Write the state displaced by h times a displacement to the first row, and contact memory likewise."""
+    """Write the state and contact memory displaced by h to the first row."""
     space, memory = space_of(room.layout), room.numbers.memory
     nq, nv = space.nq, space.nv
     state, step = room.rows[0], room.numbers.step

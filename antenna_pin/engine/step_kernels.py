@@ -1,4 +1,4 @@
-"""One step, compiled as a whole: the derivative of a tree, its stages, its error, its dense output.
+"""Compiled step: derivative of a tree, stages, error and dense output.
 
 What is not compiled is asked outside, by address: Pinocchio's dynamics of the tree, backends, laws and drives
 in Python (:mod:`antenna_pin.dynamics.outside_kernels`).
@@ -36,7 +36,7 @@ from antenna_pin.mechanism.dynamics_kernels import aba
 
 @inlined
 def accelerate(t: float, y: Floats, tau: Floats, numbers: Numbers, rates: Floats, written: bool) -> None:
-    """Write the acceleration at time t [s] and state y under a generalized force into rates[:nv].
+    """Write acceleration at t [s] and y under a generalized force into rates[:nv].
 
     ``written``: whether the rows of constraints, if there are any, are those of this state already.
     """
@@ -60,7 +60,7 @@ def accelerate(t: float, y: Floats, tau: Floats, numbers: Numbers, rates: Floats
 
 @inlined
 def ask_elements(t: float, y: Floats, numbers: Numbers) -> None:
-    """Have what of the elements is not compiled done at time t [s] and state y, before they are evaluated."""
+    """Call back for uncompiled elements at t [s] and y, before their evaluation."""
     asked = numbers.outside.asked[0]
     if asked.elements == 0:
         return
@@ -81,7 +81,7 @@ def ask_elements(t: float, y: Floats, numbers: Numbers) -> None:
 
 @inlined
 def derivative(t: float, y: Floats, numbers: Numbers, rates: Floats, written: bool) -> None:
-    """Write [acceleration (nv), rate of x (nx)] at time t [s] and state y (see ``accelerate``)."""
+    """Write [acceleration (nv), rate of x (nx)] at t [s] and y."""
     program = numbers.program
     head = head_of(program)
     tau = numbers.work[: head.nv]
@@ -97,7 +97,7 @@ def derivative(t: float, y: Floats, numbers: Numbers, rates: Floats, written: bo
 
 @kernel
 def end(t: float, layout: Ints, work: Floats, stages: int, numbers: Numbers) -> bool:
-    """Bring a step's end at t [s] onto the constraints and evaluate it; return whether it is one."""
+    """Project a step's end at t [s] onto the constraints and evaluate; return success."""
     y = work[stages + STATE]
     numbers.flag[0] = AS_IT_WAS
     if numbers.plan.shape[0] > 0:
@@ -121,7 +121,7 @@ def attempt(
     rtol: float,
     numbers: Numbers,
 ) -> float:
-    """Try a step of size h [s] from the start in the work rows; return its scaled error."""
+    """Try a step of size h [s] from the work rows; return its scaled error."""
     space, stages = space_of(layout), tableau.weights.shape[0]
     y, out = work[stages + STATE], work[stages + RATES, : space.nv + space.nx]
     set_out(tableau)
@@ -145,7 +145,7 @@ def prepare_dense(
     kept: Floats,
     numbers: Numbers,
 ) -> int:
-    """Write the dense output of a step; return how often the derivative was asked.
+    """Write the dense output of a step; return the number of evaluations.
 
     ``kept``, (2, size), holds the step's end meanwhile.
     """

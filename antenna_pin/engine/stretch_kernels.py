@@ -1,4 +1,4 @@
-"""A stretch of steps: what it works on, how a step is tried, what an accepted one leaves, compiled."""
+"""Batch of steps, compiled: arrays, trial of a step, results of acceptance."""
 
 from __future__ import annotations
 
@@ -78,111 +78,67 @@ STRETCH = layout(Stretch)
 
 @by_address
 class Buffers(NamedTuple):
-    """What a stretch writes for the record.
+    """Output arrays of a batch of steps."""
 
-    Attributes:
-        times: Of samples, (capacity,) [s].
-        states: Of samples, (capacity, size).
-        memories: Contact memory at samples, MEMORY, (capacity, contacts).
-        early: Whether a sample is one of an earlier time, to be put between others, (capacity,).
-        instants: Ends of steps, (budget,) [s].
-        sizes: Of these steps, (budget,) [s].
-        ends: States there, (budget, size); empty where nobody wants to look at them.
-        kept: Scratch, (2, size).
-        out: Scratch, (2, size).
-    """
-
-    times: Floats
-    states: Floats
-    memories: NDArray[Memory]
-    early: Ints
-    instants: Floats
-    sizes: Floats
-    ends: Floats
-    kept: Floats
-    out: Floats
+    times: Floats  # of samples, (capacity,) [s]
+    states: Floats  # of samples, (capacity, size)
+    memories: NDArray[Memory]  # contact memory at samples, MEMORY, (capacity, contacts)
+    early: Ints  # whether a sample is one of an earlier time, to be put between others, (capacity,)
+    instants: Floats  # ends of steps, (budget,) [s]
+    sizes: Floats  # of these steps, (budget,) [s]
+    ends: Floats  # states there, (budget, size); empty where nobody wants to look at them
+    kept: Floats  # scratch, (2, size)
+    out: Floats  # scratch, (2, size)
 
 
 @by_address
 class Search(NamedTuple):
-    """What is looked for in a step (:func:`antenna_pin.dynamics.inspect_kernels.inspect_step`).
+    """Arrays for event location (:func:`antenna_pin.dynamics.inspect_kernels.inspect_step`)."""
 
-    Attributes:
-        nodes: Scratch.
-        ignore: How often each contact has changed at the start.
-        limits: Depths at which a run ends.
-        peaks: Largest forces.
-        turns: Turned angles, TURN.
-        compared: Contacts whose gaps coal measures, as 1, (contacts,); nobody's: (0,).
-        difference: Largest one of their gaps and the closed form's so far, where forces come from them, (1,)
-            [m].
-    """
-
-    nodes: Floats
-    ignore: Ints
-    limits: Floats
-    peaks: Records[Peak]
-    turns: Records[Turn]
-    compared: Ints
+    nodes: Floats  # scratch
+    ignore: Ints  # how often each contact has changed at the start
+    limits: Floats  # depths at which a run ends
+    peaks: Records[Peak]  # largest forces
+    turns: Records[Turn]  # turned angles, TURN
+    compared: Ints  # contacts whose gaps coal measures, as 1, (contacts,); nobody's: (0,)
+    # largest one of their gaps and the closed form's so far, where forces come from them, (1,) [m]
     difference: Floats
 
 
 @by_address
 class Loop(NamedTuple):
-    """All that the loop works on.
+    """All that the loop works on."""
 
-    Attributes:
-        stretch: STRETCH, (1,).
-        pace: PACE, (1,).
-        breaks: Instants at which steps must end [s].
-        chosen: Output times beside those at the rate, (n,), ascending [s].
-        tableau: The method, in numbers.
-        space: Layout of the manifold.
-        work: The stepper's rows.
-        dense: Coefficients of the dense output.
-        scales: Of errors.
-        rtol: Relative tolerance.
-        numbers: The system, in numbers.
-        search: What is looked for.
-        trial: The trial step as it is looked at.
-        buffers: What is written.
-        book: Of the contacts.
-        sizes: Of steps, by pattern of contacts.
-        watched: What is looked at from afar.
-        works: Where works and their gross works stand in x, (n, 2).
-        touches: Largest efforts of elements in touch, TOUCH, (n,).
-    """
-
-    stretch: Records[Stretch]
-    pace: Records[Pace]
-    breaks: Floats
-    chosen: Floats
-    tableau: Tableau
-    space: Ints
-    work: Floats
-    dense: Floats
-    scales: Floats
-    rtol: float
-    numbers: Numbers
-    search: Search
-    trial: Trial
-    buffers: Buffers
-    book: Book
-    sizes: Sizes
-    watched: Watched
-    works: Ints
-    touches: Records[Touch]
+    stretch: Records[Stretch]  # STRETCH, (1,)
+    pace: Records[Pace]  # PACE, (1,)
+    breaks: Floats  # instants at which steps must end [s]
+    chosen: Floats  # output times beside those at the rate, (n,), ascending [s]
+    tableau: Tableau  # the method, in numbers
+    space: Ints  # layout of the manifold
+    work: Floats  # the stepper's rows
+    dense: Floats  # coefficients of the dense output
+    scales: Floats  # of errors
+    rtol: float  # relative tolerance
+    numbers: Numbers  # the system, in numbers
+    search: Search  # what is looked for
+    trial: Trial  # the trial step as it is looked at
+    buffers: Buffers  # what is written
+    book: Book  # of the contacts
+    sizes: Sizes  # of steps, by pattern of contacts
+    watched: Watched  # what is looked at from afar
+    works: Ints  # where works and their gross works stand in x, (n, 2)
+    touches: Records[Touch]  # largest efforts of elements in touch, TOUCH, (n,)
 
 
 @inlined
 def start_row(loop: Loop) -> int:
-    """Which of the stepper's rows is the state that the step starts from."""
+    """Return the stepper row of the step's start."""
     return int(loop.tableau.weights.shape[0] + START)
 
 
 @inlined
 def is_full(loop: Loop) -> bool:
-    """Whether a step more may not find room for what it writes."""
+    """Return whether another step might exceed the output arrays."""
     contacts = loop.search.ignore.shape[0]
     return bool(
         loop.stretch[0].samples + 2 * contacts + 4 > loop.buffers.times.shape[0]
@@ -193,7 +149,7 @@ def is_full(loop: Loop) -> bool:
 
 @inlined
 def samples_in(loop: Loop, tried: float) -> int:
-    """How many output times the trial step has at most."""
+    """Return the largest possible number of output times in the trial step."""
     s = loop.stretch[0]
     chosen = s.chosen
     while chosen < loop.chosen.shape[0] and loop.chosen[chosen] <= s.t + tried:
@@ -229,7 +185,7 @@ def try_step(loop: Loop, tried: float) -> float:
 
 @kernel
 def _compare(loop: Loop) -> None:
-    """Note how far the gaps that coal has measured at the step's end are from the closed form."""
+    """Record the largest difference between coal's gaps and the closed form."""
     numbers, search = loop.numbers, loop.search
     end = loop.work[loop.tableau.weights.shape[0] + STATE]
     contacts_in(end, numbers.program, numbers.pose, numbers.table)
@@ -241,7 +197,7 @@ def _compare(loop: Loop) -> None:
 
 @inlined
 def prepare(loop: Loop) -> None:
-    """Compute the dense output of the trial step; before, coal's gaps at its end are looked at."""
+    """Compute the dense output of the trial step, after a comparison of coal's gaps."""
     s = loop.stretch[0]
     if loop.search.compared.shape[0] > 0:
         _compare(loop)

@@ -37,7 +37,7 @@ from antenna_pin.mechanism.tangent_kernels import (
 
 @kernel
 def _prepare(t: float, y: Floats, ways: Floats, room: TangentRoom) -> None:
-    """Evaluate the state itself, and look at what displacements have."""
+    """Evaluate the unperturbed state, and find the components of displacements."""
     numbers, asks = room.numbers, room.asks
     head = head_of(numbers.program)
     nv, contacts = head.nv, numbers.memory.shape[0]
@@ -136,7 +136,7 @@ def write_tangent(t: float, y: Floats, ways: Floats, steps: Floats, room: Tangen
 
 @inlined
 def _solve(differs: bool, room: TangentRoom, out: Floats) -> None:
-    """Make accelerations of forces; those of further orders are told by how much they differ, if they do."""
+    """Convert forces to accelerations; higher-order ones by their differences, where any."""
     nv = room.tau.shape[0]
     solve_trees(room.mass, room.below, room.lanes, out[0, :, :nv])
     for kind in range(1, out.shape[0]):

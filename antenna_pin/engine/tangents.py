@@ -1,4 +1,4 @@
-"""Derivatives of a system's rates along displacements of a state, at less than an evaluation for each."""
+"""Derivatives of a system's rates along displacements, cheaper than evaluations."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from antenna_pin.dynamics.tangent_kernels import ASKED, EFFORTS
 from antenna_pin.dynamics.tangent_room_kernels import RowRoom, Shifts, TangentRoom
 from antenna_pin.engine.compiled import CompiledStepper
 from antenna_pin.engine.impact_kernels import CLOSING, HEAVIER, MET, OPENING, write_met
-from antenna_pin.engine.shifts import SystemSlopes, shifts_of, takes_slopes
+from antenna_pin.engine.shifts import SystemSlopes, head_in, shifts_of, takes_slopes
 from antenna_pin.engine.tangent_kernels import write_tangent
 from antenna_pin.geometry.kernels import CANDIDATE
 from antenna_pin.integrate import manifold_kernels
@@ -198,7 +198,7 @@ class Tangents:
 
 
 def _parts(system: System) -> tuple[NDArray[Any], int]:
-    """Return what acts at a system's joints, ``PART``, and where in x books of elements on links begin."""
+    """Return the parts at joints, ``PART``, and the start of links' integrals in x."""
     factor_of, found, links_x = _factors(system), [], system.manifold.nx
     for block in system.clearance_blocks.values():
         joint = system.program[block:][: layout_kernels.JOINT_WORDS].view(layout_kernels.JOINT)[0]
@@ -209,7 +209,7 @@ def _parts(system: System) -> tuple[NDArray[Any], int]:
             found.append(part)
     bristles = np.asarray(system.bristle_x)
     for acting in acting_in(system):
-        head = _head(system, acting.block)
+        head = head_in(system, acting.block)
         if acting.block >= int(system.program[: kernels.HEADER].view(PROGRAM)[0]["points"]):
             links_x = min(links_x, int(head["x"]))
             continue
@@ -220,7 +220,7 @@ def _parts(system: System) -> tuple[NDArray[Any], int]:
         first = int(np.argmax(own)) if own.any() else 0
         part["bristle"], part["bristle_end"] = first, first + int(own.sum())
         other = int(head["partner"]) or int(head["sensed"])
-        heads = [head, _head(system, acting.block + other)] if other else [head]
+        heads = [head, head_in(system, acting.block + other)] if other else [head]
         if other and heads[1]["v"] == head["v"]:
             heads = heads[:1]
         for s, one in enumerate(heads):
@@ -267,11 +267,6 @@ def _row_room(system: System, nv: int, kinds: int) -> RowRoom:
         jerks=np.zeros((kinds, motions)),
         column=np.zeros((kinds, motions)),
     )
-
-
-def _head(system: System, block: int) -> np.void:
-    """Return the head of an element in a system's program."""
-    return np.void(system.program[block:][: kernels.PARAMETERS].view(kernels.ELEMENT)[0])
 
 
 def _freedoms(system: System, head: np.void) -> tuple[int, int]:

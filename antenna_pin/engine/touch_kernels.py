@@ -1,4 +1,4 @@
-"""Largest efforts of elements in touch, compiled: located in the dense output of each accepted step."""
+"""Largest efforts of touching elements, compiled, located in the dense output."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ TOUCH = layout(Touch)
 
 @kernel
 def keep_efforts(t: float, h: float, touches: Records[Touch], step: DenseStep, numbers: Numbers) -> None:
-    """Update the largest effort of each side in touch by the step of size h from t [s].
+    """Update the largest effort of each touching side by the step from t [s].
 
     Args:
         t: Begin of the step [s].
@@ -61,7 +61,7 @@ def keep_efforts(t: float, h: float, touches: Records[Touch], step: DenseStep, n
 def _largest(
     top: int, t: float, h: float, own: Touch, step: DenseStep, program: Floats
 ) -> tuple[float, float]:
-    """Return place in the step and size of the largest effort, by successive parabolas near a node."""
+    """Return fraction and size of the largest effort, by successive parabolas near a node."""
     looks, most = own.looks, own.looks[top]
     middle, centre = top / _PARTS, min(max(top, 1), _PARTS - 1) / _PARTS
     left, right = centre - 1.0 / _PARTS, centre + 1.0 / _PARTS
@@ -95,7 +95,7 @@ def _largest(
 
 @kernel
 def _effort(t: float, h: float, theta: float, block: int, step: DenseStep, program: Floats) -> float:
-    """Return the size of an element's effort at a fraction of a step [N m] ([N])."""
+    """Return the size of an element's effort within a step [N m] ([N])."""
     space, dense, work, start, out = step
     dense_state(theta, space, dense, work, start, out)
     effort, _, _ = element_state(program, block, t + theta * h, out[STATE_ROW], head_of(program).nq)
@@ -104,7 +104,7 @@ def _effort(t: float, h: float, theta: float, block: int, step: DenseStep, progr
 
 @kernel
 def _vertex(back: float, on: float, below: float, above: float) -> float:
-    """Return the place of the vertex of the parabola through (0, 0), (back, below), (on, above)."""
+    """Return the vertex of the parabola through (0, 0), (back, below), (on, above)."""
     bend = above * back - below * on
     if bend == 0.0:
         return 0.0

@@ -1,4 +1,4 @@
-"""Coarse check of a step, compiled: may anything happen that the loop outside looks for?
+"""Coarse check of a step for possible events, compiled.
 
 What is watched passes zero where its sign at one of the points of a step is not the side that it is on, or
 where it comes nearer and goes away again. Functions of elements whose rate is not known, as a load that a row
@@ -61,30 +61,20 @@ WATCHED = layout(Watch)
 
 @by_address
 class Watched(NamedTuple):
-    """What is watched besides contacts.
+    """Watched functions other than contacts."""
 
-    Attributes:
-        functions: WATCHED, (n,).
-        program: A program with a block for each joint that is watched.
-        rates: Scratch, (nv + nx,).
-        instants: At which the loop outside has to see to a step's end, increasing [s].
-        values: Value and rate, scratch, (2,).
-        dips: Values of one function in a step, scratch, (6,).
-        unknown: How many functions there are that compiled code does not know.
-    """
-
-    functions: Records[Watch]
-    program: Floats
-    rates: Floats
-    instants: Floats
-    values: Floats
-    dips: Floats
-    unknown: int
+    functions: Records[Watch]  # WATCHED, (n,)
+    program: Floats  # A program with a block for each joint that is watched
+    rates: Floats  # scratch, (nv + nx,)
+    instants: Floats  # at which the loop outside has to see to a step's end, increasing [s]
+    values: Floats  # value and rate, scratch, (2,)
+    dips: Floats  # values of one function in a step, scratch, (6,)
+    unknown: int  # how many functions there are that compiled code does not know
 
 
 @kernel
 def _look(w: Watch, t: float, y: Floats, numbers: Numbers, watched: Watched) -> None:
-    """Write how far a function is past its value at time t [s] and state y, and its rate (0: unknown)."""
+    """Write a function's deviation from its value at t [s], and its rate (0: unknown)."""
     program, out = numbers.program, watched.values
     nq = head_of(program).nq
     out[1] = 0.0
@@ -118,7 +108,7 @@ def _look(w: Watch, t: float, y: Floats, numbers: Numbers, watched: Watched) -> 
 
 @inlined
 def interpolated(x: float, f: Floats) -> float:
-    """Value at a fraction of a step of the polynomial through five values at the points of a step."""
+    """Return the quartic interpolant's value through five points of a step."""
     a, b, c = FIRST_POINT, SECOND_POINT, THIRD_POINT
     return float(
         f[0] * (x - a) * (x - b) * (x - c) * (x - 1.0) / (a * b * c)
@@ -131,7 +121,7 @@ def interpolated(x: float, f: Floats) -> float:
 
 @kernel
 def _may_dip(t: float, h: float, w: Watch, step: DenseStep, numbers: Numbers, watched: Watched) -> bool:
-    """Whether a function without a rate, whose value at the start is known, may come to zero in a step."""
+    """Return whether a function without a rate may reach zero in a step."""
     space, dense, work, start, out = step
     f = watched.dips
     f[0] = w.side * watched.values[0]
@@ -175,7 +165,7 @@ def may_happen(
     numbers: Numbers,
     watched: Watched,
 ) -> bool:
-    """Whether something watched may happen in the step of size h from t [s], whose dense output is there."""
+    """Return whether a watched event is possible within the step from t [s]."""
     if watched.unknown > 0:
         return True
     for k in range(watched.instants.shape[0]):

@@ -179,7 +179,9 @@ class _ForwardSensitivity:
         flow = self._here.flow
         frame = Chart(flow.system, first).frame
         looks = np.unique(np.append(times[times >= first.time], until)).tolist()
-        flow.propagate(first, until - first.time, frame, start, numbers=self._numbers, looks=looks, seen=see)
+        flow.propagate(
+            first, until - first.time, frame, start, numbers=self._numbers, looks=looks, on_look=see
+        )
         when, states, memories, programs, found, words = zip(*seen, strict=True)
         chunk = Chunk(np.array(when), np.array(states), np.array(memories), list(programs))
         return _TangentSamples(chunk, np.array(found), np.array(words)), first

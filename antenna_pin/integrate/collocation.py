@@ -1,4 +1,4 @@
-"""Linear differential equations with matrices that change, a step at a time, and what a step is wrong by."""
+"""Linear differential equations with variable matrices: collocation steps and their errors."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Propagated(NamedTuple):
 
 
 def _weights(nodes: Array) -> tuple[Array, Array]:
-    """Return the weights of the stages and of the step of the collocation method with these nodes."""
+    """Return the stage and step weights of the collocation method with given nodes."""
     powers = np.arange(1, len(nodes) + 1)
     inverse = np.linalg.inv(nodes[:, None] ** (powers - 1))
     return (nodes[:, None] ** powers / powers) @ inverse, (1.0 / powers) @ inverse
@@ -48,7 +48,7 @@ _METHODS = _weights(_GAUSS), _weights(NODES)
 
 
 class Propagator:
-    """Steps of ``W' = A W`` by collocation (Hairer, Norsett and Wanner 1993, II.7): stiff ones too.
+    """Steps of ``W' = A W`` by collocation (Hairer, Norsett and Wanner 1993, II.7).
 
     Args:
         size: n.
@@ -87,7 +87,7 @@ class Propagator:
         return np.asarray(length * np.einsum("i,ira,iab->rb", weights, rows[:s], ways, optimize=True))
 
     def change(self, length: float, matrices: Array) -> Array:
-        """Return by how much a step changes with its matrices, to first order and where it is next to one.
+        """Return the first-order change of a step with its matrices, near the identity.
 
         Args:
             length: Of the step.

@@ -16,7 +16,7 @@ def propagate(
     room: tuple[Floats, Ints, Floats],
     out: Floats,
 ) -> bool:
-    """Write what ``W' = A W`` makes of the identity over a step; return whether there is such.
+    """Write the propagator of ``W' = A W`` over a step; return whether it exists.
 
     Args:
         stages: Weights of the stages, (s, s).

@@ -43,7 +43,7 @@ def clear(trial: Floats, count: int) -> None:
 
 @inlined
 def place_at(turn: int, points: int) -> int:
-    """Return how many steps away the next value is: none, then ahead and behind, the farthest first."""
+    """Return the offsets of a difference in steps: 0, then pairs, farthest first."""
     away = points - (turn - 1) // 2
     return 0 if turn == 0 else (away if turn % 2 == 1 else -away)
 
@@ -76,7 +76,7 @@ def add(values: Floats, count: int, place: int, weights: Floats, trial: Floats) 
 
 @inlined
 def rests(turn: int, moves: bool, count: int, trial: Floats) -> bool:
-    """Whether nothing changes, as the farthest neighbours say behind the third turn: so it is then."""
+    """Return whether the function is constant, by its farthest pair of values."""
     if turn != 2 or moves:
         return False
     clear(trial, count)
@@ -85,7 +85,7 @@ def rests(turn: int, moves: bool, count: int, trial: Floats) -> bool:
 
 @inlined
 def _judge(trial: Floats, values: Floats, step: float, part: tuple[int, int]) -> tuple[float, float]:
-    """Return by how much two orders differ in a part of the values, and the largest derivative there.
+    """Return difference of two orders and largest derivative in part of the values.
 
     Where the function bends by more than that, the second order becomes what differs by the bend. What the
     round-off of values makes of it does not count: it is all there is where a derivative is zero.
@@ -116,7 +116,7 @@ def settle(
     so_far: tuple[float, float, bool],
     out: Floats,
 ) -> tuple[float, float, bool]:
-    """Judge a part of a trial, and keep it if it is the best yet, as long as finer steps are worth trying.
+    """Rate a trial's part and store the best, until finer steps are pointless.
 
     Parts are settled by themselves: the round-off of one is no reason to take a finer step of another. Next
     to a kink a trial's derivative may be near zero by chance, and by how much orders differ is small beside

@@ -1,4 +1,4 @@
-"""A step of an explicit method, and the stages of its dense output, compiled; the caller evaluates.
+"""Explicit steps and the stages of their dense output, compiled, by reverse communication.
 
 Who makes a step calls :func:`go_on` until it returns MADE. Each time before, it returns ASK with a state in
 the row STATE, and wants the derivative there at ``progress.t`` in the row RATES. With MADE the step's end is
@@ -37,25 +37,15 @@ COURSE = records.layout(Course)
 
 @by_address
 class Tableau(NamedTuple):
-    """A Runge-Kutta method (:class:`antenna_pin.integrate.Method`), and where a step by it is.
+    """A Runge-Kutta method (:class:`antenna_pin.integrate.Method`), and where a step by it is."""
 
-    Attributes:
-        nodes: Of the stages, (stages,).
-        weights: Of the stages, (stages, stages).
-        errors: Of the error, (1 or 2, stages).
-        polynomials: Of the dense output, (stages, degree).
-        last: The stage at the step's end.
-        adaptive: Whether it has an error, 1 or 0.
-        course: COURSE, (1,).
-    """
-
-    nodes: Floats
-    weights: Floats
-    errors: Floats
-    polynomials: Floats
-    last: int
-    adaptive: int
-    course: Records[Course]
+    nodes: Floats  # of the stages, (stages,)
+    weights: Floats  # of the stages, (stages, stages)
+    errors: Floats  # of the error, (1 or 2, stages)
+    polynomials: Floats  # of the dense output, (stages, degree)
+    last: int  # the stage at the step's end
+    adaptive: int  # whether it has an error, 1 or 0
+    course: Records[Course]  # COURSE, (1,)
 
 
 @inlined
@@ -66,7 +56,7 @@ def set_out(tableau: Tableau) -> None:
 
 @inlined
 def go_on(t: float, h: float, tableau: Tableau, layout: Ints, work: Floats) -> int:
-    """Write the state of the next stage of a step of size h [s] from t [s]; return what is wanted then."""
+    """Write the state of the next stage; return the required evaluation."""
     course = tableau.course[0]
     i = course.stage + 1
     stage(i, h, tableau.weights, layout, work, i > 1)
@@ -77,14 +67,14 @@ def go_on(t: float, h: float, tableau: Tableau, layout: Ints, work: Floats) -> i
 
 @kernel
 def error_of(h: float, tableau: Tableau, layout: Ints, work: Floats, scales: Floats, rtol: float) -> float:
-    """Return the scaled error of a step that was made: 1 is the tolerance, 0 if steps are fixed."""
+    """Return the scaled error of a completed step; 0 for fixed steps."""
     error = finish(tableau.last, h, tableau.errors, layout, work, scales, rtol)
     return float(error if tableau.adaptive != 0 or not math.isfinite(error) else 0.0)
 
 
 @inlined
 def set_out_dense(tableau: Tableau, layout: Ints, work: Floats, kept: Floats) -> None:
-    """Begin the dense output of a step that was made; ``kept``, (2, size), holds its end meanwhile."""
+    """Begin the dense output of a completed step; scratch (2, size) holds its end."""
     space, stages = space_of(layout), tableau.weights.shape[0]
     tableau.course[0].stage = tableau.last
     if stages > tableau.last + 1:
@@ -97,7 +87,7 @@ def set_out_dense(tableau: Tableau, layout: Ints, work: Floats, kept: Floats) ->
 def go_on_dense(
     t: float, h: float, tableau: Tableau, layout: Ints, work: Floats, dense: Floats, kept: Floats
 ) -> int:
-    """Write the state of the next stage that the dense output needs, as :func:`go_on`; MADE: it is there."""
+    """Write the state of the dense output's next stage; return MADE when complete."""
     course, stages = tableau.course[0], tableau.weights.shape[0]
     space = space_of(layout)
     i = course.stage + 1

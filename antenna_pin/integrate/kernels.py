@@ -51,7 +51,7 @@ DenseStep = tuple[Ints, Floats, Floats, int, Floats]
 
 @kernel
 def begin(stages: int, layout: Ints, work: Floats) -> None:
-    """Make the present state the start of a step and its derivative, evaluated before, the first stage."""
+    """Make the present state a step's start, with its derivative as first stage."""
     space = space_of(layout)
     for k in range(space.nq + space.nv + space.nx):
         work[stages + START, k] = work[stages + STATE, k]
@@ -72,7 +72,7 @@ def store(i: int, stages: int, layout: Ints, work: Floats) -> None:
 
 @kernel
 def stage(i: int, h: float, weights: Floats, layout: Ints, work: Floats, keep: bool) -> None:
-    """Store the derivative of stage i - 1 (if ``keep``) and write the state of stage i."""
+    """Write the state of stage i, after the last derivative if ``keep``."""
     space = space_of(layout)
     nq, nv, nx = space.nq, space.nv, space.nx
     stages = weights.shape[0]
@@ -102,7 +102,7 @@ def stage(i: int, h: float, weights: Floats, layout: Ints, work: Floats, keep: b
 
 @inlined
 def _sum_lanes(i: int, h: float, weights: Floats, work: Floats, total: int, k: int) -> None:
-    """Write the sum of the stages before stage i, by its weights, for two lanes of components from k on.
+    """Write the weighted sum of stages before stage i, for lanes from k on.
 
     The sums stay in the processor's registers, where those of whole rows would be read and written for each
     stage.
@@ -130,7 +130,7 @@ def _length(rows: Floats, r: int, k: int, n: int) -> float:
 
 @kernel
 def magnitudes(layout: Ints, stages: int, work: Floats) -> None:
-    """Write into TOTAL the size of each component of [u, v, x] that its error is measured against.
+    """Write the error scale of each component of [u, v, x] into TOTAL.
 
     Of a translation in space or in a plane that is the length of the vector: an error weighs the same
     whichever way the axes lie. Of u it is that of the step, of v and x the larger of its two ends'.
@@ -160,7 +160,7 @@ def magnitudes(layout: Ints, stages: int, work: Floats) -> None:
 def finish(
     i: int, h: float, errors: Floats, layout: Ints, work: Floats, scales: Floats, rtol: float
 ) -> float:
-    """Store the derivative of the last stage i; return the scaled error of the step (1 is the tolerance).
+    """Store the derivative of the last stage i; return the step's scaled error.
 
     ``errors`` holds one row of weights, or two (Dormand-Prince 8(5,3), combined after Hairer). The error of a
     component counts against rtol (scale + magnitude); components of infinite scale do not count. The larger
@@ -216,7 +216,10 @@ def _norm(
 
 @kernel
 def dense_coefficients(h: float, polynomials: Floats, n: int, work: Floats, dense: Floats) -> None:
-    """dense[p] = h sum_j polynomials[j, p] work[j]: z(theta) - z(0) = sum_p dense[p] theta^(p + 1)."""
+    """Write the dense output's polynomials.
+
+    dense[p] = h sum_j polynomials[j, p] work[j]: z(theta) - z(0) = sum_p dense[p] theta^(p + 1).
+    """
     for p in range(polynomials.shape[1]):
         k = 0
         while k < n:
@@ -240,7 +243,7 @@ def dense_coefficients(h: float, polynomials: Floats, n: int, work: Floats, dens
 
 @kernel
 def bend(layout: Ints, before: Floats, after: Floats, dense: Floats) -> None:
-    """Bend the dense output to a step's end that was moved after the step, by so little that charts agree.
+    """Adjust the dense output to a step's end that a small correction has moved.
 
     The move comes in as 3 theta^2 - 2 theta^3: the slopes at both ends stay.
     """
@@ -290,7 +293,7 @@ def _term(theta: float, degree: int, dense: Floats, k: int) -> float:
 
 @kernel
 def dense_state(theta: float, layout: Ints, dense: Floats, work: Floats, start: int, out: Floats) -> None:
-    """Write the state at the fraction theta of the step from work[start] into out[0]; out[1] is scratch."""
+    """Write the state at fraction theta of the step from work[start] into out[0]."""
     space = space_of(layout)
     nq, nv, nx = space.nq, space.nv, space.nx
     degree = dense.shape[0]

@@ -13,7 +13,7 @@ RealOrComplex = Floats | NDArray[np.complex128]
 
 @kernel
 def decompose(matrix: RealOrComplex, pivots: Ints) -> bool:
-    """Overwrite a square matrix with its factors L and U, rows exchanged; return whether it is regular.
+    """Factorize a square matrix in place by pivoted LU; return whether it is regular.
 
     Args:
         matrix: (n, n), real or complex; on return U with the multipliers of L below.

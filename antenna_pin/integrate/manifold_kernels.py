@@ -1,4 +1,4 @@
-"""Configurations of a product of joint spaces: steps on it, and rates in the chart about a point, compiled.
+"""Configurations on a product of joint spaces: steps and chart rates, compiled.
 
 A configuration q0 o exp(u) has chart coordinates u about q0, and u' follows from v by the inverse of the
 exponential's derivative. Rigid motions are charted as position times rotation, R^3 x SO(3): p = p0 + u_p in
@@ -57,7 +57,7 @@ def factor_of(layout: Ints, number: int) -> Factor:
 
 @inlined
 def _turn(q0: Floats, r0: int, i: int, way: Triple, q: Floats, r: int) -> None:
-    """Write q0 * exp(u / 2) for the quaternions at column i of rows r0 and r, made unit again."""
+    """Write q0 * exp(u / 2), normalized, for the quaternions at column i."""
     ux, uy, uz = way
     square = ux * ux + uy * uy + uz * uz
     if square < 1e-4:
@@ -164,7 +164,7 @@ def factor_size(factor: Factor) -> int:
 
 @kernel
 def move_by_velocity(layout: Ints, rows: Floats, r: int, step: Floats) -> None:
-    """Move the configuration rows[r], in place, by a step in the coordinates of velocities, in body axes.
+    """Move the configuration rows[r], in place, by a tangent step in body axes.
 
     It is of first order, as for corrections: along a straight line, then turned.
     """
@@ -199,7 +199,7 @@ def _unwind(vector: Triple, spin: Triple, out: Floats, r: int, j: int) -> None:
 
 @inlined
 def chart_rate(layout: Ints, u: Floats, ru: int, y: Floats, ry: int, out: Floats, r: int) -> None:
-    """Write the rate of u[ru] into out[r] for the state y[ry] = [q, v], whose q is q0 o exp(u)."""
+    """Write the rate of u[ru] into out[r] for q = q0 o exp(u)."""
     start = space_of(layout).nq
     for f in range(space_of(layout).factors):
         factor = factor_of(layout, f)
@@ -235,7 +235,7 @@ def chart_rate(layout: Ints, u: Floats, ru: int, y: Floats, ry: int, out: Floats
 
 @kernel
 def write_bracket(layout: Ints, v: Floats, way: Floats, out: Floats) -> None:
-    """Write the bracket [v, w] of a velocity with a way w, both from one configuration, (nv,) each."""
+    """Write the bracket [v, w] of two tangent vectors at one configuration, (nv,)."""
     for f in range(space_of(layout).factors):
         factor = factor_of(layout, f)
         kind, j = factor.kind, factor.v

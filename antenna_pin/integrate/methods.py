@@ -70,9 +70,6 @@ DENSE: tuple[dict[int, float], ...] = (
 
 
 # --- tables -------------------------------------------------------------------------------------------------
-#
-# All are used with their last main stage at the end of the step (its derivative is the first stage of the
-# next step), so every method has a derivative at both ends and a dense output.
 
 Array = NDArray[np.float64]
 
@@ -260,7 +257,7 @@ def _dormand_prince_853() -> Method:
 
 
 def _radau5() -> Method:
-    """Radau IIA: the derivative at the start, the three stages, and the step's end once more.
+    """Radau IIA: start derivative, three stages, and the step's end again.
 
     Hairer and Wanner, Solving Ordinary Differential Equations II, 2nd ed., IV.5 and IV.8. The dense output is
     the collocation polynomial: its slopes at the stages are the derivatives there.

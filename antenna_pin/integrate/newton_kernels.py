@@ -45,50 +45,30 @@ PROGRESS = records.layout(Progress)
 
 @by_address
 class Radau(NamedTuple):
-    """The method's numbers, and what its steps work on; n components of z, m columns.
+    """The method's numbers, and what its steps work on; n components of z, m columns."""
 
-    Attributes:
-        progress: PROGRESS, (1,).
-        nodes: c_i of the stages, (3,).
-        inverse: Inverse of A, (3, 3).
-        back: T, from W to Z, (3, 3).
-        forth: Its inverse, (3, 3).
-        values: Eigenvalues of the inverse of A: the real one, the other's parts, (3,).
-        error: Weights of the stages' increments in the error, (3,).
-        columns: Components that the derivative depends on, increasing, (m,).
-        z: Increments, (3, n).
-        w: In the other coordinates, (3, n).
-        f: Derivatives at the stages, (3, n).
-        jacobian: Of all components to the columns, (n, m).
-        real: Factors, (m, m).
-        complex: Factors, (m, m).
-        pivots: (2, m).
-        solved: (m,), scratch.
-        paired: (m,), complex, scratch.
-    """
-
-    progress: Records[Progress]
-    nodes: Floats
-    inverse: Floats
-    back: Floats
-    forth: Floats
-    values: Floats
-    error: Floats
-    columns: Ints
-    z: Floats
-    w: Floats
-    f: Floats
-    jacobian: Floats
-    real: Floats
-    complex: NDArray[np.complex128]
-    pivots: Ints
-    solved: Floats
-    paired: NDArray[np.complex128]
+    progress: Records[Progress]  # PROGRESS, (1,)
+    nodes: Floats  # c_i of the stages, (3,)
+    inverse: Floats  # inverse of A, (3, 3)
+    back: Floats  # T, from W to Z, (3, 3)
+    forth: Floats  # its inverse, (3, 3)
+    values: Floats  # eigenvalues of the inverse of A: the real one, the other's parts, (3,)
+    error: Floats  # weights of the stages' increments in the error, (3,)
+    columns: Ints  # components that the derivative depends on, increasing, (m,)
+    z: Floats  # increments, (3, n)
+    w: Floats  # in the other coordinates, (3, n)
+    f: Floats  # derivatives at the stages, (3, n)
+    jacobian: Floats  # of all components to the columns, (n, m)
+    real: Floats  # factors, (m, m)
+    complex: NDArray[np.complex128]  # factors, (m, m)
+    pivots: Ints  # (2, m)
+    solved: Floats  # (m,), scratch
+    paired: NDArray[np.complex128]  # (m,), complex, scratch
 
 
 @inlined
 def write_state(z: Floats, r: int, stages: int, layout: Ints, work: Floats) -> None:
-    """Write the state at the chart coordinates z[r], counted from the start, into STATE and U."""
+    """Write the state at chart coordinates z[r] into STATE and U."""
     space = space_of(layout)
     nq, nv, nx = space.nq, space.nv, space.nx
     for k in range(nv):
@@ -165,7 +145,7 @@ def _is_column(radau: Radau, c: int, k: int) -> bool:
 def newton_step(
     h: float, stages: int, layout: Ints, work: Floats, scales: Floats, rtol: float, radau: Radau
 ) -> float:
-    """Make a Newton step from the derivatives at the stages; return its size in tolerances (RMS)."""
+    """Make a Newton step from the stage derivatives; return its size in tolerances (RMS)."""
     space = space_of(layout)
     m, n = radau.columns.shape[0], radau.z.shape[1]
     forth, w, f = radau.forth, radau.w, radau.f
@@ -225,7 +205,7 @@ def _size(begin: int, end: int, h: float, stages: int, work: Floats, scales: Flo
 def estimate(
     h: float, row: int, stages: int, layout: Ints, work: Floats, scales: Floats, rtol: float, radau: Radau
 ) -> float:
-    """Write the error of the step, over h, into its row, and return it scaled (1 is the tolerance).
+    """Write the step's error, over h, into its row; return the scaled error.
 
     ``row`` has the derivative that it is estimated with: at the start, or there plus the first estimate.
     """

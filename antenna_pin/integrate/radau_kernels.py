@@ -1,4 +1,4 @@
-r"""A step of Radau IIA of order 5 in the chart about its start, compiled; the caller evaluates.
+r"""Step of Radau IIA of order 5 in a chart, compiled, by reverse communication.
 
 With the increments Z_i = z(c_i h) - z(0) of the three stages the method is Z = h (A x I) F(Z). It is solved
 by simplified Newton steps, in coordinates W in which they part into a real system and a complex one (Hairer
@@ -68,7 +68,7 @@ def _next_round(t: float, h: float, stages: int, layout: Ints, work: Floats, rad
 def _set_out(
     t: float, h: float, stages: int, layout: Ints, work: Floats, scales: Floats, rtol: float, radau: Radau
 ) -> int:
-    """Make the first Newton step: from rest, with the derivative at the start for all stages."""
+    """Make the first Newton step, with the start derivative for all stages."""
     p = radau.progress[0]
     p.fresh = 1
     if not factorize(h, radau):
@@ -88,7 +88,7 @@ def _set_out(
 def _conclude(
     h: float, stages: int, layout: Ints, work: Floats, scales: Floats, rtol: float, radau: Radau
 ) -> int:
-    """Make the third stage the step's end and estimate the error; if it is large, ask for a better one."""
+    """Set the step's end and estimate the error; refine a large estimate."""
     write_slopes(h, stages, layout, work, radau)
     write_state(radau.z, END, stages, layout, work)
     p = radau.progress[0]
@@ -100,7 +100,7 @@ def _conclude(
 def go_on(
     t: float, h: float, stages: int, layout: Ints, work: Floats, scales: Floats, rtol: float, radau: Radau
 ) -> int:
-    """Go on with a step of size h [s] from t [s] with the answer to what was asked; return what comes next.
+    """Continue a step of size h [s] with an evaluation; return the next request.
 
     ``progress.phase`` is BEGIN at its beginning. Once MADE, the step's end is in STATE, its error in
     ``progress.error``.

@@ -100,7 +100,7 @@ class Manifold:
         return rows[2, : self.nq].copy()
 
     def chart_rate(self, q: ArrayLike, u: ArrayLike, v: ArrayLike) -> Array:
-        """Return the rate of u for the velocity v at the configuration q o exp(u), (nv,)."""
+        """Return the rate of u for velocity v at q o exp(u), (nv,)."""
         rows = np.zeros((3, self.size))
         rows[0, : self.nq], rows[0, self.nq : self.nq + self.nv] = self.compose(q, u), v
         rows[1, : self.nv] = u
@@ -108,7 +108,7 @@ class Manifold:
         return rows[2, : self.nv].copy()
 
     def bracket(self, v: ArrayLike, ways: ArrayLike) -> Array:
-        """Return the bracket [v, w] of a velocity with ways w from a configuration, (nv, k).
+        """Return the bracket [v, w] with tangent vectors w, (nv, k).
 
         Neighbours q o exp(w) of a motion q' = q v move by w' = dv - [v, w] beside it, dv the difference of
         velocities.
@@ -135,7 +135,7 @@ class Problem(Protocol):
         """The state space."""
 
     def derivative(self, t: float, y: Array, rates: Array) -> None:
-        """Write [acceleration (nv), rate of x (nx)] at time t [s] and state y = [q, v, x] into rates."""
+        """Write [acceleration (nv), rate of x (nx)] at t [s] and y into rates."""
 
 
 def tableau_of(method: Method) -> explicit.Tableau:
@@ -222,14 +222,14 @@ class Stepper:
         self.restart(self.t, self.start)
 
     def rates(self, t: float, y: Array) -> Array:
-        """Return [acceleration (nv), rate of x (nx)] of any state; the trial step is lost by that."""
+        """Return [acceleration (nv), rate of x (nx)] of any state, losing the trial step."""
         self.y[:] = y
         self._derive(t)
         self.has_dense = False
         return self._rates.copy()
 
     def attempt(self, h: float) -> float:
-        """Try a step of size h [s]; return its scaled error: 1 is the tolerance, 0 if the step is fixed.
+        """Try a step of size h [s]; return its scaled error, 0 if fixed.
 
         One whose equations Newton's method does not solve has an error of 10.
         """
@@ -259,7 +259,7 @@ class Stepper:
         return float(newton.progress[0].error)
 
     def prepare_dense(self) -> None:
-        """Compute the dense output of the last trial step, with the stages it needs beyond the step's own."""
+        """Compute the dense output of the last trial step, with its additional stages."""
         if self.has_dense:
             return
         tableau, layout, work = self.tableau, self.manifold.layout, self.work
@@ -272,7 +272,7 @@ class Stepper:
         self.has_dense = True
 
     def interpolate(self, theta: float, out: Array) -> None:
-        """Write the state at the fraction theta of the last trial step into out (see ``prepare_dense``)."""
+        """Write the state at fraction theta of the last trial step into out."""
         kernels.dense_state(theta, self.manifold.layout, self.dense, self.work, self.start_row, self.out)
         out[:] = self.out[0]
 

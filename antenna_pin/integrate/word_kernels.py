@@ -1,4 +1,4 @@
-"""Numbers of a flat array that go with parameters, displaced in place and put back, compiled.
+"""Numbers of a flat array that depend on parameters: displacement and restoration, compiled.
 
 Of each parameter a few numbers change: where they stand and by how much, one after the other, with where
 those of each parameter begin.
@@ -15,19 +15,12 @@ from antenna_pin.compiled.decorators import inlined
 
 @by_address
 class Words(NamedTuple):
-    """Numbers of an array that go with parameters.
+    """Numbers of an array that go with parameters."""
 
-    Attributes:
-        first: Where those of each parameter begin, and the end, (parameters + 1,).
-        at: Where they stand in the array, (words,).
-        slopes: By how much they change, (words,).
-        was: What they are undisplaced, scratch, (words,).
-    """
-
-    first: Ints
-    at: Ints
-    slopes: Floats
-    was: Floats
+    first: Ints  # where those of each parameter begin, and the end, (parameters + 1,)
+    at: Ints  # where they stand in the array, (words,)
+    slopes: Floats  # by how much they change, (words,)
+    was: Floats  # what they are undisplaced, scratch, (words,)
 
 
 @inlined

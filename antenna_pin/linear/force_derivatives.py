@@ -113,7 +113,7 @@ class Forces:
         return self._contacts.memory
 
     def displaced(self, step: Array, change: Array | None = None, bristles: Array | None = None) -> Array:
-        """Return the state after a step in the coordinates of velocities and a change of velocity."""
+        """Return the state after a tangent step and a change of velocity."""
         nq, nv = self.system.model.nq, self.system.model.nv
         y = self._y.copy()
         y[:nq] = pin.integrate(self.system.model, self._y[:nq], step)
@@ -197,7 +197,7 @@ class Forces:
         )
 
     def _add_states(self, by_bristle: Array, of_bristles: tuple[Array, Array]) -> None:
-        """Add what the states of elements do, and what changes them; each is of size 1.
+        """Add unit rates and effects of the states of elements.
 
         Where a joint rests its state grows by another slope either way: the mean of the two counts.
         """
@@ -208,15 +208,15 @@ class Forces:
         every = np.eye(nv)
         ways = np.eye(len(self.system.bristle_x))[:, own]
 
-        def seen(y: Array) -> Array:
+        def evaluate(y: Array) -> Array:
             self._elements.apply_elements(self.time, y, self._rates)
             rates = self._rates[nv + self.system.bristle_x]
             return np.concatenate([self._elements.tau, rates])
 
-        found, _ = gradient(lambda change: seen(self.displaced(zero, None, change)), ways, STEPS)
+        found, _ = gradient(lambda change: evaluate(self.displaced(zero, None, change)), ways, STEPS)
         by_bristle[:, own] = found
-        at, _ = gradient(lambda step: seen(self.displaced(step)), every, STEPS)
-        moving, _ = gradient(lambda change: seen(self.displaced(zero, change)), every, STEPS)
+        at, _ = gradient(lambda step: evaluate(self.displaced(step)), every, STEPS)
+        moving, _ = gradient(lambda change: evaluate(self.displaced(zero, change)), every, STEPS)
         for whole, part in zip(of_bristles, (at, moving), strict=True):
             whole[own] = part[nv:][own]
 

@@ -19,6 +19,7 @@ from antenna_pin.elements import Modal
 from antenna_pin.errors import MechanismError
 from antenna_pin.linear.force_derivatives import ForceDerivatives, Forces
 from antenna_pin.linear.operating_point import At
+from antenna_pin.mechanism import mass_matrix
 
 __all__ = [
     "Linearisation",
@@ -40,10 +41,6 @@ def rotors(system: System, v: Array) -> dict[str, float]:
     Such a child is a body on which nothing else moves, with one moment of inertia in all directions across
     the axis. In its own axes the rest of the mechanism turns round; in axes that do not spin its equations
     stay what they are, whatever bearings and mechanism are.
-
-    Args:
-        system: The system.
-        v: Velocity, (nv,).
 
     Returns:
         Spin about the joint's axis [rad/s] by the joint's name.
@@ -87,21 +84,14 @@ _STEPS = (1e-2, 1e-3)
 
 
 class _ConstraintTerms(NamedTuple):
-    """Constraints in a state, (rows,) equations, with J and its derivatives.
+    """Constraints in a state, (rows,) equations, with J and its derivatives."""
 
-    Attributes:
-        jacobian: J, (rows, nv); no rows where nothing is held.
-        force: Derivative of J^T lambda over the configuration at constant multipliers, (nv, nv).
-        speed: Derivative of J v over the configuration at constant v, (rows, nv).
-        lack: Derivatives of J a - lack at constant a over configuration and velocity, (rows, nv) each.
-        acceleration: Of the state, constraints held, (nv,).
-    """
-
-    jacobian: Array
-    force: Array
-    speed: Array
+    jacobian: Array  # J, (rows, nv); no rows where nothing is held
+    force: Array  # derivative of J^T lambda over the configuration at constant multipliers, (nv, nv)
+    speed: Array  # derivative of J v over the configuration at constant v, (rows, nv)
+    # derivatives of J a - lack at constant a over configuration and velocity, (rows, nv) each
     lack: tuple[Array, Array]
-    acceleration: Array
+    acceleration: Array  # of the state, constraints held, (nv,)
 
 
 def _constraint_terms(
@@ -208,7 +198,7 @@ class Linearisation:
 
     @property
     def state_matrix(self) -> Array:
-        """State matrix A of x' = A x + B f, x = [s, w, z], (2 k + bristles, same)."""
+        """State matrix A of x' = A x + B f, x = [s, w, z]."""
         return self._matrix(self.damping, damped=True)
 
     @property
@@ -279,8 +269,7 @@ def linearise(at: At) -> Linearisation:
     used = np.zeros(nv) if at.rest else acceleration
     pin.computeRNEADerivatives(model, data, y[:nq], v, used)
     by_place, by_speed = (np.array(one).reshape(nv, nv) for one in (data.dtau_dq, data.dtau_dv))
-    mass = np.triu(np.array(pin.crba(model, data, y[:nq])).reshape(nv, nv))
-    mass += np.triu(mass, 1).T
+    mass = mass_matrix(model, data, y[:nq])
     n, rigid = _free_directions(at, weightless)
     if n.shape[1] == 0:
         names = ", ".join(at.hold) or "none"

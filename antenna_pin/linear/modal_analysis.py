@@ -45,20 +45,15 @@ Complex = NDArray[np.complex128]
 
 
 class _Bodies(NamedTuple):
-    """Bodies of a mechanism in one configuration, as linear maps.
+    """Bodies of a mechanism in one configuration, as linear maps."""
 
-    Attributes:
-        motion: Generalized velocity to each body's twist at its mass centre in world axes, (bodies, 6, nv).
-        inertia: Spatial inertia of each at its mass centre in world axes, (bodies, 6, 6).
-        coupling: Generalized force of inertia under an acceleration of the root with all else at rest
-            relative to it, (nv, 6); the root's origin and axes, those of the world with a fixed base.
-        rigid: Inertia of the whole as one rigid body about that origin, (6, 6).
-    """
-
+    # generalized velocity to each body's twist at its mass centre in world axes, (bodies, 6, nv)
     motion: Array
-    inertia: Array
+    inertia: Array  # spatial inertia of each at its mass centre in world axes, (bodies, 6, 6)
+    # generalized force of inertia under an acceleration of the root with all else at rest relative to it,
+    # (nv, 6); the root's origin and axes, those of the world with a fixed base
     coupling: Array
-    rigid: Array
+    rigid: Array  # inertia of the whole as one rigid body about that origin, (6, 6)
 
 
 def bodies_of(system: System, q: Array) -> _Bodies:
@@ -188,7 +183,7 @@ class Modes:
         ]
 
     def shape(self, mode: int) -> NDArray[np.complex128]:
-        """Return the shape of a mode in the coordinates of velocities, (nv,), to unit modal mass.
+        """Return the shape of a mode, (nv,), normalized to unit modal mass.
 
         Args:
             mode: Its number, from 1.
@@ -200,7 +195,7 @@ class Modes:
         return np.asarray(self.data["shape"].sel(mode=mode).values, dtype=complex)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the table in plain numbers; complex ones as two lists, None where there is none."""
+        """Return the table in plain numbers: complex as pairs, missing as None."""
         attributes = self.data.attrs
         table: dict[str, Any] = {
             name: attributes[name] for name in ("title", "case", "time", "play", "loads", "hold")

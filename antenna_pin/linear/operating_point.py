@@ -81,9 +81,7 @@ class _JournalPose:
     ) -> None:
         self.system, self.joint, self.load = system, joint, load
         self.slot = system.mechanism.joint(joint.name)
-        block = system.clearance_blocks[joint.name]
-        self.block = block
-        self.rows = [row for row, of in enumerate(system.block_of_contact) if of == block]
+        self.block, self.rows = system.clearance_blocks[joint.name], _rows_of(system, joint)
         self.memory = memory
         for row in self.rows:
             # A depth of an impact that never was: laws that ask for it at rest do not depend on it.
@@ -184,14 +182,12 @@ class _JournalPose:
 
         low, high = 0.0, 0.0
         step = 0.25 * play if play > 0.0 else 0.01 * limit
-        reach = 0.0
         while True:
             high += step
-            reach = high
             if short(high) <= 0.0:
                 break
             low = high
-            if reach > 1e3 * max(play, limit) or reach > 10.0 * self.lever:
+            if high > 1e3 * max(play, limit) or high > 10.0 * self.lever:
                 raise MechanismError(
                     f"modes: load of {self.joint.name}: must press the journal against the bearing, got "
                     f"{number(wanted)} N along a direction in which no contact carries it"

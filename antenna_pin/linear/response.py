@@ -39,15 +39,10 @@ _AXES = ("x", "y", "z")
 
 
 class _Shaking(NamedTuple):
-    """Motion of the base as a source of small motions.
+    """Motion of the base as a source of small motions."""
 
-    Attributes:
-        linear: The equations.
-        way: g, what all velocities are of the motion's, (nv,).
-    """
-
-    linear: Linearisation
-    way: Array
+    linear: Linearisation  # the equations
+    way: Array  # g, ratio of all velocities to the motion's, (nv,)
 
     def enters(self, omega: float) -> NDArray[np.complex128]:
         """Return the input of the linear system for unit acceleration at an angular frequency [rad/s]."""
@@ -123,8 +118,8 @@ _BELOW, _BEYOND, _DECADES = 0.2, 3.0, 3.0
 class _Output(NamedTuple):
     name: str
     unit: str
-    row: Array  # over the coordinates of velocities, (nv,)
-    bends: bool = False  # it is the second derivative of that which counts
+    row: Array  # derivative over the coordinates of velocities, (nv,)
+    bends: bool = False  # whether its second derivative is the output
 
 
 @takes()
@@ -137,19 +132,19 @@ def sources_of(modes: Modes) -> list[str]:
 
 
 @takes()
-def first_source(modes: Modes, said: str = "source") -> str:
+def first_source(modes: Modes, label: str = "source") -> str:
     """Return the default source of a response.
 
     Args:
         modes: The modes.
-        said: What the user would say it by, for the message.
+        label: Name of the option or argument in the message.
 
     Raises:
         InvalidParameterError: There is nothing that could swing it.
     """
     known = sources_of(modes)
     if not known:
-        raise InvalidParameterError("modes", said, "a drive or a free base, of which there is none", "")
+        raise InvalidParameterError("modes", label, "a drive or a free base, of which there is none", "")
     return known[0]
 
 
@@ -216,10 +211,8 @@ def frequency_response(
     leaves[:, :k] = rows @ linear.directions
     shaken, enters = None, np.zeros(len(matrix))
     if source.startswith("shake."):
-        shaken, unit = (
-            _base_motion(linear, source.removeprefix("shake.")),
-            _unit_of_shake(linear.system, source),
-        )
+        shaken = _base_motion(linear, source.removeprefix("shake."))
+        unit = "m/s^2" if _base_motions(linear.system)[source.removeprefix("shake.")].slides else "rad/s^2"
     else:
         effort, unit = _effort(linear.at, source)
         enters = linear.input_matrix @ effort
@@ -273,16 +266,8 @@ def _effort(at: At, source: str) -> tuple[Array, str]:
     return np.array(workspace.tau), "N" if _slides(at.system, drive.joint) else "N m"
 
 
-def _unit_of_shake(system: System, source: str) -> str:
-    return "m/s^2" if _base_motions(system)[source.removeprefix("shake.")].slides else "rad/s^2"
-
-
 def _slides(system: System, joint: str) -> bool:
-    return (
-        system.mechanism.joint(joint).kind == "prismatic"
-        or system.held.get(joint) == "prismatic"
-        or any(one.name == joint and one.geometry.motion == "slide" for one in system.clearances)
-    )
+    return system.slides(joint) or system.held.get(joint) == "prismatic"
 
 
 def _outputs(modes: Modes, source: str, targets: str | Sequence[str] | None) -> list[_Output]:

@@ -344,11 +344,16 @@ def _carries_nothing(model: Any) -> list[str]:
     return [model.names[i] for i in range(1, model.njoints) if carried[i] == 0.0]
 
 
+def mass_matrix(model: Any, data: Any, q: Array) -> Array:
+    """Return the whole mass matrix, (nv, nv), of which ``pin.crba`` writes the upper triangle."""
+    upper = np.triu(np.asarray(pin.crba(model, data, q)).reshape(model.nv, model.nv))
+    return np.asarray(upper + np.triu(upper, 1).T)
+
+
 def _at(model: Any, q: Array) -> tuple[Any, Array]:
     """Return Pinocchio's data with joints placed in a pose, and the mass matrix (nv, nv)."""
     data = model.createData()
-    matrix = np.triu(pin.crba(model, data, q))
-    matrix += np.triu(matrix, 1).T
+    matrix = mass_matrix(model, data, q)
     pin.forwardKinematics(model, data, q)
     return data, matrix
 

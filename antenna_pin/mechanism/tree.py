@@ -13,7 +13,7 @@ from antenna_pin.base.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, ROTATION,
 from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism import tree_kernels as _bodies
 from antenna_pin.mechanism.dynamics_kernels import aba
-from antenna_pin.mechanism.inertia import idle_joint
+from antenna_pin.mechanism.inertia import idle_joint, mass_matrix
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.model import Mechanism
 from antenna_pin.mechanism.room_kernels import ROOM
@@ -191,8 +191,7 @@ class TreeDynamics:
         for _ in range(_STATES):
             q = pin.integrate(model, pin.neutral(model), rng.normal(size=model.nv))
             v = rng.normal(size=model.nv)
-            mass = np.triu(pin.crba(model, data, q))
-            mass += np.triu(mass, 1).T
+            mass = mass_matrix(model, data, q)
             bias = np.array(pin.nonLinearEffects(model, data, q, v))
             wanted = mass @ rng.normal(size=model.nv)
             own_mass, own_bias = self.mass_and_bias(q, v)

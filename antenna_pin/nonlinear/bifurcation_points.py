@@ -61,17 +61,11 @@ Test = Callable[[NDArray[np.complex128]], float]
 
 
 class Located(NamedTuple):
-    """Location of a bifurcation in a step.
+    """Location of a bifurcation in a step."""
 
-    Attributes:
-        value: Of the parameter.
-        doubt: Half of the interval that it is known to be in.
-        along: How far along the step.
-    """
-
-    value: float
-    doubt: float
-    along: float
+    value: float  # value of the parameter
+    doubt: float  # half of the interval around it
+    along: float  # arc along the step
 
 
 class BranchStep:
@@ -79,7 +73,7 @@ class BranchStep:
 
     Args:
         stepper: Of the branch.
-        first: What it begins with; how far along is measured in the direction there.
+        begin: What it begins with; how far along is measured in the direction there.
         last: What it comes to.
         arc: How far that is.
 
@@ -87,11 +81,11 @@ class BranchStep:
         beside: Orbits before its first and behind its last, by how far along they would be.
     """
 
-    def __init__(self, stepper: BranchStepper, first: Node, last: Node, arc: float) -> None:
+    def __init__(self, stepper: BranchStepper, begin: Node, last: Node, arc: float) -> None:
         """Know both ends."""
-        self.stepper, self.first, self.last, self.arc = stepper, first, last, arc
-        self._points = {0.0: first.point, arc: last.point}
-        self._nodes = {0.0: first, arc: last}
+        self.stepper, self.first, self.last, self.arc = stepper, begin, last, arc
+        self._points = {0.0: begin.point, arc: last.point}
+        self._nodes = {0.0: begin, arc: last}
         self.beside: dict[float, Node] = {}
 
     def point(self, along: float) -> Point:
@@ -411,15 +405,10 @@ _JUMP, _SHRUNK = 0.1, 1e-2
 
 
 class GrazeAhead(NamedTuple):
-    """Change in the number of contacts or events ahead of an orbit.
+    """Change in the number of contacts or events ahead of an orbit."""
 
-    Attributes:
-        arc: How far ahead.
-        value: Of the parameter there.
-    """
-
-    arc: float
-    value: float
+    arc: float  # arc ahead
+    value: float  # value of the parameter there
 
 
 def curved_predictor(stepper: BranchStepper, node: Node, arc: float, passed: BranchStep | None) -> Array:

@@ -43,17 +43,11 @@ class NotAlikeError(InvalidParameterError):
 
 
 class _ElementMode(NamedTuple):
-    """Mode of an element in a state.
+    """Mode of an element in a state."""
 
-    Attributes:
-        label: What messages call the element.
-        number: Of the mode.
-        word: For it.
-    """
-
-    label: str
-    number: int
-    word: str
+    label: str  # name in messages
+    number: int  # number of the mode
+    word: str  # name of the mode
 
 
 def _element_modes(system: System, state: State) -> Mapping[str, _ElementMode]:
@@ -164,7 +158,7 @@ class Chart:
         return len(self.names)
 
     @property
-    def held(self) -> int:
+    def held_directions(self) -> int:
         """Number of directions removed by elements that hold their joints."""
         constraints, program = self._workspace.constraints, self._workspace.program
         if constraints is None:
@@ -248,14 +242,7 @@ class Chart:
         return tuple(values.items())
 
     def _close(self, workspace: Workspace, constraints: Constraints, y: Array, way: Array) -> None:
-        """Bring a state onto constraints in place, across the freedoms only.
-
-        Args:
-            workspace: Of the system whose constraints they are.
-            constraints: Its.
-            y: State, its configuration a way from the origin.
-            way: That way, in units, (nv,).
-        """
+        """Bring a state onto constraints in place, across the freedoms only."""
         model, time, length = self.system.model, self.origin.time, constraints.plan.length
         nq, nv, bound = model.nq, model.nv, self.frame.bound
         last = math.inf
@@ -398,10 +385,6 @@ def _shifted(contact: OpenContact, shift: float) -> OpenContact:
 
 class StatePerturbation:
     """Perturbations between states of a system, and perturbed states.
-
-    Args:
-        system: The system.
-        numbers: How many of its numbers are perturbed too.
 
     Attributes:
         kept: Element memory.

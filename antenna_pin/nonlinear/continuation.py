@@ -65,7 +65,7 @@ class Bifurcation(NamedTuple):
     after: int
 
 
-class _Found(NamedTuple):
+class _Occurrence(NamedTuple):
     kind: BifurcationKind
     where: Located
 
@@ -87,7 +87,7 @@ def _bifurcations_in(step: BranchStep, after: int, precision: float) -> list[Bif
     return [Bifurcation(kind, where.value, where.doubt, after) for kind, where in found]
 
 
-def _between(step: BranchStep, low: float, high: float, precision: float, halvings: int) -> list[_Found]:
+def _between(step: BranchStep, low: float, high: float, precision: float, halvings: int) -> list[_Occurrence]:
     """Return the bifurcations between two places of a step."""
     where = hidden_change(step, low, high) if halvings else None
     if where is not None:
@@ -97,17 +97,17 @@ def _between(step: BranchStep, low: float, high: float, precision: float, halvin
             *_between(step, where, high, precision, halvings - 1),
         ]
     one, other = step.node(low), step.node(high)
-    found: list[_Found] = []
+    found: list[_Occurrence] = []
     sides, crossed = [(low, high)], False
     if len(one.tangent) == len(other.tangent) and one.tangent[-1] * other.tangent[-1] < 0.0:
         crossing = locate_crossing(step, low, high, precision) if _crosses(one, other) else None
         # An asymmetric branch turns back where it meets the symmetric one: that is no fold.
         crossed = crossing is not None and step.turns_at(crossing.along)
         if crossing is not None and crossed:
-            found.append(_Found("branch-point", crossing))
+            found.append(_Occurrence("branch-point", crossing))
         else:
             turn = locate_fold(step, low, high, precision)
-            found.append(_Found("fold", turn))
+            found.append(_Occurrence("fold", turn))
             sides = [(low, turn.along), (turn.along, high)]
     for begin, end in sides:
         if begin != end:
@@ -119,24 +119,26 @@ def _crosses(one: Node, other: Node) -> bool:
     return one.regular and other.regular and one.crossing * other.crossing < 0.0
 
 
-def _on_one_side(step: BranchStep, begin: float, end: float, crossed: bool, precision: float) -> list[_Found]:
+def _on_one_side(
+    step: BranchStep, begin: float, end: float, crossed: bool, precision: float
+) -> list[_Occurrence]:
     """Return the bifurcations between two places without a fold between them."""
     one, other = step.node(begin), step.node(end)
     if one.point.orbit.onsets != other.point.orbit.onsets:
         value, doubt = locate_graze(step.stepper, one, other, precision)
-        return [_Found("grazing", Located(value, doubt, 0.5 * (begin + end)))]
+        return [_Occurrence("grazing", Located(value, doubt, 0.5 * (begin + end)))]
     if len(one.tangent) != len(other.tangent):
         return []
     found = []
     if not crossed and _crosses(one, other):
-        found.append(_Found("branch-point", locate_crossing(step, begin, end, precision)))
+        found.append(_Occurrence("branch-point", locate_crossing(step, begin, end, precision)))
     for kind, test in _TESTS.items():
         signs = {test(node.point.orbit.multipliers) > 0.0 for node in (one, other)}
         if len(signs) == 2:
             where = locate_zero(step, test, begin, end, precision)
             # Two real multipliers with the product 1: no bifurcation.
             if kind == "flip" or is_torus(step.nearest(where.along).orbit.multipliers):
-                found.append(_Found(kind, where))
+                found.append(_Occurrence(kind, where))
     return found
 
 
@@ -245,7 +247,7 @@ def continued(
 def _follow(
     stepper: BranchStepper,
     nodes: list[Node],
-    found: list[Bifurcation],
+    bifurcations: list[Bifurcation],
     values: tuple[float, float],
     arc: float,
     most: int,
@@ -267,7 +269,7 @@ def _follow(
                 before = expected.get(number - 1, math.nan)
                 graze = _graze(stepper, last, ahead, before, values, arc, near_by)
                 if graze is not None:
-                    found.append(Bifurcation("grazing", *graze, number))
+                    bifurcations.append(Bifurcation("grazing", *graze, number))
                     return f"it ends in a graze at {graze[0]:g}"
                 expected[number] = ahead.value
                 step = min(step, _TOWARDS * ahead.arc)
@@ -309,10 +311,10 @@ def _follow(
             step, look, failed = 0.5 * step, max(look, step), str(error)
             continue
         nodes.append(node)
-        found += happened
+        bifurcations += happened
         if passed is not None:
             passed.beside[passed.arc + made] = node
-            found[:] = _revised(passed, found, number - 1, near_by)
+            bifurcations[:] = _revised(passed, bifurcations, number - 1, near_by)
         passed, failed = here, ""
         if progress is not None:
             progress(point)
@@ -375,13 +377,15 @@ def _next_orbit(
     return point, made, stopped
 
 
-def _revised(step: BranchStep, found: list[Bifurcation], after: int, near_by: float) -> list[Bifurcation]:
+def _revised(
+    step: BranchStep, bifurcations: list[Bifurcation], after: int, near_by: float
+) -> list[Bifurcation]:
     """Return bifurcations with those of a step revised by the orbit behind it."""
     if hidden_change(step, 0.0, step.arc) is None:
-        return found
+        return bifurcations
     try:
         again = _bifurcations_in(step, after, near_by)
     except AntennaPinError:
-        return found
-    before = [one for one in found if one.after < after]
-    return [*before, *again, *(one for one in found if one.after > after)]
+        return bifurcations
+    before = [one for one in bifurcations if one.after < after]
+    return [*before, *again, *(one for one in bifurcations if one.after > after)]

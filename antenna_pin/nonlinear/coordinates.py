@@ -41,31 +41,18 @@ Array = NDArray[np.float64]
 
 
 class _MemoryNumber(NamedTuple):
-    """Number that an element with modes stores at a change of mode.
+    """Number that an element with modes stores at a change of mode."""
 
-    Attributes:
-        place: Of the element.
-        name: Its own.
-        label: What messages call it.
-        kind: Of the element.
-        words: Where the element's record begins in a program.
-        word: Where the number stands there.
-        joint: Of the joint's axis in v.
-        of_rate: Whether it is one of the joint's rate, else it is one of its way.
-        turns: Whether the joint turns without end: whole turns of it act on nothing.
-        modes: In which it is gone by.
-    """
-
-    place: str
-    name: str
-    label: str
-    kind: int
-    words: int
-    word: int
-    joint: int
-    of_rate: bool
-    turns: bool
-    modes: tuple[int, ...]
+    place: str  # place of the element
+    name: str  # name in the element
+    label: str  # name in messages
+    kind: int  # kind of the element
+    words: int  # start of the element's record in a program
+    word: int  # place of the number in a program
+    joint: int  # index of the joint's axis in v
+    of_rate: bool  # whether it is a rate of the joint, else a position
+    turns: bool  # whether the joint turns without end, so that whole turns have no effect
+    modes: tuple[int, ...]  # modes in which the number is active
 
     @property
     def key(self) -> str:
@@ -79,9 +66,6 @@ class _MemoryNumber(NamedTuple):
 
 class ElementMemory:
     """Numbers that the elements of a system store at changes of mode.
-
-    Args:
-        system: The system.
 
     Attributes:
         numbers: In the order of their elements.
@@ -109,9 +93,7 @@ class ElementMemory:
         first, then = (dict(state.adjusted) for state in (here, there))
         out = []
         for one in (self.numbers[k] for k in numbers):
-            change = then.get(one.key, 0.0) - first.get(
-                one.key, 0.0
-            )  # nothing is kept as long as nothing was
+            change = then.get(one.key, 0.0) - first.get(one.key, 0.0)  # zero before the first change of mode
             out.append(math.remainder(change, 2.0 * math.pi) if one.turns and not one.of_rate else change)
         return np.array(out)
 
@@ -138,9 +120,9 @@ def _memory_numbers(system: System) -> Iterator[_MemoryNumber]:
                 )
 
 
-def _axis(system: System, first: int, joint: str | None) -> int:
+def _axis(system: System, start: int, joint: str | None) -> int:
     """Return the index in v of a joint's axis; with play, the last."""
-    return first if joint is None else system.mechanism.joint(joint).v.stop - 1
+    return start if joint is None else system.mechanism.joint(joint).v.stop - 1
 
 
 def _word_of(element: Modal, name: str) -> int | None:
@@ -160,17 +142,11 @@ TIME_UNIT = 1e-2
 
 
 class Units(NamedTuple):
-    """Units of a perturbation: the run's error scales.
+    """Units of a perturbation: the run's error scales."""
 
-    Attributes:
-        position: Of the configuration, (nv,).
-        rate: Of the velocity, (nv,).
-        bristle: Of each bristle, (bristles,).
-    """
-
-    position: Array
-    rate: Array
-    bristle: Array
+    position: Array  # units of the configuration, (nv,)
+    rate: Array  # units of the velocity, (nv,)
+    bristle: Array  # units of bristles, (bristles,)
 
     @classmethod
     def of(cls, system: System, scales: ErrorScales | None = None) -> Units:
@@ -180,20 +156,13 @@ class Units(NamedTuple):
 
 
 class Frame(NamedTuple):
-    """Axes of coordinates in a state.
+    """Axes of coordinates in a state."""
 
-    Attributes:
-        free: Freedoms under closures and motions, in units, by columns, (nv, positions).
-        bound: Their orthogonal complement, (nv, nv - positions).
-        contact_memory: Contact and column of each coordinate of contact memory.
-        element_memory: Numbers of element memory that are coordinates.
-        clock: Whether time is a coordinate, behind positions and rates: the delay of the perturbed state.
-    """
-
-    free: Array
-    bound: Array
-    contact_memory: tuple[tuple[int, int], ...]
-    element_memory: tuple[int, ...] = ()
+    free: Array  # freedoms under closures and motions, in units, by columns, (nv, positions)
+    bound: Array  # their orthogonal complement, (nv, nv - positions)
+    contact_memory: tuple[tuple[int, int], ...]  # contact and column of each coordinate of contact memory
+    element_memory: tuple[int, ...] = ()  # numbers of element memory that are coordinates
+    # whether time is a coordinate, behind positions and rates: the delay of the perturbed state
     clock: bool = False
 
     @property
@@ -214,52 +183,41 @@ class Lift(NamedTuple):
     the coordinates of velocities, of the velocity, of bristles, of the logarithms of approach speeds, of
     those of effective masses, of parameters of the system in their scales, of element memory, of time.
     Coordinates are positions, rates, time if it is one, bristles, parameters, element memory, contact memory.
-
-    Attributes:
-        up: Perturbation of each coordinate, by columns, (perturbation, size).
-        down: Coordinates of a perturbation, (size, perturbation).
     """
 
-    up: Array
-    down: Array
+    up: Array  # perturbation of each coordinate, by columns, (perturbation, size)
+    down: Array  # coordinates of a perturbation, (size, perturbation)
 
 
 class RateJacobian(NamedTuple):
-    """Jacobian of the rates in a state.
+    """Jacobian of the rates in a state."""
 
-    Attributes:
-        sixth: Of the coordinates' rates over the coordinates, by differences of sixth order, (size, size).
-        fourth: The same by differences of fourth order.
-        along: Of rates along one perturbation, in units, (nv + bristles,).
-        noise: Round-off of these.
-        integrals: Of the rates of what is integrated over the coordinates, (nx, size).
-    """
-
+    # of the coordinates' rates over the coordinates, by differences of sixth order, (size, size)
     sixth: Array
-    fourth: Array
-    along: Array
-    noise: float
-    integrals: Array
+    fourth: Array  # the same by differences of fourth order
+    along: Array  # derivative of rates along one perturbation, in units, (nv + bristles,)
+    noise: float  # round-off of ``along``
+    integrals: Array  # of the rates of what is integrated over the coordinates, (nx, size)
 
 
-def perturbation_slices(system: System, kept: int, parameters: int = 0) -> tuple[slice, ...]:
+def perturbation_slices(system: System, memory: int, parameters: int = 0) -> tuple[slice, ...]:
     """Return the slices of a perturbation.
 
     They are way, rate, bristles, approach speeds, masses, parameters, kept numbers, time.
 
     Args:
         system: The system.
-        kept: How many numbers its elements keep.
+        memory: How many numbers its elements keep.
         parameters: How many of its numbers are perturbed (:mod:`antenna_pin.nonlinear.perturbed_system`).
     """
     nv, contacts = system.model.nv, len(system.contact_names)
-    sizes = [nv, nv, len(system.bristle_x), contacts, contacts, parameters, kept, 1]
+    sizes = [nv, nv, len(system.bristle_x), contacts, contacts, parameters, memory, 1]
     ends = np.cumsum(sizes).tolist()
     return tuple(slice(end - size, end) for end, size in zip(ends, sizes, strict=True))
 
 
 def own_coordinates(
-    frame: Frame, size: int, lasting: Collection[int], kept: Collection[int] = ()
+    frame: Frame, size: int, lasting: Collection[int], constant: Collection[int] = ()
 ) -> NDArray[np.bool_]:
     """Return which coordinates belong to a perturbed state alone, (size,).
 
@@ -270,14 +228,14 @@ def own_coordinates(
         frame: The axes; contact memory is behind all other coordinates, element memory before it.
         size: How many coordinates there are.
         lasting: Contacts that last over the time that is looked at.
-        kept: Numbers of elements that nothing changes over it.
+        constant: Numbers of elements that nothing changes over it.
     """
     own = np.ones(size, dtype=bool)
     remembered = size - len(frame.contact_memory)
     for k, (contact, _) in enumerate(frame.contact_memory, remembered):
         own[k] = contact not in lasting
     for k, number in enumerate(frame.element_memory, remembered - len(frame.element_memory)):
-        own[k] = number not in kept
+        own[k] = number not in constant
     return own
 
 
@@ -287,19 +245,13 @@ def _contact_memory(masses: Sequence[bool], touching: Array) -> tuple[tuple[int,
     return tuple((c, column) for c in touch for column in ((1, 2) if masses[c] else (1,)))
 
 
-def frame_at(workspace: Workspace, units: Units, y: Array, touching: Array, kept: ElementMemory) -> Frame:
-    """Return the axes of coordinates in a state.
-
-    Args:
-        workspace: To look at constraints with, and at the modes of elements.
-        units: Of positions.
-        y: State [q, v, x].
-        touching: Of each contact, 0 or not, (contacts,).
-        kept: Element memory.
-    """
+def frame_at(
+    workspace: Workspace, units: Units, y: Array, touching: Array, element_memory: ElementMemory
+) -> Frame:
+    """Return the axes of coordinates in a state."""
     system, constraints = workspace.system, workspace.constraints
-    memories, nv = _contact_memory(kept.masses, touching), system.model.nv
-    numbers = kept.active_in(workspace.program)
+    memories, nv = _contact_memory(element_memory.masses, touching), system.model.nv
+    numbers = element_memory.active_in(workspace.program)
     if constraints is None:
         return Frame(np.eye(nv), np.zeros((nv, 0)), memories, numbers)
     left = directions(constraints, y, workspace.program, motions=True, holds=True)
@@ -342,39 +294,23 @@ _FAINT = 1e-10  # of what rows of constraints do, over the most: less is what ro
 
 
 class _CachedLift(NamedTuple):
-    """Lift in a cache.
+    """Lift in a cache."""
 
-    Attributes:
-        frame: Of which axes.
-        lift: The lift.
-        tilt: By how much the axes are off what constraints leave, as the tangent of an angle, in units.
-    """
-
-    frame: Frame
-    lift: Lift
-    tilt: float
+    frame: Frame  # axes of the lift
+    lift: Lift  # the lift
+    tilt: float  # by how much the axes are off what constraints leave, as the tangent of an angle, in units
 
 
 class _ConstraintsAt(NamedTuple):
-    """Constraints in a state.
+    """Constraints in a state."""
 
-    Attributes:
-        key: Time, state, and what elements hold there.
-        time: When [s].
-        y: State.
-        rows: Of constraints, (rows, nv).
-        over_time: By how much they are violated per second, (rows,).
-        over_numbers: How far and how fast over numbers of the system, (2, rows, numbers).
-        lifts: Those that were made there.
-    """
-
-    key: tuple[float, bytes, bytes]
-    time: float
-    y: Array
-    rows: Array
-    over_time: Array
-    over_numbers: Array
-    lifts: list[_CachedLift]
+    key: tuple[float, bytes, bytes]  # time, state and program
+    time: float  # time [s]
+    y: Array  # state
+    rows: Array  # rows of constraints, (rows, nv)
+    over_time: Array  # explicit time derivative of constraints, (rows,)
+    over_numbers: Array  # derivatives of gaps and speeds over system numbers, (2, rows, numbers)
+    lifts: list[_CachedLift]  # lifts in this state
 
 
 class Lifts:
@@ -383,7 +319,7 @@ class Lifts:
     Args:
         workspace: Its program is that of the moment.
         units: Of perturbations.
-        kept: Element memory.
+        element_memory: Element memory.
         parts: Of a perturbation.
         speeds: ``(time, y, positions) -> (rows, k)``: the derivatives along perturbations of how fast
             constraints are violated, numbers of the system left as they are.
@@ -394,14 +330,14 @@ class Lifts:
         self,
         workspace: Workspace,
         units: Units,
-        kept: ElementMemory,
+        element_memory: ElementMemory,
         parts: tuple[slice, ...],
         speeds: Callable[[float, Array, Array], Array],
         over_numbers: Callable[[float, Array], Array],
     ) -> None:
         """Begin with none."""
-        self._workspace, self._units, self._kept, self._parts = workspace, units, kept, parts
-        self._kept_units = kept.units(units.position, units.rate)
+        self._workspace, self._units, self._kept, self._parts = workspace, units, element_memory, parts
+        self._kept_units = element_memory.units(units.position, units.rate)
         self._speeds, self._over_numbers = speeds, over_numbers
         self._states: list[_ConstraintsAt] = []
         self._free: list[_CachedLift] = []  # without constraints they are the same in every state
@@ -412,13 +348,13 @@ class Lifts:
         Closures and motions hold in perturbed states, to first order: across the axes a perturbation is what
         they want it to be.
         """
-        return self._made(frame, time, y).lift
+        return self._at(frame, time, y).lift
 
     def tilt(self, frame: Frame, time: float, y: Array) -> float:
         """Return the angle between a frame's axes and the constraints' freedoms, as a tangent."""
-        return self._made(frame, time, y).tilt
+        return self._at(frame, time, y).tilt
 
-    def _made(self, frame: Frame, time: float, y: Array) -> _CachedLift:
+    def _at(self, frame: Frame, time: float, y: Array) -> _CachedLift:
         held = None if self._workspace.constraints is None else self._held_at(time, y)
         lifts = self._free if held is None else held.lifts
         for one in lifts:
@@ -472,28 +408,32 @@ class Lifts:
         self._states = [found, *self._states[: _CACHED - 1]]
         return found
 
-    def _hold(self, up: Array, frame: Frame, held: _ConstraintsAt) -> float:
+    def _hold(self, up: Array, frame: Frame, constraints: _ConstraintsAt) -> float:
         """Make perturbations hold closures and motions, in place; return the tilt of axes."""
         way, rate, *_, numbers, _, _ = self._parts
         n, clock = frame.positions, list(range(2 * frame.positions, frame.first_bristle))
-        rows, over = held.rows, held.over_numbers
+        rows, over = constraints.rows, constraints.over_numbers
         across = self._units.position[:, None] * frame.bound
         first = frame.first_bristle + len(self._units.bristle)
         last = first + numbers.stop - numbers.start
         # Constraints depend on the configuration, on time, and on numbers of the system and its elements.
         places = [*range(n), *clock, *range(first, last + len(frame.element_memory))]
-        gaps = [np.outer(held.over_time, up[-1, clock]), over[0], self._gaps_over_kept(frame, held)]
+        gaps = [
+            np.outer(constraints.over_time, up[-1, clock]),
+            over[0],
+            self._gaps_over_kept(frame, constraints),
+        ]
         off = np.hstack([rows @ up[way, :n], *gaps])
         back = np.linalg.lstsq(rows @ across, off, rcond=_FAINT)[0]
         up[way, places] -= across @ back
         moved = up[:, places]
-        turned = self._speeds(held.time, held.y, moved) + over[1] @ moved[numbers]
+        turned = self._speeds(constraints.time, constraints.y, moved) + over[1] @ moved[numbers]
         across = self._units.rate[:, None] * frame.bound
         off = np.hstack([turned, rows @ up[rate, n : 2 * n]])
         up[rate, [*places, *range(n, 2 * n)]] -= across @ np.linalg.lstsq(rows @ across, off, rcond=_FAINT)[0]
         return float(np.abs(back[:, :n]).max(initial=0.0))
 
-    def _gaps_over_kept(self, frame: Frame, held: _ConstraintsAt) -> Array:
+    def _gaps_over_kept(self, frame: Frame, state: _ConstraintsAt) -> Array:
         """Return the derivatives of constraints over element memory, in its units, (rows, k).
 
         A row that holds a joint goes with its place, linearly.
@@ -506,7 +446,7 @@ class Lifts:
             kept, found = program[word], []
             for side in (0.5, -0.5):
                 program[word] = kept + side * step
-                constraints.residuals(held.time, held.y, program)
+                constraints.residuals(state.time, state.y, program)
                 found.append(constraints.every_gap.copy())
             program[word] = kept
             columns.append((found[0] - found[1])[:, None])

@@ -58,27 +58,16 @@ _Entry = dict[str, Any]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Settings:
-    """Settings of every value of a diagram.
+    """Settings of every value of a diagram."""
 
-    Attributes:
-        scenario: What the parameter is laid over.
-        parameter: Key of the scenario, with dots.
-        section: Where the motion is looked at.
-        quantities: What is noted there.
-        count: Points kept [-].
-        transient: Points cut before them; None to judge [-].
-        most: Points after which to stop cutting; None for 20 times ``count`` [-].
-        tolerance: See :func:`antenna_pin.nonlinear.poincare` [-].
-    """
-
-    scenario: Scenario
-    parameter: str
-    section: Section
-    quantities: tuple[str, ...]
-    count: int
-    transient: int | None
-    most: int | None
-    tolerance: float
+    scenario: Scenario  # base scenario
+    parameter: str  # key of the scenario, with dots
+    section: Section  # section of the points
+    quantities: tuple[str, ...]  # recorded quantities
+    count: int  # points kept [-]
+    transient: int | None  # points cut before them; None to judge [-]
+    most: int | None  # points after which to stop cutting; None for 20 times ``count`` [-]
+    tolerance: float  # see :func:`antenna_pin.nonlinear.poincare` [-]
 
     def at(self, value: Any) -> Scenario:
         """Return the scenario with the parameter set to a value."""
@@ -86,7 +75,7 @@ class _Settings:
 
 
 def _evaluate(
-    asked: _Settings,
+    settings: _Settings,
     value: Any,
     start: State | None = None,
     period: float = math.nan,
@@ -96,11 +85,13 @@ def _evaluate(
     entry: _Entry = {"times": [], "values": [], "units": [], "titles": [], "settled": False, "drift": None}
     entry |= {"transient": 0, "period": None, "state": ""}
     try:
-        returns = SectionRun(asked.at(value), asked.section, asked.quantities, progress=interrupting(ending))
+        returns = SectionRun(
+            settings.at(value), settings.section, settings.quantities, progress=interrupting(ending)
+        )
         if start is not None:
             scale = returns.period / period if math.isfinite(period) else 1.0
             returns.state = carried(start, returns.system, scale=scale)
-        found = settled_points(returns, asked.count, asked.transient, asked.most, asked.tolerance)
+        found = settled_points(returns, settings.count, settings.transient, settings.most, settings.tolerance)
     except AntennaPinError as error:
         return entry | {"outcome": "REFUSED", "message": str(error)}
     except Exception as error:  # a bug must not end a diagram of hours
@@ -136,12 +127,12 @@ def interrupting(ending: threading.Event | None) -> Callable[[Progress], None] |
 
 
 def _diagram_table(
-    asked: _Settings, values: Sequence[Any], branches: Sequence[str], entries: Mapping[int, _Entry]
+    settings: _Settings, values: Sequence[Any], branches: Sequence[str], entries: Mapping[int, _Entry]
 ) -> xr.Dataset:
     """Return the dataset of a diagram."""
     b, n, most = len(branches), len(values), max((len(one["times"]) for one in entries.values()), default=0)
     times = np.full((b, n, most), np.nan)
-    points = np.full((b, n, most, len(asked.quantities)), np.nan)
+    points = np.full((b, n, most, len(settings.quantities)), np.nan)
     found: dict[str, np.ndarray] = {
         "settled": np.zeros((b, n), dtype=bool),
         "drift": np.full((b, n), np.nan),
@@ -151,7 +142,7 @@ def _diagram_table(
         "outcome": np.full((b, n), "", dtype=object),
         "message": np.full((b, n), "", dtype=object),
     }
-    units, titles = [""] * len(asked.quantities), [""] * len(asked.quantities)
+    units, titles = [""] * len(settings.quantities), [""] * len(settings.quantities)
     for number, entry in entries.items():
         place = np.unravel_index(number, (b, n))
         here = len(entry["times"])
@@ -166,7 +157,7 @@ def _diagram_table(
             found[name][place] = np.nan if entry[name] is None else entry[name]
     numbers = [any_quantity(value) for value in values]
     unit = next((one[1] for one in numbers if one is not None and one[1]), "")
-    said = {"long_name": asked.parameter, "units": unit, "key": asked.parameter}
+    said = {"long_name": settings.parameter, "units": unit, "key": settings.parameter}
     over = ("branch", "value")
     about = {
         "settled": {"long_name": "whether the points have settled"},
@@ -179,7 +170,7 @@ def _diagram_table(
     }
     variables: dict[str, Any] = {
         name: ((*over, "point"), points[..., k], {"units": units[k], "long_name": titles[k]})
-        for k, name in enumerate(asked.quantities)
+        for k, name in enumerate(settings.quantities)
     }
     variables["time"] = ((*over, "point"), times, {"units": "s", "long_name": "when the section is passed"})
     variables |= {name: (over, found[name], about[name]) for name in found}
@@ -190,12 +181,12 @@ def _diagram_table(
             "value": ("value", np.array([one[0] for one in numbers if one is not None]), said),
         },
         attrs={
-            **table_attributes("bifurcation", asked.scenario),
-            "parameter": asked.parameter,
-            "quantities": json.dumps(asked.quantities),
-            "section": asked.section.words,
+            **table_attributes("bifurcation", settings.scenario),
+            "parameter": settings.parameter,
+            "quantities": json.dumps(settings.quantities),
+            "section": settings.section.words,
             "rule": RULE,
-            "tolerance": asked.tolerance,
+            "tolerance": settings.tolerance,
         },
     )
 
@@ -244,19 +235,20 @@ class _EntryStore:
     @classmethod
     @contextmanager
     def of(
-        cls, target: Path | None, asked: _Settings, values: Sequence[Any], branches: Sequence[str]
+        cls, target: Path | None, settings: _Settings, values: Sequence[Any], branches: Sequence[str]
     ) -> Iterator[_EntryStore]:
         """Yield the stored entries of a diagram."""
         if target is None:
             yield cls(None)
             return
-        parts = cls(target.with_name(target.name + _SUFFIX))
-        parts._open(_identity(asked, values, branches))
+        folder = target.with_name(target.name + _SUFFIX)
+        parts = cls(folder)
+        parts.entries, journal = open_journal(folder, _identity(settings, values, branches), "diagram")
+        parts._journal = journal
         try:
             yield parts
         finally:
-            if parts._journal is not None:
-                parts._journal.close()
+            journal.close()
 
     def add(self, entry: _Entry) -> None:
         """Store an entry."""
@@ -264,17 +256,13 @@ class _EntryStore:
             self._journal.add(entry)
         self.entries[int(entry["run"])] = entry
 
-    def _open(self, about: dict[str, Any]) -> None:
-        assert self.folder is not None
-        self.entries, self._journal = open_journal(self.folder, about, "diagram")
 
-
-def _identity(asked: _Settings, values: Sequence[Any], branches: Sequence[str]) -> dict[str, Any]:
+def _identity(settings: _Settings, values: Sequence[Any], branches: Sequence[str]) -> dict[str, Any]:
     """Return the identity of a diagram as JSON types."""
-    scenario = json.loads(asked.scenario.model_dump_json())
+    scenario = json.loads(settings.scenario.model_dump_json())
     for name in ("name", "folder", "overrides", "description"):
         scenario.pop(name, None)
-    section = asked.section
+    section = settings.section
     if isinstance(section, Crossing) and not (
         isinstance(section.when, Angle | Rate | Gap | Force) or section.name
     ):
@@ -283,12 +271,12 @@ def _identity(asked: _Settings, values: Sequence[Any], branches: Sequence[str]) 
         )
     return {
         "scenario": scenario,
-        "parameter": asked.parameter,
+        "parameter": settings.parameter,
         "values": list(values),
         "branches": list(branches),
         "section": section.words,
-        "quantities": list(asked.quantities),
-        "points": [asked.count, asked.transient, asked.most, asked.tolerance],
+        "quantities": list(settings.quantities),
+        "points": [settings.count, settings.transient, settings.most, settings.tolerance],
         "versions": library_versions(),
     }
 
@@ -394,7 +382,7 @@ def bifurcation(
     return table
 
 
-def _check(asked: _Settings, values: list[Any]) -> None:
+def _check(settings: _Settings, values: list[Any]) -> None:
     """Refuse values that are no numbers, or that the scenario does not accept."""
     if len(values) < 2:
         raise InvalidParameterError("bifurcation", "values", "two or more", said=f"{len(values)}")
@@ -408,15 +396,15 @@ def _check(asked: _Settings, values: list[Any]) -> None:
     steps = [b - a for a, b in zip(numbers, numbers[1:], strict=False)]
     if not (all(step > 0.0 for step in steps) or all(step < 0.0 for step in steps)):
         raise InvalidParameterError("bifurcation", "values", "in order, each but once", values)
-    SectionRun(asked.at(values[0]), asked.section, asked.quantities)
+    SectionRun(settings.at(values[0]), settings.section, settings.quantities)
     for value in values:
-        changed = asked.at(value)
-        if isinstance(asked.section, Stroboscope):
-            asked.section.period_in(changed)
+        changed = settings.at(value)
+        if isinstance(settings.section, Stroboscope):
+            settings.section.period_in(changed)
 
 
 def submitted(executor: Executor, call: Callable[..., Any], *arguments: Any) -> Future[Any]:
-    """Return the future of a call; a process that is started for it takes no signals."""
+    """Return the future of a call in a worker process without signals."""
     with sheltered_processes():
         return executor.submit(call, *arguments)
 
@@ -426,14 +414,14 @@ class _Driver:
 
     def __init__(
         self,
-        asked: _Settings,
+        settings: _Settings,
         values: list[Any],
         branches: tuple[Branch, ...],
         parts: _EntryStore,
         workers: int | None,
         progress: Callable[[Made], None] | None,
     ) -> None:
-        self.asked, self.values, self.branches, self.parts = asked, values, branches, parts
+        self.asked, self.values, self.branches, self.parts = settings, values, branches, parts
         self.width = workers or len(os.sched_getaffinity(0))
         self.progress = progress
         self.ending = threading.Event()
@@ -480,14 +468,14 @@ class _Driver:
                 chains.insert(0, self._branch(b * n, order))
         return chains
 
-    def _branch(self, first: int, order: range) -> Iterator[tuple[int, Any, State | None, float]]:
+    def _branch(self, offset: int, order: range) -> Iterator[tuple[int, Any, State | None, float]]:
         """Yield the jobs of a branch, each once its predecessor is done."""
         state: State | None = None
         period = math.nan
         for k in order:
-            if first + k not in self.parts.entries:
-                yield first + k, self.values[k], state, period
-            entry = self.parts.entries[first + k]
+            if offset + k not in self.parts.entries:
+                yield offset + k, self.values[k], state, period
+            entry = self.parts.entries[offset + k]
             if entry["state"]:
                 state = State.from_json(entry["state"])
                 period = math.nan if entry["period"] is None else float(entry["period"])

@@ -46,21 +46,13 @@ class FlowError(AntennaPinError, RuntimeError):
 
 
 class _SpanRun(NamedTuple):
-    """Result of a flow's run over a span.
+    """Result of a flow's run over a span."""
 
-    Attributes:
-        end: Where to.
-        onsets: How many contacts began on the way.
-        events: How many events happened.
-        changes: When contacts began and ended and events happened, in order [s].
-        touching: From when to when each contact lasted [s].
-    """
-
-    end: State
-    onsets: int
-    events: int
-    changes: tuple[float, ...]
-    touching: tuple[tuple[float, float], ...]
+    end: State  # state at the end
+    onsets: int  # number of onsets
+    events: int  # number of events
+    changes: tuple[float, ...]  # times of onsets, releases and events, in order [s]
+    touching: tuple[tuple[float, float], ...]  # begin and end of each contact [s]
 
 
 class Tangent(NamedTuple):
@@ -216,7 +208,7 @@ class Flow:
         *,
         numbers: ParameterSlopes | None = None,
         looks: Sequence[float] = (),
-        seen: Callable[[TangentPropagation, float, Array, Array], None] | None = None,
+        on_look: Callable[[TangentPropagation, float, Array, Array], None] | None = None,
     ) -> tuple[TangentPropagation, State]:
         """Return the tangents propagated over a span [s], and the state at its end.
 
@@ -227,15 +219,15 @@ class Flow:
             ways: Tangents in these, (size, k), or what makes them of these; all of them if left out.
             numbers: Parameters of the system, which coordinates have too.
             looks: When to look at tangents on the way, ascending [s].
-            seen: Called at each, ``(carrier, time, y, tangents)``, the last (perturbation, k).
+            on_look: Called at each, ``(carrier, time, y, tangents)``, the last (perturbation, k).
 
         Raises:
             FlowError: The run did not come to its end.
         """
         run = self.logged_run(start, span)
         carrier = TangentPropagation(run, frame, ways, numbers, looks)
-        if seen is not None:
-            carrier.on_look = functools.partial(seen, carrier)
+        if on_look is not None:
+            carrier.on_look = functools.partial(on_look, carrier)
         run.advance(observer=carrier)
         self.check_ended(run, span, start)
         return carrier, run.present()

@@ -1,4 +1,4 @@
-"""Kinks of the rates within steps: their detection, and tangents with the full Jacobian between them.
+"""Kinks of rates within steps, and tangents by the full Jacobian between them.
 
 A step of an equation ``w' = A(t) w`` has the order of its quadrature where A is smooth, and none where A
 jumps between two of the nodes or behind the last of them. So A is also evaluated along one direction, at more
@@ -47,23 +47,14 @@ _AT_ONCE, _ULPS = 1e-12, 4.0
 
 
 class StepPart(NamedTuple):
-    """Part of a step, as fractions from 0 to 1.
+    """Part of a step, as fractions from 0 to 1."""
 
-    Attributes:
-        a: Where it begins.
-        b: Where it ends.
-        graded: Whether the step begins where contacts or drives have changed.
-        falling: Whether it ends there.
-        known: Whether its first and its last end are breaks that are known.
-        halvings: How often it may be cut yet.
-    """
-
-    a: float
-    b: float
-    graded: bool = False
-    falling: bool = False
-    known: tuple[bool, bool] = (False, False)
-    halvings: int = _HALVINGS
+    a: float  # begin
+    b: float  # end
+    graded: bool = False  # whether contacts or drives change at the step's begin
+    falling: bool = False  # whether contacts or drives change at the step's end
+    known: tuple[bool, bool] = (False, False)  # whether begin and end are known breaks
+    halvings: int = _HALVINGS  # remaining number of cuts
 
     def at(self, places: Array) -> tuple[Array, Array]:
         """Return fractions of the step and their slopes over places from 0 to 1.
@@ -90,12 +81,7 @@ class StepPart(NamedTuple):
 
 
 def coincidence(time: float, size: float) -> float:
-    """Return the fraction of a step that counts as one time.
-
-    Args:
-        time: When it begins [s].
-        size: How long it is [s].
-    """
+    """Return the fraction of a step, from ``time`` [s], that counts as one time."""
     return max(_AT_ONCE, _ULPS * float(np.spacing(time)) / size)
 
 
@@ -118,17 +104,11 @@ _NARROW, _CHANGE_OF_JUMP = 0.05, 0.5
 
 
 class _Jump(NamedTuple):
-    """Jump of a derivative.
+    """Jump of a derivative."""
 
-    Attributes:
-        place: Where.
-        beside: Places before it and behind it, near but apart from what is next to it.
-        later: By how much later it is for a perturbed state a step of the ramps away.
-    """
-
-    place: float
-    beside: tuple[float, float]
-    later: float
+    place: float  # place of the jump
+    beside: tuple[float, float]  # places before and behind it, near but separate
+    later: float  # delay of a perturbed state one step of the ramps away
 
 
 def _remainder_matrix(places: Array) -> Array:
@@ -167,13 +147,8 @@ def _locate_jump(
 ) -> _Jump | None:
     """Return the jump of a function of one number between two places, or None.
 
-    Args:
-        ramps: ``(place) -> values``, by steps that are the same everywhere.
-        jumps: The same by steps that straddle no kink.
-        low: Below the jump.
-        high: Above it.
-        before: Values there.
-        after: Likewise.
+    Values ``ramps(place)`` are by equal steps, ``jumps(place)`` by steps that straddle no kink; ``before``
+    and ``after`` are those at ``low`` and ``high``.
     """
     change = after - before
     size = float(change @ change)
@@ -205,17 +180,11 @@ _MOST_DEFECTS = 16
 
 
 class _Kink(NamedTuple):
-    """Passing of a kink.
+    """Passing of a kink."""
 
-    Attributes:
-        force: b, a direction of the coordinates, (size,).
-        passing: n, likewise; the derivative of rates jumps by ``b n'`` [1/s].
-        later: By how much later a perturbed state comes there that is off by n over its own square [s].
-    """
-
-    force: Array
-    passing: Array
-    later: float
+    force: Array  # b, a direction of the coordinates, (size,)
+    passing: Array  # n, likewise; the derivative of rates jumps by ``b n'`` [1/s]
+    later: float  # by how much later a perturbed state comes there that is off by n over its own square [s]
 
     @classmethod
     def of(cls, jump: Array, way: Array, later: float) -> _Kink:
@@ -230,10 +199,6 @@ class KinkDefects:
     """Defects of tangents at kinks: columns behind them, with the run's error and the flow.
 
     The columns are tangents, what the run is off by, the flow, what is missed.
-
-    Args:
-        count: How many tangents there are.
-        rtol: The run's tolerance.
     """
 
     def __init__(self, count: int, rtol: float) -> None:
@@ -300,11 +265,7 @@ class KinkDefects:
 class CutStep:
     """Repetition of a run's step, cut at kinks, for the error of the run's own.
 
-    Args:
-        field: The rates.
-        settings: Of the run.
-        scales: Of the run's errors.
-        source: Its contact memory and program are those of the step.
+    Contact memory and program of ``source`` are those of the step.
     """
 
     def __init__(self, field: VectorField, settings: RunSettings, scales: Array, source: Workspace) -> None:
@@ -354,9 +315,6 @@ class CutStep:
 class StepStates:
     """States within a step of a run, which is repeated on demand.
 
-    Args:
-        run: The run.
-
     Attributes:
         workspace: Its contact memory and program are those of the step.
         time: When the step begins [s].
@@ -386,11 +344,7 @@ class StepStates:
     def begin(self, time: float, y: Array, size: float, end: Array | None) -> None:
         """Begin a step.
 
-        Args:
-            time: When it begins [s].
-            y: State there.
-            size: Its size [s].
-            end: State at its end; None if that is not known but from the step.
+        The state at the end is None where only the step itself determines it.
         """
         self.time, self._first, self.size, self._end = time, y, size, end
         self._made = False
@@ -414,18 +368,14 @@ class StepStates:
 def _locate_kink(
     part: StepPart,
     between: tuple[int, int],
-    seen: list[tuple[Array, float]],
+    samples: list[tuple[Array, float]],
     states: StepStates,
     by: tuple[VectorField, Frame, Array, Array],
 ) -> tuple[float, _Kink] | None:
     """Return fraction of the step and kink between two samples of a part, or None.
 
-    Args:
-        part: The part of the step.
-        between: Which of :data:`antenna_pin.nonlinear.kinks._SAMPLES`.
-        seen: What rates are along a tangent at each of them, first.
-        states: States within the step.
-        by: The rates, the axes of coordinates, the tangent, and that in coordinates.
+    ``between`` are two indices of ``_SAMPLES``, ``samples`` the rates along the tangent there; ``by`` are the
+    field, the axes, the tangent and its coordinates.
     """
     field, frame, way, unit = by
 
@@ -440,8 +390,8 @@ def _locate_kink(
         lambda place: looked(place, field.directional),
         float(_SAMPLES[low]),
         float(_SAMPLES[high]),
-        seen[low][0],
-        seen[high][0],
+        samples[low][0],
+        samples[high][0],
     )
     if found is None:
         return None
@@ -468,12 +418,7 @@ _NOISY = 30.0
 class JacobianPropagation:
     """Propagation of tangents with the full Jacobian, over parts as short as necessary.
 
-    Args:
-        field: The rates.
-        states: States within the step.
-        cut_step: Makes it anew, cut at kinks.
-        defects: Counts what tangents miss of these.
-        good: What a part may be wrong by, over the tangents.
+    A part's error over the tangents may reach ``good``.
 
     Attributes:
         made: Parts over which tangents were carried.
@@ -497,10 +442,7 @@ class JacobianPropagation:
     def begin(self, time: float, y: Array, anew: bool) -> None:
         """Begin a step in a state.
 
-        Args:
-            time: When [s].
-            y: State.
-            anew: Whether the round-off of rates may be another than it was.
+        The flag ``anew`` announces a possibly different round-off of rates.
         """
         self._steps += 1
         if anew or self._steps > self._looked_at + _LOOKS:

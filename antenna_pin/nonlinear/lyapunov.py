@@ -39,15 +39,7 @@ Array = NDArray[np.float64]
 
 
 class _ReferenceMotion:
-    """Motion after each interval, run ahead to find the contacts that last.
-
-    Args:
-        flow: The flow.
-        start: From where.
-        interval: [s].
-        count: How many intervals to run at once, if there are contacts.
-        progress: Called with zero and no number after each of these.
-    """
+    """Motion after each interval, run ahead to find the contacts that last."""
 
     def __init__(
         self,

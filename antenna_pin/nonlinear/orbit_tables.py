@@ -279,7 +279,7 @@ def open_orbit(path: str | os.PathLike[str]) -> xr.Dataset:
 
 @takes()
 def open_branch(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return a branch of periodic solutions from its file, as ``antenna-pin orbit --over --out`` writes it.
+    """Return a branch of periodic solutions from a file of ``antenna-pin orbit --over``.
 
     Returns:
         See :func:`branch_table`.

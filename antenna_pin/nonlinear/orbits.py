@@ -124,10 +124,7 @@ def changing_coordinates(chart: Chart, matrix: Array, free_period: bool = False)
     period is free a joint that slips, and sticks again where it did, is not told from that: it may be the way
     along the orbit.
 
-    Args:
-        chart: The coordinates.
-        matrix: Derivative of the map over the period, (n, n).
-        free_period: Whether the period is found too.
+    The matrix, (n, n), is the derivative of the map over the period, which is an unknown if ``free_period``.
     """
     rows = np.linalg.norm(matrix - np.eye(len(matrix)), axis=1)
     first = chart.size - len(chart.frame.contact_memory)
@@ -144,12 +141,12 @@ def default_tolerance(flow: Flow) -> float:
     return max(_NEAR * flow.rtol, _NEAREST)
 
 
-def _multipliers(tangent: Tangent, moves: NDArray[np.bool_], held: int) -> tuple[Complex, float]:
-    """Return multipliers and their error estimate, with ``held`` zeros appended."""
+def _multipliers(tangent: Tangent, moves: NDArray[np.bool_], held_directions: int) -> tuple[Complex, float]:
+    """Return multipliers and their error estimate, with ``held_directions`` zeros appended."""
     values, basis = np.linalg.eig(tangent.matrix[np.ix_(moves, moves)])
     values = values[np.argsort(-np.abs(values), kind="stable")].astype(complex)
     values[len(values) - min(tangent.lost, len(values)) :] = 0.0  # what is there is round-off
-    values = np.append(values, np.zeros(held))
+    values = np.append(values, np.zeros(held_directions))
     # To first order an eigenvalue changes by the matrix's error, times the condition of the eigenvectors.
     condition = float(np.linalg.cond(basis)) if len(basis) else 1.0
     return values, float(np.linalg.norm(tangent.doubt[moves])) * min(condition, 1e3)
@@ -253,7 +250,7 @@ def evaluate_orbit(flow: Flow, start: State, period: float, residual: float, cou
     chart = Chart(flow.system, start)
     tangent = flow.tangent(start, period, chart)
     moves = changing_coordinates(chart, tangent.matrix, free)
-    values, doubt = _multipliers(tangent, moves, chart.held)
+    values, doubt = _multipliers(tangent, moves, chart.held_directions)
     way = flow.traverse(start, period)
     return Orbit(
         start=start,

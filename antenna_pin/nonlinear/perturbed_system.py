@@ -51,10 +51,7 @@ _STEP, _ROUGH = 1e-3, 1e-6
 class ParameterSlopes:
     """A system, and the derivatives of its numbers over parameters, each in its scale.
 
-    Args:
-        system: The system.
-        built: Of each parameter what builds the system so many scales farther, ``(s) -> System``.
-        names: Of the parameters, for messages.
+    Each of ``built`` builds the system so many scales farther, ``(s) -> System``; names are for messages.
 
     Raises:
         InvalidParameterError: A parameter changes what the system is made of, not its numbers alone.
@@ -258,11 +255,8 @@ _IN_PLAY = 1e-5
 class PerturbedSystem:
     """Functions of time and state, evaluated at perturbed states.
 
-    Args:
-        system: The system.
-        settings: Of the run whose engine evaluates its rates.
-        numbers: Parameters of the system that perturbations have, too; none if left out.
-        whole: Whether they displace all that others take from the system, too.
+    Perturbations include the parameters ``numbers``; if ``whole``, these displace the system's own program,
+    too.
 
     Attributes:
         system: The system; of a copy of its own if parameters displace it.
@@ -315,12 +309,7 @@ class PerturbedSystem:
         return Tangents(self.system, self.stepper, np.concatenate(units), WEIGHTS)
 
     def stage_propagation(self, tangents: Tangents | None, coarse: Array) -> Carrying | None:
-        """Return the propagation of tangents by the integrator's stages, or None.
-
-        Args:
-            tangents: Derivatives of the rates, which know the system's numbers; None if there are none.
-            coarse: :meth:`coarseness`.
-        """
+        """Return the propagation of tangents by the integrator's stages, or None."""
         if tangents is None or not Carrying.takes(self.stepper):
             return None
         steps = coarse.copy()
@@ -345,9 +334,7 @@ class PerturbedSystem:
     def coarseness(self, units: Units, in_play: float | None = None) -> Array:
         """Return the inverse of the largest step of each part of a perturbation, (perturbation,).
 
-        Args:
-            units: Of perturbations.
-            in_play: Steps at joints with play, over their units; those of forces if left out.
+        Steps at joints with play, over their units, are ``in_play``, by default those of forces.
         """
         way, rate, bristles, *_, numbers, kept, _ = self.parts
         out = np.zeros(self.parts[-1].stop)
@@ -420,7 +407,7 @@ class PerturbedSystem:
 
 
 def _odd(function: Callable[[float], Array]) -> Array:
-    """Return the differences of a function between 1, 2, 3 and -1, -2, -3, (3, ...)."""
+    """Return the differences of a function between opposite points 1, 2, 3, (3, ...)."""
     values = np.array([function(point) for point in (1.0, 2.0, 3.0, -1.0, -2.0, -3.0)])
     return np.asarray(values[:3] - values[3:])
 
@@ -435,11 +422,7 @@ class PerturbedParameters:
     their derivatives. Two things are in no array, and there a perturbed system is built: functions in Python,
     and the axes of joints in Pinocchio's model.
 
-    Args:
-        system: The system.
-        settings: Of the run whose engine evaluates its rates.
-        numbers: How its numbers go with the parameters.
-        built: What builds a perturbed state, ``(parameter, s)`` in its scale.
+    The function ``built(parameter, s)`` builds a perturbed system, s in the parameter's scale.
     """
 
     def __init__(

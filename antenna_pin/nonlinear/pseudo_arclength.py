@@ -64,22 +64,15 @@ def in_first_period(state: State, period: float) -> State:
 
 
 class Node(NamedTuple):
-    """Orbit of a branch, with the branch's direction.
+    """Orbit of a branch, with the branch's direction."""
 
-    Attributes:
-        point: The orbit.
-        tangent: Unit tangent of the branch, (size + 1,): coordinates, and the parameter in its unit.
-        crossing: Determinant of the map's derivatives less 1 over way, bordered by that: on along a branch
-            it passes zero where another branch crosses, and not where the branch turns back.
-        margin: Least singular value of that matrix [-].
-        regular: Whether that is above doubt, so that the determinant has a sign and the tangent is one.
-    """
-
-    point: Point
-    tangent: Array
+    point: Point  # the orbit
+    tangent: Array  # unit tangent of the branch, (size + 1,): coordinates, and the parameter in its unit
+    # determinant of the map's derivatives less 1 over way, bordered by that: on along a branch it passes zero
+    # where another branch crosses, and not where the branch turns back
     crossing: float
-    margin: float
-    regular: bool
+    margin: float  # least singular value of that matrix [-]
+    regular: bool  # whether that is above doubt, so that the determinant has a sign and the tangent is one
 
 
 class _Corrected(NamedTuple):

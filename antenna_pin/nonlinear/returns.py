@@ -44,15 +44,10 @@ _TAKEN = {"time", "point", "points", "branch", "value", "settled", "transient", 
 
 
 class _Points(NamedTuple):
-    """Returns to a section.
+    """Returns to a section."""
 
-    Attributes:
-        times: (n,) [s].
-        values: Of each quantity, (n, quantities).
-    """
-
-    times: Array
-    values: Array
+    times: Array  # (n,) [s]
+    values: Array  # of each quantity, (n, quantities)
 
 
 class SectionRun:
@@ -229,27 +224,16 @@ class SectionRun:
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class _SettledPoints:
-    """Last points of a section, with their transient and outcome.
+    """Last points of a section, with their transient and outcome."""
 
-    Attributes:
-        times: (n,) [s].
-        values: (n, quantities).
-        settled: Whether they have settled.
-        drift: Largest of their statistics over the size of the quantities; NaN for too few [-].
-        transient: Points before them [-].
-        outcome: How the run ended, by name.
-        message: That in words.
-        end: State that the run left; None if nothing was run.
-    """
-
-    times: Array
-    values: Array
-    settled: bool
-    drift: float
-    transient: int
-    outcome: str
-    message: str
-    end: State | None
+    times: Array  # (n,) [s]
+    values: Array  # (n, quantities)
+    settled: bool  # whether they have settled
+    drift: float  # largest of their statistics over the size of the quantities; NaN for too few [-]
+    transient: int  # points before them [-]
+    outcome: str  # how the run ended, by name
+    message: str  # that in words
+    end: State | None  # state that the run left; None if nothing was run
 
 
 def settled_points(
@@ -364,19 +348,19 @@ def check_counts(
         raise InvalidParameterError(place, "tolerance", "from 0 to below 1", tolerance)
 
 
-def _dataset(scenario: Scenario, returns: SectionRun, found: _SettledPoints, tolerance: float) -> xr.Dataset:
+def _dataset(scenario: Scenario, returns: SectionRun, points: _SettledPoints, tolerance: float) -> xr.Dataset:
     variables: dict[str, Any] = {
-        name: ("point", found.values[:, k], {"units": returns.units[k], "long_name": returns.titles[k]})
+        name: ("point", points.values[:, k], {"units": returns.units[k], "long_name": returns.titles[k]})
         for k, name in enumerate(returns.quantities)
     }
     about = {"long_name": "whether the points have settled"}
-    variables["settled"] = ((), found.settled, about)
-    variables["transient"] = ((), found.transient, {"units": "1", "long_name": "points cut before these"})
+    variables["settled"] = ((), points.settled, about)
+    variables["transient"] = ((), points.transient, {"units": "1", "long_name": "points cut before these"})
     what = "largest drift of a statistic of the points, over the size of the quantities"
-    variables["drift"] = ((), found.drift, {"units": "1", "long_name": what})
+    variables["drift"] = ((), points.drift, {"units": "1", "long_name": what})
     return xr.Dataset(
         variables,
-        coords={"time": ("point", found.times, {"units": "s", "long_name": "when the section is passed"})},
+        coords={"time": ("point", points.times, {"units": "s", "long_name": "when the section is passed"})},
         attrs={
             **table_attributes("section", scenario),
             "quantities": json.dumps(returns.quantities),
@@ -384,9 +368,9 @@ def _dataset(scenario: Scenario, returns: SectionRun, found: _SettledPoints, tol
             "period": returns.period,
             "rule": RULE,
             "tolerance": tolerance,
-            "outcome": found.outcome,
-            "message": found.message,
-            "state": "" if found.end is None else found.end.to_json(),
+            "outcome": points.outcome,
+            "message": points.message,
+            "state": "" if points.end is None else points.end.to_json(),
         },
     )
 

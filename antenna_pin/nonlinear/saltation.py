@@ -43,19 +43,12 @@ Array = NDArray[np.float64]
 
 
 class Tangents(NamedTuple):
-    """Tangents along a run, in coordinates along axes in the present state.
+    """Tangents along a run, in coordinates along axes in the present state."""
 
-    Attributes:
-        matrix: (size, k).
-        other: The same by differences of another order and another rule: what is between tells the doubt.
-        frame: The axes.
-        integrals: Tangents of integrals of the run, (nx, k).
-    """
-
-    matrix: Array
-    other: Array
-    frame: Frame
-    integrals: Array
+    matrix: Array  # tangents, (size, k)
+    other: Array  # the same by differences of another order and another rule: what is between tells the doubt
+    frame: Frame  # axes of the coordinates
+    integrals: Array  # tangents of integrals of the run, (nx, k)
 
     def mapped(self, function: Callable[[Array], Array]) -> Tangents:
         """Return the tangents with a function applied to the columns of all arrays."""
@@ -72,14 +65,7 @@ def with_time(tangents: Tangents) -> Tangents:
 
 
 def at_equal_times(field: VectorField, tangents: Tangents, time: float, y: Array) -> Tangents:
-    """Return tangents at equal times, without time as a coordinate.
-
-    Args:
-        field: The rates, with the contacts and the program of the moment.
-        tangents: Tangents.
-        time: When [s].
-        y: State.
-    """
+    """Return tangents at equal times, without time as a coordinate."""
     if not tangents.frame.clock:
         return tangents
     frame, up = tangents.frame._replace(clock=False), field.lift(tangents.frame, time, y).up
@@ -93,62 +79,41 @@ def at_equal_times(field: VectorField, tangents: Tangents, time: float, y: Array
 
 
 class ElementTransition(NamedTuple):
-    """Change of mode of an element, with the effect of an impact.
+    """Change of mode of an element, with the effect of an impact."""
 
-    Attributes:
-        place: Of the element.
-        angle: Of the joint [rad] ([m]).
-        rate: Before it [rad/s] ([m/s]), ``rate_after`` it.
-        rate_after: See there.
-        loss: Energy lost in it [J].
-        impulse: On the child [N m s] ([N s]).
-        energy: Of the joint's own motion before, of elements that weigh it, else 0 [J].
-    """
-
-    place: str
-    angle: float
-    rate: float
-    rate_after: float
-    loss: float = 0.0
-    impulse: float = 0.0
-    energy: float = 0.0
+    place: str  # place of the element
+    angle: float  # angle of the joint [rad] ([m])
+    rate: float  # rate before the change [rad/s] ([m/s])
+    rate_after: float  # rate after the change
+    loss: float = 0.0  # energy loss [J]
+    impulse: float = 0.0  # impulse on the child [N m s] ([N s])
+    energy: float = 0.0  # of the joint's own motion before, of elements that weigh it, else 0 [J]
 
 
 class ElementReplay:
     """Repetition of element actions on other states: impulses and element memory, in order.
 
     Decisions are those of the run.
-
-    Args:
-        workspace: The system's.
-        kept: Element memory.
-        numbers: The system's, if parameters displace them.
     """
 
     def __init__(
-        self, workspace: Workspace, kept: ElementMemory, numbers: ParameterShift | None = None
+        self, workspace: Workspace, element_memory: ElementMemory, numbers: ParameterShift | None = None
     ) -> None:
         """Collect the elements."""
-        self._workspace, self._kept, self._numbers = workspace, kept, numbers
+        self._workspace, self._kept, self._numbers = workspace, element_memory, numbers
         self._holds = [one.name for one in workspace.system.holds]
         #: Element transitions of the last call, in order.
         self.met: list[ElementTransition] = []
         self._blocks = {one.place: one.block for one in acting_in(workspace.system)}
         self._own: Mapping[str, list[int]] = {
-            place: [k for k, one in enumerate(kept.numbers) if one.place == place] for place in self._blocks
+            place: [k for k, one in enumerate(element_memory.numbers) if one.place == place]
+            for place in self._blocks
         }
 
     def __call__(
         self, done: tuple[ModeEffect | ImpulseEffect, ...], time: float, y: Array, numbers: Array
     ) -> tuple[Array, Array]:
-        """Return velocity, (nv,), and element memory, (memory,), behind the actions.
-
-        Args:
-            done: In order.
-            time: When [s].
-            y: State before.
-            numbers: What elements kept before.
-        """
+        """Return velocity, (nv,), and element memory, (memory,), behind the actions."""
         nq, nv = self._workspace.model.nq, self._workspace.model.nv
         state, numbers, program = y.copy(), numbers.copy(), self._workspace.program
         present = program.copy()
@@ -229,46 +194,27 @@ _LOST = 1e-13
 
 
 class EventShift(NamedTuple):
-    """Event, and the shifts of its time.
+    """Event, and the shifts of its time."""
 
-    Attributes:
-        what: ``onset``, ``release`` or ``event``.
-        name: Of the event; of a contact its number.
-        time: When [s].
-        late: By how much later it is for each tangent [s], (k,).
-    """
-
-    what: str
-    name: str
-    time: float
-    late: Array
+    what: str  # ``onset``, ``release`` or ``event``
+    name: str  # name of the event, or number of the contact
+    time: float  # time of the event [s]
+    late: Array  # delay with each tangent [s], (k,)
 
 
 class _Crossing(NamedTuple):
-    """Effect of the zero of an event function on perturbations.
+    """Effect of the zero of an event function on perturbations."""
 
-    Attributes:
-        moved: What they are of the state behind it, if a perturbed state came there at the same time,
-            (perturbation, size).
-        late: By how much a perturbed state comes later [s], (size,).
-        going: What the flow before it makes of a state behind it, per second, (perturbation,).
-        integrands: Rates of what is integrated, before it, (nx,).
-    """
-
+    # what they are of the state behind it, if a perturbed state came there at the same time, (perturbation,
+    # size)
     moved: Array
-    late: Array
-    going: Array
-    integrands: Array
+    late: Array  # by how much a perturbed state comes later [s], (size,)
+    going: Array  # what the flow before it makes of a state behind it, per second, (perturbation,)
+    integrands: Array  # rates of what is integrated, before it, (nx,)
 
 
 class Saltation:
-    """Propagation of tangents across events of a run.
-
-    Args:
-        field: The system's rates; its contacts and program are those before.
-        run: The run.
-        count: How many tangents are carried.
-    """
+    """Propagation of tangents across events of a run."""
 
     def __init__(self, field: VectorField, run: Run, count: int) -> None:
         """Begin without events."""
@@ -289,10 +235,7 @@ class Saltation:
     def across_events(self, tangents: Tangents, time: float, y: Array) -> Tangents:
         """Return tangents behind the events since the last call.
 
-        Args:
-            tangents: Tangents before it.
-            time: When [s].
-            y: State before it; brought behind it, in place.
+        The state y, before the events, is brought behind them in place.
         """
         for one in self._passages:
             tangents = self._event(one, tangents, time, y)
@@ -400,12 +343,7 @@ class Saltation:
         There its depth is the same in all of them; what they remember is of their own times, and bristles
         are straight.
 
-        Args:
-            c: Which.
-            memory: Memory of the contact in the state itself.
-            tangents: Tangents, with time.
-            time: When [s].
-            y: State.
+        The memory is that of the contact in the unperturbed state; tangents have time as a coordinate.
         """
         field = self._field
         lift = field.lift(tangents.frame, time, y)
@@ -439,12 +377,7 @@ class Saltation:
         error due to it is the same in the flow as in tangents: at the perturbed releases, where depths are
         equal again, it cancels.
 
-        Args:
-            c: Which.
-            flow: In which column the flow is, carried up to here as tangents are.
-            tangents: Tangents, with time.
-            time: When [s].
-            y: State.
+        The column ``flow`` holds the flow, propagated as tangents are.
         """
         field = self._field
         lift = field.lift(tangents.frame, time, y)

@@ -62,25 +62,15 @@ _OVER_KINKS = 13.0
 
 
 class _TangentStep(NamedTuple):
-    """A step of a run.
+    """A step of a run."""
 
-    Attributes:
-        time: When it begins [s].
-        size: Of it [s].
-        y: State where it begins.
-        until: When it ends [s].
-        end: State there, before what changes then.
-        changes: Whether contacts or drives have changed where it begins, and whether they do where it ends.
-        known: Whether there is a break that is known at the one and at the other end.
-    """
-
-    time: float
-    size: float
-    y: Array
-    until: float
-    end: Array
-    changes: tuple[bool, bool]
-    known: tuple[bool, bool]
+    time: float  # begin [s]
+    size: float  # size [s]
+    y: Array  # state at the begin
+    until: float  # end [s]
+    end: Array  # state at the end, before its changes
+    changes: tuple[bool, bool]  # whether contacts or drives change at begin and end
+    known: tuple[bool, bool]  # whether begin and end are known breaks
 
     @property
     def part(self) -> StepPart:
@@ -91,9 +81,7 @@ class _TangentStep(NamedTuple):
 class _StagePropagation:
     """Propagation of tangents along parts of a step by the integrator's stages.
 
-    Args:
-        carrying: By what.
-        moving: Parts of a tangent that change between events: ways, rates and bristles.
+    Ways, rates and bristles, ``moving``, are the parts of a tangent that change between events.
 
     Attributes:
         since: When contacts or drives have changed last [s].
@@ -114,13 +102,9 @@ class _StagePropagation:
     ) -> Tangents | None:
         """Return tangents behind a part of a step, or None where they are too inaccurate.
 
-        Args:
-            part: The piece.
-            start: When the step begins [s], its size [s], and the state where the piece begins.
-            lift: Coordinates as tangents.
-            tangents: Tangents before the piece.
-            good: What the method, or differences, may be off by, over a tangent: next to a kink of a
-                force the orders of these part.
+        ``start`` is the step's time [s], its size [s] and the state at the part's beginning. Errors of the
+        method and of differences, whose orders differ near a kink of a force, may reach ``good`` over a
+        tangent.
         """
         time, whole, y = start
         matrix, off = tangents.matrix, tangents.other - tangents.matrix
@@ -267,7 +251,7 @@ class TangentPropagation:
 
     Args:
         run: Before its first step; its steps are logged.
-        first: Axes in its first state.
+        frame: Axes in its first state.
         ways: Tangents to propagate, in coordinates along these, (size, k), or what makes them of these; all
             of them if left out.
         numbers: Parameters of the system that are coordinates too; none if left out.
@@ -281,7 +265,7 @@ class TangentPropagation:
     def __init__(
         self,
         run: Run,
-        first: Frame,
+        frame: Frame,
         ways: Array | Callable[[Lift], Array] | None = None,
         numbers: ParameterSlopes | None = None,
         looks: Sequence[float] = (),
@@ -306,14 +290,14 @@ class TangentPropagation:
         #: Callbacks at looks and before changes: ``(time, y, perturbations)``, the last (perturbation, k).
         self.on_look: Callable[[float, Array, Array], None] | None = None
         self.on_change: Callable[[float, Array, Array], None] | None = None
-        lift = self.field.lift(first, self._time, self._y)
+        lift = self.field.lift(frame, self._time, self._y)
         start = np.eye(lift.up.shape[1]) if ways is None else ways(lift) if callable(ways) else ways
         self._saltation = Saltation(self.field, run, start.shape[1])
         self._defects = KinkDefects(start.shape[1], settings.rtol)
         self._matrices = JacobianPropagation(self.field, states, self._cut_step, self._defects, self._good)
         self._matrices.begin(self._time, self._y, True)
         start = self._defects.begin(start)
-        self._all = Tangents(start, start.copy(), first, np.zeros((run.system.manifold.nx, start.shape[1])))
+        self._all = Tangents(start, start.copy(), frame, np.zeros((run.system.manifold.nx, start.shape[1])))
 
     @property
     def tangents(self) -> Tangents:
@@ -382,10 +366,7 @@ class TangentPropagation:
     def _change(self, memory: NDArray[Any], flipped: list[int], moved: bool) -> None:
         """Propagate tangents over the changes in the present state.
 
-        Args:
-            memory: Contact memory behind it.
-            flipped: Contacts that begin or end.
-            moved: Whether a step has led there, along which the flow is carried to contacts that end.
+        If ``moved``, a step has led there, along which the flow is propagated to contacts that end.
         """
         self._go_along()
         here, ending = (self._time, self._y), [c for c in flipped if memory["touching"][c] == 0.0]
@@ -506,22 +487,18 @@ class TangentPropagation:
         self._here = self._looks.pop(0), self.states.at(theta)
         self._tell(self.on_look)
 
-    def _tell(self, told: Callable[[float, Array, Array], None] | None) -> None:
+    def _tell(self, callback: Callable[[float, Array, Array], None] | None) -> None:
         """Call a callback with the perturbations in the present state."""
-        if told is not None:
+        if callback is not None:
             tangents, (time, y) = self.tangents, self._here
-            told(time, y, self.field.lift(tangents.frame, time, y).up @ tangents.matrix)
+            callback(time, y, self.field.lift(tangents.frame, time, y).up @ tangents.matrix)
 
     def _down(self, time: float, y: Array) -> Array:
         """Return the map from perturbations to coordinates."""
         return self.field.lift(self._all.frame, time, y).down
 
     def turn(self, frame: Frame) -> None:
-        """Change the axes in the present state.
-
-        Args:
-            frame: The axes; of the contacts that count.
-        """
+        """Change the axes in the present state."""
         self._go_along()
         if not frame.clock:
             self._all = at_equal_times(self.field, self._all, *self._here)

@@ -22,14 +22,11 @@ Array = NDArray[np.float64]
 
 # --- gaps along perturbations -------------------------------------------------------------------------------
 
-# Difference steps over the scale of a play, and over a parameter's; refinement factor, most refinements, and
-# relative difference of orders, where the scale is finer, as of a tilt near zero.
+# Difference steps over the scale of a play, and over a parameter's.
 _GAP_STEP, _OF_NUMBERS = 1e-3, 1e-2
-_GAP_FINER, _GAP_TRIES, _PART = (
-    10.0,
-    3,
-    1e-8,
-)  # the last: what parts two orders then, over the largest derivative
+# Where the scale is finer, as of a tilt near zero: refinement factor, most refinements, and difference of two
+# orders over the largest derivative.
+_GAP_FINER, _GAP_TRIES, _PART = 10.0, 3, 1e-8
 _ROUND_OFF = 4.0 * float(np.finfo(float).eps)
 # Share of a row's largest number that must remain beside those before, for new information.
 _NEW = 1e-3
@@ -38,24 +35,20 @@ _NEW = 1e-3
 class _GapSlopes:
     """Derivatives of functions of poses in joints' play, with steps far coarser than forces'.
 
-    Args:
-        near: Evaluates it at perturbed states.
-        units: Of perturbations.
-
     Attributes:
         tangents: Know the derivatives of what is met at contacts; None where differences have to do.
     """
 
-    def __init__(self, near: PerturbedSystem, units: Units) -> None:
-        self._near, self._coarse = near, near.coarseness(units, _GAP_STEP)
-        *_, speeds, masses, _, _, clock = near.parts
+    def __init__(self, perturbed: PerturbedSystem, units: Units) -> None:
+        self._near, self._coarse = perturbed, perturbed.coarseness(units, _GAP_STEP)
+        *_, speeds, masses, _, _, clock = perturbed.parts
         self._coarse[speeds] = self._coarse[masses] = 1.0 / STEP
         self._coarse[clock] = 1.0 / (STEP * TIME_UNIT)
-        self._table = np.zeros(len(near.workspace.table), CONTACT)
+        self._table = np.zeros(len(perturbed.workspace.table), CONTACT)
         self.tangents: Tangents | None = None
-        joints = near.system.clearances
+        joints = perturbed.system.clearances
         self._of_points = [joint.load == "point" for joint in joints for _ in joint.contact_names]
-        self._over_numbers = np.eye(len(self._coarse))[:, near.parts[-3]]
+        self._over_numbers = np.eye(len(self._coarse))[:, perturbed.parts[-3]]
 
     def tangents_at(self, c: int) -> Tangents | None:
         """Return the analytic derivatives at a contact; None for distributed load."""
@@ -166,9 +159,8 @@ class _GapSlopes:
 def _gap_basis(rows: Sequence[Array], ways: int) -> Array:
     """Return the basis, by columns, (size, size).
 
-    Args:
-        rows: Derivatives of gaps over coordinates, the shallowest first, (size,) each.
-        ways: Among how many coordinates, the first ones, that one is chosen which changes a gap.
+    Rows are derivatives of gaps over coordinates, the shallowest first; a pivot that changes the gap is
+    sought among the first ``ways`` coordinates.
     """
     basis = np.eye(len(rows[0]))
     taken: list[int] = []
@@ -205,10 +197,7 @@ _LOCATING = 0.01  # over a step of differences, that with which a kink is locate
 class VectorField:
     """Rates of a system near states of one run, which it belongs to.
 
-    Args:
-        system: The system.
-        settings: Of the run whose engine evaluates them.
-        numbers: Parameters of the system that perturbations have, too; none if left out.
+    Perturbations include the parameters ``numbers``, if given.
 
     Attributes:
         workspace: Its contact memory and program are those of the moment.
@@ -313,7 +302,7 @@ class VectorField:
         return np.asarray(best)
 
     def slopes(
-        self, time: float, y: Array, ways: Array, first: Array | None = None
+        self, time: float, y: Array, ways: Array, chosen_steps: Array | None = None
     ) -> tuple[Array, Array, Array]:
         """Return the derivatives of the rates along perturbations, and the steps used.
 
@@ -324,12 +313,12 @@ class VectorField:
             time: [s].
             y: State.
             ways: Perturbations of a size of about 1 in units, by columns, (perturbation, k).
-            first: Steps of differences that are chosen for them, if they are known already, (k,).
+            chosen_steps: Steps of differences that are chosen for them, if they are known already, (k,).
 
         Returns:
             By differences of sixth and of fourth order, (nv + nx, k) each; and steps, (k,).
         """
-        steps = self._steps(y, ways, True) if first is None else first.copy()
+        steps = self._steps(y, ways, True) if chosen_steps is None else chosen_steps.copy()
         found = self._differences(time, y, ways, steps, self._tangents or self._slopes)
         off, noise = self._sizes(found[0] - found[1]), _NOISY * self.round_off
         largest = self._sizes(found[0]).max(initial=0.0)
@@ -405,13 +394,7 @@ class VectorField:
         self.round_off = max(float(roughness(beside.T).max(initial=0.0)), least)
 
     def directional(self, time: float, y: Array, way: Array) -> tuple[Array, float]:
-        """Return the derivative of the rates along a perturbation, in units, and its round-off.
-
-        Args:
-            time: [s].
-            y: State.
-            way: (perturbation,).
-        """
+        """Return the derivative of the rates along a perturbation, in units, and its round-off."""
         sixth, _, steps = self.slopes(time, y, way[:, None])
         return self._weighed(sixth)[:, 0], self._noise(way[:, None], steps)
 
@@ -485,11 +468,7 @@ class VectorField:
     def matrix(self, frame: Frame, time: float, y: Array, way: Array) -> RateJacobian:
         """Return the Jacobian of the coordinates' rates, along axes at rest.
 
-        Args:
-            frame: The axes.
-            time: [s].
-            y: State.
-            way: A perturbation along which the rates are looked at too, (perturbation,).
+        The rates are also evaluated along the perturbation ``way``.
         """
         lift = self.lift(frame, time, y)
         nq, nv = self.system.model.nq, self.system.model.nv

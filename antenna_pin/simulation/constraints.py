@@ -461,7 +461,7 @@ class Singularities:
         self._workspace.prepare_motions(t, y)
         constraints.residuals(t, y, self._workspace.program)
         constraints.factorize(y[: self._model.nq])
-        found = constraints.found
+        found = constraints.solution
         self._rank = max(self._rank, found.rank)
         return found.least if found.rank == self._rank else found.most
 

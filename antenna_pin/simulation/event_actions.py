@@ -194,7 +194,7 @@ class Actions:
         """Carry out one action; return the energy brought in [J]."""
         energy = -self._energy()
         if isinstance(action, Set):
-            kept = self.adjustments.kept()
+            kept = self.adjustments.snapshot()
             element, _, key = action.place.rpartition(".")
             try:
                 for place, value in self._set_by(action).items():

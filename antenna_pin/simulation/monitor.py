@@ -376,7 +376,7 @@ def _effort(system: System, place: _StiffState, block: int, y: Array) -> float:
     given = next((one for one in system.callables if one.block == block), None)
     if isinstance(given, InPython):
         angle, rate, _, _ = kernels.joint_motion(place.program, block, y, nq)
-        return float(given.given(place.t, angle, rate)[0])
+        return float(given.values(place.t, angle, rate)[0])
     return float(kernels.element_state(place.program, block, place.t, y, nq)[0])
 
 

@@ -74,7 +74,7 @@ class RunSnapshot:
         """Copy the data that later steps change."""
         self._run, self.state = run, state
         self._record = RecordSnapshot(run)
-        self._numbers = run.actions.adjustments.kept()
+        self._numbers = run.actions.adjustments.snapshot()
         made = run.steps
         self._made = made.accepted, made.rejected, made.relocated, run.stepper.evaluations
         self._seen = run.control.paced, run.search.gap_difference

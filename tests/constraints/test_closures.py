@@ -54,7 +54,7 @@ def test_forces_of_closures_are_those_that_move_the_tree(kind, count):
         nq, nv = model.nq, model.nv
         workspace, a = accelerations(system, y)
         constraints = workspace.constraints
-        assert constraints.found.rank == CLOSURES[kind].rows
+        assert constraints.solution.rank == CLOSURES[kind].rows
         found = observed_once(system, 0.3, y)
         wrenches = found.closure[0]
         # Mass matrix and bias are the tree's own there, Pinocchio's here: round-off apart.

@@ -58,7 +58,7 @@ def test_accelerations_and_torques_are_those_of_fewer_coordinates(seed, base):
         q, v = y[: model.nq], y[model.nq : model.nq + model.nv]
         rates = np.zeros(model.nv + system.manifold.nx)
         workspace.derivative(0.0, y, rates)
-        assert workspace.constraints.found.gap == workspace.constraints.found.turn == 0.0
+        assert workspace.constraints.solution.gap == workspace.constraints.solution.turn == 0.0
         tau = workspace.tau.copy()
         mass = pin.crba(model, data, q)
         mass = np.triu(mass) + np.triu(mass, 1).T

@@ -102,23 +102,6 @@ def test_compose_is_pinocchios_integrate(kind):
             assert found == pytest.approx(expected, abs=1e-15 * (1.0 + np.abs(expected).max()))  # round-off
 
 
-def test_compose_is_pinocchios_integrate_to_first_order(kind):
-    """So velocities mean the same: body axes."""
-    rng, model, manifold = np.random.default_rng(2), model_of([kind]), Manifold((kind,))
-    for _ in range(20):
-        q, v = random_point(model, rng), rng.normal(size=model.nv)
-        h = 1e-6
-        moved = manifold.compose(q, charted(kind, q, h * v))
-        # h^2 is what the two ways of going there differ by.
-        assert pin.difference(model, q, moved) == pytest.approx(h * v, abs=10 * h**2)
-
-
-def test_nothing_moves_by_nothing(kind):
-    rng, model, manifold = np.random.default_rng(3), model_of([kind]), Manifold((kind,))
-    q = random_point(model, rng)
-    assert manifold.compose(q, np.zeros(model.nv)) == pytest.approx(q, abs=3e-16)  # made unit again
-
-
 def test_compose_keeps_quaternions_unit(kind):
     rng, model, manifold = np.random.default_rng(4), model_of([kind]), Manifold((kind,))
     q = random_point(model, rng)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from scipy.integrate import DOP853, RK23, RK45, solve_ivp
 
-import antenna_pin.integrate
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.integrate import METHODS, Manifold, Stepper, method_named
 
@@ -329,8 +328,3 @@ def test_unknown_method_is_refused_with_the_nearest_name():
         method_named("dormand-prince-45")
     with pytest.raises(LookupError):
         method_named("euler")
-
-
-def test_public_names_exist():
-    for name in antenna_pin.integrate.__all__:
-        assert getattr(antenna_pin.integrate, name) is not None

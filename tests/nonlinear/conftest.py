@@ -8,7 +8,7 @@ import pytest
 from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenario
 from antenna_pin.elements import ConstantDrive, JointSpring, SineDrive
 from antenna_pin.nonlinear import Flow
-from antenna_pin.simulation import Event, Jump
+from antenna_pin.simulation import Angle, Event, Jump
 
 CARRIAGE = (
     '<robot name="oscillator"><link name="ground"/>'
@@ -56,6 +56,17 @@ def pendulum():
             springs={"damper": JointSpring(joint="hinge", stiffness=stiffness, damping=damping)},
             drives={"motor": ConstantDrive(joint="hinge", value=torque)},
         )
+
+    return make
+
+
+@pytest.fixture
+def turned_back():
+    """A function that makes the event of a stop, at which the velocity turns back with a restitution."""
+
+    def make(place, restitution):
+        back = Jump(lambda now: (now.q, -restitution * now.v))
+        return Event(name="stop", when=Angle("way", place), direction=1, action=back)
 
     return make
 

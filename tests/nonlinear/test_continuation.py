@@ -14,21 +14,19 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear import Chart, Flow, continued, flow_of, periodic_orbit
 from antenna_pin.nonlinear.bifurcation_points import flip_test, is_torus, torus_test
 from antenna_pin.nonlinear.pseudo_arclength import BranchStepper
-from antenna_pin.simulation import Angle, Event, Jump
 
 NUMBERS = {"m": 1.0, "k": 1.0, "c": 0.1}
 
 
-def against_a_stop(oscillator, force, frequency, stop, restitution, damping=NUMBERS["c"]):
-    """The flow of a mass on a spring, driven against a stop, and the drive's period."""
-    hit = Event(
-        name="stop",
-        when=Angle("way", stop),
-        direction=1,
-        action=Jump(lambda now: (now.q, -restitution * now.v)),
-    )
-    system = oscillator(1.0, 1.0, damping, force, frequency)
-    return Flow(system, RunSettings(rtol=1e-12, engine="compiled"), events=(hit,)), 1.0 / frequency
+@pytest.fixture
+def against_a_stop(oscillator, turned_back):
+    """A function that makes a mass on a spring, driven against a stop: its flow, and the drive's period."""
+
+    def make(force, frequency, stop, restitution, damping=NUMBERS["c"]):
+        system, hit = oscillator(1.0, 1.0, damping, force, frequency), turned_back(stop, restitution)
+        return Flow(system, RunSettings(rtol=1e-12, engine="compiled"), events=(hit,)), 1.0 / frequency
+
+    return make
 
 
 @pytest.mark.slow
@@ -170,20 +168,20 @@ def test_a_branch_over_a_length_of_a_loop(key, values):
             flow, period = family(value)
             found = periodic_orbit(flow, chart.state(np.zeros(2), flow.system), period, tolerance=1e-11)
             ends.append(chart.coordinates(found.start))
-        way = follower.node(point, None).way
+        way = follower.node(point, None).tangent
         # Second order in a thousandth of the range, over which slopes change by their own size.
         assert way[:-1] / way[-1] == pytest.approx((ends[1] - ends[0]) / 2e-3, rel=2e-6, abs=2e-6)
 
 
 @pytest.mark.slow
-def test_a_graze(oscillator):
+def test_a_graze(against_a_stop):
     """Where the steady state comes to the stop, its amplitude is the stop's distance: closed form."""
     frequency, stop = 0.3, 0.5
     w = 2.0 * math.pi * frequency
     exact = stop * abs(NUMBERS["k"] - NUMBERS["m"] * w**2 + 1j * NUMBERS["c"] * w)
 
     def family(force):
-        return against_a_stop(oscillator, force, frequency, stop, 0.8)
+        return against_a_stop(force, frequency, stop, 0.8)
 
     # From the steady state: from rest it would come to an orbit with impacts, which is there too.
     steady = 0.9 * exact / (NUMBERS["k"] - NUMBERS["m"] * w**2 + 1j * NUMBERS["c"] * w)
@@ -196,7 +194,7 @@ def test_a_graze(oscillator):
 
 
 @pytest.mark.slow
-def test_a_period_doubling(oscillator):
+def test_a_period_doubling(against_a_stop):
     """Where a multiplier of the orbit with one impact passes -1, by its closed form, to 1e-6."""
     restitution, force, first, last = 0.3, 1.0, 0.42, 0.435
 
@@ -208,7 +206,7 @@ def test_a_period_doubling(oscillator):
     exact = brentq(product, first, last, xtol=1e-13)
 
     def family(frequency):
-        return against_a_stop(oscillator, force, frequency, 0.0, restitution)
+        return against_a_stop(force, frequency, 0.0, restitution)
 
     flow, period = family(first)
     guess = flow.after(flow.first(np.array([-0.5]), np.zeros(1)), 40 * period)
@@ -228,7 +226,7 @@ ISSUE = (0.04, 2.2, 0.8, (2.10765088, -0.19501412))
         pytest.param((0.1, 2.1, 0.75, (2.14436961, -0.3621061)), (0.2572, 0.3), 0.15, marks=pytest.mark.slow),
     ],
 )
-def test_a_stop_that_is_moved_away(oscillator, rig, stops, arc):
+def test_a_stop_that_is_moved_away(against_a_stop, rig, stops, arc):
     """The orbit with one impact doubles its period, and lives on until the impact has no speed: exact map.
 
     Over the stop's place; steps lead far beyond the flip, and beyond where there are orbits: what Newton's
@@ -259,7 +257,7 @@ def test_a_stop_that_is_moved_away(oscillator, rig, stops, arc):
     wanted += [("grazing", end)] if end < stops[1] else []
 
     def family(stop):
-        return against_a_stop(oscillator, 1.0, frequency, stop, restitution, damping)
+        return against_a_stop(1.0, frequency, stop, restitution, damping)
 
     flow, period = family(stops[0])
     one, (t, v) = orbit(stops[0])

@@ -11,7 +11,6 @@ from antenna_pin import RunSettings
 from antenna_pin.elements import CallableDrive
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear import Flow, flow_of, largest_exponent, lyapunov_spectrum
-from antenna_pin.simulation import Angle, Event, Jump
 
 
 def test_neighbours_of_a_damped_oscillator_come_together_at_half_its_damping(oscillator):
@@ -122,16 +121,10 @@ def exact_growth(state, t, period, count, matrix, steady, w, force, m, restituti
 
 
 @pytest.mark.slow
-def test_chaos_of_an_impact_oscillator_against_its_exact_map(oscillator):
+def test_chaos_of_an_impact_oscillator_against_its_exact_map(oscillator, turned_back):
     """Driven at 2.8 times its own frequency against a stop at rest, its grazing chaos (Nordmark's)."""
     m, k, c, force, frequency, restitution = 1.0, 1.0, 0.02, 1.0, 2.8 / (2.0 * math.pi), 0.8
-    stop = Event(
-        name="stop",
-        when=Angle("way", 0.0),
-        direction=1,
-        action=Jump(lambda now: (now.q, -restitution * now.v)),
-    )
-    flow = Flow(oscillator(m, k, c, force, frequency), events=(stop,))
+    flow = Flow(oscillator(m, k, c, force, frequency), events=(turned_back(0.0, restitution),))
     period, w = 1.0 / frequency, 2.0 * math.pi * frequency
     start = flow.after(flow.first(np.array([-0.05]), np.zeros(1)), 100 * period)
     ours = largest_exponent(flow, start, period, 300)

@@ -18,7 +18,6 @@ from antenna_pin.nonlinear import (
     periodic_orbit,
     poincare,
 )
-from antenna_pin.simulation import Angle, Event, Jump
 
 
 def sorted_alike(one, other):
@@ -74,15 +73,11 @@ def test_what_is_driven_in_all_its_freedoms_has_an_orbit_without_multipliers():
     assert periodic_orbit(flow, start, 2.0 * math.pi / 500.0).multipliers.size == 0
 
 
-def test_an_impact_oscillator(oscillator):
+def test_an_impact_oscillator(oscillator, turned_back):
     """Each neighbour impacts at its own instant: the jump of the tangent is in the differences, to 1e-8."""
     numbers = dict(m=1.0, k=1.0, c=0.1, force=1.0, frequency=0.4)
     exact = Impacts(**numbers, stop=0.0, restitution=0.8)
-    system = oscillator(*numbers.values())
-    stop = Event(
-        name="stop", when=Angle("way", 0.0), direction=1, action=Jump(lambda now: (now.q, -0.8 * now.v))
-    )
-    flow = Flow(system, events=(stop,))
+    flow = Flow(oscillator(*numbers.values()), events=(turned_back(0.0, 0.8),))
     state = flow.after(flow.first(np.array([-0.5]), np.zeros(1)), 60 * exact.period)
     orbit = periodic_orbit(flow, state, exact.period)
     # The impact of the orbit: where the flight from its start, exact, comes to the stop.

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from antenna_pin import RunSettings, System, Urdf, build_mechanism
-from antenna_pin.elements import JointSpring, SineDrive
+from antenna_pin import RunSettings, System
+from antenna_pin.elements import JointSpring
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.nonlinear import Flow, periodic_orbit
 from antenna_pin.simulation import Angle, Event, Set
@@ -15,20 +15,13 @@ from antenna_pin.simulation import Angle, Event, Set
 OMEGA, AT, STIFFNESS, DAMPING = 2.2, 0.1, 100.0, 1.4
 PERIOD = 2.0 * math.pi / OMEGA
 NONE = 1e-30  # one of stiffness and damping must be above zero
-CARRIAGE = """<robot name="carriage"><link name="ground"/>
-<link name="bob"><inertial><mass value="1"/>
-<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<joint name="way" type="prismatic"><parent link="ground"/><child link="bob"/><axis xyz="1 0 0"/>
-<limit lower="-9" upper="9" effort="1" velocity="1"/></joint></robot>"""
 
 
-def _flow():
+def _flow(oscillator):
     """x'' + 0.04 x' + x = cos 2.2 t, and beyond 0.1 m a spring and a damper more, switched by four events."""
-    springs = {
-        "coil": JointSpring(joint="way", stiffness=1.0, damping=0.04),
-        "stop": JointSpring(joint="way", stiffness=NONE, damping=0.0, rest_angle=AT),
-    }
-    drive = SineDrive(joint="way", amplitude=1.0, frequency=1.0 / PERIOD, phase=0.5 * math.pi)
+    plain = oscillator(damping=0.04, amplitude=1.0, frequency=1.0 / PERIOD, phase=0.5 * math.pi)
+    stop = JointSpring(joint="way", stiffness=NONE, damping=0.0, rest_angle=AT)
+    system = System(plain.mechanism, drives=plain.drives, springs=plain.springs | {"stop": stop})
     events = [
         Event(
             name=f"{name} {direction}",
@@ -39,8 +32,6 @@ def _flow():
         for name, value, off in (("stiffness", STIFFNESS, NONE), ("damping", DAMPING, 0.0))
         for direction in (1, -1)
     ]
-    mechanism = build_mechanism(Urdf.from_text(CARRIAGE, "carriage.urdf"), "fixed", (0.0, 0.0, 0.0))
-    system = System(mechanism, drives={"motor": drive}, springs=springs)
     return Flow(system, RunSettings(rtol=1e-12, engine="compiled"), events=events)
 
 
@@ -75,13 +66,13 @@ def _period(z):
     return z, whole
 
 
-def test_an_orbit_that_comes_back_to_its_numbers_is_one():
+def test_an_orbit_that_comes_back_to_its_numbers_is_one(oscillator):
     """What only says that an event has set a number to its own value is no change of it."""
     z = np.array([-0.7787, 0.0647])
     for _ in range(6):
         end, slopes = _period(z)
         z = z + np.linalg.solve(np.eye(2) - slopes, end - z)
-    flow = _flow()
+    flow = _flow(oscillator)
     start = flow.after(flow.first(np.array([-0.4]), np.array([0.1])), 30.0 * PERIOD)
     orbit = periodic_orbit(flow, start, PERIOD)
     assert [orbit.start.q[0], orbit.start.v[0]] == pytest.approx(z, abs=1e-9)
@@ -90,9 +81,9 @@ def test_an_orbit_that_comes_back_to_its_numbers_is_one():
     assert np.sort_complex(orbit.multipliers) == pytest.approx(np.sort_complex(expected), abs=1e-8)
 
 
-def test_where_a_number_is_another_an_orbit_does_not_begin():
+def test_where_a_number_is_another_an_orbit_does_not_begin(oscillator):
     """Within the stop its stiffness is the event's."""
-    flow = _flow()
+    flow = _flow(oscillator)
     start = flow.after(flow.first(np.array([0.0]), np.array([1.0])), 0.15)
     assert dict(start.adjusted)["springs.stop.stiffness"] == STIFFNESS
     said = (

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.distance import cdist
-from scipy.special import ellipj, ellipk
+from scipy.special import ellipk
 
 from antenna_pin import simulate
 from antenna_pin.analysis import RecurrenceKind, recurrence
@@ -154,11 +154,6 @@ def test_refusals(rig, tables, section, count, words):
 def test_a_quantity_that_there_is_none_of(rig):
     with pytest.raises(AntennaPinError, match="speed"):
         poincare(rig(DRIVEN), Stroboscope(), ["speed"], count=32)
-
-
-def test_ellipk_is_that_of_the_parameter():
-    """The parameter, not the modulus: sn at K is 1."""
-    assert ellipj(ellipk(0.5), 0.5)[0] == pytest.approx(1.0, rel=1e-12)
 
 
 # The spring beside the way is 1 m long where it wants to be 1.3 m: a place to rest on either side, as of

@@ -107,10 +107,10 @@ def stop(oscillator, **more):
     return system, lambda flow: flow.first(np.array([-0.2]), np.array([0.5]))
 
 
-def test_events_that_turn_back_and_that_change_a_spring(oscillator):
+def test_events_that_turn_back_and_that_change_a_spring(oscillator, turned_back):
     """A jump at a place, and a spring that is another from a place on, whose force jumps there."""
     system, start_of = stop(oscillator)
-    turn = Event(name="stop", when=Angle("way", 0.1), direction=1, action=Jump(lambda m: (m.q, -0.7 * m.v)))
+    turn = turned_back(0.1, 0.7)
     harder = Event(name="harder", when=Angle("way", -0.1), action=Set("springs.coil.stiffness", 40.0))
     for events in ((turn,), (harder,), (turn, harder)):
         flow = Flow(system, events=events)
