@@ -32,19 +32,12 @@ _ROUND_OFF = 1e-9
 
 
 class _JumpCourse(NamedTuple):
-    """Course with jumps, in a program.
+    """Course with jumps, in a program."""
 
-    Attributes:
-        places: Places of the terms in the program.
-        terms: Terms of the whole course.
-        times: Times of the jumps [s].
-        begins: These times less the round-off of times [s].
-    """
-
-    places: slice
-    terms: Array
-    times: Array
-    begins: Array
+    places: slice  # places of the terms in the program
+    terms: Array  # terms of the whole course
+    times: Array  # times of the jumps [s]
+    begins: Array  # these times less the round-off of times [s]
 
 
 def check_sets(events: Sequence[Event], system: System, y: Array) -> None:
@@ -330,15 +323,10 @@ _AT_MOST = 100  # recorded positions, for a mechanism that stays singular
 
 
 class SingularPosition(NamedTuple):
-    """Position in which closures and motions lose an equation.
+    """Position in which closures and motions lose an equation."""
 
-    Attributes:
-        time: Time [s].
-        share: Share left of the least independent equation, relative to the largest in this run [-].
-    """
-
-    time: float
-    share: float
+    time: float  # time [s]
+    share: float  # share left of the least independent equation, relative to the largest in this run [-]
 
 
 class Singularities:

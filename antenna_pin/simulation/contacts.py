@@ -30,19 +30,12 @@ _TOLERANCE = 1e-9  # of the play, that a gap must come to at an event
 
 
 class EpisodesSnapshot(NamedTuple):
-    """Snapshot of the record of contacts.
+    """Snapshot of the record of contacts."""
 
-    Attributes:
-        arrays: Arrays with one row per contact, by name.
-        touching: Numbers of the open episodes.
-        episodes: Open episodes, EPISODE.
-        number: Number of episodes.
-    """
-
-    arrays: Mapping[str, NDArray[Any]]
-    touching: NDArray[np.int64]
-    episodes: NDArray[Any]
-    number: int
+    arrays: Mapping[str, NDArray[Any]]  # arrays with one row per contact, by name
+    touching: NDArray[np.int64]  # numbers of the open episodes
+    episodes: NDArray[Any]  # open episodes, EPISODE
+    number: int  # number of episodes
 
 
 class Episodes:

@@ -141,21 +141,13 @@ _SAME = 4.0
 
 
 class ControllerRecord(NamedTuple):
-    """Record of the sample times of one controller.
+    """Record of the sample times of one controller."""
 
-    Attributes:
-        name: Name of the controller.
-        columns: Names of the columns of ``values``: signals, then commands.
-        saturated: Column of saturation; None without.
-        times: Sample times, (n,) [s].
-        values: Signals and commands, NaN where missing, (n, columns).
-    """
-
-    name: str
-    columns: tuple[str, ...]
-    saturated: int | None
-    times: Array
-    values: Array
+    name: str  # name of the controller
+    columns: tuple[str, ...]  # names of the columns of ``values``: signals, then commands
+    saturated: int | None  # column of saturation; None without
+    times: Array  # sample times, (n,) [s]
+    values: Array  # signals and commands, NaN where missing, (n, columns)
 
 
 class _ControlLoop:

@@ -30,17 +30,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class EventRecord:
-    """Recorded event.
+    """Recorded event."""
 
-    Attributes:
-        name: Name of the event.
-        time: Time [s].
-        energy: Energy brought in by the actions [J].
-    """
-
-    name: str
-    time: float
-    energy: float
+    name: str  # name of the event
+    time: float  # time [s]
+    energy: float  # energy brought in by the actions [J]
 
 
 class RefusedError(NeverSettlesError):

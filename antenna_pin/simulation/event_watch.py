@@ -39,23 +39,14 @@ Array = NDArray[np.float64]
 
 
 class Crossing(NamedTuple):
-    """Zero crossing of an event's function.
+    """Zero crossing of an event's function."""
 
-    Attributes:
-        event: Number of the event.
-        theta: Fraction of the trial step.
-        side: New sign of a function that has passed already; 0 if it is zero there.
-        slope: Rate of the function there, per second; 0 if undefined.
-        noise: Round-off of the function there.
-        until: Fraction up to which the event does not occur again.
-    """
-
-    event: int
-    theta: float
-    side: float = 0.0
-    slope: float = 0.0
-    noise: float = 0.0
-    until: float = math.inf
+    event: int  # number of the event
+    theta: float  # fraction of the trial step
+    side: float = 0.0  # new sign of a function that has passed already; 0 if it is zero there
+    slope: float = 0.0  # rate of the function there, per second; 0 if undefined
+    noise: float = 0.0  # round-off of the function there
+    until: float = math.inf  # fraction up to which the event does not occur again
 
 
 class Bracket(NamedTuple):

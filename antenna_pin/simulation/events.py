@@ -63,26 +63,17 @@ GRAZE = 1e-15
 
 @dataclass(frozen=True, slots=True)
 class Switch:
-    """Possible change of mode of an element.
+    """Possible change of mode of an element."""
 
-    Attributes:
-        place: Place of the element, as ``latches.hinge``.
-        number: Number of the element's function that passes zero.
-    """
-
-    place: str
-    number: int
+    place: str  # place of the element, as ``latches.hinge``
+    number: int  # number of the element's function that passes zero
 
 
 @dataclass(frozen=True, slots=True)
 class Edge:
-    """Change of an element at times that it defines itself.
+    """Change of an element at times that it defines itself."""
 
-    Attributes:
-        place: Place of the element, as ``forces.jet``.
-    """
-
-    place: str
+    place: str  # place of the element, as ``forces.jet``
 
 
 # --- state passed to users' functions -----------------------------------------------------------------------

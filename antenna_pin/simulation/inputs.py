@@ -318,27 +318,16 @@ class RunStart(NamedTuple):
 
 
 class PreparedRun(NamedTuple):
-    """Checked inputs of a run.
+    """Checked inputs of a run."""
 
-    Attributes:
-        system: System to run.
-        scenario: Scenario; None for a system built in Python.
-        settings: Settings of integration and sampling.
-        events: Events of the scenario and the user.
-        controllers: Controllers, by name.
-        begin: Time from which the run records [s].
-        span: Duration [s]; None if open.
-        first: State left by a run, or initial state [q, v, x].
-    """
-
-    system: System
-    scenario: Scenario | None
-    settings: RunSettings
-    events: tuple[Event, ...]
-    controllers: Mapping[str, Controller]
-    begin: float
-    span: float | None
-    first: State | np.ndarray
+    system: System  # system to run
+    scenario: Scenario | None  # scenario; None for a system built in Python
+    settings: RunSettings  # settings of integration and sampling
+    events: tuple[Event, ...]  # events of the scenario and the user
+    controllers: Mapping[str, Controller]  # controllers, by name
+    begin: float  # time from which the run records [s]
+    span: float | None  # duration [s]; None if open
+    first: State | np.ndarray  # state left by a run, or initial state [q, v, x]
 
 
 def prepared(

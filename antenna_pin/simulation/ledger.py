@@ -50,31 +50,19 @@ Values = Mapping[str, Any]
 
 
 class Opening(NamedTuple):
-    """Ledger that does not close.
+    """Ledger that does not close."""
 
-    Attributes:
-        time: Time of the first sample with an unexplained error [s].
-        text: Ledger, error, and events at that sample.
-    """
-
-    time: float
-    text: str
+    time: float  # time of the first sample with an unexplained error [s]
+    text: str  # ledger, error, and events at that sample
 
 
 class FirstExcess(NamedTuple):
-    """First sample with an error larger than explained.
+    """First sample with an error larger than explained."""
 
-    Attributes:
-        time: Time of the sample [s].
-        before: Time of the previous sample; NaN without one [s].
-        error: Error, in its unit.
-        movers: Numbers of the coordinate and of the element that changed most since the sample before; -1
-            for none.
-    """
-
-    time: float
-    before: float
-    error: float
+    time: float  # time of the sample [s]
+    before: float  # time of the previous sample; NaN without one [s]
+    error: float  # error, in its unit
+    # numbers of the coordinate and of the element that changed most since the sample before; -1 for none
     movers: tuple[int, ...]
 
 

@@ -59,19 +59,12 @@ Array = NDArray[np.float64]
 
 
 class ChangeResult(NamedTuple):
-    """Change of an element, with the state of its joint before and the impulse.
+    """Change of an element, with the state of its joint before and the impulse."""
 
-    Attributes:
-        met: State of the joint before the change.
-        change: Change of mode.
-        loss: Energy that the impulse takes [J].
-        impulse: Impulse on the child [N m s] ([N s]).
-    """
-
-    met: Met
-    change: Change
-    loss: float = 0.0
-    impulse: float = 0.0
+    met: Met  # state of the joint before the change
+    change: Change  # change of mode
+    loss: float = 0.0  # energy that the impulse takes [J]
+    impulse: float = 0.0  # impulse on the child [N m s] ([N s])
 
 
 class Impacts:

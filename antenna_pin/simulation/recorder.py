@@ -52,19 +52,12 @@ _COARSE = 0.01  # relative height above a neighbouring sample beyond which a par
 
 
 class _PeakCandidate(NamedTuple):
-    """Three samples around a possible maximum.
+    """Three samples around a possible maximum."""
 
-    Attributes:
-        most: Largest value of the parabola through the samples [N m] ([N]).
-        bound: Upper bound of the expected maximum; infinite for coarse samples [N m] ([N]).
-        time: Time of the vertex of the parabola [s].
-        samples: The three samples.
-    """
-
-    most: float
-    bound: float
-    time: float
-    samples: Chunk
+    most: float  # largest value of the parabola through the samples [N m] ([N])
+    bound: float  # upper bound of the expected maximum; infinite for coarse samples [N m] ([N])
+    time: float  # time of the vertex of the parabola [s]
+    samples: Chunk  # the three samples
 
     def sides(self, coarse: bool) -> list[Chunk]:
         """Return the pairs of samples that may enclose the maximum."""
@@ -75,19 +68,12 @@ class _PeakCandidate(NamedTuple):
 
 
 class _RepeatedStep(NamedTuple):
-    """Repeated step between two samples.
+    """Repeated step between two samples."""
 
-    Attributes:
-        time: Begin of the step [s].
-        state: State at the begin, [q, v, x].
-        size: Size of the step [s].
-        sizes: Sizes of efforts within the step [N m] ([N]), (points, drives).
-    """
-
-    time: float
-    state: Array
-    size: float
-    sizes: Array
+    time: float  # begin of the step [s]
+    state: Array  # state at the begin, [q, v, x]
+    size: float  # size of the step [s]
+    sizes: Array  # sizes of efforts within the step [N m] ([N]), (points, drives)
 
 
 class EffortPeaks:

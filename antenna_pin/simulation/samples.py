@@ -36,32 +36,20 @@ def check_room(system: System, count: float) -> None:
 
 
 class LateSample(NamedTuple):
-    """Sample of an earlier time, to be inserted among samples on the disk.
+    """Sample of an earlier time, to be inserted among samples on the disk."""
 
-    Attributes:
-        time: Time [s].
-        state: State [q, v, x] of the dense output, to be projected once its program is known.
-        memory: Contact memory, MEMORY, (contacts,).
-    """
-
-    time: float
-    state: Array
-    memory: NDArray[Any]
+    time: float  # time [s]
+    state: Array  # state [q, v, x] of the dense output, to be projected once its program is known
+    memory: NDArray[Any]  # contact memory, MEMORY, (contacts,)
 
 
 class Chunk(NamedTuple):
-    """Consecutive samples.
+    """Consecutive samples."""
 
-    Attributes:
-        times: Times, (n,) [s].
-        states: States [q, v, x], (n, size).
-        memories: Contact memories, MEMORY, (n, contacts).
-        programs: Program of force elements at each: the same array as long as nothing was changed in it.
-    """
-
-    times: Array
-    states: Array
-    memories: NDArray[Any]
+    times: Array  # times, (n,) [s]
+    states: Array  # states [q, v, x], (n, size)
+    memories: NDArray[Any]  # contact memories, MEMORY, (n, contacts)
+    # program of force elements at each: the same array as long as nothing was changed in it
     programs: list[Array]
 
     def part(self, first: int | None, last: int | None) -> Chunk:
@@ -83,21 +71,13 @@ class Chunk(NamedTuple):
 
 
 class SamplesSnapshot(NamedTuple):
-    """Snapshot of the samples of a run.
+    """Snapshot of the samples of a run."""
 
-    Attributes:
-        number: Number of samples.
-        inserted: Number of inserted samples.
-        last: Last sample; None without samples.
-        program: Program of the next samples.
-        begin: Time from which states are recorded [s].
-    """
-
-    number: int
-    inserted: int
-    last: Chunk | None
-    program: Array
-    begin: float
+    number: int  # number of samples
+    inserted: int  # number of inserted samples
+    last: Chunk | None  # last sample; None without samples
+    program: Array  # program of the next samples
+    begin: float  # time from which states are recorded [s]
 
 
 class Samples:

@@ -240,21 +240,13 @@ class StepControl:
 
 
 class LoggedStep(NamedTuple):
-    """Step without a change inside.
+    """Step without a change inside."""
 
-    Attributes:
-        time: Begin of the step [s].
-        size: Size of the step [s].
-        y: State at the begin.
-        until: End of the step [s].
-        end: State at the end, before any change there.
-    """
-
-    time: float
-    size: float
-    y: Array
-    until: float
-    end: Array
+    time: float  # begin of the step [s]
+    size: float  # size of the step [s]
+    y: Array  # state at the begin
+    until: float  # end of the step [s]
+    end: Array  # state at the end, before any change there
 
 
 class StepLog:
@@ -302,43 +294,25 @@ def stepper_of(workspace: Workspace, method: Method, scales: Array, settings: Ru
 
 
 class StepCounts(NamedTuple):
-    """Counts of steps and evaluations so far.
+    """Counts of steps and evaluations so far."""
 
-    Attributes:
-        tried: Trial steps.
-        rejected: Trial steps with too large an error.
-        relocated: Trial steps repeated to end at a change or an event.
-        evaluations: Evaluations of the right-hand side.
-        wall: Wall time [s].
-    """
-
-    tried: int
-    rejected: int
-    relocated: int
-    evaluations: int
-    wall: float
+    tried: int  # trial steps
+    rejected: int  # trial steps with too large an error
+    relocated: int  # trial steps repeated to end at a change or an event
+    evaluations: int  # evaluations of the right-hand side
+    wall: float  # wall time [s]
 
 
 class LoopParts(NamedTuple):
-    """Services of the compiled loop besides its stepper.
+    """Services of the compiled loop besides its stepper."""
 
-    Attributes:
-        control: Step size control.
-        samples: Samples of the run.
-        episodes: Record of contacts.
-        search: Search for changes of contact.
-        watch: Search for events.
-        singular: Search for singular positions; None without constraints.
-        touches: Largest efforts of elements in touch, TOUCH, (n,).
-    """
-
-    control: StepControl
-    samples: Samples
-    episodes: Episodes
-    search: ContactSearch
-    watch: EventWatch
-    singular: Singularities | None
-    touches: NDArray[Any]
+    control: StepControl  # step size control
+    samples: Samples  # samples of the run
+    episodes: Episodes  # record of contacts
+    search: ContactSearch  # search for changes of contact
+    watch: EventWatch  # search for events
+    singular: Singularities | None  # search for singular positions; None without constraints
+    touches: NDArray[Any]  # largest efforts of elements in touch, TOUCH, (n,)
 
 
 class StepBatches:

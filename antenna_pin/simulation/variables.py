@@ -76,42 +76,25 @@ _BALANCE = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BlockEnd:
-    """Data of the samples before a block.
+    """Data of the samples before a block."""
 
-    Attributes:
-        first: State [q, v, x] of the run's first sample.
-        stored: Stored energy at the first sample [J].
-        state: State [q, v, x] at this end of the block.
-        attitudes: Attitudes of the journals there, (joints, 4).
-    """
-
-    first: Array
-    stored: float
-    state: Array
-    attitudes: Array
+    first: Array  # state [q, v, x] of the run's first sample
+    stored: float  # stored energy at the first sample [J]
+    state: Array  # state [q, v, x] at this end of the block
+    attitudes: Array  # attitudes of the journals there, (joints, 4)
 
 
 @dataclass(eq=False)
 class SampleBlock:
-    """Consecutive samples of a run, with the observed quantities of the system.
-
-    Attributes:
-        run: Run.
-        times: Times, (n,) [s].
-        states: States [q, v, x], (n, nq + nv + nx).
-        memories: Contact memory, MEMORY, (n, contacts).
-        programs: Program of force elements of each sample.
-        found: Quantities by the equations of motion.
-        before: End of the previous block; None for the first.
-    """
+    """Consecutive samples of a run, with the observed quantities of the system."""
 
     run: Run
-    times: Array
-    states: Array
-    memories: NDArray[Any]
-    programs: Sequence[Array]
-    found: Observed
-    before: BlockEnd | None = None
+    times: Array  # times, (n,) [s]
+    states: Array  # states [q, v, x], (n, nq + nv + nx)
+    memories: NDArray[Any]  # contact memory, MEMORY, (n, contacts)
+    programs: Sequence[Array]  # program of force elements of each sample
+    found: Observed  # quantities by the equations of motion
+    before: BlockEnd | None = None  # end of the previous block; None for the first
 
     @property
     def start(self) -> BlockEnd:
