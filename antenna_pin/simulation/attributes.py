@@ -213,7 +213,7 @@ def _laws(joint: ClearanceJoint) -> dict[str, Any]:
 
 
 def _law(law: Any) -> dict[str, Any]:
-    """Return name and parameters in use of a law; a law in Python has its class's name."""
+    """Return name and parameters of a law; of a law in Python the class's name."""
     if isinstance(law, DampedContact):
         return {**_law(law.elastic), "dissipation": _law(law.dissipation)}
     parameters = {}
@@ -268,7 +268,7 @@ _RESIDUALS = ("position_residual", "angle_residual", "velocity_residual", "rate_
 
 
 def constraint_attributes(
-    system: System, first: Array, last: Array, residual: Array, passed: Sequence[SingularPosition]
+    system: System, start: Array, end: Array, residual: Array, passed: Sequence[SingularPosition]
 ) -> dict[str, str]:
     """Return the attributes of a dataset that describe its constraints; none without constraints.
 
@@ -287,15 +287,15 @@ def constraint_attributes(
 
     Args:
         system: System of the run.
-        first: [q, v, x] at the first sample.
-        last: At the last.
+        start: [q, v, x] at the first sample.
+        end: [q, v, x] at the last sample.
         residual: The largest at samples, (4,), as of ``Observed.residual``.
         passed: The singular positions.
     """
     if system.plan is None:
         return {}
     booked = system.model.nq + system.model.nv + system.projection_x[0]
-    put_in = last[booked] - first[booked]
+    put_in = end[booked] - start[booked]
     couplings = facts_of_couplings(system.mechanism, system.couplings)
     return {
         "closures": json.dumps(
@@ -313,7 +313,7 @@ def constraint_attributes(
         **({"couplings": json.dumps(couplings)} if couplings else {}),
         "constraints": json.dumps(
             {
-                **constraint_counts(system, first),
+                **constraint_counts(system, start),
                 **dict(zip(_RESIDUALS, residual.tolist(), strict=True)),
                 "projection_energy": float(put_in),
                 "singular": [one._asdict() for one in passed],

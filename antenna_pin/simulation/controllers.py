@@ -33,9 +33,6 @@ Array = NDArray[np.float64]
 class ControllerView(Moment):
     """State of a run at a sample time (:class:`antenna_pin.control.Now`).
 
-    Args:
-        workspace: Workspace of the run.
-
     Attributes:
         tick: Number of the sample time of the calling controller.
         noted: Signals recorded by the controller.
@@ -105,12 +102,12 @@ class ControllerView(Moment):
         return turned @ unit_of(axis, "controller", "axis")
 
     def off_axis(self, link: str, axis: ArrayLike, target: ArrayLike) -> float:
-        """Return the angle between an axis of a link and a direction of the world [rad]."""
+        """Return the angle between a link's axis and a direction of the world [rad]."""
         here, there = self.direction(link, axis), unit_of(target, "controller", "target")
         return math.atan2(float(np.linalg.norm(np.cross(here, there))), float(here @ there))
 
     def joint_load(self, joint: str) -> Array:
-        """Return force [N] and moment [N m] that a joint passes to its child, (6,), in the joint's axes.
+        """Return a joint's force [N] and moment [N m] on its child, (6,), joint axes.
 
         Torques of drives and springs at the joint are included. The load follows from the motion of all links
         that the joint carries, less the forces on these; closures and springs between points are not
@@ -205,9 +202,6 @@ class Controllers:
 
     Args:
         controllers: By name; the run works on copies.
-        workspace: Workspace of the run.
-        actions: Actions of the run, which write the commands.
-        begin: Time from which the run records [s].
     """
 
     def __init__(

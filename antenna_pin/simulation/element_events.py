@@ -1,4 +1,4 @@
-"""Events of elements: ends of ranges, kinks, pulses, changes of mode; coincident events and their effects."""
+"""Events of elements: ends of ranges, kinks, pulses, changes of mode; their effects."""
 
 from __future__ import annotations
 
@@ -53,13 +53,13 @@ class KinkFunction:
 
 @dataclass(frozen=True, slots=True)
 class RangeEnd(Angle):
-    """End of the range of an element; its joint may lie beyond while the element is off."""
+    """End of an element's range; the joint may be beyond while the element is off."""
 
     block: int  # place of the element in the program
     side: float  # side of the range: -1 below the end, +1 above it
 
     def __call__(self, moment: Moment) -> float:
-        """Return the distance past the end; the side of the range while the element is off."""
+        """Return the distance past the end; while the element is off, the side."""
         return Angle.__call__(self, moment) if moment.acts(self.block) else self.side
 
 
@@ -177,7 +177,7 @@ class NeverSettlesError(Exception):
     outcome: ClassVar[Outcome] = Outcome.NO_PROGRESS
 
     @property
-    def seen(self) -> str:
+    def text(self) -> str:
         """Return the reason as part of a message."""
         return f", {self} comes to no mode in which it stays"
 
@@ -335,11 +335,6 @@ class CoincidentEvents:
     Beside the functions that the search has located others pass by logic: a function that is zero but for
     round-off if its rate is negative, or if that is zero too, by the next derivative; one of a load if it is
     negative.
-
-    Args:
-        workspace: Workspace of the run.
-        adjustments: Present elements of the run.
-        acting: Elements with modes, by place.
     """
 
     def __init__(self, workspace: Workspace, adjustments: Adjustments, acting: Mapping[str, Acting]) -> None:
@@ -431,10 +426,10 @@ class CoincidentEvents:
             found += [min(changes, key=lambda one: one.change.phase)] if changes else []
         return found
 
-    def _passes(self, one: Switch, first: bool, t: float, y: Array) -> bool:
+    def _passes(self, one: Switch, is_first: bool, t: float, y: Array) -> bool:
         """Return whether a function passes that was not located; loads only after the first round."""
         loaded = hold_of(self._element(one.place), one.place, one.number, self._holds) >= 0
-        if loaded and first:
+        if loaded and is_first:
             return False
         value, slope = self.value(one)
         if loaded or abs(value) > ZERO:

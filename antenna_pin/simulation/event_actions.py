@@ -43,12 +43,12 @@ class RefusedError(NeverSettlesError):
     outcome: ClassVar[Outcome] = Outcome.REFUSED
 
     @property
-    def seen(self) -> str:
+    def text(self) -> str:
         """Return the reason as part of a message."""
         return f", {self}"
 
 
-def _said(action: Set | Jump) -> str:
+def _text_of(action: Set | Jump) -> str:
     """Return the object and value of an action, as a scenario writes it."""
     if isinstance(action, Jump):
         return "the state"
@@ -60,10 +60,6 @@ class Actions:
     """Actions of events, and the record of events.
 
     Args:
-        watch: Watch of the events.
-        workspace: Workspace of the run; its program is changed.
-        stepper: Stepper of the run; its state is changed.
-        control: Step control, updated by changes of elements.
         samples: Samples of the run, updated by changes of the program.
         after: Time after which events are recorded [s].
 
@@ -154,7 +150,7 @@ class Actions:
                 try:
                     energy += self._carry_out(event.name, action)
                 except InvalidParameterError as error:
-                    raise RefusedError(f"event {event.name!r} sets {_said(action)}: {error}") from None
+                    raise RefusedError(f"event {event.name!r} sets {_text_of(action)}: {error}") from None
             elif isinstance(action, Stop) and self._counts:
                 self.ending = event.name
         self._keep(event, acts)
@@ -209,12 +205,7 @@ class Actions:
         return energy
 
     def _set_by(self, action: Set) -> Mapping[str, float]:
-        """Return the numbers to set, by place, for a motion to continue from its position.
-
-        Raises:
-            InvalidParameterError: A motion would jump.
-            NotFollowedError: A joint would be held where motions move it.
-        """
+        """Return the numbers to set, by place, for a motion to continue from its position."""
         element, _, key = action.place.rpartition(".")
         if self.motions.is_one(element):
             return self.motions.goes_on(action.place, action.value, self._stepper.t)
@@ -232,7 +223,7 @@ class Actions:
             )
         work = self.modes.drive(self._stepper.t, self._here)
         self._renew()
-        self._control.spin = self._workspace.system.turn_on(self._stepper.start)
+        self._control.limit_turns(self._workspace.system.turn_on(self._stepper.start))
         return work
 
     def look_by(self, watch: EventWatch) -> None:
@@ -257,22 +248,18 @@ class Actions:
                 self.adjustments.set(f"{place}.{key}", value)
 
     def _resolve(self, switches: Sequence[Event]) -> bool:
-        """Carry out changes of mode and the events on these; return whether any occurred.
-
-        Args:
-            switches: Located events of elements' functions.
-        """
+        """Carry out changes of mode and the events on these; return whether any occurred."""
         if not self.modes:
             return False
         modes, y, t = self.modes, self._here, self._stepper.t
         modes.effects.clear()
-        recorded, before, taken = len(modes.changed), self._energy(), modes.taken(y)
+        recorded, before, lost = len(modes.changed), self._energy(), modes.losses(y)
         located = [event.action for event in switches if isinstance(event.action, Switch)]
         program = self._workspace.program.copy() if self.effects is not None else None
         changed = modes.resolve(located, t, y)
         if changed:
-            self._control.spin = self._workspace.system.turn_on(self._stepper.start)
-            energy = self._energy() - before + modes.taken(y) - taken
+            self._control.limit_turns(self._workspace.system.turn_on(self._stepper.start))
+            energy = self._energy() - before + modes.losses(y) - lost
             self._renew()
             self._stepper.refresh()
             self._watch.renew()
@@ -333,7 +320,7 @@ class Actions:
         n = system.model.nq + system.model.nv
         after = action.state_after(event, self._watch.moment.set(self._stepper.t, here))
         here[:n] = after[:n]
-        self._control.spin = system.turn_on(self._stepper.start)
+        self._control.limit_turns(system.turn_on(self._stepper.start))
 
     def _energy(self) -> float:
         """Return the energy stored at the present state [J]."""

@@ -1,4 +1,4 @@
-"""Search of a trial step for events, their discrete states, and their table for the compiled loop."""
+"""Search of trial steps for events, discrete states, table for the compiled loop."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class StepScan(NamedTuple):
     rates: list[float]
 
     def stays(self, i: int, side: float) -> float:
-        """Return the fraction up to which the function stays on the side reached in part i."""
+        """Return the fraction up to which the function has its side of part i."""
         for j in range(i + 1, len(self.thetas)):
             back = side * self.rates[j - 1] < 0.0 < side * self.rates[j]
             if not side * self.values[j] > 0.0 or back:
@@ -166,11 +166,6 @@ class EventWatch:
 
     The side of a function changes with its crossings only, so that of two coincident events
     the second is not lost when the first has ended the step.
-
-    Args:
-        events: Events.
-        workspace: Workspace of the run.
-        stepper: Stepper of the run.
 
     Attributes:
         instants: Times at which steps must end [s].
@@ -467,13 +462,7 @@ class EventWatch:
         return Bracket(k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0)
 
     def _leaves(self, k: int, zero: tuple[float, float], below: tuple[float, float]) -> Bracket:
-        """Return the bracket at which an element's function falls below round-off.
-
-        Args:
-            k: Number of the event.
-            zero: Fraction at which it is zero, and its value there.
-            below: Fraction at which it has passed, and its value there.
-        """
+        """Return the bracket at which an element's function falls below round-off."""
         (a, fa), (b, fb) = zero, below
         at = root_between(
             lambda x: self._whens[k](self._at(x)) + GRAZE, a, b, absolute=1e-15, ends=(fa + GRAZE, fb + GRAZE)
@@ -481,7 +470,7 @@ class EventWatch:
         return Bracket(k, at, at, 0.0, 0.0, 0.0, at, -1.0)
 
     def _located(self, one: Bracket) -> Crossing:
-        """Return the crossing in a bracket: a change of sign, or a zero at its first end."""
+        """Return the crossing in a bracket, or the zero at its first end."""
         if one.side != 0.0:
             return Crossing(one.event, one.a, one.side, until=one.until)
         when, (a, b, fa, fb) = self._whens[one.event], one[1:5]
@@ -532,9 +521,6 @@ def is_known(event: Event) -> bool:
 
 class WatchTable:
     """Events of a run as the compiled loop reads them.
-
-    Args:
-        watch: Watch of the run.
 
     Attributes:
         numbers: Table for kernels.

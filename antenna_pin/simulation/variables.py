@@ -112,8 +112,8 @@ class SampleBlock:
         """Last of these samples."""
         return self._edge(-1, self.start.first, self.start.stored)
 
-    def _edge(self, place: int, first: Array, stored: float) -> BlockEnd:
-        return BlockEnd(first.copy(), stored, self.states[place].copy(), self.attitudes[place].copy())
+    def _edge(self, place: int, origin: Array, stored: float) -> BlockEnd:
+        return BlockEnd(origin.copy(), stored, self.states[place].copy(), self.attitudes[place].copy())
 
     @cached_property
     def attitudes(self) -> Array:
