@@ -1,4 +1,4 @@
-"""Displacements of a state carried along steps of a run, by the run's own method."""
+"""Propagation of tangents along steps of a run, by the run's own method."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ class Along(NamedTuple):
     """Map of tangents over a step.
 
     Attributes:
-        ways: At its end, (displacement, k), with what they are off by behind them.
-        errors: By how much these are off by the method in the step, (moving, few): ways, rates and bristles.
-        rough: By how much by differences, likewise.
-        sizes: Of the two, in units, (2, few).
-        books: How what is integrated along the run is displaced by the step, (nx, few).
+        ways: Tangents at the end, (displacement, k), their errors behind them.
+        errors: Errors of the method in the step, (moving, few): displacements, rates and bristles.
+        rough: Errors of differences, likewise.
+        sizes: Sizes of the two, in units, (2, few).
+        books: Tangents of the integrals along the run over the step, (nx, few).
     """
 
     ways: Array
@@ -37,14 +37,14 @@ class Along(NamedTuple):
 
 
 class Steps(NamedTuple):
-    """Steps one after another.
+    """Consecutive steps.
 
     Attributes:
-        times: When they begin, (steps,) [s].
-        sizes: Of them, (steps,) [s].
-        since: When contacts, drives or rates have changed last, (steps,) [s].
-        until: When they change next, (1,) [s].
-        states: Where they begin, (steps, size).
+        times: Begins, (steps,) [s].
+        sizes: Sizes, (steps,) [s].
+        since: Times of the last change of contacts, drives or rates, (steps,) [s].
+        until: Time of the next change, (1,) [s].
+        states: States at the begins, (steps, size).
     """
 
     times: Array
@@ -55,17 +55,16 @@ class Steps(NamedTuple):
 
 
 class Carrying:
-    """Carries displacements along steps by the stages of the method that a run is made with.
+    """Propagation of tangents along steps, by the stages of the run's method.
 
     Args:
-        stepper: Whose rates they go by, and whose method; its contact memory and program are those of the
-            moment.
+        stepper: Stepper with rates and method; its contact memory and program are the present ones.
         tangents: Derivatives of these rates.
-        coarse: Over what a step of differences of each part of a displacement must be one at most.
+        coarse: Largest step of differences of each part of a tangent.
     """
 
     def __init__(self, stepper: CompiledStepper, tangents: Tangents, coarse: Array) -> None:
-        """Allocate nothing: how many displacements there are shows when they come."""
+        """Begin without buffers, which depend on the number of tangents."""
         self._stepper, self._tangents, self._coarse = stepper, tangents, coarse
         self._work = np.zeros_like(stepper.work)
         self._rooms: dict[tuple[int, int, bool], CarryRoom] = {}
@@ -84,14 +83,14 @@ class Carrying:
         until: float,
         since: float,
     ) -> Along:
-        """Carry displacements, and what they are off by, along a step.
+        """Propagate tangents and their errors along a step.
 
         Args:
-            start: When it begins [s], its size [s], and the state there.
-            ways: Displacements there, (displacement, few).
-            off: What some are off by, (displacement, k - few).
-            until: When contacts, drives or rates change next [s].
-            since: When they have changed last [s].
+            start: Begin [s] and size [s] of the step, and the state there.
+            ways: Tangents at the begin, (displacement, few).
+            off: Errors of some tangents, (displacement, k - few).
+            until: Time of the next change of contacts, drives or rates [s].
+            since: Time of the last such change [s].
         """
         time, size, y = start
         few = ways.shape[1]
@@ -105,19 +104,18 @@ class Carrying:
     def along_all(
         self, steps: Steps, ways: Array, off: Array, scales: Array, good: float
     ) -> tuple[int, Array, Array, Array]:
-        """Carry displacements, and what they are off by, along steps one after another.
+        """Propagate tangents and their errors along consecutive steps.
 
         Args:
-            steps: The steps.
-            ways: Displacements before the first, (displacement, k).
-            off: What they are off by, likewise.
-            scales: Of the parts of a displacement in coordinates, in which sizes are compared.
-            good: What the method, or differences, may be off by in a step, over a displacement.
+            steps: Steps.
+            ways: Tangents before the first, (displacement, k).
+            off: Their errors, likewise.
+            scales: Scales of the coordinates of a tangent, for comparisons of sizes.
+            good: Permitted error of the method, or of differences, in a step, over a tangent.
 
         Returns:
-            Along how many, up to one in which they are not known well enough or at whose end a contact that
-            touches has no force; displacements behind these and what they are off by; how what is integrated
-            along the run is displaced by them, (nx, k).
+            Number of steps, up to too large an error or a touching contact without force at a step's end; tangents after these steps and their errors; tangents of the integrals along the run,
+            (nx, k).
         """
         count = ways.shape[1]
         room, full = (self._room(2 * count, count, every) for every in (False, True))
@@ -129,12 +127,9 @@ class Carrying:
         return int(done), room.ways[:count].T.copy(), room.ways[count:].T.copy(), books.T
 
     def _room(self, count: int, few: int, every: bool) -> CarryRoom:
-        """Return what displacements, some of which are what others are off by, are carried with.
+        """Return the buffers of ``count`` tangents, ``few`` without their errors.
 
-        Args:
-            count: How many they are.
-            few: How many of these are displacements themselves.
-            every: Whether the others go by all stages.
+        With ``every`` the errors are propagated by all stages.
         """
         room = self._rooms.get((count, few, every))
         if room is None or room.tangent is not self._tangents.room:
@@ -172,14 +167,14 @@ class Carrying:
 
 
 def third_order(nodes: Array, last: int) -> tuple[Array, NDArray[np.int64]]:
-    """Return the weights of a method of third order, by three of a method's stages, and which these are.
+    """Return weights of a third-order method by three stages of a method, and their flags.
 
-    With nodes 0, c and d: weights of the step are those of the quadrature, and d's stage is from c's by what
-    is left of the conditions of third order (Hairer, Norsett and Wanner 1993, II.1).
+    With nodes 0, c and d the weights of the step are those of the quadrature; the weight of d's stage on c's
+    follows from the conditions of third order (Hairer, Norsett and Wanner 1993, II.1).
 
     Args:
-        nodes: Of the stages, (stages,).
-        last: The stage at which the step ends.
+        nodes: Nodes of the stages, (stages,).
+        last: Stage at the end of the step.
     """
     weights, asked = np.zeros((len(nodes), len(nodes))), np.zeros(len(nodes), dtype=np.int64)
     inner = [i for i in range(1, last) if 0.0 < nodes[i] < 1.0]

@@ -1,4 +1,4 @@
-"""A system in numbers, and the stepper each of whose steps is one call of compiled code."""
+"""Numbers of a system for kernels, and a stepper of compiled steps."""
 
 from __future__ import annotations
 
@@ -164,18 +164,18 @@ def check_compiled(system: System) -> None:
 
 
 class Compiled:
-    """A workspace's system in numbers, for the steps of one run, and who answers what is not in them.
+    """Numbers of a workspace's system for kernels, with callbacks for the rest.
 
     Args:
-        workspace: What the run works on; its contact memory, program and contact table are used.
-        engine: Whose the tree's dynamics are: compiled, or Pinocchio's, asked from inside.
+        workspace: Workspace of the run; its contact memory, program and contact table are used.
+        engine: Dynamics of the tree: compiled, or Pinocchio's through a callback.
 
     Attributes:
-        numbers: The system, as the kernels take it.
-        answers: Who is asked what is not compiled.
+        numbers: System as the kernels read it.
+        answers: Callbacks for parts that are not compiled.
 
     Raises:
-        MechanismError: The engine is ``compiled``, and the system is not one that it takes
+        MechanismError: The engine is ``compiled``, and the system is not suited to it
             (:func:`check_compiled`), or its tree in numbers deviates from Pinocchio's.
     """
 

@@ -1,4 +1,4 @@
-"""The sizes of steps: what is given of them, and what a run remembers."""
+"""Step sizes of a run: settings, times at which steps end, sizes by contact pattern."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ class Pace:
 
     Args:
         adaptive: Whether sizes follow errors.
-        power: The order of the error in the step's size.
-        control: Of the method: integral and proportional gain.
-        step: Size of all steps, if they are not adaptive [s].
-        least: Step not to be fallen below [s].
-        end: Of the run [s].
+        power: Order of the error in the step size.
+        control: Integral and proportional gain of the method.
+        step: Size of all steps of a method with fixed steps [s].
+        least: Smallest step [s].
+        end: End of the run [s].
 
     Attributes:
-        numbers: As the kernels take them, ``PACE``, (1,).
-        breaks: Instants at which steps must end, increasing [s].
+        numbers: Numbers for kernels, ``PACE``, (1,).
+        breaks: Times at which steps must end, increasing [s].
     """
 
     def __init__(
@@ -41,7 +41,7 @@ class Pace:
         least: float,
         end: float,
     ) -> None:
-        """Begin without instants."""
+        """Begin without times."""
         self.numbers = np.zeros(1, kernels.PACE)
         self.breaks = self._instants = np.zeros(0)
         self._series = 0.0, np.inf
@@ -52,7 +52,7 @@ class Pace:
         self.numbers["longest"] = np.inf
 
     def end_at(self, instants: Iterable[float]) -> None:
-        """Let steps end at further instants [s]."""
+        """Let steps end at further times [s]."""
         self._instants = np.array(sorted({*self._instants.tolist(), *(t for t in instants if t > 0.0)}))
         self._renew()
 
@@ -62,17 +62,17 @@ class Pace:
         self._renew()
 
     def end_next_at(self, here: float, instant: float) -> None:
-        """Let a step end at an instant of a series, beside those given, in place of the last one named so.
+        """Let a step end at the next time of a series.
 
         Args:
-            here: Where steps begin [s].
-            instant: When; infinity for none any more [s].
+            here: Present time [s].
+            instant: Next time of the series; infinity for none [s].
         """
         self._series = here, instant
         self._renew()
 
     def _renew(self) -> None:
-        """Write the instants ahead: up to the next of the series, which names another when it is there."""
+        """Write the times ahead, up to the next of the series, which then sets another."""
         end, (here, instant) = float(self.numbers["end"][0]), self._series
         self.numbers["next"] = 0
         if instant < end:
@@ -83,13 +83,13 @@ class Pace:
 
 
 class Sizes:
-    """Step sizes by pattern of touching contacts: impacts of one kind need steps of one size.
+    """Step sizes by pattern of touching contacts, for impacts of one kind need one size.
 
     Args:
-        memory: The contact memory, MEMORY, (contacts,), of which the present pattern is read.
+        memory: Contact memory, MEMORY, (contacts,), from which the present pattern is read.
 
     Attributes:
-        table: As the kernels take it.
+        table: Sizes for kernels.
     """
 
     def __init__(self, memory: NDArray[Any]) -> None:
@@ -102,7 +102,7 @@ class Sizes:
         )
 
     def make_room(self) -> None:
-        """Let there be room for a pattern more."""
+        """Enlarge the table for one more pattern, if needed."""
         room = len(self.table.sizes)
         if int(self.table.count[0]) < room:
             return
@@ -112,13 +112,13 @@ class Sizes:
         self.table = self.table._replace(patterns=patterns, sizes=sizes)
 
     def value(self) -> tuple[tuple[str, float], ...]:
-        """Return all of them: which contacts touch, as ones and zeros, and the size [s]."""
+        """Return the patterns, touching contacts as ones, with their sizes [s]."""
         count = int(self.table.count[0])
         names = ("".join(map(str, pattern)) for pattern in self.table.patterns[:count].tolist())
         return tuple(zip(names, self.table.sizes[:count].tolist(), strict=True))
 
     def take_up(self, sizes: Iterable[tuple[str, float]]) -> None:
-        """Go on with what another run has left."""
+        """Continue with the sizes of another run."""
         self.table.count[0] = 0
         for name, size in sizes:
             self.make_room()

@@ -194,7 +194,7 @@ def _rules(system: System, changes: Array, steps: Array, contacts: int) -> LawWo
 def _acts(
     system: System, parts: NDArray[Any], changed: NDArray[np.bool_], heavier: NDArray[np.bool_]
 ) -> NDArray[np.int64]:
-    """Return what of each part goes with each number, (parts + 1, numbers); last of elements on links."""
+    """Return how parts and elements on links depend on each number, (parts + 1, numbers)."""
     program, out = system.program, np.zeros((len(parts) + 1, len(changed)), dtype=np.int64)
     for p, part in enumerate(parts):
         block = int(part["block"])

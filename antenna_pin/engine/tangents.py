@@ -1,4 +1,4 @@
-"""Derivatives of a system's rates along displacements of a state, at less than an evaluation for each."""
+"""Derivatives of a system's rates along tangents, at less than an evaluation each."""
 
 from __future__ import annotations
 
@@ -198,7 +198,7 @@ class Tangents:
 
 
 def _parts(system: System) -> tuple[NDArray[Any], int]:
-    """Return what acts at a system's joints, ``PART``, and where in x books of elements on links begin."""
+    """Return the parts at joints, ``PART``, and where integrals of links begin in x."""
     factor_of, found, links_x = _factors(system), [], system.manifold.nx
     for block in system.clearance_blocks.values():
         joint = system.program[block:][: layout_kernels.JOINT_WORDS].view(layout_kernels.JOINT)[0]

@@ -64,6 +64,7 @@ class Actions:
         after: Time after which events are recorded [s].
 
     Attributes:
+        watch: Watch of the events.
         happened: Recorded events, in order.
         adjustments: Present elements of the run.
         modes: Elements with modes.
@@ -82,7 +83,7 @@ class Actions:
         after: float,
     ) -> None:
         """Begin without events."""
-        self._watch = watch
+        self.watch = watch
         self._workspace = workspace
         self._stepper = stepper
         self._control = control
@@ -101,11 +102,11 @@ class Actions:
         Users' events come first, in their order; then elements change, all together; then come the events on
         these changes.
         """
-        events, changes = self._watch.events, False
+        events, changes = self.watch.events, False
         switches: list[Event] = []
         for crossing in crossings:
             event = events[crossing.event]
-            count = self._watch.count(crossing)
+            count = self.watch.count(crossing)
             if isinstance(event.action, Kink):
                 continue
             if isinstance(event.action, Switch):
@@ -137,7 +138,7 @@ class Actions:
             self._change(action.place)
             self._renew()
         self._stepper.refresh()
-        self._watch.renew()
+        self.watch.renew()
         self._samples.add(self._stepper.t, self._here.copy())
         return drives
 
@@ -201,7 +202,7 @@ class Actions:
             self._jump(name, action)
         energy += self._energy()
         self._stepper.refresh()
-        self._watch.renew()
+        self.watch.renew()
         return energy
 
     def _set_by(self, action: Set) -> Mapping[str, float]:
@@ -225,10 +226,6 @@ class Actions:
         self._renew()
         self._control.limit_turns(self._workspace.system.turn_on(self._stepper.start))
         return work
-
-    def look_by(self, watch: EventWatch) -> None:
-        """Use another watch from now on."""
-        self._watch = watch
 
     def begin(self) -> None:
         """Set the initial modes of elements, and carry out their changes at the start."""
@@ -262,7 +259,7 @@ class Actions:
             energy = self._energy() - before + modes.losses(y) - lost
             self._renew()
             self._stepper.refresh()
-            self._watch.renew()
+            self.watch.renew()
             if self._is_new:
                 names = [one.name for one in modes.changed[recorded:]]
                 self.happened += [
@@ -275,7 +272,7 @@ class Actions:
                 del self.effects[len(self.effects) - (not switches) :]
                 self.effects += effects_of(modes.effects, events, program, self._workspace, t)
         if changed or switches:
-            self._watch.logical(ZERO, modes.grazed)
+            self.watch.logical(ZERO, modes.grazed)
         self._follow(modes.changed[recorded:])
         return changed
 
@@ -283,9 +280,9 @@ class Actions:
         """Carry out the events on changes of elements, and the changes that follow."""
         changes = False
         made = [(one.element, one.what) for one in changed]
-        for crossing in self._watch.on_changes(self.adjustments.elements, made):
-            count = self._watch.count(crossing)
-            changes = self._occur(self._watch.events[crossing.event], count) or changes
+        for crossing in self.watch.on_changes(self.adjustments.elements, made):
+            count = self.watch.count(crossing)
+            changes = self._occur(self.watch.events[crossing.event], count) or changes
         if changes:
             self._resolve(())
 
@@ -308,7 +305,7 @@ class Actions:
         peaks.command(self._workspace.program, *here)
         self._renew()
         self._stepper.refresh()
-        self._watch.renew()
+        self.watch.renew()
         if self.modes and self.modes.is_due(self._stepper.t, self._here) and self._resolve(()):
             return
         if self._stepper.t <= self._samples.last or any(self._workspace.memory["touching"]):
@@ -318,7 +315,7 @@ class Actions:
     def _jump(self, event: str, action: Jump) -> None:
         system, here = self._workspace.system, self._here
         n = system.model.nq + system.model.nv
-        after = action.state_after(event, self._watch.moment.set(self._stepper.t, here))
+        after = action.state_after(event, self.watch.moment.set(self._stepper.t, here))
         here[:n] = after[:n]
         self._control.limit_turns(system.turn_on(self._stepper.start))
 

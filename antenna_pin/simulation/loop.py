@@ -345,7 +345,7 @@ class Run:
         self.watch.take_up(known, self.stepper.t)
         self.watch.tick = self.controllers.next
         self.control.pace.end_at(self.watch.instants)
-        self.actions.look_by(self.watch)
+        self.actions.watch = self.watch
         steps = self.steps
         self.steps = StepBatches(self.stepper, self._parts(), singly)
         self.steps.take_up(steps)

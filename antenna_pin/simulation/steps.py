@@ -60,39 +60,27 @@ def scale_vector(system: System, scales: ErrorScales) -> NDArray[np.float64]:
         position[3:6] = factor * scales.angle
         velocity[:3] = factor * scales.velocity
         velocity[3:6] = factor * scales.angular_velocity
-    for joint in system.clearances:
-        slot = system.mechanism.joint(joint.name)
-        play = scales.clearance * joint.geometry.radial_clearance
-        start = slot.v.start
-        linear = 2 if joint.planar else 3
-        position[start : start + linear] = play
-        velocity[start : start + linear] = scales.clearance_velocity
-        half = joint.geometry.half_length
-        if joint.geometry.motion == "slide":
-            along = np.abs(slot.axis) > 1.0 - 1e-9
-            position[start : start + 3] = np.where(along, scales.position, play)
-            velocity[start : start + 3] = np.where(along, scales.velocity, scales.clearance_velocity)
-        if half is not None and joint.geometry.motion == "slide":
-            position[start + 3 : start + 6] = play / half
-            velocity[start + 3 : start + 6] = scales.clearance_velocity / half
-        elif half is not None:
-            # About the axis the motion angle, across it the tilt; in between, for an axis askew, the
-            # finer.
-            about = np.abs(slot.axis) > 1.0 - 1e-9
-            position[start + 3 : start + 6] = np.where(about, scales.angle, play / half)
-            velocity[start + 3 : start + 6] = np.where(
-                about, scales.angular_velocity, scales.clearance_velocity / half
-            )
-    for name in system.on_bearings:
-        # Like play, in units of the substitute.
+    shapes = [(joint.name, joint.geometry, 2 if joint.planar else 3) for joint in system.clearances]
+    plays = [
+        (name, scales.clearance * shape.radial_clearance, shape.half_length, shape.motion == "slide", linear)
+        for name, shape, linear in shapes
+    ]
+    plays += [(name, scales.clearance * BEARING_PLAY, BEARING_LEVER, False, 3) for name in system.on_bearings]
+    for name, play, half, slides, linear in plays:
         slot = system.mechanism.joint(name)
         start = slot.v.start
-        position[start : start + 3] = scales.clearance * BEARING_PLAY
-        velocity[start : start + 3] = scales.clearance_velocity
-        about = np.abs(slot.axis) > 1.0 - 1e-9
-        tilt = scales.clearance * BEARING_PLAY / BEARING_LEVER, scales.clearance_velocity / BEARING_LEVER
-        position[start + 3 : start + 6] = np.where(about, scales.angle, tilt[0])
-        velocity[start + 3 : start + 6] = np.where(about, scales.angular_velocity, tilt[1])
+        # About the axis the motion angle, across it the tilt; in between, for an axis askew, the finer.
+        along = np.abs(slot.axis) > 1.0 - 1e-9
+        position[start : start + linear] = play
+        velocity[start : start + linear] = scales.clearance_velocity
+        if slides:
+            position[start : start + 3] = np.where(along, scales.position, play)
+            velocity[start : start + 3] = np.where(along, scales.velocity, scales.clearance_velocity)
+        if half is not None:
+            tilt, rate = play / half, scales.clearance_velocity / half
+            turns = along & (not slides)
+            position[start + 3 : start + 6] = np.where(turns, scales.angle, tilt)
+            velocity[start + 3 : start + 6] = np.where(turns, scales.angular_velocity, rate)
     x = np.full(system.manifold.nx, math.inf)
     forces = system.force_x["work"], system.force_x["loss"]
     booked = (system.lost_normal_x, system.lost_friction_x, system.work_x, system.damper_x, system.element_x)
