@@ -114,8 +114,8 @@ class Carrying:
             good: Permitted error of the method, or of differences, in a step, over a tangent.
 
         Returns:
-            Number of steps, up to too large an error or a touching contact without force at a step's end; tangents after these steps and their errors; tangents of the integrals along the run,
-            (nx, k).
+            Number of steps, up to too large an error or a touching contact without force at a step's end;
+            tangents after these steps and their errors; tangents of the integrals along the run, (nx, k).
         """
         count = ways.shape[1]
         room, full = (self._room(2 * count, count, every) for every in (False, True))

@@ -17,16 +17,10 @@ from antenna_pin.mechanism import Urdf, build_mechanism
 from antenna_pin.simulation import Event, Set, Time
 from antenna_pin.simulation.checkpoint import Checkpoint
 from antenna_pin.simulation.loop import Run
+from tests.simulation.test_latches import BODIES
 
 G = 9.81
 TIGHT = RunSettings(rtol=1e-11, max_step=0.05, output_rate=50.0)
-
-BODIES = """<robot name="two"><link name="base"><inertial><origin xyz="0.1 0 0.05"/><mass value="3"/>
-<inertia ixx="0.4" iyy="0.5" izz="0.6" ixy="0.01" ixz="0" iyz="0"/></inertial></link>
-<joint name="j" type="{type}"><parent link="base"/><child link="arm"/><origin xyz="0.2 0 0" rpy="0.3 0.2 0"/>
-<axis xyz="0 0 1"/><limit lower="-9" upper="9" effort="1e9" velocity="1e9"/></joint>
-<link name="arm"><inertial><origin xyz="0.3 0.1 0"/><mass value="2"/>
-<inertia ixx="0.1" iyy="0.2" izz="0.25" ixy="0" ixz="0.01" iyz="0"/></inertial></link></robot>"""
 
 
 def _system(kind: str = "revolute", *, base="free", gravity=(0, 0, 0), text=BODIES, **more) -> System:
