@@ -28,7 +28,7 @@ from antenna_pin.fit.specs import ColumnSpec, evaluate
 from antenna_pin.nonlinear import Chart, Flow
 from antenna_pin.nonlinear.coordinates import configuration_difference
 from antenna_pin.scenario import Scenario
-from antenna_pin.simulation.inputs import RunStart, controllers_of, events_of, prepared, settings_of
+from antenna_pin.simulation.inputs import RunStart, controllers_of, events_of, prepare_run, settings_of
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.recorder import labelled_at, open_ledger
 from antenna_pin.simulation.samples import Chunk
@@ -131,14 +131,14 @@ class PreparedScenario:
         )
         given = self._first if start is None else RunStart(start=start)
         events, controllers = events_of(self.scenario), controllers_of(self.scenario)
-        ready = prepared("fit", self.system, given, settings, events, until - begin, None, controllers)
+        ready = prepare_run("fit", self.system, given, settings, events, until - begin, None, controllers)
         run = Run(self.system, ready.first, until, settings, events, begin, controllers=controllers)
         with interruptible() as interrupted:
             run.advance(interrupted=interrupted)
         self._latest = uninterrupted(run)
         ended = run.outcome in ENDED_WELL and run.stepper.t >= until - _ROUND_OFF
         unbalanced = open_ledger(run) if ended else ""
-        return RunSamples(run.samples.held, run.present(), "" if ended else run.message, unbalanced)
+        return RunSamples(run.samples.chunk, run.present(), "" if ended else run.message, unbalanced)
 
     def counted(self, chunk: Chunk) -> Chunk:
         """Return one state twice, with all integrals larger by 1 in the second.

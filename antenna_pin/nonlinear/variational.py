@@ -327,7 +327,7 @@ class TangentPropagation:
 
     def observe(self, run: Run) -> None:
         """Propagate tangents over the steps since the last call, and over the changes behind them."""
-        touching, steps = run.workspace.memory["touching"], run.steps.log.steps
+        touching, steps = run.workspace.memory["touching"], run.steps.log
         flipped = np.flatnonzero(self.states.touching != touching).tolist()
         happened, breaks = self._saltation.event_times(), {one.last for one in run.watch.value()}
         for one in steps:

@@ -378,7 +378,7 @@ class TangentRecord:
     def _go(self, run: Run, carry: Callable[[Run], None]) -> None:
         passages, noted = list(run.actions.effects or ()), len(self.carrier.event_shifts)
         words = self.carrier.field.numbers.program.copy() if passages and self.carrier.field.numbers else None
-        for time in self._deepest.look(run.steps.log.steps):
+        for time in self._deepest.look(run.steps.log):
             if time >= self._begin:
                 self.carrier.add_look(time)
         carry(run)

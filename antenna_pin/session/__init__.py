@@ -1,4 +1,4 @@
-"""A run that is commanded from outside, step by step: in a control loop, an environment, a co-simulation."""
+"""Session: a run commanded from outside, as in a control loop or a co-simulation."""
 
 from antenna_pin.base.lazy import exported
 

@@ -6,14 +6,15 @@ Three kinds of names::
     CONTACT.gap  .depth_rate  .force  .touching             of a contact such as elevation.radial+
     TABLE.NAME.KEY                                          a number of an element: drives.motor.value
 
-and any quantity of a result, as sections and figures name it (:mod:`antenna_pin.analysis.quantity`):
-``motion_angle[hinge]``, ``joint_force[hinge].x``, ``|joint_force[hinge]|``, ``kinetic_energy``. Those of the
-first kinds take microseconds, a quantity some milliseconds for the first of a state.
+and any quantity of a result, named as in sections and figures (:mod:`antenna_pin.analysis.quantity`):
+``motion_angle[hinge]``, ``joint_force[hinge].x``, ``|joint_force[hinge]|``, ``kinetic_energy``. The first
+three take microseconds, the first quantity of a state some milliseconds.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from operator import methodcaller
 from typing import Any
 
 import xarray as xr
@@ -39,24 +40,22 @@ def slides(run: Run, joint: str) -> bool:
 
 
 class Numbers:
-    """The numbers of a run's present state, by name.
+    """Numbers of a run's present state, by name.
 
     Args:
-        run: The run; another one of the same system may take its place.
+        run: Run; another run of the same system may take its place.
     """
 
     def __init__(self, run: Run) -> None:
-        """Find what there is."""
-        self._quick: dict[str, Callable[[Moment], float]] = {}
-        #: Of those of the first kinds, by name.
+        """Find the names."""
+        self._quick: dict[str, Callable[[Moment], Any]] = {}
+        #: Units of joints', contacts' and elements' numbers, by name.
         self.units: dict[str, str] = {}
-        #: Those that are an element's, which may be set.
-        self.settable: list[str] = []
         self.use(run)
         self._find_joints()
         for contact in run.system.contact_names:
             for of, unit in _OF_CONTACT.items():
-                self._add(f"{contact}.{of}", unit, _of_contact(of, contact))
+                self._add(f"{contact}.{of}", unit, methodcaller(of, contact))
         for one in acting_in(run.system):
             joint = one.element.acts_at
             slid = joint is not None and isinstance(one.element, Element) and slides(run, joint)
@@ -66,18 +65,19 @@ class Numbers:
                     self._add(f"{one.place}.{key}", unit, self._of_element(one.place, key))
             if hasattr(one.element, "on"):
                 self._add(f"{one.place}.on", "1", self._of_element(one.place, "on"))
+        #: Places of the elements' numbers.
         self.settable = [
             name for name in self.units if name.rpartition(".")[0] in run.actions.adjustments.elements
         ]
 
     def use(self, run: Run) -> None:
-        """Have the numbers of a run; what was known of another is forgotten."""
+        """Read the numbers of a run from now on."""
         self._run = run
         self._moment = Moment(run.workspace)
         self.forget()
 
     def forget(self) -> None:
-        """Forget what is known of a state that was the present one."""
+        """Discard the numbers of an earlier state."""
         self._set = False
         self._data: xr.Dataset | None = None
 
@@ -85,19 +85,19 @@ class Numbers:
         """Return a number.
 
         Raises:
-            AntennaPinError: There is none of that name.
+            AntennaPinError: The name is unknown.
         """
         quick = self._quick.get(name)
         if quick is None:
-            return self._quantity(name)
+            return float(self._quantity(name).values[-1])
         if not self._set:
             self._moment.set(self._run.stepper.t, self._run.here)
             self._set = True
-        return quick(self._moment)
+        return float(quick(self._moment))
 
     @property
     def data(self) -> xr.Dataset:
-        """All that a result has of the present state, at its last sample."""
+        """Result of the present state, at its last sample."""
         if self._data is None:
             self._data = at_present(self._run)
         return self._data
@@ -107,32 +107,27 @@ class Numbers:
         return {**self.units, **quantities(self.data)}
 
     def unit(self, name: str) -> str:
-        """Return the unit of a number; "1" of one that has none.
+        """Return the unit of a number, "1" for none.
 
         Raises:
-            AntennaPinError: There is none of that name.
+            AntennaPinError: The name is unknown.
         """
-        return self.units[name] if name in self.units else self._found(name).units
+        return self.units[name] if name in self.units else self._quantity(name).units
 
-    def _quantity(self, name: str) -> float:
-        return float(self._found(name).values[-1])
-
-    def _found(self, name: str) -> Quantity:
+    def _quantity(self, name: str) -> Quantity:
         try:
             return quantity(self.data, name)
         except UnknownNameError as error:
-            raise UnknownNameError("session", "number", name, self._near(name)) from error
+            import difflib
 
-    def _near(self, name: str) -> list[str]:
-        import difflib
+            similar = difflib.get_close_matches(name, self.names(), n=_SHOWN, cutoff=0.0)
+            raise UnknownNameError("session", "number", name, similar) from error
 
-        return difflib.get_close_matches(name, self.names(), n=_SHOWN, cutoff=0.0)
-
-    def _add(self, name: str, unit: str, read: Callable[[Moment], float]) -> None:
+    def _add(self, name: str, unit: str, read: Callable[[Moment], Any]) -> None:
         self._quick[name], self.units[name] = read, unit
 
     def _find_joints(self) -> None:
-        """Find the joints that have an axis."""
+        """Add the joints with an axis."""
         moment = self._moment.set(self._run.stepper.t, self._run.here)
         for joint in self._run.system.mechanism.joints:
             try:
@@ -140,27 +135,8 @@ class Numbers:
             except AntennaPinError:
                 continue
             unit = "m" if slides(self._run, joint) else "rad"
-            self._add(f"{joint}.angle", unit, _angle(joint))
-            self._add(f"{joint}.rate", f"{unit}/s", _rate(joint))
+            self._add(f"{joint}.angle", unit, methodcaller("angle", joint))
+            self._add(f"{joint}.rate", f"{unit}/s", methodcaller("rate", joint))
 
-    def _of_element(self, place: str, key: str) -> Callable[[Moment], float]:
-        def read(moment: Moment) -> float:
-            return float(getattr(self._run.actions.adjustments.elements[place], key))
-
-        return read
-
-
-def _angle(joint: str) -> Callable[[Moment], float]:
-    return lambda moment: moment.angle(joint)
-
-
-def _rate(joint: str) -> Callable[[Moment], float]:
-    return lambda moment: moment.rate(joint)
-
-
-def _of_contact(of: str, contact: str) -> Callable[[Moment], float]:
-    def read(moment: Moment) -> float:
-        found: Any = getattr(moment, of)(contact)
-        return float(found)
-
-    return read
+    def _of_element(self, place: str, key: str) -> Callable[[Moment], Any]:
+        return lambda moment: getattr(self._run.actions.adjustments.elements[place], key)

@@ -1,4 +1,4 @@
-"""The session: one object that steps a run, reads it and commands it."""
+"""Session: a run with its steps, readings and commands in one object."""
 
 from __future__ import annotations
 
@@ -29,7 +29,6 @@ from antenna_pin.elements import Element
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import Scenario, scenario_named
 from antenna_pin.session.numbers import Numbers, slides
-from antenna_pin.session.screen import on_screen
 from antenna_pin.simulation import Event, Mark, Moment, Set, Time
 from antenna_pin.simulation.inputs import (
     PreparedRun,
@@ -38,7 +37,7 @@ from antenna_pin.simulation.inputs import (
     check_events,
     check_sizes,
     check_spans,
-    prepared,
+    prepare_run,
 )
 from antenna_pin.simulation.loop import Run
 from antenna_pin.simulation.open_run import OpenRun, RecordSnapshot
@@ -48,31 +47,32 @@ from antenna_pin.trajectory import Outcome, Trajectory
 __all__ = ["EndedError", "InUseError", "Session", "start"]
 
 
-# --- where a session is told to go: times and conditions as they are given, and whether it may go there ---
+# --- goals: times and conditions ----------------------------------------------------------------------------
 
-_UNTIL = "until"  # what an event is called that a session goes to
+_LINES = 8  # of a kind, as text
+_UNTIL = "until"  # name of an event that is a goal
 
 
 def sought(goal: Event | Callable[[Moment], float]) -> Event:
-    """Return the event that a session goes to: one, or a condition."""
+    """Return the event of a goal: an event, or a condition."""
     if isinstance(goal, Event):
         return dataclasses.replace(goal, name=f"{_UNTIL} {goal.name}", action=Mark())
     return Event(name=_UNTIL, when=goal)
 
 
-def looked_to(ready: PreparedRun, run: Run, end: float) -> float:
+def checked_up_to(ready: PreparedRun, run: Run, end: float) -> float:
     """Refuse a time beyond the data of an element or motion, or beyond its limits.
 
     Args:
-        ready: What the run is made of.
-        run: The run.
-        end: The time [s].
+        ready: Checked inputs of the run.
+        run: Run.
+        end: Time [s].
 
     Returns:
-        Up to when it may go at least [s]: far ahead, so that it is looked rarely.
+        Time up to which the run may continue at least [s]: far ahead, so that checks are rare.
 
     Raises:
-        AntennaPinError: It may not go there.
+        AntennaPinError: The run may not continue up to the time.
     """
     for far in (end + (end - ready.begin), end):
         try:
@@ -87,14 +87,14 @@ def looked_to(ready: PreparedRun, run: Run, end: float) -> float:
 
 
 def seconds(place: str, name: str, value: float | str) -> float:
-    """Return a time that is given in seconds or as text with a unit, or refuse it."""
+    """Return a time from seconds or text with a unit, or refuse it."""
     seconds = quantity(value, "s", f"{place}: {name}") if isinstance(value, str) else value
     if not holds(seconds, "positive"):
         raise InvalidParameterError(place, name, "a positive time [s], or text with a unit", value)
     return float(seconds)
 
 
-# --- exclusive use of a session: one thread at a time ---
+# --- exclusive use: one thread at a time --------------------------------------------------------------------
 
 S = TypeVar("S", bound="Exclusive")
 P = ParamSpec("P")
@@ -102,11 +102,11 @@ R = TypeVar("R")
 
 
 class InUseError(AntennaPinError, RuntimeError):
-    """A session is called by a thread while another works with it."""
+    """Call of a session by a thread during the call of another."""
 
 
 class Exclusive:
-    """An object with a state that two threads must not work on at once; calls within a thread may nest."""
+    """Object for one thread at a time; calls within a thread may nest."""
 
     def __init__(self) -> None:
         """Begin unused."""
@@ -115,10 +115,10 @@ class Exclusive:
 
     @contextmanager
     def used(self, name: str) -> Iterator[None]:
-        """Keep other threads out; ``name`` is of the call.
+        """Exclude other threads during a call of this name.
 
         Raises:
-            InUseError: Another thread is in.
+            InUseError: Another thread is inside.
         """
         if not self._lock.acquire(blocking=False):
             raise InUseError(
@@ -136,33 +136,24 @@ class Exclusive:
 
 
 def exclusive(method: Callable[Concatenate[S, P], R]) -> Callable[Concatenate[S, P], R]:
-    """Refuse a method while another thread is in one of the same object.
-
-    Raises:
-        InUseError: Another thread is.
-    """
+    """Refuse a method while another thread is inside a method of the object."""
 
     @functools.wraps(method)
-    def alone(self: S, /, *args: P.args, **named: P.kwargs) -> R:
+    def alone(self: S, /, *args: P.args, **options: P.kwargs) -> R:
         with self.used(method.__name__.strip("_")):
-            return method(self, *args, **named)
+            return method(self, *args, **options)
 
     return alone
 
 
-# --- what a session commands: the numbers of elements, by the elements' names or by place ---
+# --- commands: numbers of elements, by name or place --------------------------------------------------------
 
 
 def in_si(run: Run, place: str, value: float | str | bool) -> float | bool:
-    """Return what a number of an element is to be in SI units.
-
-    Args:
-        run: Whose element.
-        place: Of the number; one that there is not is for who sets it to refuse.
-        value: A number, or text with a unit.
+    """Return the value of an element's number in SI units, NaN for an unknown place.
 
     Raises:
-        AntennaPinError: It is no such number.
+        AntennaPinError: The value is no such number.
     """
     if not isinstance(value, str):
         if not isinstance(value, bool) and not holds(value, ""):
@@ -179,23 +170,20 @@ def in_si(run: Run, place: str, value: float | str | bool) -> float | bool:
 
 
 class Commands(MutableMapping[str, float]):
-    """The numbers that elements are commanded by, by the elements' names.
+    """Commands of elements, by the elements' names.
 
-    Of two elements of one name in two tables both stand under theirs with the table: ``drives.motor``.
+    Two elements of one name in two tables have names with the table: ``drives.motor``.
 
     Args:
-        system: What is commanded.
-        read: Returns a number, by its place.
-        write: Changes one.
+        system: Commanded system.
+        read: Function for a number, by its place.
+        write: Function that changes a number.
     """
 
     def __init__(
-        self,
-        system: System,
-        read: Callable[[str], float],
-        write: Callable[[str, float | str], None],
+        self, system: System, read: Callable[[str], float], write: Callable[[str, float | str], None]
     ) -> None:
-        """Find them."""
+        """Find the commanded elements."""
         self._read, self._write = read, write
         found = [one for one in acting_in(system) if one.element.commanded]
         names = [one.name for one in found]
@@ -205,41 +193,41 @@ class Commands(MutableMapping[str, float]):
         }
 
     def place(self, name: str) -> str:
-        """Return the place of what is commanded, such as ``drives.motor.value``.
+        """Return the place of a command, such as ``drives.motor.value``.
 
         Raises:
-            UnknownNameError: Nothing of that name can be commanded.
+            UnknownNameError: The name is no command.
         """
         if name not in self._places:
             raise UnknownNameError("session", "element to command", name, self._places)
         return self._places[name]
 
     def __getitem__(self, name: str) -> float:
-        """Return what is commanded now."""
+        """Return the present command."""
         return self._read(self.place(name))
 
     def __setitem__(self, name: str, value: float | str) -> None:
-        """Command it from now on."""
+        """Set the command from now on."""
         self._write(self.place(name), value)
 
     def __delitem__(self, name: str) -> None:
-        """Refuse: what is commanded stays."""
+        """Refuse to remove a command."""
         raise InvalidParameterError("session", "command", "set, not removed", name)
 
     def __contains__(self, name: object) -> bool:
-        """Return whether a name can be commanded."""
+        """Return whether a name is a command."""
         return name in self._places
 
     def __iter__(self) -> Iterator[str]:
-        """Name what can be commanded."""
+        """Yield the names of the commands."""
         return iter(self._places)
 
     def __len__(self) -> int:
-        """Number of things that can be commanded."""
+        """Return the number of commands."""
         return len(self._places)
 
     def __repr__(self) -> str:
-        """Return what is commanded."""
+        """Return the commands as text."""
         return repr(dict(self))
 
 
@@ -263,46 +251,39 @@ def start(
     """Begin a run whose end and changes are commanded from outside.
 
     Args:
-        model: What to run; or the name of a shipped scenario, or a path, whose default case is run.
-        q: Initial configuration, as :func:`antenna_pin.simulate` takes it.
-        v: Initial velocity.
-        angles: Angles of joints that turn without end.
-        start: What to go on from instead: a session's ``state``, or the ``end`` of a run.
+        model: Scenario or system; or the name of a shipped scenario, or a path, whose default case is run.
+        q: Initial configuration, (nq,), as for :func:`antenna_pin.simulate`.
+        v: Initial velocity, (nv,).
+        angles: Angles of joints that turn without end [rad].
+        start: State to continue from instead: a session's ``state``, or the ``end`` of a run.
         settings: Integration and sampling; the scenario's, or the defaults.
-        events: What to look for, and what to do then, beside the scenario's own.
-        controllers: What commands it at instants of its own, by name, beside the scenario's own.
-        record: How much of the past is kept for :meth:`Session.trajectory`: all, nothing, or so much time at
-            least [s], of a session that never ends.
+        events: Events with their actions, besides the scenario's.
+        controllers: Sampled controllers, by name, besides the scenario's.
+        record: Part of the past kept for :meth:`Session.trajectory`: all, nothing, or at least a time span
+            [s], for a session that never ends.
 
     Raises:
         AntennaPinError: The input is not valid.
     """
-    first = RunStart(q, v, angles, start)
-    return Session(scenario_named(model), first, settings, tuple(events), record, controllers)
+    origin = RunStart(q, v, angles, start)
+    return Session(scenario_named(model), origin, settings, tuple(events), record, controllers)
 
 
 class Session(Exclusive):
-    """Run to a commanded time.
+    """Run to a commanded time; made by :func:`start`.
 
-    Its numbers are those of one :func:`antenna_pin.simulate` in which events set at the same times what was
-    commanded (:attr:`events`), bit for bit, however long the steps between: the integrator's own steps are
-    cut where something was commanded, nowhere else. A state that is read is where such a run would end.
+    The numbers are those of one :func:`antenna_pin.simulate` in which events set the commanded values at the
+    same times (:attr:`events`), bit for bit, however long the steps between: the integrator's own steps are
+    cut at commands, nowhere else. A state that is read is the end of such a run.
 
-    :func:`start` makes it. One thread at a time works with it; a second one is refused (:class:`InUseError`).
-
-    Args:
-        model: What to run.
-        first: Where it starts.
-        settings: Integration and sampling.
-        events: What to look for.
-        record: How much of the past is kept.
-        controllers: What commands it at instants of its own.
+    The arguments are those of :func:`start`. A session is for one thread at a time; another thread is refused
+    (:class:`InUseError`).
     """
 
     def __init__(
         self,
         model: Scenario | System,
-        first: RunStart,
+        origin: RunStart,
         settings: RunSettings | None,
         events: tuple[Event, ...],
         record: bool | float,
@@ -312,33 +293,35 @@ class Session(Exclusive):
         super().__init__()
         if not (isinstance(record, bool) or (is_number(record) and record >= 0.0)):
             raise InvalidParameterError("start", "record", "true, false or a time, zero or more [s]", record)
-        self._asked = model, first, settings, events, record, controllers
+        self._inputs = model, origin, settings, events, record, controllers
         self._window = (math.inf if record else 0.0) if isinstance(record, bool) else float(record)
-        self._ready: PreparedRun = prepared("start", model, first, settings, events, None, None, controllers)
+        self._ready: PreparedRun = prepare_run(
+            "start", model, origin, settings, events, None, controllers=controllers
+        )
         self._closed = False
-        self._began = first.told(self._ready.scenario)
+        self._began = origin.text(self._ready.scenario)
         self._open = self._opened(self._ready.first)
         self._numbers = Numbers(self._open.run)
         self.command = Commands(self._ready.system, self.__getitem__, self.set)
 
-    def _opened(self, first: Any) -> OpenRun:
+    def _opened(self, state: Any) -> OpenRun:
         ready = self._ready
-        self._looked = ready.begin + (ready.span or 0.0)
+        self._checked = ready.begin + (ready.span or 0.0)
         self._commanded: list[tuple[float, Set]] = []
-        return OpenRun(ready.system, first, ready.settings, ready.events, self._window, ready.controllers)
+        return OpenRun(ready.system, state, ready.settings, ready.events, self._window, ready.controllers)
 
-    # --- to go on -------------------------------------------------------------------------------------------
+    # --- to continue ----------------------------------------------------------------------------------------
 
     @exclusive
     def step(self, duration: float | str) -> bool:
-        """Go on for some time [s]; return whether the session may go on then.
+        """Continue for a time span [s]; return whether the session may continue afterwards.
 
-        It may not where an event has stopped it, or the run cannot go on: it stands where it came to then,
-        and ``outcome`` and ``message`` say why.
+        The session ends where an event stops it or the run aborts; ``outcome`` and ``message`` give the
+        reason.
 
         Raises:
-            EndedError: It has ended already.
-            KeyboardInterrupt: Ctrl-C; the session stands between two steps, and may go on.
+            EndedError: The session has ended already.
+            KeyboardInterrupt: Ctrl-C; the session is between two steps, and may continue.
         """
         return self._go(self.time + seconds("step", "duration", duration))
 
@@ -346,12 +329,12 @@ class Session(Exclusive):
     def run_until(
         self, goal: float | str | Event | Callable[[Moment], float], timeout: float | str | None = None
     ) -> bool:
-        """Go on to a time [s], or to where a function of the state passes zero next; return whether it did.
+        """Continue to a time [s] or a zero of a condition; return whether reached.
 
         Args:
-            goal: A time; an event, or a condition as events have them (``Angle("hinge", 0.1)``). What it
-                would do is not done, and it leaves no trace in the record.
-            timeout: Of a condition: how long to go at most [s].
+            goal: Time, event, or condition of an event (``Angle("hinge", 0.1)``). Its actions are not carried
+                out, and it leaves no trace in the record.
+            timeout: Longest time span up to a condition [s].
 
         Raises:
             EndedError: The session has ended already.
@@ -375,14 +358,14 @@ class Session(Exclusive):
         return self._go(end, event)
 
     def _go(self, end: float, event: Event | None = None) -> bool:
-        """Go to a time [s] or an event; return whether it may go on, or the event has happened."""
+        """Run to a time [s] or an event; return whether it was reached."""
         self._check_open()
         if self.outcome is not Outcome.COMPLETED:
             raise EndedError(f"session: has ended {self.message}; reset() begins anew, state is what it left")
         if not end > self.time:
             raise InvalidParameterError("step", "duration", "long enough to move the time on [s]", end)
-        if end > self._looked:
-            self._looked = looked_to(self._ready, self._open.run, end)
+        if end > self._checked:
+            self._checked = checked_up_to(self._ready, self._open.run, end)
         self._numbers.forget()
         opened, happened = self._open, False
         with interruptible() as interrupted:
@@ -400,14 +383,14 @@ class Session(Exclusive):
 
     @exclusive
     def set(self, place: str, value: float | str | bool) -> None:
-        """Change a number of an element now, as an event with :class:`antenna_pin.simulation.Set` would.
+        """Change a number of an element now, like the action :class:`antenna_pin.simulation.Set`.
 
         Args:
             place: ``drives.motor.value``, ``springs.coil.stiffness``; ``drives.motor.on``.
             value: In SI units or as text with a unit; of ``on`` true or false.
 
         Raises:
-            AntennaPinError: There is no such number, or it cannot have this value; nothing is changed.
+            AntennaPinError: The number or value is not possible; nothing is changed.
         """
         self._check_open()
         action = Set(place, in_si(self._open.run, place, value))
@@ -432,7 +415,7 @@ class Session(Exclusive):
         return self._numbers[name]
 
     def names(self) -> dict[str, str]:
-        """Return what can be read by name, each with its unit."""
+        """Return the names that can be read, with units."""
         return self._numbers.names()
 
     def unit(self, name: str) -> str:
@@ -455,22 +438,22 @@ class Session(Exclusive):
     @property
     @exclusive
     def state(self) -> State:
-        """The state to go on from here: of :func:`start`, of ``simulate(start=...)``, of :meth:`restore`."""
+        """State to continue from, for :func:`start`, ``simulate(start=...)`` and :meth:`restore`."""
         return self._open.state
 
     @property
     def outcome(self) -> Outcome:
-        """``COMPLETED`` as long as it may go on; else why it may not."""
+        """``COMPLETED`` as long as the session may continue; else the reason of its end."""
         return self._open.run.outcome
 
     @property
     def message(self) -> str:
-        """The outcome in words."""
+        """Outcome as text."""
         return self._open.run.message
 
     @property
     def system(self) -> System:
-        """Scenario of the session."""
+        """System of the session."""
         return self._ready.system
 
     @property
@@ -483,29 +466,29 @@ class Session(Exclusive):
 
     @exclusive
     def trajectory(self) -> Trajectory:
-        """Return what is recorded so far, as a run that ends here has it; the session goes on."""
+        """Return the record so far, as of a run that ends here; the session continues."""
         run, ready, began = self._open.run, self._ready, clock.perf_counter()
-        kept, wall = RecordSnapshot(run), run.wall
-        told = self._began
+        snapshot, wall = RecordSnapshot(run), run.wall
+        origin = self._began
         if run.begin > ready.begin:
-            told = f"a session's state at {run.begin:.12g} s: the first sample"
+            origin = f"a session's state at {run.begin:.12g} s: the first sample"
         scenario = ready.scenario
         if scenario is not None and self.time > ready.begin:
             scenario = as_run(scenario, self.time - ready.begin, ready.settings)
         try:
             run.judge()
             run.complete()
-            result = result_of(run, scenario, told, None, began)
+            result = result_of(run, scenario, origin, None, began)
         finally:
             run.samples.leave()
-            kept.restore()
+            snapshot.restore()
             run.wall = wall
         if self._commanded:
             said = [[t, action.place, float(action.value)] for t, action in self._commanded]
             result.data.attrs["commands"] = json.dumps(said)
         return result
 
-    # --- to go elsewhere ------------------------------------------------------------------------------------
+    # --- other states ---------------------------------------------------------------------------------------
 
     def save(self) -> State:
         """Return the present state, for :meth:`restore`."""
@@ -513,14 +496,14 @@ class Session(Exclusive):
 
     @exclusive
     def restore(self, state: State) -> None:
-        """Go to a state of this system's, saved or of any run; the record begins anew there."""
+        """Continue from a state of this system, of any run, with a new record."""
         check_sizes(self._ready.system, state)
         self._begin_at(state, f"another run's state at {state.reached:.12g} s: the first sample")
 
     @exclusive
     def copy(self) -> Session:
-        """Return another session that stands here; what is done to one the other does not see."""
-        model, _, settings, events, record, controllers = self._asked
+        """Return an independent session at the present state."""
+        model, _, settings, events, record, controllers = self._inputs
         return Session(model, RunStart(start=self.state), settings, events, record, controllers)
 
     @exclusive
@@ -530,22 +513,22 @@ class Session(Exclusive):
         v: ArrayLike | None = None,
         angles: Mapping[str, float] | None = None,
     ) -> None:
-        """Begin anew: where the session began, or at another configuration and velocity."""
+        """Begin anew: at the session's own start, or at another configuration and velocity."""
         if q is not None or v is not None or angles is not None:
-            model, _, settings, events, record, controllers = self._asked
-            first = RunStart(q, v, angles)
-            self._ready = prepared("reset", model, first, settings, events, None, controllers=controllers)
-            self._asked = model, first, settings, events, record, controllers
-        self._begin_at(self._ready.first, self._asked[1].told(self._ready.scenario))
+            model, _, settings, events, record, controllers = self._inputs
+            origin = RunStart(q, v, angles)
+            self._ready = prepare_run("reset", model, origin, settings, events, None, controllers=controllers)
+            self._inputs = model, origin, settings, events, record, controllers
+        self._begin_at(self._ready.first, self._inputs[1].text(self._ready.scenario))
 
-    def _begin_at(self, first: Any, told: str) -> None:
+    def _begin_at(self, state: Any, origin: str) -> None:
         self._check_open()
-        self._open = self._opened(first)
+        self._open = self._opened(state)
         self._numbers.use(self._open.run)
-        self._began = told
+        self._began = origin
 
     def close(self) -> None:
-        """End the session; what it has recorded can still be read."""
+        """End the session; its record can still be read."""
         self._closed = True
 
     def _check_open(self) -> None:
@@ -553,15 +536,31 @@ class Session(Exclusive):
             raise EndedError("session: must be open, is closed; start another, from its state for instance")
 
     def __enter__(self) -> Self:
-        """Begin."""
+        """Return the session."""
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Close it."""
+        """Close the session."""
         self.close()
 
     def __repr__(self) -> str:
-        """Return what a screen shows: time, outcome, joints, contacts that touch, commands."""
-        return on_screen(self, self._numbers.units)
+        """Return time, outcome, joints, touching contacts and commands, in lines."""
+        units, system = self._numbers.units, self.system
+        lines = [f"Session of {system.mechanism.name} at t = {readable(self.time, 's', 6)}"]
+        if self.outcome is not Outcome.COMPLETED:
+            lines.append(f"  ended {self.message}")
+        joints = [name.removesuffix(".angle") for name in units if name.endswith(".angle")]
+        for joint in joints[:_LINES]:
+            values = [readable(self[name], units[name], 6) for name in (f"{joint}.angle", f"{joint}.rate")]
+            lines.append(f"  {joint}: {', '.join(values)}")
+        if len(joints) > _LINES:
+            lines.append(f"  and {len(joints) - _LINES} joints more")
+        touching = [name for name in system.contact_names if self[f"{name}.touching"]]
+        if touching:
+            lines.append(f"  touching: {', '.join(touching[:_LINES])}")
+        commands = [f"{name} = {value:.6g}" for name, value in list(self.command.items())[:_LINES]]
+        if commands:
+            lines.append(f"  command: {', '.join(commands)}")
+        return "\n".join(lines)

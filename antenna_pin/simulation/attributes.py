@@ -40,25 +40,15 @@ _NAMES = {
 def mechanism_attributes(system: System) -> dict[str, str]:
     """Return the attributes of a dataset that describe the mechanism.
 
-    ``urdf`` is the text of the variant that was simulated, ``urdf_folder`` the folder of its meshes (empty if
-    unknown), ``mechanism`` its base and gravity [m/s^2] and what may have an impossible inertia (JSON), and
-    ``clearance_joints`` what :func:`carried_joints` tells (JSON). ``drives`` (JSON) has of each its
-    ``joint``, whether that ``slides`` along its axis, and whether it prescribes the joint's ``motion``.
-    ``elements`` (JSON) has of each element of a further family, by its place as ``stops.hinge``, the ``kind``
-    (its class), ``joint``, ``slides``, the names of its ``modes``, and ``numbers``: limits, a window. Of one
-    between two joints ``joints`` has both, ``joint`` none, and ``slides`` says that its deflection is a way.
-    If there are springs between points,
-    ``point_springs`` (JSON) has of each, by name, ``first_body``, ``first_point``, ``second_body`` and
-    ``second_point``: links, and places in their frames [m]. If there are forces, ``forces`` (JSON) has of
-    each, by name, its ``kind`` (the class) and ``numbers``, and ``force_places`` (JSON) of each place, by
-    name, its ``force``, ``link`` and ``point`` in the link's frame [m]. If there are elastic parts,
-    ``elastic_parts`` (JSON) has of each, by name, its ``hub`` and its ``body`` (links), whether it
-    ``slides``, its ``frequency`` [Hz] and ``damping_ratio`` [-] with the hub held, and the mass [kg] or
-    moment of inertia [kg m^2] that its joint has ``moved``; of parts that move the same shapes the first, on
-    whose body these are, names the others in ``with``. If joints have friction of their own,
-    ``joint_friction`` (JSON) has of each, by the name that it has among the springs, its ``joint``, whether
-    that ``slides``, and the numbers of its :class:`antenna_pin.elements.JointFriction`. ``left_out`` and
-    ``assumed`` (JSON) are lines on what of the URDF is not simulated, and on what is taken for granted.
+    ``urdf`` is the text of the simulated variant, ``urdf_folder`` the folder of its meshes (empty if
+    unknown), ``mechanism`` base and gravity [m/s^2], ``clearance_joints`` :func:`carried_joints`.
+    The other values are JSON by name: ``drives``; ``elements`` of further families by place, with ``numbers``
+    that readers need (limits, a window), and of elements between two joints both ``joints``;
+    ``point_springs`` and ``force_places`` with points in their links' frames [m]; ``forces``;
+    ``elastic_parts`` with ``frequency`` [Hz] and ``damping_ratio`` [-] for a fixed hub, the ``moved`` mass
+    [kg] or moment of inertia [kg m^2], and ``with``, the other parts that move the same shapes;
+    ``joint_friction`` by the names among the springs. ``left_out`` and ``assumed`` are lines on parts of the
+    URDF that are not simulated, and on assumptions.
     """
     mechanism = system.mechanism
     springs = {
@@ -173,14 +163,10 @@ def _drive(system: System, drive: Element) -> dict[str, Any]:
 def carried_joints(system: System) -> dict[str, dict[str, Any]]:
     """Return the descriptions of the clearance joints, by name.
 
-    Each has ``kind`` (revolute, planar, ...), ``dimensions`` of its shape [m], ``bearing_on`` (parent or
-    child: which of the joint's links), ``bearing_body`` and ``journal_body`` (links), and
-    ``bearing_placement`` and ``journal_placement``: seven numbers, the frame's position [m] and attitude
-    (quaternion xyzw) in that link's frame. Its ``contacts``, by name, have ``kind``, ``end``,
-    ``normal_law``, ``depth_limit`` [m] and what sets it, ``limited_by``; beside them stand ``friction_law``,
-    ``approach_speed_floor`` [m/s], ``backend`` and ``load``. A law has its name, ``law``,
-    and its ``parameters`` as used, [value, unit] by name; a law with a dissipation of another has
-    ``dissipation``, a law too.
+    Dimensions are in [m]; ``bearing_placement`` and ``journal_placement`` are seven numbers, position [m] and
+    attitude (quaternion xyzw) in the frame of ``bearing_body`` and ``journal_body``. Each of the ``contacts``
+    has its ``depth_limit`` [m], with the reason ``limited_by``. A law has its name, ``law``, and
+    ``parameters`` as used, [value, unit] by name; with the dissipation of another law, ``dissipation``.
     """
     return {joint.name: _place(system, joint) | _laws(joint) for joint in system.clearances}
 
@@ -213,7 +199,7 @@ def _laws(joint: ClearanceJoint) -> dict[str, Any]:
 
 
 def _law(law: Any) -> dict[str, Any]:
-    """Return name and parameters in use of a law; a law in Python has its class's name."""
+    """Return name and parameters of a law; of a law in Python the class's name."""
     if isinstance(law, DampedContact):
         return {**_law(law.elastic), "dissipation": _law(law.dissipation)}
     parameters = {}
@@ -268,34 +254,28 @@ _RESIDUALS = ("position_residual", "angle_residual", "velocity_residual", "rate_
 
 
 def constraint_attributes(
-    system: System, first: Array, last: Array, residual: Array, passed: Sequence[SingularPosition]
+    system: System, start: Array, end: Array, residual: Array, passed: Sequence[SingularPosition]
 ) -> dict[str, str]:
     """Return the attributes of a dataset that describe its constraints; none without constraints.
 
-    ``closures`` (JSON) has of each closure its ``kind``, how many ``equations`` it is, whether it has an
-    ``axis`` (z of the placements) and, of its two sides, ``first_body``,
-    ``first_placement``, ``second_body`` and ``second_placement``: the link and the frame there, position [m]
-    and attitude (quaternion xyzw). If there are couplings, ``couplings`` (JSON) has of each its ``follower``
-    and ``leader`` (joints), ``multiplier`` and ``offset``, whether its follower ``slides``, and its leader
-    (``leader_slides``). ``constraints`` (JSON) has how many equations there are, of closures and couplings
-    and of motions, how many are independent at the start, the freedoms of the tree, those that closures and
-    couplings leave and those that are left, where redundant equations are
-    (:func:`antenna_pin.dynamics.constraint_counts`),
-    the largest residuals at samples [m, rad, m/s, rad/s], the energy that corrections of the state after each
-    step put in, in all [J], and the singular positions passed: ``time`` [s] and ``share``, what is left of
-    the least independent equation there.
+    ``closures`` (JSON) has of each closure its links and the frames there, position [m] and attitude
+    (quaternion xyzw), and whether it has an ``axis``, z of the placements; ``couplings`` (JSON) joints and
+    numbers of each coupling. ``constraints`` (JSON) has :func:`antenna_pin.dynamics.constraint_counts`, the
+    largest residuals at samples [m, rad, m/s, rad/s], the energy that corrections of the state after each
+    step put in [J], and the singular positions passed: ``time`` [s] and ``share``, the rest of the least
+    independent equation there.
 
     Args:
         system: System of the run.
-        first: [q, v, x] at the first sample.
-        last: At the last.
+        start: [q, v, x] at the first sample.
+        end: [q, v, x] at the last sample.
         residual: The largest at samples, (4,), as of ``Observed.residual``.
         passed: The singular positions.
     """
     if system.plan is None:
         return {}
     booked = system.model.nq + system.model.nv + system.projection_x[0]
-    put_in = last[booked] - first[booked]
+    put_in = end[booked] - start[booked]
     couplings = facts_of_couplings(system.mechanism, system.couplings)
     return {
         "closures": json.dumps(
@@ -313,7 +293,7 @@ def constraint_attributes(
         **({"couplings": json.dumps(couplings)} if couplings else {}),
         "constraints": json.dumps(
             {
-                **constraint_counts(system, first),
+                **constraint_counts(system, start),
                 **dict(zip(_RESIDUALS, residual.tolist(), strict=True)),
                 "projection_energy": float(put_in),
                 "singular": [one._asdict() for one in passed],

@@ -1,4 +1,4 @@
-"""Checkpoints of a run: state and record as a file, and the store that writes them."""
+"""Checkpoints of a run: state and record as a file, and their store."""
 
 from __future__ import annotations
 
@@ -175,7 +175,7 @@ class Checkpoint:
             "counts": counts,
             "outcome": (run.outcome if ended else Outcome.COMPLETED).name,
             "message": (run.message if ended else Outcome.COMPLETED.value),
-            "gap_difference": run.search.gap_difference,
+            "gap_difference": float(run.search.difference[0]),
             "paced": run.control.paced,
             "happened": [dataclasses.astuple(one) for one in run.actions.happened],
             "changed": [dataclasses.astuple(one) for one in run.actions.modes.changed],
@@ -221,7 +221,7 @@ class Checkpoint:
                 words_of(before)[word] = value
             samples.go_on_after(how["handed"], before)
         run.outcome, run.message = Outcome[how["outcome"]], how["message"]
-        run.search.gap_difference = how["gap_difference"]
+        run.search.difference[0] = how["gap_difference"]
         run.control.paced = tuple(how["paced"])
         run.actions.happened[:] = [EventRecord(*one) for one in how["happened"]]
         run.actions.modes.changed[:] = [ModeChange(*one) for one in how["changed"]]
@@ -268,7 +268,7 @@ class Checkpoint:
 
     @classmethod
     def load(cls, path: Path) -> Self:
-        """Read the checkpoint of a run, by the name of its result or folder of parts.
+        """Read the checkpoint of a run, by its result's name or its folder of parts.
 
         Raises:
             FileFormatError: The checkpoint is missing, damaged or of another version.
@@ -323,7 +323,7 @@ def _no_checkpoint(place: object, error: Exception) -> FileFormatError:
 def _arrays_of(run: Run) -> dict[str, NDArray[Any]]:
     """Return the arrays of a run's checkpoint, by name."""
     return {
-        **numbers_of(run.samples.held, run.system.program),
+        **numbers_of(run.samples.chunk, run.system.program),
         **late_numbers(run.samples.late, run.system.manifold.size, len(run.contacts)),
         **{f"book_{name}": array for name, array in run.contacts.numbers().items()},
         "touches": run.actions.modes.peaks.numbers,
@@ -331,16 +331,12 @@ def _arrays_of(run: Run) -> dict[str, NDArray[Any]]:
     }
 
 
-def _check_arrays(found: Mapping[str, NDArray[Any]], own: Mapping[str, NDArray[Any]]) -> None:
-    """Refuse arrays that differ from a run's, except in the number of rows.
-
-    Raises:
-        ValueError: Says which.
-    """
-    for name in [*own, *found]:
-        if name not in own or name not in found:
+def _check_arrays(arrays: Mapping[str, NDArray[Any]], own: Mapping[str, NDArray[Any]]) -> None:
+    """Refuse arrays that differ from a run's, except in the number of rows."""
+    for name in [*own, *arrays]:
+        if name not in own or name not in arrays:
             raise ValueError(f"{'no' if name in own else 'an'} array {name!r}")
-        one, like = found[name], own[name]
+        one, like = arrays[name], own[name]
         if one.dtype.descr != like.dtype.descr or one.ndim != like.ndim or one.shape[1:] != like.shape[1:]:
             raise ValueError(f"{name} of {one.dtype}, shape {one.shape}")
 
@@ -427,9 +423,13 @@ def check_same(stood: Checkpoint, about: Mapping[str, Any]) -> None:
         )
 
 
-def _of_any_patience(told: Any) -> Any:
+def _of_any_patience(settings: Any) -> Any:
     """Return settings without the limit of wall time, which may differ each time."""
-    return {k: v for k, v in told.items() if k != "max_wall_time"} if isinstance(told, dict) else told
+    return (
+        {k: v for k, v in settings.items() if k != "max_wall_time"}
+        if isinstance(settings, dict)
+        else settings
+    )
 
 
 # --- checkpoint store ---------------------------------------------------------------------------------------
@@ -440,7 +440,7 @@ _AGAIN = 10.0  # [s] of wall time between failed attempts to write
 
 
 class NotKeptWarning(UserWarning):
-    """Record that cannot be written to the disk; it stays in memory, and the run continues."""
+    """Record that cannot be written to the disk and stays in memory."""
 
 
 class CheckpointsWaitedWarning(UserWarning):
@@ -508,7 +508,7 @@ class CheckpointStore:
             return
         try:
             if large:
-                self.parts.append(run.samples.held_but_last)
+                self.parts.append(run.samples.chunk.part(None, -1))  # the last may yet be replaced
                 run.samples.hand_out()
             if wall >= self._due:
                 cost = self.write(run)

@@ -32,19 +32,12 @@ _ROUND_OFF = 1e-9
 
 
 class _JumpCourse(NamedTuple):
-    """Course with jumps, in a program.
+    """Course with jumps, in a program."""
 
-    Attributes:
-        places: Places of the terms in the program.
-        terms: Terms of the whole course.
-        times: Times of the jumps [s].
-        begins: These times less the round-off of times [s].
-    """
-
-    places: slice
-    terms: Array
-    times: Array
-    begins: Array
+    places: slice  # places of the terms in the program
+    terms: Array  # terms of the whole course
+    times: Array  # times of the jumps [s]
+    begins: Array  # these times less the round-off of times [s]
 
 
 def check_sets(events: Sequence[Event], system: System, y: Array) -> None:
@@ -88,10 +81,6 @@ class Motions:
 
     with the rates s of all motions and their work W; other constraints are kept
     (:class:`antenna_pin.simulation.mode_changes.Impacts`).
-
-    Args:
-        workspace: Workspace of the run; its program is changed.
-        adjustments: Present elements of the run.
     """
 
     def __init__(self, workspace: Workspace, adjustments: Adjustments) -> None:
@@ -209,7 +198,7 @@ class _CourseCheck:
         step = (t - begin.t) / pieces
         for k in range(1, pieces + 1):
             end = self._last if k == pieces else self._at(begin.t + step)
-            text = "" if _lack(begin, end) <= _HOLDS else self._found(begin, end)
+            text = "" if _lack(begin, end) <= _HOLDS else self._inconsistency(begin, end)
             if text:
                 return f", {self._label}: {text}"
             begin = end
@@ -218,7 +207,7 @@ class _CourseCheck:
     def _at(self, t: float) -> _Point:
         return _Point(t, *self._course(t))
 
-    def _found(self, one: _Point, other: _Point) -> str:
+    def _inconsistency(self, one: _Point, other: _Point) -> str:
         underived = ""
         for level in range(_HALVINGS):
             middle = self._at(0.5 * (one.t + other.t))
@@ -291,9 +280,6 @@ class CourseChecks:
 
     Where these equations do not hold, the worse half of the piece is halved until they hold or the jump is
     found.
-
-    Args:
-        workspace: Workspace of the run.
     """
 
     def __init__(self, workspace: Workspace) -> None:
@@ -330,15 +316,10 @@ _AT_MOST = 100  # recorded positions, for a mechanism that stays singular
 
 
 class SingularPosition(NamedTuple):
-    """Position in which closures and motions lose an equation.
+    """Position in which closures and motions lose an equation."""
 
-    Attributes:
-        time: Time [s].
-        share: Share left of the least independent equation, relative to the largest in this run [-].
-    """
-
-    time: float
-    share: float
+    time: float  # time [s]
+    share: float  # share left of the least independent equation, relative to the largest in this run [-]
 
 
 class Singularities:
@@ -369,15 +350,6 @@ class Singularities:
         self._middle: tuple[float, Array] | None = None  # skipped state half way to the next inspected one
         self._time = self._way = 0.0
         self.found: list[SingularPosition] = []
-
-    def inspect(self, t: float, y: Array) -> None:
-        """Inspect the path from the previous state to this one, if longer than a stride.
-
-        Args:
-            t: Time [s].
-            y: State [q, v, x].
-        """
-        self.inspect_along(np.array([t]), y[np.newaxis])
 
     def inspect_along(self, times: Array, states: Array) -> None:
         """Inspect the path along states, (n,) [s] and (n, size)."""
@@ -439,7 +411,7 @@ class Singularities:
         self._last = [*states[-1:], here]
 
     @property
-    def near(self) -> str:
+    def nearly_lost(self) -> str:
         """Equation nearly lost in the last state, for a message; empty if none."""
         self.finish()
         if not self._last or not self._last[-1][2] < _NEAR * self._most:

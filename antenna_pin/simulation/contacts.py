@@ -25,34 +25,25 @@ Array = NDArray[np.float64]
 # --- contact episodes ---------------------------------------------------------------------------------------
 
 _KEPT = ("memory", "peaks", "open", "moments", "states", "memories")  # of the book, of each contact
+_STORED = ("onset", "approach_speed", "effective_mass", "impulse", "dissipated")  # of an open episode
 _ROOM = 64  # episodes, to begin with
 _TOLERANCE = 1e-9  # of the play, that a gap must come to at an event
 
 
 class EpisodesSnapshot(NamedTuple):
-    """Snapshot of the record of contacts.
+    """Snapshot of the record of contacts."""
 
-    Attributes:
-        arrays: Arrays with one row per contact, by name.
-        touching: Numbers of the open episodes.
-        episodes: Open episodes, EPISODE.
-        number: Number of episodes.
-    """
-
-    arrays: Mapping[str, NDArray[Any]]
-    touching: NDArray[np.int64]
-    episodes: NDArray[Any]
-    number: int
+    arrays: Mapping[str, NDArray[Any]]  # arrays with one row per contact, by name
+    touching: NDArray[np.int64]  # numbers of the open episodes
+    episodes: NDArray[Any]  # open episodes, EPISODE
+    number: int  # number of episodes
 
 
 class Episodes:
     """Contact memory of a run, and the record of its contacts.
 
     Args:
-        workspace: Workspace of the run, with the contact memory.
-        stepper: Stepper of the run, with the states.
         samples: Samples of the run, to which the states at peak forces are added.
-        begin: Time from which the run records [s].
 
     Attributes:
         book: Contact memory and record, as arrays for kernels.
@@ -97,10 +88,9 @@ class Episodes:
 
     @property
     def all(self) -> NDArray[Any]:
-        """Episodes in the order of their onsets, EPISODE; without those that ended before the run began."""
-        episodes: NDArray[Any] = self.book.episodes[: int(self.book.count[0])]
-        own: NDArray[Any] = episodes[~(episodes["release"] < self.begin)]
-        return own
+        """Episodes of this record in the order of their onsets, EPISODE."""
+        episodes = self.book.episodes[: int(self.book.count[0])]
+        return np.asarray(episodes[~(episodes["release"] < self.begin)])
 
     def make_room(self) -> None:
         """Enlarge the record for one more episode, if needed."""
@@ -171,7 +161,7 @@ class Episodes:
             book, c = self.book, one.contact
             number = int(book.count[0])
             episode = book.episodes[number]
-            for name in ("contact", "onset", "approach_speed", "effective_mass", "impulse", "dissipated"):
+            for name in ("contact", *_STORED):
                 episode[name] = getattr(one, name)
             episode["release"] = episode["peak_time"] = math.nan
             book.open[c] = number
@@ -187,12 +177,11 @@ class Episodes:
         contacts, book = [], self.book
         for c in np.flatnonzero(book.open >= 0).tolist():
             episode = book.episodes[book.open[c]]
-            names = ("onset", "approach_speed", "effective_mass", "impulse", "dissipated")
             kept = not math.isnan(book.moments[c])
             contacts.append(
                 OpenContact(
                     contact=c,
-                    **{name: float(episode[name]) for name in names},
+                    **{name: float(episode[name]) for name in _STORED},
                     peak=self.peaks[c].item(),
                     peak_state=book.states[c].copy() if kept else np.zeros(0),
                     peak_memory=memory_numbers(book.memories[c]) if kept else np.zeros((0, 3)),
@@ -229,11 +218,6 @@ class Episodes:
 
 class ContactSearch:
     """Search of trial steps for changes of contact.
-
-    Args:
-        workspace: Workspace of the run.
-        stepper: Stepper of the run.
-        episodes: Record of contacts.
 
     Attributes:
         ignore: Changes of each contact at the present time, (contacts,).
@@ -274,15 +258,6 @@ class ContactSearch:
             rates=np.zeros(manifold.nv + manifold.nx),
             outside=numbers.outside,
         )
-
-    @property
-    def gap_difference(self) -> float:
-        """Largest difference so far between coal's gaps and the closed form, of contacts that touch [m]."""
-        return float(self.difference[0])
-
-    @gap_difference.setter
-    def gap_difference(self, difference: float) -> None:
-        self.difference[0] = difference
 
     def measure(self, y: Array) -> None:
         """Evaluate the contact table for a state, by the geometry that locates changes."""

@@ -33,9 +33,6 @@ Array = NDArray[np.float64]
 class ControllerView(Moment):
     """State of a run at a sample time (:class:`antenna_pin.control.Now`).
 
-    Args:
-        workspace: Workspace of the run.
-
     Attributes:
         tick: Number of the sample time of the calling controller.
         noted: Signals recorded by the controller.
@@ -105,12 +102,12 @@ class ControllerView(Moment):
         return turned @ unit_of(axis, "controller", "axis")
 
     def off_axis(self, link: str, axis: ArrayLike, target: ArrayLike) -> float:
-        """Return the angle between an axis of a link and a direction of the world [rad]."""
+        """Return the angle between a link's axis and a direction of the world [rad]."""
         here, there = self.direction(link, axis), unit_of(target, "controller", "target")
         return math.atan2(float(np.linalg.norm(np.cross(here, there))), float(here @ there))
 
     def joint_load(self, joint: str) -> Array:
-        """Return force [N] and moment [N m] that a joint passes to its child, (6,), in the joint's axes.
+        """Return a joint's force [N] and moment [N m] on its child, (6,), joint axes.
 
         Torques of drives and springs at the joint are included. The load follows from the motion of all links
         that the joint carries, less the forces on these; closures and springs between points are not
@@ -141,21 +138,13 @@ _SAME = 4.0
 
 
 class ControllerRecord(NamedTuple):
-    """Record of the sample times of one controller.
+    """Record of the sample times of one controller."""
 
-    Attributes:
-        name: Name of the controller.
-        columns: Names of the columns of ``values``: signals, then commands.
-        saturated: Column of saturation; None without.
-        times: Sample times, (n,) [s].
-        values: Signals and commands, NaN where missing, (n, columns).
-    """
-
-    name: str
-    columns: tuple[str, ...]
-    saturated: int | None
-    times: Array
-    values: Array
+    name: str  # name of the controller
+    columns: tuple[str, ...]  # names of the columns of ``values``: signals, then commands
+    saturated: int | None  # column of saturation; None without
+    times: Array  # sample times, (n,) [s]
+    values: Array  # signals and commands, NaN where missing, (n, columns)
 
 
 class _ControlLoop:
@@ -213,9 +202,6 @@ class Controllers:
 
     Args:
         controllers: By name; the run works on copies.
-        workspace: Workspace of the run.
-        actions: Actions of the run, which write the commands.
-        begin: Time from which the run records [s].
     """
 
     def __init__(

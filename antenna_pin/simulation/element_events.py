@@ -1,4 +1,4 @@
-"""Events of elements: ends of ranges, kinks, pulses, changes of mode; coincident events and their effects."""
+"""Events of elements: ends of ranges, kinks, pulses, changes of mode; their effects."""
 
 from __future__ import annotations
 
@@ -41,15 +41,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class KinkFunction:
-    """Function of an element that is zero at a kink of its effort.
+    """Function of an element that is zero at a kink of its effort."""
 
-    Attributes:
-        block: Place of the element in the program.
-        number: Number of the function.
-    """
-
-    block: int
-    number: int = 0
+    block: int  # place of the element in the program
+    number: int = 0  # number of the function
 
     def __call__(self, moment: Moment) -> float:
         """Return the distance past the kink."""
@@ -58,18 +53,13 @@ class KinkFunction:
 
 @dataclass(frozen=True, slots=True)
 class RangeEnd(Angle):
-    """End of the range of an element; its joint may lie beyond while the element is off.
+    """End of an element's range; the joint may be beyond while the element is off."""
 
-    Attributes:
-        block: Place of the element in the program.
-        side: Side of the range: -1 below the end, +1 above it.
-    """
-
-    block: int
-    side: float
+    block: int  # place of the element in the program
+    side: float  # side of the range: -1 below the end, +1 above it
 
     def __call__(self, moment: Moment) -> float:
-        """Return the distance past the end; the side of the range while the element is off."""
+        """Return the distance past the end; while the element is off, the side."""
         return Angle.__call__(self, moment) if moment.acts(self.block) else self.side
 
 
@@ -123,19 +113,12 @@ def kink_events(system: System) -> tuple[Event, ...]:
 
 @dataclass(frozen=True, slots=True)
 class ModeFunction:
-    """Function of an element that is positive while its mode persists.
+    """Function of an element that is positive while its mode persists."""
 
-    Attributes:
-        place: Place of the element, as ``stops.hinge``.
-        block: Place of the element in the program.
-        number: Number of the function.
-        hold: Number of the hold whose load the function takes, WEIGHED for a reduced inertia, or -1.
-    """
-
-    place: str
-    block: int
-    number: int
-    hold: int
+    place: str  # place of the element, as ``stops.hinge``
+    block: int  # place of the element in the program
+    number: int  # number of the function
+    hold: int  # number of the hold whose load the function takes, WEIGHED for a reduced inertia, or -1
 
     def __call__(self, moment: Moment) -> float:
         """Return the value of the function."""
@@ -148,37 +131,21 @@ class ModeFunction:
 
 @dataclass(frozen=True, slots=True)
 class ModeChange:
-    """Recorded change of mode of an element.
+    """Recorded change of mode of an element."""
 
-    Attributes:
-        name: Name of the change, as ``stop hinge: upper: on``.
-        element: Place of the element.
-        what: Description of the change, as ``upper: on``.
-        time: Time [s].
-        mode: Name of the next mode.
-        angle: Angle of the joint [rad] ([m]).
-        rate: Rate of the joint before the change [rad/s] ([m/s]).
-        rate_after: Rate of the joint after the change [rad/s] ([m/s]).
-        loss: Energy lost in the impulse [J].
-        impulse: Impulse on the child [N m s] ([N s]).
-        energy: Energy of the joint's motion before, for elements that use it [J]; else NaN.
-        peak_effort: Largest effort of the touch that ends [N m] ([N]); else NaN.
-        peak_time: Time of the largest effort [s]; else NaN.
-    """
-
-    name: str
-    element: str
-    what: str
-    time: float
-    mode: str
-    angle: float
-    rate: float
-    rate_after: float
-    loss: float
-    impulse: float
-    energy: float = math.nan
-    peak_effort: float = math.nan
-    peak_time: float = math.nan
+    name: str  # name of the change, as ``stop hinge: upper: on``
+    element: str  # place of the element
+    what: str  # description of the change, as ``upper: on``
+    time: float  # time [s]
+    mode: str  # name of the next mode
+    angle: float  # angle of the joint [rad] ([m])
+    rate: float  # rate of the joint before the change [rad/s] ([m/s])
+    rate_after: float  # rate of the joint after the change [rad/s] ([m/s])
+    loss: float  # energy lost in the impulse [J]
+    impulse: float  # impulse on the child [N m s] ([N s])
+    energy: float = math.nan  # energy of the joint's motion before, for elements that use it [J]; else NaN
+    peak_effort: float = math.nan  # largest effort of the touch that ends [N m] ([N]); else NaN
+    peak_time: float = math.nan  # time of the largest effort [s]; else NaN
 
 
 def mode_events(system: System) -> tuple[Event, ...]:
@@ -210,7 +177,7 @@ class NeverSettlesError(Exception):
     outcome: ClassVar[Outcome] = Outcome.NO_PROGRESS
 
     @property
-    def seen(self) -> str:
+    def text(self) -> str:
         """Return the reason as part of a message."""
         return f", {self} comes to no mode in which it stays"
 
@@ -224,65 +191,38 @@ def own_events(system: System) -> tuple[Event, ...]:
 
 
 class ModeEffect(NamedTuple):
-    """Element that has changed its mode.
+    """Element that has changed its mode."""
 
-    Attributes:
-        place: Place of the element.
-        before: Element before the change.
-        change: Function for the change, given the state of the joint.
-    """
-
-    place: str
-    before: Modal
-    change: Callable[[Modal, Met], Change | None]
+    place: str  # place of the element
+    before: Modal  # element before the change
+    change: Callable[[Modal, Met], Change | None]  # function for the change, given the state of the joint
 
 
 class StruckElement(NamedTuple):
-    """Element at which an impulse acts.
+    """Element at which an impulse acts."""
 
-    Attributes:
-        element: Place of the element.
-        at: Index of the joint in v.
-        block: Place of the element in the program, for the joint's rate.
-        restitution: Coefficient of restitution [-]; None where a constraint stops the joint.
-    """
-
-    element: str
-    at: int
-    block: int
-    restitution: float | None
+    element: str  # place of the element
+    at: int  # index of the joint in v
+    block: int  # place of the element in the program, for the joint's rate
+    restitution: float | None  # coefficient of restitution [-]; None where a constraint stops the joint
 
 
 class ImpulseEffect(NamedTuple):
-    """Impulses of one time.
+    """Impulses of one time."""
 
-    Attributes:
-        program: Program of force elements after the impulses.
-        struck: Struck elements; other holding elements have rows in the program.
-        apart: Whether no impulse changes the rate of another struck joint.
-    """
-
-    program: Array
-    struck: tuple[StruckElement, ...]
-    apart: bool
+    program: Array  # program of force elements after the impulses
+    struck: tuple[StruckElement, ...]  # struck elements; other holding elements have rows in the program
+    apart: bool  # whether no impulse changes the rate of another struck joint
 
 
 class EventEffect(NamedTuple):
-    """Effect of an event.
+    """Effect of an event."""
 
-    Attributes:
-        time: Time [s].
-        event: Event.
-        acts: Whether the actions were carried out.
-        done: Effects at elements, in order.
-        program: Program of force elements after the event.
-    """
-
-    time: float
+    time: float  # time [s]
     event: Event
-    acts: bool
-    done: tuple[ModeEffect | ImpulseEffect, ...]
-    program: Array
+    acts: bool  # whether the actions were carried out
+    done: tuple[ModeEffect | ImpulseEffect, ...]  # effects at elements, in order
+    program: Array  # program of force elements after the event
 
     @property
     def together(self) -> bool:
@@ -395,11 +335,6 @@ class CoincidentEvents:
     Beside the functions that the search has located others pass by logic: a function that is zero but for
     round-off if its rate is negative, or if that is zero too, by the next derivative; one of a load if it is
     negative.
-
-    Args:
-        workspace: Workspace of the run.
-        adjustments: Present elements of the run.
-        acting: Elements with modes, by place.
     """
 
     def __init__(self, workspace: Workspace, adjustments: Adjustments, acting: Mapping[str, Acting]) -> None:
@@ -491,10 +426,10 @@ class CoincidentEvents:
             found += [min(changes, key=lambda one: one.change.phase)] if changes else []
         return found
 
-    def _passes(self, one: Switch, first: bool, t: float, y: Array) -> bool:
+    def _passes(self, one: Switch, is_first: bool, t: float, y: Array) -> bool:
         """Return whether a function passes that was not located; loads only after the first round."""
         loaded = hold_of(self._element(one.place), one.place, one.number, self._holds) >= 0
-        if loaded and first:
+        if loaded and is_first:
             return False
         value, slope = self.value(one)
         if loaded or abs(value) > ZERO:

@@ -30,17 +30,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True)
 class EventRecord:
-    """Recorded event.
+    """Recorded event."""
 
-    Attributes:
-        name: Name of the event.
-        time: Time [s].
-        energy: Energy brought in by the actions [J].
-    """
-
-    name: str
-    time: float
-    energy: float
+    name: str  # name of the event
+    time: float  # time [s]
+    energy: float  # energy brought in by the actions [J]
 
 
 class RefusedError(NeverSettlesError):
@@ -49,12 +43,12 @@ class RefusedError(NeverSettlesError):
     outcome: ClassVar[Outcome] = Outcome.REFUSED
 
     @property
-    def seen(self) -> str:
+    def text(self) -> str:
         """Return the reason as part of a message."""
         return f", {self}"
 
 
-def _said(action: Set | Jump) -> str:
+def _text_of(action: Set | Jump) -> str:
     """Return the object and value of an action, as a scenario writes it."""
     if isinstance(action, Jump):
         return "the state"
@@ -66,14 +60,11 @@ class Actions:
     """Actions of events, and the record of events.
 
     Args:
-        watch: Watch of the events.
-        workspace: Workspace of the run; its program is changed.
-        stepper: Stepper of the run; its state is changed.
-        control: Step control, updated by changes of elements.
         samples: Samples of the run, updated by changes of the program.
         after: Time after which events are recorded [s].
 
     Attributes:
+        watch: Watch of the events.
         happened: Recorded events, in order.
         adjustments: Present elements of the run.
         modes: Elements with modes.
@@ -92,7 +83,7 @@ class Actions:
         after: float,
     ) -> None:
         """Begin without events."""
-        self._watch = watch
+        self.watch = watch
         self._workspace = workspace
         self._stepper = stepper
         self._control = control
@@ -111,11 +102,11 @@ class Actions:
         Users' events come first, in their order; then elements change, all together; then come the events on
         these changes.
         """
-        events, changes = self._watch.events, False
+        events, changes = self.watch.events, False
         switches: list[Event] = []
         for crossing in crossings:
             event = events[crossing.event]
-            count = self._watch.count(crossing)
+            count = self.watch.count(crossing)
             if isinstance(event.action, Kink):
                 continue
             if isinstance(event.action, Switch):
@@ -147,7 +138,7 @@ class Actions:
             self._change(action.place)
             self._renew()
         self._stepper.refresh()
-        self._watch.renew()
+        self.watch.renew()
         self._samples.add(self._stepper.t, self._here.copy())
         return drives
 
@@ -160,7 +151,7 @@ class Actions:
                 try:
                     energy += self._carry_out(event.name, action)
                 except InvalidParameterError as error:
-                    raise RefusedError(f"event {event.name!r} sets {_said(action)}: {error}") from None
+                    raise RefusedError(f"event {event.name!r} sets {_text_of(action)}: {error}") from None
             elif isinstance(action, Stop) and self._counts:
                 self.ending = event.name
         self._keep(event, acts)
@@ -211,16 +202,11 @@ class Actions:
             self._jump(name, action)
         energy += self._energy()
         self._stepper.refresh()
-        self._watch.renew()
+        self.watch.renew()
         return energy
 
     def _set_by(self, action: Set) -> Mapping[str, float]:
-        """Return the numbers to set, by place, for a motion to continue from its position.
-
-        Raises:
-            InvalidParameterError: A motion would jump.
-            NotFollowedError: A joint would be held where motions move it.
-        """
+        """Return the numbers to set, by place, for a motion to continue from its position."""
         element, _, key = action.place.rpartition(".")
         if self.motions.is_one(element):
             return self.motions.goes_on(action.place, action.value, self._stepper.t)
@@ -238,12 +224,8 @@ class Actions:
             )
         work = self.modes.drive(self._stepper.t, self._here)
         self._renew()
-        self._control.spin = self._workspace.system.turn_on(self._stepper.start)
+        self._control.limit_turns(self._workspace.system.turn_on(self._stepper.start))
         return work
-
-    def look_by(self, watch: EventWatch) -> None:
-        """Use another watch from now on."""
-        self._watch = watch
 
     def begin(self) -> None:
         """Set the initial modes of elements, and carry out their changes at the start."""
@@ -263,25 +245,21 @@ class Actions:
                 self.adjustments.set(f"{place}.{key}", value)
 
     def _resolve(self, switches: Sequence[Event]) -> bool:
-        """Carry out changes of mode and the events on these; return whether any occurred.
-
-        Args:
-            switches: Located events of elements' functions.
-        """
+        """Carry out changes of mode and the events on these; return whether any occurred."""
         if not self.modes:
             return False
         modes, y, t = self.modes, self._here, self._stepper.t
         modes.effects.clear()
-        recorded, before, taken = len(modes.changed), self._energy(), modes.taken(y)
+        recorded, before, lost = len(modes.changed), self._energy(), modes.losses(y)
         located = [event.action for event in switches if isinstance(event.action, Switch)]
         program = self._workspace.program.copy() if self.effects is not None else None
         changed = modes.resolve(located, t, y)
         if changed:
-            self._control.spin = self._workspace.system.turn_on(self._stepper.start)
-            energy = self._energy() - before + modes.taken(y) - taken
+            self._control.limit_turns(self._workspace.system.turn_on(self._stepper.start))
+            energy = self._energy() - before + modes.losses(y) - lost
             self._renew()
             self._stepper.refresh()
-            self._watch.renew()
+            self.watch.renew()
             if self._is_new:
                 names = [one.name for one in modes.changed[recorded:]]
                 self.happened += [
@@ -294,7 +272,7 @@ class Actions:
                 del self.effects[len(self.effects) - (not switches) :]
                 self.effects += effects_of(modes.effects, events, program, self._workspace, t)
         if changed or switches:
-            self._watch.logical(ZERO, modes.grazed)
+            self.watch.logical(ZERO, modes.grazed)
         self._follow(modes.changed[recorded:])
         return changed
 
@@ -302,9 +280,9 @@ class Actions:
         """Carry out the events on changes of elements, and the changes that follow."""
         changes = False
         made = [(one.element, one.what) for one in changed]
-        for crossing in self._watch.on_changes(self.adjustments.elements, made):
-            count = self._watch.count(crossing)
-            changes = self._occur(self._watch.events[crossing.event], count) or changes
+        for crossing in self.watch.on_changes(self.adjustments.elements, made):
+            count = self.watch.count(crossing)
+            changes = self._occur(self.watch.events[crossing.event], count) or changes
         if changes:
             self._resolve(())
 
@@ -327,7 +305,7 @@ class Actions:
         peaks.command(self._workspace.program, *here)
         self._renew()
         self._stepper.refresh()
-        self._watch.renew()
+        self.watch.renew()
         if self.modes and self.modes.is_due(self._stepper.t, self._here) and self._resolve(()):
             return
         if self._stepper.t <= self._samples.last or any(self._workspace.memory["touching"]):
@@ -337,9 +315,9 @@ class Actions:
     def _jump(self, event: str, action: Jump) -> None:
         system, here = self._workspace.system, self._here
         n = system.model.nq + system.model.nv
-        after = action.state_after(event, self._watch.moment.set(self._stepper.t, here))
+        after = action.state_after(event, self.watch.moment.set(self._stepper.t, here))
         here[:n] = after[:n]
-        self._control.spin = system.turn_on(self._stepper.start)
+        self._control.limit_turns(system.turn_on(self._stepper.start))
 
     def _energy(self) -> float:
         """Return the energy stored at the present state [J]."""

@@ -1,9 +1,10 @@
-"""Search of a trial step for events, their discrete states, and their table for the compiled loop."""
+"""Search of trial steps for events, discrete states, table for the compiled loop."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -39,23 +40,14 @@ Array = NDArray[np.float64]
 
 
 class Crossing(NamedTuple):
-    """Zero crossing of an event's function.
+    """Zero crossing of an event's function."""
 
-    Attributes:
-        event: Number of the event.
-        theta: Fraction of the trial step.
-        side: New sign of a function that has passed already; 0 if it is zero there.
-        slope: Rate of the function there, per second; 0 if undefined.
-        noise: Round-off of the function there.
-        until: Fraction up to which the event does not occur again.
-    """
-
-    event: int
-    theta: float
-    side: float = 0.0
-    slope: float = 0.0
-    noise: float = 0.0
-    until: float = math.inf
+    event: int  # number of the event
+    theta: float  # fraction of the trial step
+    side: float = 0.0  # new sign of a function that has passed already; 0 if it is zero there
+    slope: float = 0.0  # rate of the function there, per second; 0 if undefined
+    noise: float = 0.0  # round-off of the function there
+    until: float = math.inf  # fraction up to which the event does not occur again
 
 
 class Bracket(NamedTuple):
@@ -90,7 +82,7 @@ class StepScan(NamedTuple):
     rates: list[float]
 
     def stays(self, i: int, side: float) -> float:
-        """Return the fraction up to which the function stays on the side reached in part i."""
+        """Return the fraction up to which the function has its side of part i."""
         for j in range(i + 1, len(self.thetas)):
             back = side * self.rates[j - 1] < 0.0 < side * self.rates[j]
             if not side * self.values[j] > 0.0 or back:
@@ -176,11 +168,6 @@ class EventWatch:
     The side of a function changes with its crossings only, so that of two coincident events
     the second is not lost when the first has ended the step.
 
-    Args:
-        events: Events.
-        workspace: Workspace of the run.
-        stepper: Stepper of the run.
-
     Attributes:
         instants: Times at which steps must end [s].
         tick: Next sample time of the run's controllers, infinity after the last one [s]; None in a run
@@ -219,12 +206,8 @@ class EventWatch:
         for k, event in enumerate(self.events):
             memory, one = self._memories[k], known.get(event.name)
             if one is not None:
-                memory.count, memory.last, memory.side, memory.noise = (
-                    one.count,
-                    one.last,
-                    one.side,
-                    one.noise,
-                )
+                for name in WatchMemory.__slots__:
+                    setattr(memory, name, getattr(one, name))
             elif k in self._times:
                 memory.last = t
 
@@ -336,6 +319,9 @@ class EventWatch:
             stepper.interpolate(theta, self._y)
         return self.moment.set(stepper.t + theta * stepper.h, self._y)
 
+    def _value(self, k: int, theta: float) -> float:
+        return self._whens[k](self._at(theta))
+
     def ahead(self) -> list[list[Crossing]]:
         """Return the events in the trial step in order of time, coincident ones together.
 
@@ -349,7 +335,7 @@ class EventWatch:
         for k in self._functions:
             look = looks[k]
             if isinstance(self.events[k].action, Switch) and not any(look.rates):
-                looks[k] = with_least_values(lambda theta, k=k: self._whens[k](self._at(theta)), look)  # type: ignore[misc]
+                looks[k] = with_least_values(partial(self._value, k), look)
         brackets = [bracket for k in self._functions if (bracket := self._bracket(k, looks[k])) is not None]
         brackets.sort(key=lambda bracket: bracket.guess)
         found: list[Crossing] = []
@@ -379,7 +365,7 @@ class EventWatch:
         """Return whether a function certainly passes zero later than a fraction."""
         if one.a >= theta or one.a == one.b:
             return one.a > theta + _SAME_INSTANT
-        value = self._whens[one.event](self._at(theta))
+        value = self._value(one.event, theta)
         return value * one.fa > 0.0 and abs(value) > _NEAR * abs(one.fb - one.fa) / (one.b - one.a)
 
     def _look(self, nodes: int, looks: dict[int, StepScan]) -> None:
@@ -399,12 +385,6 @@ class EventWatch:
     def _bracket(self, k: int, look: StepScan) -> Bracket | None:
         """Return the first bracket of an event's function in the trial step, or None."""
         event, memory = self.events[k], self._memories[k]
-
-        when = self._whens[k]
-
-        def f(theta: float) -> float:
-            return when(self._at(theta))
-
         switches = isinstance(event.action, Switch)
         least = -GRAZE if switches else 0.0  # above it a function of an element has not passed
         side, a, fa, ra = memory.side, 0.0, look.values[0], look.rates[0]
@@ -424,7 +404,7 @@ class EventWatch:
             side, fa = math.copysign(1.0, ra), 0.0
         elif fresh:
             probe = _PROBE / event.nodes
-            value = f(probe)
+            value = self._value(k, probe)
             side = memory.sign(value)
             if side != 0.0:
                 a, fa, ra, fresh = probe, value, rate(probe), False
@@ -443,7 +423,7 @@ class EventWatch:
             elif new == -side:
                 if fresh and ra * rb < 0.0:  # out, and back already
                     a = root_between(rate, a, b, absolute=1e-15, ends=(ra, rb))
-                    fa = f(a)
+                    fa = self._value(k, a)
                 if switches and least <= fa <= 0.0 and not fresh:
                     return self._leaves(k, (a, fa), (b, fb))
                 if event.counts(new) and (side * fa > 0.0 or not fresh):
@@ -454,7 +434,7 @@ class EventWatch:
             elif side * ra < 0.0 < side * rb:
                 # The function approaches zero, then recedes: it may pass twice in between.
                 m = root_between(rate, a, b, absolute=1e-15, ends=(ra, rb))
-                fm = f(m)
+                fm = self._value(k, m)
                 if side * fm < least:
                     # Twice: the search is repeated after the first of them.
                     if event.counts(-side):
@@ -469,35 +449,25 @@ class EventWatch:
         The function may have been positive between, which halving shows; otherwise it passes at once.
         """
         for _ in range(_HALVINGS if b > 0.0 else 0):
-            value = self._whens[k](self._at(0.5 * b))
+            value = self._value(k, 0.5 * b)
             if value > 0.0:
                 return Bracket(k, 0.5 * b, b, value, fb, 0.0, 0.5 * b)
             b, fb = 0.5 * b, value
         return Bracket(k, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1.0)
 
     def _leaves(self, k: int, zero: tuple[float, float], below: tuple[float, float]) -> Bracket:
-        """Return the bracket at which an element's function falls below round-off.
-
-        Args:
-            k: Number of the event.
-            zero: Fraction at which it is zero, and its value there.
-            below: Fraction at which it has passed, and its value there.
-        """
+        """Return the bracket at which an element's function falls below round-off."""
         (a, fa), (b, fb) = zero, below
         at = root_between(
-            lambda x: self._whens[k](self._at(x)) + GRAZE, a, b, absolute=1e-15, ends=(fa + GRAZE, fb + GRAZE)
+            lambda x: self._value(k, x) + GRAZE, a, b, absolute=1e-15, ends=(fa + GRAZE, fb + GRAZE)
         )
         return Bracket(k, at, at, 0.0, 0.0, 0.0, at, -1.0)
 
     def _located(self, one: Bracket) -> Crossing:
-        """Return the crossing in a bracket: a change of sign, or a zero at its first end."""
+        """Return the crossing in a bracket, or the zero at its first end."""
         if one.side != 0.0:
             return Crossing(one.event, one.a, one.side, until=one.until)
-        when, (a, b, fa, fb) = self._whens[one.event], one[1:5]
-
-        def f(theta: float) -> float:
-            return when(self._at(theta))
-
+        f, (a, b, fa, fb) = partial(self._value, one.event), one[1:5]
         theta = root_between(f, a, b, absolute=1e-15, ends=(fa, fb)) if fa * fb < 0.0 else a
         low, high = max(theta - _SLOPE_REACH, 0.0), min(theta + _SLOPE_REACH, 1.0)
         slope = (f(high) - f(low)) / ((high - low) * self.stepper.h)
@@ -541,9 +511,6 @@ def is_known(event: Event) -> bool:
 
 class WatchTable:
     """Events of a run as the compiled loop reads them.
-
-    Args:
-        watch: Watch of the run.
 
     Attributes:
         numbers: Table for kernels.

@@ -63,26 +63,17 @@ GRAZE = 1e-15
 
 @dataclass(frozen=True, slots=True)
 class Switch:
-    """Possible change of mode of an element.
+    """Possible change of mode of an element."""
 
-    Attributes:
-        place: Place of the element, as ``latches.hinge``.
-        number: Number of the element's function that passes zero.
-    """
-
-    place: str
-    number: int
+    place: str  # place of the element, as ``latches.hinge``
+    number: int  # number of the element's function that passes zero
 
 
 @dataclass(frozen=True, slots=True)
 class Edge:
-    """Change of an element at times that it defines itself.
+    """Change of an element at times that it defines itself."""
 
-    Attributes:
-        place: Place of the element, as ``forces.jet``.
-    """
-
-    place: str
+    place: str  # place of the element, as ``forces.jet``
 
 
 # --- state passed to users' functions -----------------------------------------------------------------------
@@ -176,7 +167,7 @@ class Moment:
         return memory_numbers(self._workspace.memory)
 
     def angle(self, joint: str) -> float:
-        """Return the angle of a joint, with its whole turns [rad]; of a sliding one its position [m]."""
+        """Return the angle of a joint, whole turns included [rad], or its position [m]."""
         return self._motion(joint)[0]
 
     def rate(self, joint: str) -> float:
@@ -353,14 +344,14 @@ class Time:
         self.instants = tuple(sorted({float(t) for t in instants}))
 
     def __call__(self, moment: Moment) -> float:
-        """Return the time since the last instant reached, or else to the first one, negative [s]."""
+        """Return the time since the last instant, or, negative, to the first [s]."""
         return moment.time - max((t for t in self.instants if t <= moment.time), default=self.instants[0])
 
 
 @takes()
 @dataclass(frozen=True, slots=True)
 class ElementChange:
-    """Change of mode of an element: a capture of a latch, a touch of a stop, a sticking friction.
+    """Change of mode of an element, such as a capture of a latch.
 
     Changes are those that a run records (``change`` of the result), not an event that switches a latch off.
     The event occurs at the time of the change, after it; no function passes zero.

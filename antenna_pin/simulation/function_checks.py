@@ -11,6 +11,7 @@ import ctypes
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -59,16 +60,16 @@ class CompiledFunction:
 
     Args:
         function: Function with checked results.
-        given: Function as given by the user.
+        users: Function of the user.
         arguments: Number of arguments.
         block: Place of the function's element in the program.
     """
 
-    def __init__(self, function: AskedFunction, given: Any, arguments: int, block: int) -> None:
+    def __init__(self, function: AskedFunction, users: Any, arguments: int, block: int) -> None:
         """Find the address of the function."""
         self.call, self.arguments, self._block = function, arguments, block
         self._address = (
-            address_of(function.name, "function", given, arguments) if is_compiled(given) else math.nan
+            address_of(function.name, "function", users, arguments) if is_compiled(users) else math.nan
         )
 
     def places(self, program: Array) -> NDArray[np.int64]:
@@ -81,7 +82,7 @@ class CompiledFunction:
 def failure_in(
     functions: Sequence[ExchangeableFunction], program: Array, stepper: Stepper, h: float
 ) -> FunctionError | None:
-    """Return the failure of a function at a stepper's state or in a step; None if none.
+    """Return the failure of a function at a state or in a step, or None.
 
     Kernels call functions by address, and a failed call shows only as a step without a valid error. The step
     is therefore repeated with other addresses in the program: those of functions in Python that call the
@@ -138,207 +139,143 @@ def _recording(function: Callable[..., float], errors: list[BaseException]) -> C
 
 # --- users' functions of a run ------------------------------------------------------------------------------
 
-Inputs = tuple[float, Array, Array]
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class UserFunction:
+    """Function of a user's that a run calls, in one form for all kinds."""
+
+    name: str  # of the function and its owner
+    inputs_at: Callable[[float, Array], Any]  # arguments at a time [s] and state; None where not called
+    evaluate: Callable[[Any], tuple[float, ...]]  # results of a call
+    text: Callable[[Any], str]  # arguments as text
+    first: Any = None  # arguments for a call before all others; None if the first state supplies them
+    called: ExchangeableFunction | None = None  # function as kernels call it
+    tolerance: float = 0.0  # difference up to which results are equal
+
+    def differs(self, one: Sequence[float], other: Sequence[float]) -> bool:
+        """Return whether two results differ."""
+        return any(
+            a != b and not (abs(a - b) <= self.tolerance or (a != a and b != b))
+            for a, b in zip(one, other, strict=True)
+        )
 
 
 class LinkFunction:
-    """Function that acts on links, evaluated in a workspace of its own.
+    """Function that acts on links, as kernels call it."""
 
-    Args:
-        one: Element.
-        workspace: Workspace of the run.
-    """
+    arguments = 3
 
     def __init__(self, one: Acting, workspace: Workspace) -> None:
-        """Begin without a call."""
-        self.name, self.first = f"{one.label}: its function", None
-        self._one, self._run = one, workspace
-        self._own = Workspace(workspace.system)
-        head = workspace.program[one.block : one.block + kernels.PARAMETERS]
-        self._head = head.view(kernels.ELEMENT)[0]
-        self.arguments = 3
-
-    def inputs_at(self, t: float, y: Array) -> Inputs | None:
-        """Return the arguments: time, state and elements; None if off."""
-        return None if self._head["on"] == 0.0 else (t, y.copy(), self._run.program.copy())
-
-    def evaluate(self, inputs: Inputs) -> tuple[float, ...]:
-        """Return all numbers that the function writes."""
-        t, y, program = inputs
-        self._own.program[:] = program
-        self._own.see_on_links(self._one.block, t, y, self._one.element)
-        return written_by(self._own.program, self._one.block)
-
-    def differs(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
-        """Return whether two results differ."""
-        return _differ(one, other)
-
-    def text(self, inputs: Inputs) -> str:
-        """Return the arguments as text."""
-        return f"t = {inputs[0]:.9g} s"
-
-    # --- as called by kernels -------------------------------------------------------------------------------
-
-    @property
-    def called(self) -> LinkFunction | None:
-        """The function itself, if kernels call it."""
-        return self if getattr(self._one.element, "called", False) else None
+        """Find the head of the element in the program."""
+        self._one = one
+        self.head = workspace.program[one.block :][: kernels.PARAMETERS].view(kernels.ELEMENT)[0]
 
     def places(self, program: Array) -> NDArray[np.int64]:
         """Return the place of the function's address in a program."""
         return np.array([self._one.block + int(kernels.PARAMETERS)])
 
     def call(self, t: float, place: float, _: float) -> float:
-        """Call the function in Python as kernels do: with a time [s] and a desk's address.
+        """Call the function in Python with a time [s] and a desk's address.
 
         Raises:
             FunctionError: The function has no valid result.
         """
         numbers = len(self._one.element.tail())
-        behind = int(self._head["length"]) - int(self._head["partner"])
+        behind = int(self.head["length"]) - int(self.head["partner"])
         memory = (ctypes.c_double * (numbers + behind)).from_address(int(place))
-        desk = np.ctypeslib.as_array(memory)[numbers:]
         element: Any = self._one.element
-        element.ask(self._one.label, t, desk_in(desk, None))
+        element.ask(self._one.label, t, desk_in(np.ctypeslib.as_array(memory)[numbers:], None))
         return 0.0 if math.isfinite(t) else 1.0
 
 
-class UserFunction(Protocol):
-    """Function of a user's that a run calls.
+def _on_links(one: Acting, workspace: Workspace) -> UserFunction:
+    """Return a function that acts on links, evaluated in a workspace of its own."""
+    own, link = Workspace(workspace.system), LinkFunction(one, workspace)
 
-    Attributes:
-        name: Name of the function and its owner.
-        first: Arguments for a call before all others; None if the first state supplies them.
-    """
+    def evaluate(inputs: tuple[float, Array, Array]) -> tuple[float, ...]:
+        t, y, own.program[:] = inputs
+        own.see_on_links(one.block, t, y, one.element)
+        return written_by(own.program, one.block)
 
-    name: str
-    first: Any
-
-    def inputs_at(self, t: float, y: Array) -> Any:
-        """Return the arguments at time t [s] and state y; None if not called there."""
-
-    def evaluate(self, inputs: Any) -> tuple[float, ...]:
-        """Return the function's results."""
-
-    def differs(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
-        """Return whether two results differ."""
-
-    def text(self, inputs: Any) -> str:
-        """Return the arguments as text."""
+    return UserFunction(
+        name=f"{one.label}: its function",
+        inputs_at=lambda t, y: None if link.head["on"] == 0.0 else (t, y.copy(), workspace.program.copy()),
+        evaluate=evaluate,
+        text=lambda inputs: f"t = {inputs[0]:.9g} s",
+        called=link if getattr(one.element, "called", False) else None,
+    )
 
 
-def _differ(one: Sequence[float], other: Sequence[float]) -> bool:
-    return any(a != b and not (a != a and b != b) for a, b in zip(one, other, strict=True))
+def _of_numbers(
+    function: AskedFunction,
+    inputs_at: Callable[[float, Array], tuple[float, ...] | None],
+    called: CompiledFunction,
+    slowest: tuple[float, ...] | None = None,
+) -> UserFunction:
+    """Return a function of numbers; a compiled one is called from Python."""
+    return UserFunction(
+        name=function.name,
+        inputs_at=inputs_at,
+        evaluate=lambda inputs: (function(*inputs),),
+        text=function.told,
+        first=slowest,
+        called=called,
+    )
 
 
-class _NumberFunction:
-    """Function of numbers.
-
-    Args:
-        function: Function; a compiled one is called from Python.
-        inputs_at: Function for its arguments at a time and state, or None.
-        called: Function as kernels may call it.
-        first: Arguments for a call before all others; None if never needed.
-    """
-
-    def __init__(
-        self,
-        function: AskedFunction,
-        inputs_at: Callable[[float, Array], tuple[float, ...] | None],
-        called: CompiledFunction,
-        first: tuple[float, ...] | None = None,
-    ) -> None:
-        self.name, self.first, self.called = function.name, first, called
-        self._function, self._inputs_at = function, inputs_at
-
-    def inputs_at(self, t: float, y: Array) -> tuple[float, ...] | None:
-        return self._inputs_at(t, y)
-
-    def evaluate(self, inputs: tuple[float, ...]) -> tuple[float, ...]:
-        return (self._function(*inputs),)
-
-    def differs(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
-        return _differ(one, other)
-
-    def text(self, inputs: tuple[float, ...]) -> str:
-        return self._function.told(inputs)
-
-
-class _BackendFunction:
-    """Function that measures the gaps of a joint.
+def _of_backend(distances: OwnBackend, workspace: Workspace, joint: int) -> UserFunction:
+    """Return a function that measures the gaps of a joint.
 
     A search that starts from the last result reproduces a gap up to its own round-off only. Results therefore
     count as equal within a billionth of the play, the distance up to which contacts are located.
     """
+    system = workspace.system
+    clearance = system.clearances[joint]
+    block, nq = system.clearance_blocks[clearance.name], system.model.nq
+    first = sum(one.contacts for one in system.clearances[:joint])
+    table, pose = np.zeros(system.rows, CONTACT), np.zeros(1, POSE)
 
-    def __init__(self, distances: OwnBackend, workspace: Workspace, joint: int) -> None:
-        system = workspace.system
-        clearance = system.clearances[joint]
-        self.name, self.first = distances.name, None
-        self._distances, self._nq = distances, system.model.nq
-        self._program, self._block = workspace.program, system.clearance_blocks[clearance.name]
-        first = sum(one.contacts for one in system.clearances[:joint])
-        self._rows = slice(first, first + clearance.contacts)
-        self._table = np.zeros(system.rows, CONTACT)
-        self._pose = np.zeros(1, POSE)
-        self._small = 1e-9 * clearance.geometry.radial_clearance
+    def inputs_at(t: float, y: Array) -> NDArray[Any]:
+        place_journal(workspace.program, block, y, nq, pose)
+        return pose.copy()
 
-    def inputs_at(self, t: float, y: Array) -> NDArray[Any]:
-        place_journal(self._program, self._block, y, self._nq, self._pose)
-        return self._pose.copy()
+    def evaluate(inputs: NDArray[Any]) -> tuple[float, ...]:
+        distances.query(inputs.copy(), table, first)
+        return tuple(table["gap"][first : first + clearance.contacts].tolist())
 
-    def evaluate(self, inputs: NDArray[Any]) -> tuple[float, ...]:
-        self._distances.query(inputs.copy(), self._table, self._rows.start)
-        rows = self._table[self._rows]
-        return tuple(float(gap) for gap in rows["gap"])
-
-    def differs(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
-        return any(
-            not abs(a - b) <= self._small and not (a != a and b != b) for a, b in zip(one, other, strict=True)
-        )
-
-    def text(self, inputs: NDArray[Any]) -> str:
-        return self._distances.told(inputs)
+    return UserFunction(
+        name=distances.name,
+        inputs_at=inputs_at,
+        evaluate=evaluate,
+        text=distances.told,
+        tolerance=1e-9 * clearance.geometry.radial_clearance,
+    )
 
 
-class _EventFunction:
-    """Function of an event, evaluated in a workspace of its own."""
+def _of_event(function: AskedFunction, workspace: Workspace) -> UserFunction:
+    """Return a function of an event, evaluated in a workspace of its own."""
+    own = Workspace(workspace.system)
+    moment = Moment(own)
 
-    def __init__(self, function: AskedFunction, workspace: Workspace) -> None:
-        self.name, self.first = function.name, None
-        self._function = function
-        self._run = workspace
-        self._own = Workspace(workspace.system)
-        self._moment = Moment(self._own)
+    def evaluate(inputs: tuple[float, Array, NDArray[Any], Array]) -> tuple[float, ...]:
+        t, y, own.memory[:], own.program[:] = inputs
+        return (function(moment.set(t, y)),)
 
-    def inputs_at(self, t: float, y: Array) -> tuple[float, Array, NDArray[Any], Array]:
-        return t, y.copy(), self._run.memory.copy(), self._run.program.copy()
-
-    def evaluate(self, inputs: tuple[float, Array, NDArray[Any], Array]) -> tuple[float, ...]:
-        t, y, memory, program = inputs
-        self._own.memory[:], self._own.program[:] = memory, program
-        return (self._function(self._moment.set(t, y)),)
-
-    def differs(self, one: tuple[float, ...], other: tuple[float, ...]) -> bool:
-        return _differ(one, other)
-
-    def text(self, inputs: tuple[float, Array, NDArray[Any], Array]) -> str:
-        return moment_text((self._moment.set(*inputs[:2]),))
+    return UserFunction(
+        name=function.name,
+        inputs_at=lambda t, y: (t, y.copy(), workspace.memory.copy(), workspace.program.copy()),
+        evaluate=evaluate,
+        text=lambda inputs: moment_text((moment.set(*inputs[:2]),)),
+    )
 
 
-def functions_in_kernels(functions: Sequence[UserFunction]) -> tuple[CompiledFunction | LinkFunction, ...]:
+def functions_in_kernels(functions: Sequence[UserFunction]) -> tuple[ExchangeableFunction, ...]:
     """Return the functions of a run that kernels may call."""
-    found = (one.called for one in functions if isinstance(one, _NumberFunction | LinkFunction))
-    return tuple(one for one in found if one is not None)
+    return tuple(one.called for one in functions if one.called is not None)
 
 
 def user_functions(workspace: Workspace, events: Sequence[Event]) -> tuple[UserFunction, ...]:
-    """Return the users' functions that a run calls, compiled or not.
-
-    Args:
-        workspace: Workspace of the run.
-        events: Users' events.
-    """
+    """Return the users' functions that a run calls, compiled or not."""
     return (*_of_elements(workspace), *_of_joints(workspace), *_of_events(workspace, events))
 
 
@@ -346,13 +283,13 @@ def _of_elements(workspace: Workspace) -> Iterator[UserFunction]:
     system = workspace.system
     for one in acting_in(system):
         if isinstance(one.element, CallableElement | CallableForce):
-            yield LinkFunction(one, workspace)
+            yield _on_links(one, workspace)
         if not isinstance(one.element, Element):
             continue
         functions = one.element.asked(one.label, system.slides(one.element.joint))
         for function, (_, own, count) in zip(functions, one.element.functions, strict=True):
             called = CompiledFunction(function, own, count, one.block)
-            yield _NumberFunction(function, _motion_of(workspace, one.block, count), called)
+            yield _of_numbers(function, _motion_of(workspace, one.block, count), called)
 
 
 def _motion_of(workspace: Workspace, block: int, count: int) -> Callable[[float, Array], Any]:
@@ -387,22 +324,21 @@ def _of_joints(workspace: Workspace) -> Iterator[UserFunction]:
             function, slow = coefficient_of(friction, f"joint {joint.name!r}"), (joint.approach_speed_floor,)
             block = workspace.system.clearance_blocks[joint.name]
             called = CompiledFunction(function, friction.coefficient, 1, block)
-            yield _NumberFunction(function, _slip_of(workspace, rows), called, slow)
+            yield _of_numbers(function, _slip_of(workspace, rows), called, slow)
         backend = joint.own_backend
         if backend is not None:
-            yield _BackendFunction(backend, workspace, number)
+            yield _of_backend(backend, workspace, number)
         row += joint.contacts
 
 
 def _of_law(
-    name: str, law: Any, rows: Sequence[int], workspace: Workspace, block: int, first: tuple[float, ...]
+    name: str, law: Any, rows: Sequence[int], workspace: Workspace, block: int, slowest: tuple[float, ...]
 ) -> Iterator[UserFunction]:
     for function, (_, own, words) in zip(functions_of_law(law, name), normal_questions(law), strict=True):
         count = len(words)
         inputs_at = _depth_of(workspace, rows, range_of(law), count)
-        yield _NumberFunction(
-            function, inputs_at, CompiledFunction(function, own, count, block), first[:count]
-        )
+        called = CompiledFunction(function, own, count, block)
+        yield _of_numbers(function, inputs_at, called, slowest[:count])
 
 
 def _deepest(workspace: Workspace, rows: Sequence[int]) -> int:
@@ -443,9 +379,7 @@ def _of_events(workspace: Workspace, events: Sequence[Event]) -> Iterator[UserFu
     for event in events:
         if is_known(event):
             continue
-        yield from (
-            _EventFunction(function, workspace) for function in event.functions() if function is not None
-        )
+        yield from (_of_event(function, workspace) for function in event.functions() if function is not None)
 
 
 # --- repeatability ------------------------------------------------------------------------------------------
@@ -506,10 +440,6 @@ class RepeatabilityCheck:
     for samples. A function with memory, of chance or of the clock returns different values each time, and
     error control, located events and the path between states become meaningless. Calls at earlier states are
     therefore repeated now and then, with all other calls of the run in between.
-
-    Args:
-        workspace: Workspace of the run.
-        events: Users' events.
     """
 
     def __init__(self, workspace: Workspace, events: Sequence[Event]) -> None:

@@ -63,7 +63,7 @@ __all__ = [
     "check_without_controllers",
     "controllers_of",
     "events_of",
-    "prepared",
+    "prepare_run",
     "settings_of",
 ]
 
@@ -126,21 +126,6 @@ def controllers_of(scenario: Scenario) -> dict[str, Controller]:
     return found
 
 
-def merged_controllers(
-    own: Mapping[str, Controller], given: Mapping[str, Controller]
-) -> dict[str, Controller]:
-    """Return a scenario's controllers together with further ones.
-
-    Raises:
-        InvalidParameterError: Two controllers have one name.
-    """
-    for name in given:
-        if name in own:
-            rule = f"of other names than the scenario's own, {', '.join(own)}"
-            raise InvalidParameterError("simulate", "controllers", rule, name)
-    return {**own, **given}
-
-
 def check_without_controllers(place: str, scenario: Scenario) -> None:
     """Refuse a scenario with controllers, for uses in which the state alone determines the motion.
 
@@ -172,7 +157,7 @@ def _is_element(table: Any) -> bool:
 
 
 def _of_contact(table: Any) -> Gap:
-    """Return the condition of an event on a change of a contact: its gap passes zero."""
+    """Return the condition of a change of contact: its gap passes zero."""
     if table.change not in _OF_CONTACTS:
         raise UnknownNameError("events", f"change of contact {table.of}", table.change, _OF_CONTACTS)
     if table.side is not None:
@@ -223,13 +208,14 @@ def check_sizes(system: System, state: State, place: str = "simulate", name: str
 
 
 def check_start(system: System, y: np.ndarray) -> None:
-    """Refuse an impossible initial pose, or a joint that moves without any inertia."""
+    """Refuse an impossible initial pose, motion without inertia, springs without direction."""
     system.check_pose(y[: system.model.nq], "initial pose")
     first_modes(system, y)
     check_begins(system, y)
     check_restraints(system, y)
     table = np.zeros(system.rows, CONTACT)
-    Workspace(system).locate(y, table)
+    workspace = Workspace(system)
+    workspace.locate(y, table)
     for joint in system.clearances:
         if isinstance(joint.geometry, RevoluteClearance):
             pose = np.zeros(1, POSE)
@@ -253,15 +239,9 @@ def check_start(system: System, y: np.ndarray) -> None:
                 f"at most {rule}; start with the journal inside its clearance",
                 float(f"{-row.gap:.6g}"),
             )
-
-
-def check_lengths(system: System, y: np.ndarray) -> None:
-    """Refuse a start in which a spring between coincident points has no direction."""
-    if not system.point_springs:
-        return
-    workspace = Workspace(system)
-    for (name, spring), length in zip(system.point_springs.items(), workspace.lengths(y), strict=True):
-        spring.check_length(f"spring {name!r}", length)
+    if system.point_springs:
+        for (name, spring), length in zip(system.point_springs.items(), workspace.lengths(y), strict=True):
+            spring.check_length(f"spring {name!r}", length)
 
 
 def check_spans(system: System, begin: float, end: float) -> None:
@@ -271,7 +251,7 @@ def check_spans(system: System, begin: float, end: float) -> None:
 
 
 def check_events(events: Sequence[Event], system: System, y: ArrayLike) -> None:
-    """Refuse events that do not fit a system, by evaluating each in its initial state [q, v, x].
+    """Refuse events that do not fit a system in its initial state [q, v, x].
 
     Raises:
         AntennaPinError: Unknown names, places that cannot be set, a function without a valid value.
@@ -309,7 +289,7 @@ class RunStart(NamedTuple):
     angles: Mapping[str, float] | None = None
     start: State | None = None
 
-    def told(self, scenario: Scenario | None) -> str:
+    def text(self, scenario: Scenario | None) -> str:
         """Return the origin of the start as text; empty for a scenario's own start."""
         if self.start is not None:
             return f"another run's state at {self.start.reached:.12g} s: the first sample"
@@ -318,33 +298,22 @@ class RunStart(NamedTuple):
 
 
 class PreparedRun(NamedTuple):
-    """Checked inputs of a run.
+    """Checked inputs of a run."""
 
-    Attributes:
-        system: System to run.
-        scenario: Scenario; None for a system built in Python.
-        settings: Settings of integration and sampling.
-        events: Events of the scenario and the user.
-        controllers: Controllers, by name.
-        begin: Time from which the run records [s].
-        span: Duration [s]; None if open.
-        first: State left by a run, or initial state [q, v, x].
-    """
-
-    system: System
-    scenario: Scenario | None
-    settings: RunSettings
-    events: tuple[Event, ...]
-    controllers: Mapping[str, Controller]
-    begin: float
-    span: float | None
-    first: State | np.ndarray
+    system: System  # system to run
+    scenario: Scenario | None  # scenario; None for a system built in Python
+    settings: RunSettings  # settings of integration and sampling
+    events: tuple[Event, ...]  # events of the scenario and the user
+    controllers: Mapping[str, Controller]  # controllers, by name
+    begin: float  # time from which the run records [s]
+    span: float | None  # duration [s]; None if open
+    first: State | np.ndarray  # state left by a run, or initial state [q, v, x]
 
 
-def prepared(
+def prepare_run(
     place: str,
     model: Scenario | System,
-    given: RunStart,
+    origin: RunStart,
     settings: RunSettings | None,
     events: Sequence[Event],
     duration: float | None,
@@ -356,7 +325,7 @@ def prepared(
     Args:
         place: Calling function, for messages.
         model: Scenario or system.
-        given: Start of the run.
+        origin: Start of the run.
         settings: Settings of integration and sampling; by default the scenario's.
         events: Events besides the scenario's.
         duration: Duration [s]; by default the scenario's.
@@ -366,14 +335,13 @@ def prepared(
     Raises:
         AntennaPinError: The input is not valid.
     """
-    q, v, angles, start = given
+    q, v, angles, start = origin
     for name, one in (("q", q), ("v", v), ("angles", angles)):
         if start is not None and one is not None:
             raise InvalidParameterError(place, name, "left out beside start, which holds it", one)
-    told: object = angles
-    if not isinstance(told, Mapping | None):
+    if not isinstance(angles, Mapping | None):
         rule = "a mapping of joints' names to turned angles [rad]"
-        raise InvalidParameterError(place, "angles", rule, said=shown(told))
+        raise InvalidParameterError(place, "angles", rule, said=shown(angles))
     scenario = model if isinstance(model, Scenario) else None
     if scenario is not None:
         system = build_system(scenario)
@@ -383,7 +351,11 @@ def prepared(
         span: float | None = scenario.duration if duration is None else duration
         used = settings or settings_of(scenario)
         events = (*events_of(scenario), *events)
-        controllers = merged_controllers(controllers_of(scenario), controllers)
+        own = controllers_of(scenario)
+        if shared := [name for name in controllers if name in own]:
+            rule = f"of other names than the scenario's own, {', '.join(own)}"
+            raise InvalidParameterError("simulate", "controllers", rule, shared[0])
+        controllers = {**own, **controllers}
     elif isinstance(model, System):
         system = model
         first_q, first_v = system.neutral(), np.zeros(system.model.nv)
@@ -406,7 +378,6 @@ def prepared(
         here, y = begin, system.state(start_q, start_v, angles)
         check_closed(system, y)
         check_start(system, y)
-        check_lengths(system, y)
         first = y
     else:
         here, y, first = start.reached, start.y, start
@@ -425,21 +396,9 @@ def check_scenario(scenario: Scenario) -> None:
     Raises:
         AntennaPinError: The scenario is not valid.
     """
-    system = build_system(scenario)
-    q, v = initial_state(scenario, system)
-    used, span = settings_of(scenario), scenario.duration
-    _check_settings("simulate", used, 0.0, span, scenario)
-    check_spans(system, 0.0, span)
-    y = system.state(q, v, initial_angles(scenario, system))
-    check_closed(system, y)
-    check_start(system, y)
-    check_lengths(system, y)
-    check_motions(system, y, 0.0, span)
-    check_events(events_of(scenario), system, y)
-    check_sets(events_of(scenario), system, y)
-    check_controllers(controllers_of(scenario), system)
-    if used.engine == "compiled":
-        check_compiled(system)
+    run = prepare_run("simulate", scenario, RunStart(), None, (), None)
+    if run.settings.engine == "compiled":
+        check_compiled(run.system)
 
 
 def _check_settings(
@@ -454,8 +413,8 @@ def _check_settings(
         raise ScenarioError(f"{place}: {'.'.join(settings_key(error.parameter))} {error.reason}") from error
 
 
-def _numbers(place: str, name: str, given: ArrayLike) -> np.ndarray:
+def _numbers(place: str, name: str, values: ArrayLike) -> np.ndarray:
     try:
-        return np.asarray(given, dtype=float)
+        return np.asarray(values, dtype=float)
     except (TypeError, ValueError):
-        raise InvalidParameterError(place, name, "an array of numbers", said=shown(given)) from None
+        raise InvalidParameterError(place, name, "an array of numbers", said=shown(values)) from None

@@ -50,31 +50,19 @@ Values = Mapping[str, Any]
 
 
 class Opening(NamedTuple):
-    """Ledger that does not close.
+    """Ledger that does not close."""
 
-    Attributes:
-        time: Time of the first sample with an unexplained error [s].
-        text: Ledger, error, and events at that sample.
-    """
-
-    time: float
-    text: str
+    time: float  # time of the first sample with an unexplained error [s]
+    text: str  # ledger, error, and events at that sample
 
 
 class FirstExcess(NamedTuple):
-    """First sample with an error larger than explained.
+    """First sample with an error larger than explained."""
 
-    Attributes:
-        time: Time of the sample [s].
-        before: Time of the previous sample; NaN without one [s].
-        error: Error, in its unit.
-        movers: Numbers of the coordinate and of the element that changed most since the sample before; -1
-            for none.
-    """
-
-    time: float
-    before: float
-    error: float
+    time: float  # time of the sample [s]
+    before: float  # time of the previous sample; NaN without one [s]
+    error: float  # error, in its unit
+    # numbers of the coordinate and of the element that changed most since the sample before; -1 for none
     movers: tuple[int, ...]
 
 
@@ -190,11 +178,7 @@ _MOMENTA = {"linear": "kg m/s", "angular": "kg m^2/s"}
 
 
 class Audit:
-    """Errors of a run's energy and momentum, block by block, and their explained bounds.
-
-    Args:
-        run: The run.
-    """
+    """Errors of a run's energy and momentum, block by block, and their explained bounds."""
 
     def __init__(self, run: Run) -> None:
         """Begin without a sample."""
@@ -224,7 +208,7 @@ class Audit:
         start = self._start
         gross = values["drive_gross_work"].sum(axis=1) + values["force_gross_work"].sum(axis=1)
         springs = np.abs(audit["contacts"]) + np.abs(audit["springs"] - kept)
-        potential = np.abs(audit["gravity"] - start["gravity"]) + np.abs(kept - start["kept"])
+        potential = np.abs(audit["gravity"] - start["gravity"]) + np.abs(kept - start["central"])
         slip = (np.abs(block.v) * start["slip"]).sum(axis=1)
         self._extend(block, values["a"])
         error = np.abs(values["energy_error"])
@@ -251,7 +235,7 @@ class Audit:
             trail.add(times, before, drift, self.momentum_bound(name), movers)
         self._last = float(times[-1])
 
-    def _begin(self, block: SampleBlock, gravity: float, kept: float) -> None:
+    def _begin(self, block: SampleBlock, gravity: float, central: float) -> None:
         """Store the start of the ledger, and the weights of velocities at their error scales."""
         system = self._run.system
         model, nv = system.model, system.model.nv
@@ -259,7 +243,7 @@ class Audit:
         inertia = np.diag(pin.crba(model, model.createData(), np.ascontiguousarray(block.q[0])))
         self._start = {
             "gravity": gravity,
-            "kept": kept,
+            "central": central,
             "inertia": inertia,
             "slip": inertia * scales[nv : 2 * nv],
             "scales": (scales[:nv], scales[nv : 2 * nv]),
@@ -327,13 +311,7 @@ class Audit:
         return (_ROUNDINGS + self._run.counts().accepted) * float(np.finfo(float).eps)
 
     def _explained(self, scale: float, slip: float = 0.0, least: float = 0.0) -> float:
-        """Return the error that the run's tolerance explains.
-
-        Args:
-            scale: E.
-            slip: S.
-            least: T.
-        """
+        """Return the error that the run's tolerance explains."""
         settings = self._run.settings
         if settings.ledger_tolerance is not None:
             return settings.ledger_tolerance * scale
@@ -406,7 +384,7 @@ class Audit:
         return found
 
     def opening(self) -> Opening | None:
-        """Return place and size of the first opening; None if the ledger closes or is unchecked."""
+        """Return place and size of the first opening, or None."""
         if not self._run.settings.ledger_alarm:
             return None
         found = []
@@ -427,11 +405,11 @@ class Audit:
                 found.append(self._opening(first, text, readable(bound, unit, 2)))
         return min(found, key=lambda one: one.time, default=None)
 
-    def _opening(self, first: FirstExcess, text: str, bound: str) -> Opening:
+    def _opening(self, excess: FirstExcess, text: str, bound: str) -> Opening:
         settings = self._run.settings
         by = "integrator.ledger_tolerance allows" if settings.ledger_tolerance else "integrator.rtol explains"
-        said = events_between(self._run, first.before, first.time)
-        movers = [self._names[k] for k in first.movers if k >= 0]
+        happened = events_between(self._run, excess.before, excess.time)
+        movers = [self._names[k] for k in excess.movers if k >= 0]
         moved = f"; changed most: {', '.join(movers)}" if movers else ""
-        since = "" if math.isnan(first.before) else f" since {first.before:.9g} s"
-        return Opening(first.time, f"{text}, where {by} {bound}; happened{since}: {said}{moved}")
+        since = "" if math.isnan(excess.before) else f" since {excess.before:.9g} s"
+        return Opening(excess.time, f"{text}, where {by} {bound}; happened{since}: {happened}{moved}")

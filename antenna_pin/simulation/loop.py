@@ -104,7 +104,6 @@ class ProgressReporter:
 
     Args:
         progress: Callback of reports; None for none.
-        end: End of the run [s].
         before: Wall time of the run so far [s].
     """
 
@@ -141,12 +140,9 @@ class Run:
         start: State left by a run, or the initial one as [q, v, x] (:meth:`System.state`), at time zero,
             whose contacts touch by the rule of :func:`antenna_pin.dynamics.contact_memory`.
         end: Time at which the run ends [s].
-        settings: Settings of integration and sampling.
-        events: Users' events.
         since: Time from which the run records [s]; by default the time of ``start``.
         singly: Whether a batch ends after each step.
         logged: Whether steps are logged, and a batch ends at each change of contact and event.
-        controllers: Controllers, by name.
     """
 
     def __init__(
@@ -180,7 +176,7 @@ class Run:
         self.search = ContactSearch(self.workspace, self.stepper, self.contacts)
         self.events = tuple(events)
         self.watch = EventWatch((*self.events, *own_events(system)), self.workspace, self.stepper)
-        self.control.end_at(self.watch.instants)
+        self.control.pace.end_at(self.watch.instants)
         worked_on = self.workspace, self.stepper, self.control, self.samples
         self.actions = Actions(self.watch, *worked_on, self.after)
         self.controllers = Controllers(controllers, self.workspace, self.actions, self.begin)
@@ -203,7 +199,7 @@ class Run:
 
     def _start(self, y: Array) -> None:
         self.stepper.restart(0.0, y)
-        self.control.spin = self.system.turn_on(self.stepper.start)
+        self.control.limit_turns(self.system.turn_on(self.stepper.start))
         self.search.measure(y)
         for c in range(len(self.contacts)):
             row = self.search.table[c]
@@ -214,7 +210,7 @@ class Run:
         self.watch.renew()
         self._act(self.watch.due())
         self.samples.add(0.0, self.here.copy())
-        self.following = self.control.first
+        self.steps.following = self.control.first_step
 
     # --- results --------------------------------------------------------------------------------------------
 
@@ -244,7 +240,7 @@ class Run:
             x=y[nq + nv :].copy(),
             memory=memory_numbers(self.workspace.memory),
             contacts=self.contacts.value(),
-            step=self.following,
+            step=self.steps.following,
             error=self.control.error,
             sizes=self.control.sizes.value(),
             changed=tuple(self.search.ignore.tolist()),
@@ -261,25 +257,16 @@ class Run:
                 self.actions.set(place, value)
         self.stepper.restart(state.time, state.y)
         self.actions.motions.renew(state.time)
-        self.control.spin = self.system.turn_on(self.stepper.start)
+        self.control.limit_turns(self.system.turn_on(self.stepper.start))
         self.control.sizes.take_up(state.sizes)
         self.search.ignore[:] = state.changed
-        self.following = state.step
+        self.steps.following = state.step
         self.control.error = state.error
         self.watch.take_up(state.events, state.time)
         self.watch.renew()
         self.controllers.take_up(state.controllers, state.reached)
         if state.time == state.reached:
             self.samples.add(state.time, state.y)
-
-    @property
-    def following(self) -> float:
-        """Size of the step to try next [s]."""
-        return self.steps.following
-
-    @following.setter
-    def following(self, h: float) -> None:
-        self.steps.following = h
 
     @property
     def here(self) -> Array:
@@ -309,7 +296,7 @@ class Run:
                 report(self.stepper.t, self.steps.following, self.steps.accepted)
                 if observer is not None:
                     observer.observe(self)
-                    self.steps.log.steps.clear()
+                    self.steps.log.clear()
         self.judge()
         if observer is not None:
             observer.end(self)
@@ -318,13 +305,13 @@ class Run:
         report(self.stepper.t, self.steps.following, self.steps.accepted, last=True)
 
     def go_to(self, end: float, interrupted: Callable[[], bool] = lambda: False) -> None:
-        """Run up to a time [s], from which the run may continue, or to an earlier stop."""
+        """Run to a time [s], or to an earlier stop; the run may continue."""
         clock = ProgressReporter(None, end, self.wall)
         self.duration = end
         self.control.move_end(end)
         self.steps.move_end(end)
         with self.monitor.guarded(self._stop):
-            if not self.steps.made:
+            if not self.steps.tried_so_far:
                 self.monitor.begin(self.stepper.t, self.here, self.steps.so_far(self.wall))
             self.tick()
             for _ in self._batches(lambda: clock.wall, interrupted):
@@ -357,8 +344,8 @@ class Run:
         self.watch = EventWatch((*self.events, *own_events(self.system)), self.workspace, self.stepper)
         self.watch.take_up(known, self.stepper.t)
         self.watch.tick = self.controllers.next
-        self.control.end_at(self.watch.instants)
-        self.actions.look_by(self.watch)
+        self.control.pace.end_at(self.watch.instants)
+        self.actions.watch = self.watch
         steps = self.steps
         self.steps = StepBatches(self.stepper, self._parts(), singly)
         self.steps.take_up(steps)
@@ -435,7 +422,7 @@ class Run:
         self.tick()
 
     def tick(self) -> None:
-        """Call the controllers that are due, and let the next step end at their next sample time."""
+        """Call the controllers that are due; let a step end at the next sample time."""
         following, t = self.controllers.next, self.stepper.t
         if following is None or self.outcome is not Outcome.COMPLETED:
             return
@@ -445,7 +432,7 @@ class Run:
             following = self.controllers.next
         if following is not None:
             self.watch.tick = following
-            self.control.end_next_at(t, following)
+            self.control.pace.end_next_at(t, following)
 
     def _act(self, crossings: list[Crossing]) -> None:
         """Carry out all events of the present time."""
@@ -454,14 +441,14 @@ class Run:
 
     @contextmanager
     def _settling(self) -> Iterator[None]:
-        """End the run on endless mode changes, on a motion that cannot be followed, or on request."""
+        """End the run on endless mode changes, impossible motions, or request."""
         try:
             yield
             last, self.actions.ending = self.actions.ending, None
             if last is not None and self.outcome is Outcome.COMPLETED:
                 self._stop(Outcome.STOPPED, f", event {last!r}")
         except NeverSettlesError as error:
-            self._stop(error.outcome, error.seen)
+            self._stop(error.outcome, error.text)
         except MechanismError as error:
             self._stop(Outcome.REFUSED, f", {error}")
 
@@ -477,12 +464,7 @@ class Run:
 
 
 def _no_step(run: Run, reason: int) -> tuple[Outcome, str]:
-    """Return outcome and reason of a run whose step failed.
-
-    Args:
-        run: Run.
-        reason: Reason by which the compiled loop returned.
-    """
+    """Return outcome and reason of a run whose step failed."""
     tried, error, refused = run.steps.tried
     if reason == kernels.NO_WAY:
         return Outcome.NO_PROGRESS, ""
@@ -522,16 +504,10 @@ def _undetermined(run: Run) -> str:
 
 
 def _message_of(run: Run, outcome: Outcome, what: str) -> tuple[Outcome, str]:
-    """Return the outcome, refined by known causes, and the message.
-
-    Args:
-        run: Run.
-        outcome: Outcome.
-        what: Details, from a comma on.
-    """
+    """Return the outcome, refined by known causes, and the message."""
     found = outcome
-    if outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL) and run.singular and run.singular.near:
-        found, what = Outcome.NOT_CLOSED, run.singular.near
+    if outcome in (Outcome.NOT_FINITE, Outcome.STEP_TOO_SMALL) and run.singular and run.singular.nearly_lost:
+        found, what = Outcome.NOT_CLOSED, run.singular.nearly_lost
     if outcome is Outcome.NOT_FINITE and (jammed := run.actions.modes.jammed(run.stepper.t, run.here)):
         what = jammed
     return found, f"at t = {run.stepper.t:.9g} s{what}: {found.value}"

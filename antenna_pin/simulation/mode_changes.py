@@ -59,19 +59,12 @@ Array = NDArray[np.float64]
 
 
 class ChangeResult(NamedTuple):
-    """Change of an element, with the state of its joint before and the impulse.
+    """Change of an element, with the state of its joint before and the impulse."""
 
-    Attributes:
-        met: State of the joint before the change.
-        change: Change of mode.
-        loss: Energy that the impulse takes [J].
-        impulse: Impulse on the child [N m s] ([N s]).
-    """
-
-    met: Met
-    change: Change
-    loss: float = 0.0
-    impulse: float = 0.0
+    met: Met  # state of the joint before the change
+    change: Change  # change of mode
+    loss: float = 0.0  # energy that the impulse takes [J]
+    impulse: float = 0.0  # impulse on the child [N m s] ([N s])
 
 
 class Impacts:
@@ -80,11 +73,6 @@ class Impacts:
     All elements struck at one time are one problem (:func:`antenna_pin.dynamics.push_apart`). Joints that
     rest on stops leave them where an impulse lifts them off; friction is finite, bears no impulse, and slips
     if its joint moves afterwards.
-
-    Args:
-        workspace: Workspace of the run.
-        adjustments: Present elements of the run.
-        acting: Elements with modes, by place.
 
     Attributes:
         losses: Places of the losses in the state, by element.
@@ -110,7 +98,7 @@ class Impacts:
             for one in workspace.system.motions
         ]
 
-    def taken(self, y: Array) -> float:
+    def lost(self, y: Array) -> float:
         """Return the losses of these elements so far, without works of motions [J]."""
         return float(sum(y[k] for k in self.losses.values()) - self.worked(y))
 
@@ -207,25 +195,16 @@ class Impacts:
                     resting[place] = 1.0 if least == 0.0 else -1.0
         return resting, loose
 
-    def _met(self, place: str, t: float, y: Array) -> Met:
-        block, nq = self._acting[place].block, self._workspace.model.nq
-        angle, rate, _, _ = kernels.joint_motion(self._workspace.program, block, y, nq)
-        return Met(t, float(angle), float(rate), 0.0)
-
 
 # --- largest efforts so far ---------------------------------------------------------------------------------
 
 
 class RunningPeaks:
-    """Largest efforts so far: of elements in touch side by side, and of drives at commands.
+    """Largest efforts so far: of elements in touch, by side, and of drives at commands.
 
     The compiled loop updates those of touches in each accepted step
     (:mod:`antenna_pin.engine.touch_kernels`). A drive's effort may jump where a command changes; between
     commands the samples tell (:class:`antenna_pin.simulation.recorder.EffortPeaks`).
-
-    Args:
-        system: System.
-        acting: Elements with modes, by place.
 
     Attributes:
         numbers: TOUCH, (sides + drives,); the drives have no side.
@@ -304,10 +283,6 @@ class ModeChanges:
     is located like an event's; the element defines the change. Coincident changes are carried out together,
     in rounds (:meth:`resolve`).
 
-    Args:
-        workspace: Workspace of the run.
-        adjustments: Present elements of the run; changed.
-
     Attributes:
         changed: Recorded changes of mode, in order.
         peaks: Largest efforts so far of elements in touch, and of drives at commands.
@@ -369,7 +344,7 @@ class ModeChanges:
         self.changed[:] = [one for one in self.changed if one.impulse != 0.0]
 
     def arm(self, place: str, key: str, t: float, y: Array) -> None:
-        """Pass the state of the joint to an element of which a number, or ``on``, was set."""
+        """Update an element whose number, or ``on``, was set, by its joint's state."""
         element = self._adjustments.elements.get(place)
         if isinstance(element, Modal) and element.acts:
             change = element.moved(key, self._due.met(place, t, y))
@@ -377,15 +352,15 @@ class ModeChanges:
                 self._adjustments.change(place, change)
 
     def jammed(self, t: float, y: Array) -> str:
-        """Return the joints with unsolvable friction by load, as part of a message; "" if none."""
+        """Return the joints with unsolvable friction by load, as text; "" if none."""
         return self._rest.jammed(t, y) if self._rest else ""
 
-    def taken(self, y: Array) -> float:
+    def losses(self, y: Array) -> float:
         """Return the energy lost in impulses and dampers, without works of motions [J]."""
-        return self._blows.taken(y)
+        return self._blows.lost(y)
 
     def lost_at_start(self) -> list[tuple[int, float]]:
-        """Return places of losses in the state, and the losses of impulses at the start [J]."""
+        """Return the losses of impulses at the start [J], with their places in the state."""
         return [(self._blows.losses[one.element], one.loss) for one in self.changed if one.time == 0.0]
 
     def is_due(self, t: float, y: Array) -> bool:
@@ -517,7 +492,7 @@ class ModeChanges:
         return bool(shifts)
 
     def recorded(self) -> list[ModeChange]:
-        """Return the recorded changes, with the peaks so far at the onsets of touches that last."""
+        """Return the recorded changes, with the peaks so far of touches that last."""
         return self.peaks.with_open(
             self.changed, {place: self._element(place).mode for place in self._acting}
         )

@@ -52,9 +52,6 @@ class TimeEstimate:
 
     Estimates are made at times of the clock; the motion does not depend on them.
 
-    Args:
-        end: End of the run [s].
-
     Attributes:
         left: Remaining wall time as last reported, by the pace since the last estimate [s]; NaN before the
             first report.
@@ -77,29 +74,29 @@ class TimeEstimate:
         self._began = self._next = math.nan
         self._mark = 0.0, StepCounts(0, 0, 0, 0, 0.0)
 
-    def begin(self, t: float, made: StepCounts) -> None:
+    def begin(self, t: float, counts: StepCounts) -> None:
         """Start the clock at t [s], with the counts of a run that continues."""
-        self._mark, self._start = (t, made), t
-        self._began, self._next, self._tried = made.wall, made.wall + _FIRST_WALL, made.tried
+        self._mark, self._start = (t, counts), t
+        self._began, self._next, self._tried = counts.wall, counts.wall + _FIRST_WALL, counts.tried
 
-    def update(self, t: float, made: StepCounts) -> bool:
+    def update(self, t: float, counts: StepCounts) -> bool:
         """Update the estimate at t [s], if due; return whether to report it."""
-        if not made.wall >= self._next or self._end == math.inf:
+        if not counts.wall >= self._next or self._end == math.inf:
             return False
-        then, way = self._mark[1], self.measure(t, made)
-        self._mark = t, made
-        self._next = self._began + 2.0 * (made.wall - self._began)
+        then, way = self._mark[1], self.measure(t, counts)
+        self._mark = t, counts
+        self._next = self._began + 2.0 * (counts.wall - self._began)
         if then.wall == self._began:
             return False
-        rests = made.tried - self._tried >= _STEPS or made.wall - self._began >= _PATIENCE
-        left = self._left(t, way, made.wall - then.wall)
+        rests = counts.tried - self._tried >= _STEPS or counts.wall - self._began >= _PATIENCE
+        left = self._left(t, way, counts.wall - then.wall)
         # By two estimates, or by the mean pace: a burst of impacts or events is soon over.
-        others = self._before, self._left(t, t - self._start, made.wall - self._began)
+        others = self._before, self._left(t, t - self._start, counts.wall - self._began)
         sure = max(others) > _LONG
-        self._best = max(self._best, way / (made.wall - then.wall))
+        self._best = max(self._best, way / (counts.wall - then.wall))
         known = left, others[1], self._left(t, self._best, 1.0)
         self._before = left
-        whole = made.wall + left
+        whole = counts.wall + left
         if not (rests and sure and left > _LONG) or self._told / _OTHER <= whole <= self._told * _OTHER:
             return False
         self.left, self._told = left, whole
@@ -107,16 +104,16 @@ class TimeEstimate:
         return True
 
     def _left(self, t: float, way: float, wall: float) -> float:
-        """Return the wall time left from t [s] on, at a progress [s] per wall time [s]."""
+        """Return the wall time left from t [s], by progress and its wall time [s]."""
         return (self._end - t) * wall / way if way > 0.0 else math.inf
 
-    def measure(self, t: float, made: StepCounts) -> float:
+    def measure(self, t: float, counts: StepCounts) -> float:
         """Measure the pace since the last estimate, at t [s]; return the progress since [s]."""
         before, then = self._mark
-        tried, way = max(made.tried - then.tried, 1), t - before
+        tried, way = max(counts.tried - then.tried, 1), t - before
         self.step = way / tried
-        self.rejected = (made.rejected - then.rejected) / tried
-        self.relocated = (made.relocated - then.relocated) / tried
+        self.rejected = (counts.rejected - then.rejected) / tried
+        self.relocated = (counts.relocated - then.relocated) / tried
         return way
 
     def text(self, t: float) -> str:
@@ -219,7 +216,7 @@ _DIFFERENCE = 1e-8  # of a component's scale: round-off and curvature of a diffe
 class _StiffState(NamedTuple):
     """State of the run, with contact memory and program."""
 
-    made: int
+    tried: int
     t: float
     y: Array
     memory: Array
@@ -236,10 +233,7 @@ class Stiffness:
     to the tolerance: visible decays or oscillations need such steps for themselves, and no method helps.
 
     Args:
-        workspace: Workspace of the run.
         method: Method of integration; fixed steps and implicit methods are not checked.
-        settings: Settings of the run.
-        end: End of the run [s].
 
     Attributes:
         text: Description of the stiffness; empty if none.
@@ -253,27 +247,27 @@ class Stiffness:
         self._mark: _StiffState | None = None
         self._next = 0
 
-    def check(self, t: float, y: Array, made: int) -> bool:
+    def check(self, t: float, y: Array, tried: int) -> bool:
         """Check the present state, if due; return whether stiffness has been detected now.
 
         Args:
             t: Time [s].
             y: State [q, v, x].
-            made: Trial steps made so far.
+            tried: Trial steps so far.
         """
         mark = self._mark
-        if self._over or made < (_FIRST_STEPS if mark is None else mark.made + _WINDOW):
+        if self._over or tried < (_FIRST_STEPS if mark is None else mark.tried + _WINDOW):
             return False
-        here = _StiffState(made, t, y.copy(), self._run.memory.copy(), self._run.program.copy())
+        here = _StiffState(tried, t, y.copy(), self._run.memory.copy(), self._run.program.copy())
         self._mark = here
-        if mark is None or t <= mark.t or made < self._next:
+        if mark is None or t <= mark.t or tried < self._next:
             return False
-        step = (t - mark.t) / (made - mark.made)
+        step = (t - mark.t) / (tried - mark.tried)
         if self._end - t < _FEW * step:
             return False
         eigenvalue, share = self._fastest(here, step)
         if not share.any() or not self._fastest(mark, step)[1].any():
-            self._next = int((_AGAIN if eigenvalue else _BETWEEN) * made)
+            self._next = int((_AGAIN if eigenvalue else _BETWEEN) * tried)
             return False
         self._over, rate = True, abs(eigenvalue)
         self.text = (
@@ -351,7 +345,7 @@ class Stiffness:
         return f"the motion of joint {joint!r}{f' under {acting}' if acting else ''}"
 
     def _steepest(self, place: _StiffState, joint: str, rate: float) -> str:
-        """Return the label of the element at a joint whose effort changes most in a mode."""
+        """Return the label of a joint's element whose effort changes most in a mode."""
         system = self._run.system
         nq, slot = system.model.nq, system.mechanism.joint(joint)
         way = np.zeros(system.model.nv)
@@ -387,18 +381,12 @@ _MANY = 0.2
 _WAY_OUT = "; integrator.max_wall_time ends a run in time, and keeps what it has"
 
 
-def _without_compiling(made: StepCounts) -> StepCounts:
-    return made._replace(wall=made.wall - compiling_so_far())
+def _without_compiling(counts: StepCounts) -> StepCounts:
+    return counts._replace(wall=counts.wall - compiling_so_far())
 
 
 class Monitor:
-    """Checks of a run between its steps; the run is not changed.
-
-    Args:
-        workspace: Workspace of the run.
-        control: Step control, with method and limits.
-        events: Users' events.
-    """
+    """Checks of a run between its steps; the run is not changed."""
 
     def __init__(self, workspace: Workspace, control: StepControl, events: Sequence[Event]) -> None:
         """Begin without a check."""
@@ -419,37 +407,37 @@ class Monitor:
         why = self.advice or self._slow
         return "" if outcome is Outcome.COMPLETED or not why else f"; {why}"
 
-    def begin(self, t: float, y: Array, made: StepCounts) -> None:
+    def begin(self, t: float, y: Array, counts: StepCounts) -> None:
         """Check the first state: time [s], [q, v, x], and the counts so far."""
-        self._began = made.wall
-        self._estimate.begin(t, _without_compiling(made))
+        self._began = counts.wall
+        self._estimate.begin(t, _without_compiling(counts))
         self._repeatable.check(t, y, 0)
-        self._courses.check(t, made.tried)
+        self._courses.check(t, counts.tried)
 
-    def check(self, t: float, y: Array, made: StepCounts, interrupted: bool) -> tuple[Outcome | None, str]:
+    def check(self, t: float, y: Array, counts: StepCounts, interrupted: bool) -> tuple[Outcome | None, str]:
         """Return the reason to end the run, None to continue, and its text.
 
         Args:
             t: Time [s].
             y: State [q, v, x].
-            made: Counts so far.
+            counts: Counts so far.
             interrupted: Whether the user has stopped the run.
         """
-        limit = self._control.limit(made.tried, t, made.wall - self._began)
-        if self._stiffness.check(t, y, made.tried):
+        limit = self._control.limit(counts.tried, t, counts.wall - self._began)
+        if self._stiffness.check(t, y, counts.tried):
             warnings.warn(f"at t = {t:.9g} s the run is {self.advice}", StiffRunWarning, stacklevel=2)
-        if self._estimate.update(t, _without_compiling(made)):
+        if self._estimate.update(t, _without_compiling(counts)):
             known = self._slow or self.advice
             why = self._why(t, y)
             said = "what makes it slow was said" if why == known else why
             warnings.warn(f"{self._estimate.text(t)}: {said}{_WAY_OUT}", LongRunWarning, stacklevel=2)
         elif limit is Outcome.NO_PROGRESS:
-            self._estimate.measure(t, _without_compiling(made))
+            self._estimate.measure(t, _without_compiling(counts))
             self._why(t, y)
-        words = self._repeatable.check(t, y, made.evaluations)
+        words = self._repeatable.check(t, y, counts.evaluations)
         if words:
             return Outcome.FUNCTION_WITH_MEMORY, words
-        words = self._courses.check(t, made.tried)
+        words = self._courses.check(t, counts.tried)
         if words:
             return Outcome.REFUSED, words
         return Outcome.INTERRUPTED if interrupted else limit, ""
@@ -469,7 +457,7 @@ class Monitor:
             stop(Outcome.INTERRUPTED, "")
 
     def failure_in(self, stepper: Stepper, h: float) -> FunctionError | None:
-        """Return the failure of a function called by kernels, in a step of size h [s]."""
+        """Return the failure of a function in kernels, in a step of size h [s]."""
         called = functions_in_kernels(self._repeatable.functions)
         return failure_in(called, self._workspace.program, stepper, h) if called else None
 

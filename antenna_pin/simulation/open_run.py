@@ -33,11 +33,7 @@ Array = NDArray[np.float64]
 
 
 class RecordSnapshot:
-    """Snapshot of the record of a run; its steps stay as they are.
-
-    Args:
-        run: Run, between two steps.
-    """
+    """Snapshot of the record of a run; its steps stay as they are."""
 
     def __init__(self, run: Run) -> None:
         """Copy the data that later steps change."""
@@ -63,12 +59,7 @@ class RecordSnapshot:
 
 
 class RunSnapshot:
-    """Snapshot of a run at the beginning of a step.
-
-    Args:
-        run: Run.
-        state: State of the run at the beginning of the step.
-    """
+    """Snapshot of a run at the beginning of a step."""
 
     def __init__(self, run: Run, state: State) -> None:
         """Copy the data that later steps change."""
@@ -77,7 +68,7 @@ class RunSnapshot:
         self._numbers = run.actions.adjustments.snapshot()
         made = run.steps
         self._made = made.accepted, made.rejected, made.relocated, run.stepper.evaluations
-        self._seen = run.control.paced, run.search.gap_difference
+        self._seen = run.control.paced, run.search.difference[0]
 
     def is_here(self) -> bool:
         """Return whether the run is at this state, with this record."""
@@ -97,7 +88,7 @@ class RunSnapshot:
         self._record.restore()
         made = run.steps
         made.accepted, made.rejected, made.relocated, run.stepper.evaluations = self._made
-        run.control.paced, run.search.gap_difference = self._seen
+        run.control.paced, run.search.difference[0] = self._seen
         run.control.renew(run.actions.adjustments.elements.values())
         run.left = None
 
@@ -111,12 +102,8 @@ class OpenRun:
     """Run whose end moves.
 
     Args:
-        system: System.
         start: State left by a run, or initial state [q, v, x], as for :class:`Run`.
-        settings: Settings of integration and sampling.
-        events: Users' events.
         window: Time span of the past that is kept at least [s].
-        controllers: Controllers, by name.
 
     Attributes:
         run: Run at its present end.
@@ -159,7 +146,7 @@ class OpenRun:
         self.run.go_to(end, interrupted)
 
     def go_until(self, event: Event, end: float, interrupted: Callable[[], bool] = lambda: False) -> bool:
-        """Run to the next occurrence of an event, to a time [s] or to an earlier stop.
+        """Run to the next occurrence of an event, a time [s] or an earlier stop.
 
         Returns:
             Whether the event has occurred. Its actions are not carried out, and it leaves no trace.

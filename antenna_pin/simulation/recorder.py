@@ -52,19 +52,12 @@ _COARSE = 0.01  # relative height above a neighbouring sample beyond which a par
 
 
 class _PeakCandidate(NamedTuple):
-    """Three samples around a possible maximum.
+    """Three samples around a possible maximum."""
 
-    Attributes:
-        most: Largest value of the parabola through the samples [N m] ([N]).
-        bound: Upper bound of the expected maximum; infinite for coarse samples [N m] ([N]).
-        time: Time of the vertex of the parabola [s].
-        samples: The three samples.
-    """
-
-    most: float
-    bound: float
-    time: float
-    samples: Chunk
+    most: float  # largest value of the parabola through the samples [N m] ([N])
+    bound: float  # upper bound of the expected maximum; infinite for coarse samples [N m] ([N])
+    time: float  # time of the vertex of the parabola [s]
+    samples: Chunk  # the three samples
 
     def sides(self, coarse: bool) -> list[Chunk]:
         """Return the pairs of samples that may enclose the maximum."""
@@ -75,19 +68,12 @@ class _PeakCandidate(NamedTuple):
 
 
 class _RepeatedStep(NamedTuple):
-    """Repeated step between two samples.
+    """Repeated step between two samples."""
 
-    Attributes:
-        time: Begin of the step [s].
-        state: State at the begin, [q, v, x].
-        size: Size of the step [s].
-        sizes: Sizes of efforts within the step [N m] ([N]), (points, drives).
-    """
-
-    time: float
-    state: Array
-    size: float
-    sizes: Array
+    time: float  # begin of the step [s]
+    state: Array  # state at the begin, [q, v, x]
+    size: float  # size of the step [s]
+    sizes: Array  # sizes of efforts within the step [N m] ([N]), (points, drives)
 
 
 class EffortPeaks:
@@ -99,7 +85,6 @@ class EffortPeaks:
     controllers, at which an effort jumps, are seen besides (:class:`mode_changes.RunningPeaks`).
 
     Args:
-        run: Run.
         between: Whether the samples are consecutive, so that the run can be repeated between them.
     """
 
@@ -158,11 +143,7 @@ class EffortPeaks:
 
 
 class _Reintegration:
-    """Repeated integration between two samples of a run.
-
-    Args:
-        run: Run.
-    """
+    """Repeated integration between two samples of a run."""
 
     def __init__(self, run: Run) -> None:
         """Allocate once."""
@@ -271,7 +252,7 @@ class _Reintegration:
 
 
 def _vertices(times: Array, sizes: Array) -> tuple[Array, Array]:
-    """Return value and time of the vertex of the parabola through three samples, (n - 2,).
+    """Return value and time of the vertices of parabolas through three samples, (n - 2,).
 
     Minus infinity if the vertex is not among them.
     """
@@ -353,7 +334,7 @@ def result_data(
 
 def at_present(run: Run) -> xr.Dataset:
     """Return the series of a run at its first sample and its present state, labelled."""
-    held, outcome = run.samples.held, (run.outcome, run.message)
+    held, outcome = run.samples.chunk, (run.outcome, run.message)
     t, memory = run.stepper.t, run.workspace.memory
     here = Chunk(np.array([t]), run.here[np.newaxis], memory[np.newaxis], [run.samples.program])
     samples = Samples(run.workspace, 1.0, (), run.begin, t)
@@ -366,7 +347,7 @@ def at_present(run: Run) -> xr.Dataset:
 
 
 def open_ledger(run: Run) -> str:
-    """Return the opening of a run's ledger as text, by its samples; "" if it closes."""
+    """Return the opening of a run's ledger by its samples, as text; "" if none."""
     outcome, message = run.outcome, run.message
     for _ in Recorder(run).blocks():
         pass
@@ -376,12 +357,7 @@ def open_ledger(run: Run) -> str:
 
 
 def series_at(run: Run, chunk: Chunk) -> Values:
-    """Return the series implied by states of a run's system, by name, (n, ...) each.
-
-    Args:
-        run: Any run of the system.
-        chunk: States, with contact memories and programs.
-    """
+    """Return the series implied by states of a run's system, by name, (n, ...) each."""
     return _implied(run, chunk)[1]
 
 
@@ -389,10 +365,6 @@ def labelled_at(run: Run, chunk: Chunk) -> xr.Dataset:
     """Return the series implied by states, possibly of several runs, labelled.
 
     Integrals along a run count from the first state.
-
-    Args:
-        run: Any run of the system.
-        chunk: States, with contact memories and programs.
     """
     recording, values = _implied(run, chunk)
     return recording.unlabelled(values, {}).labelled()
@@ -412,7 +384,6 @@ class Recorder:
     """Variables of a finished run, block by block, with totals and peaks.
 
     Args:
-        run: Run.
         parts: Samples of the run on the disk, before those in memory.
         samples: Samples to record instead of the run's.
 
@@ -502,7 +473,7 @@ class Recorder:
             **about,
             "end_time": float(self._last.times[-1]),
             "samples": self.count,
-            "gap_difference": self.run.search.gap_difference,
+            "gap_difference": float(self.run.search.difference[0]),
             "conservation": json.dumps(self._audit.conservation()),
         }
         records = self.run.controllers.records

@@ -33,7 +33,7 @@ from antenna_pin.errors import InvalidParameterError, LedgerOpenWarning, OutputE
 from antenna_pin.scenario import Scenario, scenario_named
 from antenna_pin.simulation.checkpoint import Checkpoint, CheckpointStore, about_run, check_same
 from antenna_pin.simulation.events import Event
-from antenna_pin.simulation.inputs import RunStart, as_run, prepared
+from antenna_pin.simulation.inputs import RunStart, as_run, prepare_run
 from antenna_pin.simulation.loop import Progress, Run
 from antenna_pin.simulation.recorder import Recorder, result_data
 from antenna_pin.simulation.samples import check_room
@@ -85,8 +85,7 @@ def simulate(
         angles: Beside q, angles of joints that turn without end, by name [rad]: their whole turns, which q
             does not hold. Those not given are in (-pi, pi].
         start: State to continue from instead, the ``end`` of a run of the same system: the two runs together
-        are
-            bit for bit the one run. The state includes time, contacts and step sizes.
+            are bit for bit the one run. The state includes time, contacts and step sizes.
         settings: Integration and sampling; the scenario's, or the defaults.
         events: Events with their actions, besides the scenario's.
         controllers: Sampled controllers, by name, besides the scenario's. The run
@@ -96,51 +95,52 @@ def simulate(
             the run was interrupted.
         checkpoint: Wall time from one checkpoint to the next [s].
         resume: Whether to continue the run whose checkpoint is beside ``out``; its other inputs, the
-            initial state excepted, is given again. ``duration`` is that run's if not given.
+            initial state excepted, are given again. ``duration`` is that run's if not given.
 
     Raises:
         AntennaPinError: The input is not valid; raised before any step is made.
         FileFormatError: Likewise; there is no checkpoint, or it is damaged, or of another version or run.
         OutputError: The result cannot be written; :class:`antenna_pin.simulation.UnsavedError` holds it.
     """
-    assert not isinstance(duration, str) and not isinstance(checkpoint, str)  # read already, by `takes`
+    assert not isinstance(duration, str) and not isinstance(checkpoint, str)  # converted by `takes`
     if not holds(checkpoint, "positive") and checkpoint != math.inf:
         raise InvalidParameterError("simulate", "checkpoint", "positive [s]", checkpoint)
     if resume and out is None:
         raise InvalidParameterError("simulate", "out", "given beside resume", None)
     target = None if out is None else check_writable(out, ".nc")
-    stood = Checkpoint.load(target) if resume and target is not None else None
-    if stood is not None:
+    previous = Checkpoint.load(target) if resume and target is not None else None
+    if previous is not None:
         for name, begun in (("start", start), ("q", q), ("v", v), ("angles", angles)):
             if begun is not None:
                 rule = "left out beside resume, which goes on from a checkpoint"
                 raise InvalidParameterError("simulate", name, rule, said=type(begun).__name__)
-        start, duration = stood.start, stood.about["span"] if duration is None else duration
-    given, began = RunStart(q, v, angles, start), None if stood is None else stood.begin
-    ready = prepared("simulate", scenario_named(model), given, settings, events, duration, began, controllers)
-    system, scenario, used, events, controllers, begin, span, first = ready
+        start, duration = previous.start, previous.about["span"] if duration is None else duration
+    origin, begin = RunStart(q, v, angles, start), None if previous is None else previous.begin
+    system, scenario, used, events, controllers, begin, span, first = prepare_run(
+        "simulate", scenario_named(model), origin, settings, events, duration, begin, controllers
+    )
     if span is None:
         raise InvalidParameterError("simulate", "duration", "given for a system built in Python [s]", None)
     if scenario is not None:
         scenario = as_run(scenario, float(span), used)
-    told = given.told(scenario) if stood is None else stood.about["start"]
+    source = origin.text(scenario) if previous is None else previous.about["start"]
     store = None
     if target is None:
         check_room(system, float(span) * used.output_rate + len(used.output_times))
     else:
-        about = about_run(system, scenario, used, float(span), told, events, controllers)
-        if stood is not None:
-            check_same(stood, about)
-        store = CheckpointStore(target, system, about, checkpoint, stood)
+        about = about_run(system, scenario, used, float(span), source, events, controllers)
+        if previous is not None:
+            check_same(previous, about)
+        store = CheckpointStore(target, system, about, checkpoint, previous)
     with store or contextlib.nullcontext(), compiling_timed() as compiling:
         run = Run(system, first, begin + float(span), used, events, begin, controllers=controllers)
-        if stood is not None:
-            stood.give_to(run)
+        if previous is not None:
+            previous.give_to(run)
         with interruptible() as interrupted:
             before = compiling.seconds  # the run's own time begins with its first step
             run.advance(progress, interrupted, store)
             run.wall -= compiling.seconds - before
-            return result_of(run, scenario, told, store, time.perf_counter(), compiling)
+            return result_of(run, scenario, source, store, time.perf_counter(), compiling)
 
 
 # --- result of a finished run -------------------------------------------------------------------------------
@@ -168,7 +168,7 @@ def result_of(
     began: float,
     compiling: CompileClock | None = None,
 ) -> Trajectory:
-    """Return the result of a run after its last step, written if it has a store.
+    """Return the result of a run after its last step; write it if stored.
 
     Args:
         run: Run.

@@ -1,4 +1,4 @@
-"""Samples on the disk: sealed files in a folder beside the result, and all samples block by block.
+"""Samples on the disk: sealed files beside the result; all samples block by block.
 
 ``NAME.nc.parts`` has parts of samples, written once each, and one checkpoint, which is replaced. A part that
 no checkpoint lists yet is written anew after a kill.
@@ -218,7 +218,6 @@ class SampleFiles:
 
     Args:
         folder: Folder of the parts; made with the first file.
-        base: Program of the system.
         identity: Identity of the run; parts of another run are refused.
 
     Attributes:
@@ -329,7 +328,7 @@ BLOCK = 8192
 def _chunks(samples: Samples, parts: SampleFiles | None) -> Iterator[Chunk]:
     if parts is not None:
         yield from map(parts.read, range(len(parts.rows)))
-    yield samples.held
+    yield samples.chunk
 
 
 def _with_late(chunk: Chunk, late: Sequence[LateSample], samples: Samples) -> Chunk:
@@ -375,10 +374,6 @@ def _merged(samples: Samples, parts: SampleFiles | None) -> Iterator[Chunk]:
 
 def blocks_of(samples: Samples, parts: SampleFiles | None = None) -> Iterator[Chunk]:
     """Yield the samples of a run in blocks of :data:`BLOCK`, and the rest.
-
-    Args:
-        samples: Samples in memory.
-        parts: Samples on the disk.
 
     Raises:
         FileFormatError: A part is damaged.

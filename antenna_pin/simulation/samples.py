@@ -36,68 +36,43 @@ def check_room(system: System, count: float) -> None:
 
 
 class LateSample(NamedTuple):
-    """Sample of an earlier time, to be inserted among samples on the disk.
+    """Sample of an earlier time, to be inserted among samples on the disk."""
 
-    Attributes:
-        time: Time [s].
-        state: State [q, v, x] of the dense output, to be projected once its program is known.
-        memory: Contact memory, MEMORY, (contacts,).
-    """
-
-    time: float
-    state: Array
-    memory: NDArray[Any]
+    time: float  # time [s]
+    state: Array  # state [q, v, x] of the dense output, to be projected once its program is known
+    memory: NDArray[Any]  # contact memory, MEMORY, (contacts,)
 
 
 class Chunk(NamedTuple):
-    """Consecutive samples.
+    """Consecutive samples."""
 
-    Attributes:
-        times: Times, (n,) [s].
-        states: States [q, v, x], (n, size).
-        memories: Contact memories, MEMORY, (n, contacts).
-        programs: Program of force elements at each: the same array as long as nothing was changed in it.
-    """
-
-    times: Array
-    states: Array
-    memories: NDArray[Any]
+    times: Array  # times, (n,) [s]
+    states: Array  # states [q, v, x], (n, size)
+    memories: NDArray[Any]  # contact memories, MEMORY, (n, contacts)
+    # program of force elements at each: the same array as long as nothing was changed in it
     programs: list[Array]
 
-    def part(self, first: int | None, last: int | None) -> Chunk:
+    def part(self, begin: int | None, end: int | None) -> Chunk:
         """Return a slice of the samples."""
-        here = slice(first, last)
-        return Chunk(self.times[here], self.states[here], self.memories[here], self.programs[here])
+        return Chunk(*(one[begin:end] for one in self))
 
     @staticmethod
     def joined(chunks: Sequence[Chunk]) -> Chunk:
         """Return chunks as one."""
         if len(chunks) == 1:
             return chunks[0]
-        return Chunk(
-            np.concatenate([one.times for one in chunks]),
-            np.concatenate([one.states for one in chunks]),
-            np.concatenate([one.memories for one in chunks]),
-            [program for one in chunks for program in one.programs],
-        )
+        arrays = (np.concatenate(parts) for parts in zip(*(one[:3] for one in chunks), strict=True))
+        return Chunk(*arrays, [program for one in chunks for program in one.programs])
 
 
 class SamplesSnapshot(NamedTuple):
-    """Snapshot of the samples of a run.
+    """Snapshot of the samples of a run."""
 
-    Attributes:
-        number: Number of samples.
-        inserted: Number of inserted samples.
-        last: Last sample; None without samples.
-        program: Program of the next samples.
-        begin: Time from which states are recorded [s].
-    """
-
-    number: int
-    inserted: int
-    last: Chunk | None
-    program: Array
-    begin: float
+    number: int  # number of samples
+    inserted: int  # number of inserted samples
+    last: Chunk | None  # last sample; None without samples
+    program: Array  # program of the next samples
+    begin: float  # time from which states are recorded [s]
 
 
 class Samples:
@@ -108,7 +83,6 @@ class Samples:
         rate: Output times a second [Hz].
         chosen: Further output times, ascending [s].
         begin: Time from which states are recorded [s].
-        end: End of the run [s].
 
     Attributes:
         programs: Program of force elements at each: the same array as long as nothing was changed in it.
@@ -155,7 +129,7 @@ class Samples:
         return self._memories[: self._count].reshape(-1).view(MEMORY).reshape(self._count, contacts)
 
     @property
-    def held(self) -> Chunk:
+    def chunk(self) -> Chunk:
         """Samples in memory."""
         return Chunk(self.times, self.states, self.memories, self.programs)
 
@@ -164,16 +138,11 @@ class Samples:
         """Size of the samples in memory [bytes]."""
         return self._count * (self._states.shape[1] * 8 + self._memories.shape[1] + 16)
 
-    @property
-    def held_but_last(self) -> Chunk:
-        """Samples in memory except the last, which may yet be replaced."""
-        return self.held.part(None, -1)
-
     def hand_out(self) -> None:
         """Discard the samples in memory except the last, once they are on the disk."""
         if self._count > 1:
             self._handed, self._before = float(self._times[self._count - 2]), self.programs[-2]
-            self.take_up(self.held.part(-1, None))
+            self.take_up(self.chunk.part(-1, None))
 
     def take_up(self, chunk: Chunk) -> None:
         """Replace the samples in memory."""
@@ -196,7 +165,7 @@ class Samples:
         return (None, None) if self._before is None else (self._handed, self._before)
 
     def go_on_after(self, time: float, program: Array) -> None:
-        """Continue after samples on the disk, up to a time [s] and with this last program."""
+        """Continue after samples on the disk, by time [s] and program of the last."""
         self._handed, self._before = time, program
 
     @property
@@ -284,7 +253,7 @@ class Samples:
 
     def snapshot(self) -> SamplesSnapshot:
         """Return a snapshot of the samples, to be restored later."""
-        last = self.held.part(-1, None) if self._count else None
+        last = self.chunk.part(-1, None) if self._count else None
         if last is not None:
             last = Chunk(last.times.copy(), last.states.copy(), last.memories.copy(), list(last.programs))
         return SamplesSnapshot(self._count, len(self._inserted), last, self.program, self.begin)
@@ -310,12 +279,12 @@ class Samples:
             self.programs[place] = snapshot.last.programs[0]
 
     def forget_before(self, t: float) -> float:
-        """Discard samples that are not needed from a time on [s]; return the first time left.
+        """Discard samples not needed from a time on [s]; return the first time left.
 
         Earlier snapshots become invalid.
         """
         first = max(int(np.searchsorted(self.times, t, side="right")) - 1, 0)
-        self.take_up(self.held.part(first, None))
+        self.take_up(self.chunk.part(first, None))
         self._inserted.clear()
         self.begin = float(self._times[0])
         return self.begin

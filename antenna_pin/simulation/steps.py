@@ -60,39 +60,27 @@ def scale_vector(system: System, scales: ErrorScales) -> NDArray[np.float64]:
         position[3:6] = factor * scales.angle
         velocity[:3] = factor * scales.velocity
         velocity[3:6] = factor * scales.angular_velocity
-    for joint in system.clearances:
-        slot = system.mechanism.joint(joint.name)
-        play = scales.clearance * joint.geometry.radial_clearance
-        start = slot.v.start
-        linear = 2 if joint.planar else 3
-        position[start : start + linear] = play
-        velocity[start : start + linear] = scales.clearance_velocity
-        half = joint.geometry.half_length
-        if joint.geometry.motion == "slide":
-            along = np.abs(slot.axis) > 1.0 - 1e-9
-            position[start : start + 3] = np.where(along, scales.position, play)
-            velocity[start : start + 3] = np.where(along, scales.velocity, scales.clearance_velocity)
-        if half is not None and joint.geometry.motion == "slide":
-            position[start + 3 : start + 6] = play / half
-            velocity[start + 3 : start + 6] = scales.clearance_velocity / half
-        elif half is not None:
-            # About the axis the motion angle, across it the tilt; in between, for an axis askew, the
-            # finer.
-            about = np.abs(slot.axis) > 1.0 - 1e-9
-            position[start + 3 : start + 6] = np.where(about, scales.angle, play / half)
-            velocity[start + 3 : start + 6] = np.where(
-                about, scales.angular_velocity, scales.clearance_velocity / half
-            )
-    for name in system.on_bearings:
-        # Like play, in units of the substitute.
+    shapes = [(joint.name, joint.geometry, 2 if joint.planar else 3) for joint in system.clearances]
+    plays = [
+        (name, scales.clearance * shape.radial_clearance, shape.half_length, shape.motion == "slide", linear)
+        for name, shape, linear in shapes
+    ]
+    plays += [(name, scales.clearance * BEARING_PLAY, BEARING_LEVER, False, 3) for name in system.on_bearings]
+    for name, play, half, slides, linear in plays:
         slot = system.mechanism.joint(name)
         start = slot.v.start
-        position[start : start + 3] = scales.clearance * BEARING_PLAY
-        velocity[start : start + 3] = scales.clearance_velocity
-        about = np.abs(slot.axis) > 1.0 - 1e-9
-        tilt = scales.clearance * BEARING_PLAY / BEARING_LEVER, scales.clearance_velocity / BEARING_LEVER
-        position[start + 3 : start + 6] = np.where(about, scales.angle, tilt[0])
-        velocity[start + 3 : start + 6] = np.where(about, scales.angular_velocity, tilt[1])
+        # About the axis the motion angle, across it the tilt; in between, for an axis askew, the finer.
+        along = np.abs(slot.axis) > 1.0 - 1e-9
+        position[start : start + linear] = play
+        velocity[start : start + linear] = scales.clearance_velocity
+        if slides:
+            position[start : start + 3] = np.where(along, scales.position, play)
+            velocity[start : start + 3] = np.where(along, scales.velocity, scales.clearance_velocity)
+        if half is not None:
+            tilt, rate = play / half, scales.clearance_velocity / half
+            turns = along & (not slides)
+            position[start + 3 : start + 6] = np.where(turns, scales.angle, tilt)
+            velocity[start + 3 : start + 6] = np.where(turns, scales.angular_velocity, rate)
     x = np.full(system.manifold.nx, math.inf)
     forces = system.force_x["work"], system.force_x["loss"]
     booked = (system.lost_normal_x, system.lost_friction_x, system.work_x, system.damper_x, system.element_x)
@@ -120,14 +108,10 @@ _PACE_STEPS = 50_000  # trial steps between checks of the pace: a burst of impac
 
 
 class StepControl:
-    """Step size control, with the times at which steps must end and the limits of a run.
+    """Step size control, with times at which steps must end, and limits of a run.
 
     Args:
         workspace: Workspace of the run; elements define times at which steps end, and longest steps.
-        method: Method of integration.
-        settings: Settings of integration.
-        begin: Time from which the run records [s].
-        end: End of the run [s].
 
     Attributes:
         sizes: Step sizes by pattern of touching contacts: impacts of one kind need steps of one size [s].
@@ -153,18 +137,10 @@ class StepControl:
         self.sizes = Sizes(workspace.memory)
         system = workspace.system
         elements = [element for family in system.families.values() for element in family.values()]
-        self.end_at({t for element in elements for t in element.instants})
+        self.pace.end_at({t for element in elements for t in element.instants})
         self.renew(elements)
         #: Trial steps and time [s] of the last check of the pace.
         self.paced = (0, begin)
-
-    def end_at(self, instants: Iterable[float]) -> None:
-        """Add times at which steps end [s]."""
-        self.pace.end_at(instants)
-
-    def end_next_at(self, here: float, instant: float) -> None:
-        """Set the controllers' next sample time [s], for steps from here [s]."""
-        self.pace.end_next_at(here, instant)
 
     def move_end(self, end: float) -> None:
         """Move the end of the run [s]."""
@@ -178,13 +154,8 @@ class StepControl:
             longest = min([longest, *(element.longest_step for element in elements)])
         self.pace.numbers["longest"] = longest
 
-    @property
-    def spin(self) -> float:
-        """Fastest rate of a continuous joint at the present state [rad/s]."""
-        return float(self.pace.numbers["spin"][0])
-
-    @spin.setter
-    def spin(self, rate: float) -> None:
+    def limit_turns(self, rate: float) -> None:
+        """Set the fastest rate of a continuous joint at the present state [rad/s]."""
         self.pace.numbers["spin"] = rate
 
     @property
@@ -197,7 +168,7 @@ class StepControl:
         self.pace.numbers["error"] = value
 
     @property
-    def first(self) -> float:
+    def first_step(self) -> float:
         """Size of the first step to try [s]."""
         settings = self.settings
         if not self.method.adaptive:
@@ -240,45 +211,13 @@ class StepControl:
 
 
 class LoggedStep(NamedTuple):
-    """Step without a change inside.
+    """Step without a change inside."""
 
-    Attributes:
-        time: Begin of the step [s].
-        size: Size of the step [s].
-        y: State at the begin.
-        until: End of the step [s].
-        end: State at the end, before any change there.
-    """
-
-    time: float
-    size: float
-    y: Array
-    until: float
-    end: Array
-
-
-class StepLog:
-    """Steps of a run since the last call of its observer.
-
-    Attributes:
-        steps: Steps, in order.
-    """
-
-    def __init__(self) -> None:
-        """Begin without steps."""
-        self.steps: list[LoggedStep] = []
-
-    def extend(self, time: float, y: Array, ends: tuple[Array, Array, Array]) -> None:
-        """Append consecutive steps.
-
-        Args:
-            time: Begin of the first step [s].
-            y: State at the begin.
-            ends: End and size of each step, (n,) each [s], and the state at the end, (n, size); copied.
-        """
-        for until, size, end in zip(ends[0].tolist(), ends[1].tolist(), ends[2].copy(), strict=True):
-            self.steps.append(LoggedStep(time, size, y, until, end))
-            time, y = until, end
+    time: float  # begin of the step [s]
+    size: float  # size of the step [s]
+    y: Array  # state at the begin
+    until: float  # end of the step [s]
+    end: Array  # state at the end, before any change there
 
 
 # --- batches of steps ---------------------------------------------------------------------------------------
@@ -302,56 +241,36 @@ def stepper_of(workspace: Workspace, method: Method, scales: Array, settings: Ru
 
 
 class StepCounts(NamedTuple):
-    """Counts of steps and evaluations so far.
+    """Counts of steps and evaluations so far."""
 
-    Attributes:
-        tried: Trial steps.
-        rejected: Trial steps with too large an error.
-        relocated: Trial steps repeated to end at a change or an event.
-        evaluations: Evaluations of the right-hand side.
-        wall: Wall time [s].
-    """
-
-    tried: int
-    rejected: int
-    relocated: int
-    evaluations: int
-    wall: float
+    tried: int  # trial steps
+    rejected: int  # trial steps with too large an error
+    relocated: int  # trial steps repeated to end at a change or an event
+    evaluations: int  # evaluations of the right-hand side
+    wall: float  # wall time [s]
 
 
 class LoopParts(NamedTuple):
-    """Services of the compiled loop besides its stepper.
+    """Services of the compiled loop besides its stepper."""
 
-    Attributes:
-        control: Step size control.
-        samples: Samples of the run.
-        episodes: Record of contacts.
-        search: Search for changes of contact.
-        watch: Search for events.
-        singular: Search for singular positions; None without constraints.
-        touches: Largest efforts of elements in touch, TOUCH, (n,).
-    """
-
-    control: StepControl
-    samples: Samples
-    episodes: Episodes
-    search: ContactSearch
-    watch: EventWatch
-    singular: Singularities | None
-    touches: NDArray[Any]
+    control: StepControl  # step size control
+    samples: Samples  # samples of the run
+    episodes: Episodes  # record of contacts
+    search: ContactSearch  # search for changes of contact
+    watch: EventWatch  # search for events
+    singular: Singularities | None  # search for singular positions; None without constraints
+    touches: NDArray[Any]  # largest efforts of elements in touch, TOUCH, (n,)
 
 
 class StepBatches:
-    """Batches of steps in the compiled loop, each up to the next interruption, and their counts.
+    """Batches of steps in the compiled loop, up to the next interruption, and their counts.
 
     Args:
-        stepper: Stepper of the run.
-        parts: Services of the loop.
         singly: Whether a batch ends after each accepted step.
         logged: Whether steps are logged, and a batch ends at each change of contact.
 
     Attributes:
-        log: Log of accepted steps, if logged.
+        log: Accepted steps since the last call of the run's observer, if logged.
         accepted: Accepted steps.
         rejected: Trial steps rejected by their error.
         relocated: Trial steps repeated to end at a change or an event.
@@ -369,7 +288,8 @@ class StepBatches:
         self._stretch["end"] = parts.control.end
         freely = kernels.TO_CHANGES if logged else kernels.FREELY
         self._stretch["shown"] = kernels.SINGLY if singly else freely
-        self.log, self._logged = StepLog(), logged
+        self.log: list[LoggedStep] = []
+        self._logged = logged
         self._lack: Callable[[], float] = float
         self._give_answers()
         freedoms = max(stepper.manifold.nv, _FREEDOMS)
@@ -449,13 +369,13 @@ class StepBatches:
     # --- state ----------------------------------------------------------------------------------------------
 
     @property
-    def made(self) -> int:
-        """Trial steps made so far."""
+    def tried_so_far(self) -> int:
+        """Trial steps so far."""
         return self.accepted + self.rejected + self.relocated
 
     def so_far(self, wall: float) -> StepCounts:
         """Return the counts, with a wall time [s]."""
-        return StepCounts(self.made, self.rejected, self.relocated, self._stepper.evaluations, wall)
+        return StepCounts(self.tried_so_far, self.rejected, self.relocated, self._stepper.evaluations, wall)
 
     @property
     def at_rest(self) -> bool:
@@ -501,26 +421,18 @@ class StepBatches:
         self._stretch["begin"] = begin
 
     def move_end(self, end: float) -> None:
-        """Move the end of the run [s]; the first step that it cuts interrupts the loop."""
+        """Move the end of the run [s]; the first cut step interrupts the loop."""
         self._stretch["end"], self._stretch["cut"] = end, 0
 
     # --- batches --------------------------------------------------------------------------------------------
 
     def go_on(self) -> int:
-        """Make steps up to the next interruption; return its reason.
-
-        Raises:
-            FunctionError: A user's function fails.
-        """
-        most = min(self._most, self.made // _PART) if self._dear else self._most
+        """Make steps up to the next interruption; return its reason."""
+        most = min(self._most, self.tried_so_far // _PART) if self._dear else self._most
         return self._made_by(loop_kernels.go_on, most=most)
 
     def finish_step(self) -> int:
-        """Continue the step in progress, and no further; return the reason of an interruption.
-
-        Raises:
-            FunctionError: A user's function fails.
-        """
+        """Continue the step in progress, and no further; return the reason of an interruption."""
         return self._made_by(loop_kernels.go_on)
 
     def search_until(self, theta: float) -> None:
@@ -547,7 +459,7 @@ class StepBatches:
         stretch["t"] = began = self._stepper.t
         y = self._stepper.start[: self._stepper.manifold.size].copy()
         stretch["chosen"] = np.searchsorted(samples.chosen, self._stepper.t, side="right")
-        stretch["budget"] = max(1, min(most, control.until_check(self.made)))
+        stretch["budget"] = max(1, min(most, control.until_check(self.tried_so_far)))
         episodes.make_room()
         control.sizes.make_room()
         self._watched.renew()
@@ -581,5 +493,7 @@ class StepBatches:
             setattr(self, name, getattr(self, name) + int(found[name]))
         if self._parts.singular is not None:
             self._parts.singular.inspect_along(buffers.instants[:ends], buffers.ends[:ends])
-        if self._logged:
-            self.log.extend(began, y, (buffers.instants[:ends], buffers.sizes[:ends], buffers.ends[:ends]))
+        for k in range(ends) if self._logged else ():
+            until, end = float(buffers.instants[k]), buffers.ends[k].copy()
+            self.log.append(LoggedStep(began, float(buffers.sizes[k]), y, until, end))
+            began, y = until, end

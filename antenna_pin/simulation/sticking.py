@@ -79,13 +79,7 @@ class RestingChange(NamedTuple):
 
 
 class RestingJoints:
-    """Joints of a run with dry friction or rigid stops.
-
-    Args:
-        workspace: Workspace of the run.
-        adjustments: Present elements of the run; changed.
-        acting: Elements with modes, by place.
-    """
+    """Joints of a run with dry friction or rigid stops."""
 
     def __init__(self, workspace: Workspace, adjustments: Adjustments, acting: Mapping[str, Acting]) -> None:
         """Find the joints."""
@@ -224,11 +218,11 @@ class RestingJoints:
         return rate * rate < 2.0 * hop * back
 
     def _off(self, place: str, side: int) -> float:
-        """Return the acceleration of a joint off a side of its stop, by the last evaluation."""
+        """Return a joint's acceleration off a side of its stop, as last evaluated."""
         return (1.0 if side == LOWER else -1.0) * float(self._rates[self._slot[place]])
 
     def jammed(self, t: float, y: Array) -> str:
-        """Return the joints with unsolvable friction by load, as part of a message; "" if none."""
+        """Return the joints with unsolvable friction by load, as text; "" if none."""
         self._loads(t, y)
         if np.isfinite(self._rates[: self._workspace.model.nv]).all():
             return ""

@@ -76,42 +76,25 @@ _BALANCE = {
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BlockEnd:
-    """Data of the samples before a block.
+    """Data of the samples before a block."""
 
-    Attributes:
-        first: State [q, v, x] of the run's first sample.
-        stored: Stored energy at the first sample [J].
-        state: State [q, v, x] at this end of the block.
-        attitudes: Attitudes of the journals there, (joints, 4).
-    """
-
-    first: Array
-    stored: float
-    state: Array
-    attitudes: Array
+    first: Array  # state [q, v, x] of the run's first sample
+    stored: float  # stored energy at the first sample [J]
+    state: Array  # state [q, v, x] at this end of the block
+    attitudes: Array  # attitudes of the journals there, (joints, 4)
 
 
 @dataclass(eq=False)
 class SampleBlock:
-    """Consecutive samples of a run, with the observed quantities of the system.
-
-    Attributes:
-        run: Run.
-        times: Times, (n,) [s].
-        states: States [q, v, x], (n, nq + nv + nx).
-        memories: Contact memory, MEMORY, (n, contacts).
-        programs: Program of force elements of each sample.
-        found: Quantities by the equations of motion.
-        before: End of the previous block; None for the first.
-    """
+    """Consecutive samples of a run, with the observed quantities of the system."""
 
     run: Run
-    times: Array
-    states: Array
-    memories: NDArray[Any]
-    programs: Sequence[Array]
-    found: Observed
-    before: BlockEnd | None = None
+    times: Array  # times, (n,) [s]
+    states: Array  # states [q, v, x], (n, nq + nv + nx)
+    memories: NDArray[Any]  # contact memory, MEMORY, (n, contacts)
+    programs: Sequence[Array]  # program of force elements of each sample
+    found: Observed  # quantities by the equations of motion
+    before: BlockEnd | None = None  # end of the previous block; None for the first
 
     @property
     def start(self) -> BlockEnd:
@@ -129,8 +112,8 @@ class SampleBlock:
         """Last of these samples."""
         return self._edge(-1, self.start.first, self.start.stored)
 
-    def _edge(self, place: int, first: Array, stored: float) -> BlockEnd:
-        return BlockEnd(first.copy(), stored, self.states[place].copy(), self.attitudes[place].copy())
+    def _edge(self, place: int, origin: Array, stored: float) -> BlockEnd:
+        return BlockEnd(origin.copy(), stored, self.states[place].copy(), self.attitudes[place].copy())
 
     @cached_property
     def attitudes(self) -> Array:
@@ -408,42 +391,26 @@ def sizes_of(block: SampleBlock, values: Values) -> Values:
     return {**sizes, "peak_spin": block.elastic.spin, "peak_residual": block.found.residual}
 
 
+_OF_EPISODES = ("approach_speed", "peak_force", "peak_time", "peak_depth", "impulse", "dissipated")
+_OF_CHANGES = (
+    *("time", "angle", "rate", "rate_after", "loss", "impulse", "energy", "peak_effort", "peak_time"),
+)
+
+
 def episodes_of(run: Run) -> Values:
     """Return the record of contacts, changes of mode and events."""
-    names = {
-        "onset": "onset_time",
-        "release": "release_time",
-        **{
-            name: name
-            for name in ("approach_speed", "peak_force", "peak_time", "peak_depth", "impulse", "dissipated")
-        },
-        "effective_mass": "effective_mass",
-    }
-    episodes = run.episodes
-    return {
-        **{name: episodes[of].copy() for of, name in names.items()},
-        "episode_contact": episodes["contact"].copy(),
-        **_changes_of(run),
-        "event_time": np.array([one.time for one in run.actions.happened], dtype=float),
-        "event_energy": np.array([one.energy for one in run.actions.happened], dtype=float),
-    }
-
-
-def _changes_of(run: Run) -> Values:
-    """Return the recorded changes of mode."""
+    episodes, happened = run.episodes, run.actions.happened
     changed = [one for one in run.actions.modes.recorded() if one.time > run.after]
-    names = {
-        "change_time": "time",
-        "change_angle": "angle",
-        "change_rate": "rate",
-        "change_rate_after": "rate_after",
-        "change_loss": "loss",
-        "change_impulse": "impulse",
-        "change_energy": "energy",
-        "change_peak_effort": "peak_effort",
-        "change_peak_time": "peak_time",
+    names = {"onset_time": "onset", "release_time": "release", **{name: name for name in _OF_EPISODES}}
+    names |= {"effective_mass": "effective_mass", "episode_contact": "contact"}
+    return {
+        **{name: episodes[of].copy() for name, of in names.items()},
+        **{
+            f"change_{of}": np.array([getattr(one, of) for one in changed], dtype=float) for of in _OF_CHANGES
+        },
+        "event_time": np.array([one.time for one in happened], dtype=float),
+        "event_energy": np.array([one.energy for one in happened], dtype=float),
     }
-    return {name: np.array([getattr(one, of) for one in changed], dtype=float) for name, of in names.items()}
 
 
 #: The series, by source: all variables of each.

@@ -83,7 +83,7 @@ class Made:
 
     def observe(self, run: Run) -> None:
         """Look at the steps that the run has made since it was shown last."""
-        self.steps += [(one.time, one.size, one.y, self._memory) for one in run.steps.log.steps]
+        self.steps += [(one.time, one.size, one.y, self._memory) for one in run.steps.log]
         self._memory = run.workspace.memory.copy()
 
     end = observe

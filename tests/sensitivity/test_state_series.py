@@ -128,7 +128,7 @@ def gone(system, engine, start=None):
     settings = RunSettings(engine=engine, rtol=1e-6, output_rate=4000.0)
     run = Run(system, system.state(*y), 1e-3, settings)
     run.advance()
-    return run.samples.held, run.state, settings
+    return run.samples.chunk, run.state, settings
 
 
 def moved(system, numbers, chunk):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-import numpy as np
 import pytest
 
 from antenna_pin import ErrorScales, RunSettings, System, Urdf, build_mechanism
@@ -68,11 +67,6 @@ def fixed_steps() -> Callable[..., RunSettings]:
         )
 
     return build
-
-
-def final(run: Any) -> np.ndarray:
-    """Position and velocity along the first axis at the end of a run."""
-    return np.array([run.data["q"].values[-1, 0], run.data["v"].values[-1, 0]])
 
 
 @pytest.fixture

@@ -89,29 +89,6 @@ def test_ledgers_at_the_default_tolerance(by):
     assert np.abs(momentum - momentum[0]).max() < 1e-7 * data.momentum_scale.max()
 
 
-def test_engines_agree():
-    """Both work out the same motion."""
-    found = []
-    for engine in ("pinocchio", "compiled"):
-        system = on_balls()
-        q, v = start(system)
-        settings = RunSettings(rtol=1e-11, output_rate=1e3, engine=engine)
-        found.append(simulate(system, q=q, v=v, duration=0.005, settings=settings).data.bearing_force.values)
-    assert found[0] == pytest.approx(found[1], rel=1e-9, abs=1e-9 * np.abs(found[0]).max())
-
-
-def test_two_halves_are_the_whole():
-    """Bit for bit."""
-    system = on_balls("linear")
-    q, v = start(system)
-    settings = RunSettings(output_rate=1e3)
-    whole = simulate(system, q=q, v=v, duration=0.004, settings=settings)
-    first = simulate(system, q=q, v=v, duration=0.002, settings=settings)
-    second = simulate(system, start=first.end, duration=0.004 - first.end.reached, settings=settings)
-    assert np.array_equal(whole.data.q.values[-1], second.data.q.values[-1])
-    assert np.array_equal(whole.data.bearing_force.values[-1], second.data.bearing_force.values[-1])
-
-
 def test_a_bearing_that_lets_go():
     """Switched off by an event, the rotor moves on by itself."""
     stiff = StiffnessBearing(joint="axle", radial=1e4, axial=1e4, tilt=10.0)

@@ -179,15 +179,6 @@ def test_stiff_bristles_take_implicit_steps():
     assert float(run.data["v"][-1, 0]) == pytest.approx(1.0 - T / INERTIA * 0.2, abs=1e-5)
 
 
-@pytest.mark.parametrize("law", list(LAWS))
-def test_two_halves_are_one(law):
-    system = _one(LAWS[law], drives={"d": ConstantDrive(joint="j", value=1.9)})
-    whole = simulate(system, q=[0.1], v=[-0.5], duration=1.0)
-    half = simulate(system, q=[0.1], v=[-0.5], duration=0.5)
-    rest = simulate(system, start=half.end, duration=0.5)
-    np.testing.assert_array_equal(whole.end.y, rest.end.y)
-
-
 def test_under_load_all_grows_alike():
     """A shaft on its thrust bearing, LuGre: T (1 + mu r m g / T) whatever the rate, and where it breaks."""
     mu, radius, g = 0.2, 0.1, 9.81

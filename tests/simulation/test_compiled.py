@@ -11,8 +11,6 @@ import pytest
 from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
 from antenna_pin.dynamics import CallableDrive
 from antenna_pin.errors import MechanismError
-from antenna_pin.simulation import Event
-from antenna_pin.simulation.events import Angle, Mark
 
 SCRIPTS = Path(__file__).parents[2] / "scripts" / "check"
 
@@ -113,34 +111,6 @@ def test_loops_move_as_with_pinocchio(model, case, joints, duration):
         assert max(held["position_residual"], held["angle_residual"]) < 1e-13
         assert max(held["velocity_residual"], held["rate_residual"]) < 1e-12
     assert abs(ours.constraints["projection_energy"] - theirs.constraints["projection_energy"]) < 1e-9
-
-
-def test_two_halves_are_the_whole():
-    """Bit for bit, as with Pinocchio."""
-    scenario = load_scenario(
-        "bai2020",
-        case="case3",
-        overrides=["clearance.elevation.geometry=closed-form", "integrator.engine=compiled"],
-    )
-    whole = simulate(scenario, duration=0.06)
-    half = simulate(scenario, duration=0.03)
-    rest = simulate(scenario, duration=0.03, start=half.end)
-    assert rest.end == whole.end
-    assert rest.data.q.values[-1].tolist() == whole.data.q.values[-1].tolist()
-
-
-def test_events_are_located_as_with_pinocchio():
-    """An angle that the antenna passes before its first impact: by one dense output, to round-off."""
-    overrides = ["clearance.elevation.geometry=closed-form"]
-    times = []
-    for engine in ("compiled", "pinocchio"):
-        scenario = load_scenario(
-            "bai2020", case="case3", overrides=[*overrides, f"integrator.engine={engine}"]
-        )
-        passed = Event(name="passed", when=Angle("azimuth", 1e-4), action=Mark())
-        times.append(simulate(scenario, duration=0.05, events=[passed]).data.event_time.values)
-    assert len(times[0]) == len(times[1]) == 1
-    assert times[0] == pytest.approx(times[1], abs=1e-9)
 
 
 BAR = """<robot name="bar"><link name="hull"/><link name="arm"><inertial><mass value="1"/>

@@ -15,6 +15,7 @@ from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.contact import Coulomb, CustomFriction, CustomNormal, DampedContact, FloresDamping, Hertz
 from antenna_pin.elements import CallableDrive, CallableMotion, SineDrive
 from antenna_pin.errors import InvalidParameterError
+from tests.simulation.test_compiled import BAR
 
 STIFFNESS, EXPONENT, RESTITUTION = 1e10, 1.5, 0.8
 KNOWN = DampedContact(
@@ -78,12 +79,6 @@ def test_a_law_is_the_built_in_law_that_it_repeats(engine):
     for name in ("peak_force", "impulse", "dissipated", "onset_time"):
         assert own.data[name].values == pytest.approx(known.data[name].values, rel=1e-9)
     assert abs(own.data["energy_error"]).max() < 1e-7 * own.data["kinetic_energy"][0]
-
-
-BAR = """<robot name="bar"><link name="hull"/><link name="arm"><inertial><mass value="1"/>
-  <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <joint name="pivot" type="continuous"><parent link="hull"/><child link="arm"/><axis xyz="0 0 1"/></joint>
-  </robot>"""
 
 
 def bar(**drives):

@@ -247,15 +247,10 @@ REFUSALS = {
         '[couplings.follow]\nleader = "lead"',
         "my: couplings.follow: must have another name; there is a joint with <mimic> 'follow'",
     ),
-    "no joint": (
-        '[couplings.x]\nfollower = "short"\nleader = "lead"',
-        "my: couplings.x.follower: joint 'short' is unknown",
-    ),
     "itself": (
         '[couplings.lead]\nleader = "lead"',
         "couplings.lead.leader must be another joint than the follower, got 'lead'",
     ),
-    "no leader": ("[couplings.lead]\nmultiplier = 2", "couplings.lead.leader is missing"),
     "units of a rack": (
         '[couplings.x]\nfollower = "lead"\nleader = "follow"\nmultiplier = "3 mm/rad"',
         "my: couplings.x.multiplier: must be a number, for 'lead' is continuous and 'follow' revolute, got "

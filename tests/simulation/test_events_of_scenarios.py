@@ -51,16 +51,11 @@ def test_a_run_that_is_to_stop_has_done_its_work(cli, tmp_path):
 @pytest.mark.parametrize(
     ("table", "said"),
     [
-        (
-            "kind='tim'",
-            "events.e.kind must be one of angle, rate, time, gap, force, change, got 'tim'",
-        ),
         ("kind='time', time=[]", "events.e.time must be one or more times, got none"),
         ("kind='time', time=[1, '-1 s']", "events.e.time[1] must be positive, got '-1 s'"),
         ("kind='angle', joint='elevatio', value=1", "events.e.joint: moving joint 'elevatio' is unknown"),
         ("kind='angle', joint='elevation', value='1 m'", "events.e: units must be those of a rotation"),
         ("kind='gap', contact='elevation.radial+', value=0", "events.e.contact: contact 'elevation.radial+'"),
-        ("kind='rate', joint='elevation', after=1.5", "events.e.after must be a whole number"),
         ("kind='time', time=1, action='set', to=1", 'events.e.set is missing; give it where action is "set"'),
         (
             "kind='time', time=1, set='drives.azimuth.on'",

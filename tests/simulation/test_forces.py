@@ -144,18 +144,6 @@ def test_momenta_less_impulses_and_energy_less_work_stay(engine):
     assert np.linalg.norm(run.data["total_impulse"].values.sum(axis=0)) > 0.1
 
 
-def test_both_engines_agree():
-    system = craft(ARM, **FORCES)
-    ends = [
-        simulate(
-            system, duration=0.3, v=moving(system), settings=dataclasses.replace(TIGHT, engine=engine)
-        ).end.y
-        for engine in ENGINES
-    ]
-    # Of a hundred steps, each good to the run's tolerance.
-    np.testing.assert_allclose(ends[0], ends[1], rtol=0, atol=1e-10)
-
-
 def test_a_force_that_rises_with_a_time_constant():
     """The first order lag in closed form; a pulse's impulse is the same in the end."""
     jet = Thruster(

@@ -164,18 +164,6 @@ def test_all_kinds_keep_momentum_and_the_ledger(name: str) -> None:
     assert runs[0].data.q.values[-1] == pytest.approx(runs[1].data.q.values[-1], abs=1e-9)
 
 
-@pytest.mark.parametrize("name", ["gear", "cable"])
-def test_two_halves_are_one(name: str) -> None:
-    """A run that is cut goes on bit for bit, with which sides are in contact."""
-    system = _skew(elements=_geared(ELEMENTS[name]))
-    v, settings = np.array([0, 0, 0, 0.1, 0, 0, 2.0, -1.0, 0.5]), RunSettings(rtol=1e-9, output_rate=64.0)
-    whole = simulate(system, v=v, duration=0.75, settings=settings)
-    first = simulate(system, v=v, duration=0.375, settings=settings)
-    second = simulate(system, start=first.end, duration=0.375, settings=settings)
-    assert np.array_equal(whole.data.q.values[-1], second.data.q.values[-1])
-    assert whole.end == second.end
-
-
 @pytest.mark.parametrize(("rate", "torque", "share"), [(2.0, -1.0, 0.8), (2.0, 1.0, 0.6), (-2.0, 1.0, 0.8)])
 def test_efficiency_is_that_of_the_direction_of_power(rate: float, torque: float, share: float) -> None:
     """Power that leaves is the share of what enters; rounding off counts (slow / rate)^2 / 2 of the loss."""
@@ -390,9 +378,3 @@ def test_couplings_of_three_joints_in_a_scenario(tmp_path: Path) -> None:
 def test_bad_gears_are_refused_in_a_line(numbers: dict[str, object], says: str) -> None:
     with pytest.raises(InvalidParameterError, match=says):
         Gear(**{"input": "a", "output": "b", "stiffness": 1.0, **numbers})
-
-
-def test_a_joint_that_slides_is_refused() -> None:
-    gear = Gear(input="a", output="b", stiffness=1.0)
-    with pytest.raises(InvalidParameterError, match="input must be a joint that turns, and 'a' slides"):
-        _discs(kind="prismatic", elements=_geared(gear))

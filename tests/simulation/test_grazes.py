@@ -5,21 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from antenna_pin import ErrorScales, Outcome, RunSettings, System, Urdf, build_mechanism, simulate
+from antenna_pin import Outcome, RunSettings, System, Urdf, build_mechanism, simulate
 from antenna_pin.contact import Dahl, Hertz
 from antenna_pin.dynamics import JointSpring, TableDrive
 from antenna_pin.geometry import PlanarClearance
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.simulation.loop import Run
+from tests.simulation.conftest import ANY_ERROR
 
 MASS, PLAY = 2.0, 1e-3
-
-# Scales beside which any step's error is small: steps are as long as they are asked to be.
-ANY_ERROR = ErrorScales(
-    **dict.fromkeys(
-        ("position", "angle", "velocity", "angular_velocity", "clearance", "clearance_velocity"), 1e12
-    )
-)
 
 # A sled that carries a hole, and a disc in the hole; the sled slides along x.
 SLED = f"""
@@ -36,7 +30,7 @@ SLED = f"""
 """
 
 
-def disc_on_sled(law, gravity=0.0, **elements):
+def disc_on_sled(law, **elements):
     urdf = Urdf.from_text(SLED, "sled.urdf").variant(joints={"hole": "planar"})
     hole = ClearanceJoint(
         name="hole",
@@ -45,8 +39,13 @@ def disc_on_sled(law, gravity=0.0, **elements):
         backend="closed-form",
         maximum_depth=1e-2,
     )
-    mechanism = build_mechanism(urdf, base="fixed", gravity=(0.0, gravity, 0.0))
+    mechanism = build_mechanism(urdf, base="fixed")
     return System(mechanism, clearances=[hole], **elements)
+
+
+def sprung_sled(pace, stiffness=1e6):
+    law = Hertz(stiffness=stiffness, exponent=1.0)
+    return disc_on_sled(law, springs={"s": JointSpring(joint="rail", stiffness=pace**2)})
 
 
 def test_a_dip_of_changing_curvature_between_two_nodes_is_a_contact():
@@ -87,9 +86,7 @@ def test_a_wall_that_just_reaches_a_disc_goes_on(method):
     for miss in [
         sign * 10.0**-digits for digits in range(6, 14) for sign in (-3.0, -1.0, 0.0, 0.3, 1.0, 3.0)
     ]:
-        system = disc_on_sled(
-            Hertz(stiffness=1e6, exponent=1.0), springs={"s": JointSpring(joint="rail", stiffness=pace**2)}
-        )
+        system = sprung_sled(pace)
         speed = (PLAY + miss) * pace
         run = simulate(
             system,
@@ -104,18 +101,12 @@ def test_a_wall_that_just_reaches_a_disc_goes_on(method):
 
 
 @pytest.mark.parametrize("method", ["bogacki-shampine-32", "rk4"])
-def test_a_step_made_again_ends_on_the_surface(method):
+def test_a_step_made_again_ends_on_the_surface(method, fixed_steps):
     """However coarse the steps: where the dense output puts the touch is a first guess only."""
     pace = 200.0  # [rad/s]: a tenth of a turn in a step
-    system = disc_on_sled(
-        Hertz(stiffness=1e4, exponent=1.0), springs={"s": JointSpring(joint="rail", stiffness=pace**2)}
-    )
-    step = 3e-3
-    settings = RunSettings(
-        method=method, rtol=0.5, scales=ANY_ERROR, step=step, first_step=step, max_step=step, output_rate=10.0
-    )
+    system = sprung_sled(pace, stiffness=1e4)
     speed = 2.0 * PLAY * pace
-    run = simulate(system, duration=0.02, v=[speed, -speed, 0.0, 0.0], settings=settings)
+    run = simulate(system, duration=0.02, v=[speed, -speed, 0.0, 0.0], settings=fixed_steps(method, 3e-3))
     onset = run.data.sel(time=run.data["onset_time"].values[0])
     # What the run asks of a located instant.
     assert abs(float(onset["gap"].values[0])) <= 1e-9 * PLAY
@@ -148,9 +139,7 @@ def test_a_new_contact_knows_nothing_of_the_bristles_of_the_one_before(impact_ri
 def test_a_graze_costs_no_energy():
     """The exact graze of the test above, where the step that ends at the touch sees none."""
     pace = 20.0
-    system = disc_on_sled(
-        Hertz(stiffness=1e6, exponent=1.0), springs={"s": JointSpring(joint="rail", stiffness=pace**2)}
-    )
+    system = sprung_sled(pace)
     speed = PLAY * pace
     run = simulate(system, duration=2.0 * math.pi / pace, v=[speed, -speed, 0.0, 0.0])
     # Some hundred steps at 1e-8. Left touching, the law of exponent 1 would pull for a step: 2.5e-4.
@@ -160,9 +149,7 @@ def test_a_graze_costs_no_energy():
 def test_a_contact_that_touches_and_parts_at_one_instant_is_marked():
     """A third change there is not believed, or round-off could let them alternate without end."""
     pace = 20.0
-    system = disc_on_sled(
-        Hertz(stiffness=1e6, exponent=1.0), springs={"s": JointSpring(joint="rail", stiffness=pace**2)}
-    )
+    system = sprung_sled(pace)
     y = np.array([0.0, 0.0, 0.0, 1.0, 0.0, PLAY * pace, -PLAY * pace, 0.0, 0.0])
     run = Run(system, system.state(y[:5], y[5:]), 2.0 * math.pi / pace, RunSettings(), singly=True)
     marks = []

@@ -9,11 +9,15 @@ from antenna_pin.dynamics import System
 from antenna_pin.elements import (
     BoucWen,
     ConstantSpring,
+    DahlFriction,
+    EndStop,
     GonthierFriction,
     HarnessSpring,
     JointSpring,
+    LuGreFriction,
     MaxwellSlip,
     PDController,
+    RigidLatch,
     RigidStop,
     SineDrive,
     StickingFriction,
@@ -48,6 +52,14 @@ KINKS = {
             )
         }
     },
+    "dahl": {"frictions": {"s": DahlFriction(joint="axle", coulomb=0.1, stiffness=5.0, shape=1.5)}},
+    "lugre": {
+        "frictions": {
+            "s": LuGreFriction(
+                joint="axle", coulomb=0.1, static=0.15, stribeck_rate=0.2, stiffness=5.0, damping=0.05
+            )
+        }
+    },
     "slips": {"springs": {"s": MaxwellSlip(joint="axle", stiffness=(2.0, 1.0), slip=(0.05, 0.2))}},
     "harness and table": {
         "springs": {
@@ -60,6 +72,10 @@ KINKS = {
     "limits": {
         "drives": {"p": PDController(joint="axle", kp=5.0, kd=0.3, angle=0.2, limit=0.3)},
         "springs": {"s": ConstantSpring(joint="axle", torque=0.3, upper=0.1, ramp=0.05)},
+    },
+    "soft stop": {"stops": {"s": EndStop(joint="axle", upper=0.1, stiffness=90.0, restitution=0.6)}},
+    "latch that is overcome": {
+        "latches": {"l": RigidLatch(joint="axle", angle=0.05, width=0.01, holding_torque=0.5)}
     },
     "stop and friction": {
         "stops": {"s": RigidStop(joint="axle", upper=0.1, restitution=0.6)},

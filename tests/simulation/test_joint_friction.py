@@ -81,12 +81,6 @@ def test_friction_takes_what_is_lost_and_momentum_stays(engine):
     assert np.abs(momentum - momentum[0]).max() < 1e-12
 
 
-def test_both_engines_agree():
-    one, other = (run(1.0, engine=engine, damping=0.1, friction=0.3) for engine in ENGINES)
-    for name in ("motion_angle", "motion_rate", "dissipation_damper"):
-        assert other[name].values == pytest.approx(one[name].values, rel=1e-10, abs=1e-12)
-
-
 def test_rounding_is_that_of_its_speed():
     """At the regularisation speed friction is 1/sqrt(2) of its limit."""
     data = run(1e-6, friction=0.5, regularisation_speed=RATE)

@@ -138,10 +138,6 @@ CANNOT_BE = {
         + '[initial.joints.way]\nvelocity = "1 m/s"\n',
         "my: initial velocities: contradict closure 'pin', which lacks",
     ),
-    "no such link": (
-        SCENARIO.replace('second = { link = "slider"', 'second = { link = "slidder"'),
-        "my: closures.pin.second.link: link 'slidder' is unknown; did you mean slider?",
-    ),
 }
 
 

@@ -17,16 +17,10 @@ from antenna_pin.mechanism import Urdf, build_mechanism
 from antenna_pin.simulation import Event, Set, Time
 from antenna_pin.simulation.checkpoint import Checkpoint
 from antenna_pin.simulation.loop import Run
+from tests.simulation.test_latches import BODIES
 
 G = 9.81
 TIGHT = RunSettings(rtol=1e-11, max_step=0.05, output_rate=50.0)
-
-BODIES = """<robot name="two"><link name="base"><inertial><origin xyz="0.1 0 0.05"/><mass value="3"/>
-<inertia ixx="0.4" iyy="0.5" izz="0.6" ixy="0.01" ixz="0" iyz="0"/></inertial></link>
-<joint name="j" type="{type}"><parent link="base"/><child link="arm"/><origin xyz="0.2 0 0" rpy="0.3 0.2 0"/>
-<axis xyz="0 0 1"/><limit lower="-9" upper="9" effort="1e9" velocity="1e9"/></joint>
-<link name="arm"><inertial><origin xyz="0.3 0.1 0"/><mass value="2"/>
-<inertia ixx="0.1" iyy="0.2" izz="0.25" ixy="0" ixz="0.01" iyz="0"/></inertial></link></robot>"""
 
 
 def _system(kind: str = "revolute", *, base="free", gravity=(0, 0, 0), text=BODIES, **more) -> System:
@@ -86,37 +80,6 @@ def test_a_stop_pushes_only() -> None:
     assert run.data.q.values[-1, 0] == pytest.approx(0.25 * G, rel=1e-10)
 
 
-@pytest.mark.parametrize("kind", ["revolute", "continuous", "prismatic"])
-def test_a_latch_keeps_all_momentum(kind: str) -> None:
-    """Locked on a free base: momentum stays, and half of the reduced inertia times rate squared is lost."""
-    system = _system(kind, elements={"latches": {"j": RigidLatch(joint="j", angle=0.4)}})
-    v = np.array([0.1, 0.2, -0.1, 0.3, -0.2, 0.4, 0.9])
-    run = simulate(system, v=v, duration=2.0, settings=TIGHT)
-    assert list(run.data.change.values) == ["latch j: latched"]
-    for name in ("linear", "angular"):
-        momentum = run.data[f"{name}_momentum"].values
-        assert np.abs(momentum - momentum[0]).max() <= 1e-10 * np.abs(momentum).max()
-    after = run.data.time.values > float(run.data.change_time[0])
-    rates = run.data.v.values[after, 6]
-    assert np.abs(rates).max() < 1e-12
-    rate, loss = float(run.data.change_rate[0]), float(run.data.change_loss[0])
-    impulse = float(run.data.change_impulse[0])
-    # An impulse that takes a rate to zero does its work at half of that rate.
-    assert loss == pytest.approx(-0.5 * impulse * rate, rel=1e-10)
-    assert np.abs(run.data.energy_error).max() < 1e-9
-
-
-def test_two_halves_are_one() -> None:
-    """A run that is cut between bounces, and while it rests, goes on bit for bit."""
-    system = _ball(RigidStop(joint="j", lower=0.0, restitution=0.6, rest_rate=0.01))
-    whole = simulate(system, q=[1.0], v=[0.0], duration=2.375, settings=TIGHT)
-    first = simulate(system, q=[1.0], v=[0.0], duration=0.75, settings=TIGHT)
-    second = simulate(system, start=first.end, duration=1.625, settings=TIGHT)
-    assert np.array_equal(whole.data.q.values[-1], second.data.q.values[-1])
-    assert np.array_equal(whole.data.change_time.values[-3:], second.data.change_time.values[-3:])
-    assert whole.end == second.end
-
-
 CHAIN = """<robot name="chain"><link name="base"><inertial><origin xyz="0.1 0 0.05"/><mass value="3"/>
 <inertia ixx="0.4" iyy="0.5" izz="0.6" ixy="0.01" ixz="0" iyz="0"/></inertial></link>{links}</robot>"""
 LINK = """<joint name="{name}" type="{type}"><parent link="{parent}"/><child link="{name}_body"/>
@@ -172,32 +135,6 @@ def test_a_pendulum_settles_on_its_stop_and_hangs_there_for_an_hour() -> None:
     late = run.data.q.values[run.data.time.values > 20.0, 0]
     assert np.ptp(late) == 0.0
     assert abs(late[0] + 0.2) < 1e-14
-
-
-def test_a_switched_off_latch_lets_go_as_it_held() -> None:
-    """What was locked moves on, from rest, by the forces that there are."""
-    system = _chain(
-        "revolute",
-        base="fixed",
-        gravity=(0, -9.81, 0),
-        elements={"latches": {"j0": RigidLatch(joint="j0", angle=-0.3)}},
-    )
-    run = simulate(
-        system,
-        q=[0.2],
-        v=[0.0],
-        duration=1.5,
-        settings=TIGHT,
-        events=[Event(name="free", when=Time(1.0), action=Set("latches.j0.on", False))],
-    )
-    angle = run.data.q.values[:, 0]
-    held = (run.data.time.values > 0.9) & (run.data.time.values < 1.0)
-    assert np.abs(angle[held] + 0.3).max() < 1e-14
-    assert run.data.element_mode.values[held].min() == 2
-    assert run.data.element_mode.values[-1, 0] == 0
-    assert angle[-1] < -0.4
-    # From rest at the latch on it swings with the energy that it has there.
-    assert np.abs(run.data.energy_error).max() < 1e-9
 
 
 def _loop(folder: Path, more: str) -> Scenario:

@@ -299,19 +299,6 @@ def test_a_loop_with_more_sticking_joints_than_freedoms_holds_by_all_of_them() -
     assert np.abs(run.data.energy_error).max() < 1e-9  # of steps at this rtol
 
 
-def test_two_halves_are_one() -> None:
-    """A run that is cut while one joint sticks goes on bit for bit."""
-    law = {"coulomb": 0.4, "static": 0.6, "stribeck_rate": 0.1, "coefficient": 0.2, "radius": 0.03}
-    system = _two("fixed", G, a=StickingFriction(joint="a", **law), b=StickingFriction(joint="b", **law))
-    q = [1.0, np.cos(0.5), np.sin(0.5)]
-    whole = simulate(system, q=q, v=[0.0, 0.0], duration=8.0)
-    first = simulate(system, q=q, v=[0.0, 0.0], duration=5.0)
-    assert kernels.STUCK in first.data.element_mode.values[-1]
-    second = simulate(system, start=first.end, duration=3.0)
-    assert np.array_equal(whole.data.q.values[-1], second.data.q.values[-1])
-    assert whole.end == second.end
-
-
 def test_a_scenario_has_frictions(tmp_path) -> None:
     """The table of a scenario, its words, and small motions where its one joint sticks: none."""
     (tmp_path / "one.urdf").write_text(ONE.format(type="revolute", axis="0 1 0", centre="0 0 -0.4"))

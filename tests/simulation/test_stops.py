@@ -1,13 +1,11 @@
 """End stops in runs: closed forms of bounces, what they keep and lose, where they touch."""
 
 import dataclasses
-import json
 
 import numpy as np
 import pytest
 
 from antenna_pin import RunSettings, simulate
-from antenna_pin.base.state import State
 from antenna_pin.contact import delivered_restitution
 from antenna_pin.dynamics import System
 from antenna_pin.elements import EndStop, RigidStop
@@ -166,24 +164,6 @@ def _mass(made, run, change):
     return np.triu(mass) + np.triu(mass, 1).T
 
 
-def test_the_number_of_steps_does_not_move_a_bounce():
-    """Steps of at most 50 ms and of 1 ms: the same bounces to the tolerance."""
-    stop = EndStop(joint="j", lower=0.0, stiffness=2e4, exponent=1.5, restitution=0.7)
-    found = [
-        simulate(
-            falling(stop),
-            q=[0.2],
-            v=[0.0],
-            duration=0.7,
-            settings=RunSettings(rtol=1e-11, max_step=step, output_rate=50.0),
-        )
-        for step in (0.05, 0.002)
-    ]
-    one, other = (run.data.change_time.values for run in found)
-    assert len(one) >= 6
-    assert one == pytest.approx(other, abs=1e-8)
-
-
 def test_sides_count_whole_turns():
     """A joint without end meets a stop at 7.5 rad after more than a turn, at the first go."""
     stop = RigidStop(joint="j", upper=7.5, restitution=0.0)
@@ -212,25 +192,6 @@ def test_pressed_in_at_the_start():
     assert run.data.q.values[:, 0] == pytest.approx(at_rest, rel=1e-9)
     with pytest.raises(AntennaPinError, match=r"position of j must be within its rigid stop, lower = 0;"):
         simulate(falling(RigidStop(joint="j", lower=0.0, restitution=0.5)), q=[-0.1], v=[0.0], duration=0.1)
-
-
-def test_both_engines_agree_and_two_halves_are_one():
-    """The engines to 1e-9; a run cut in the middle of a touch goes on bit for bit, through text."""
-    stop = EndStop(joint="j", lower=0.0, stiffness=2e3, restitution=0.6)
-    made = falling(stop)
-    given = {"q": [0.05], "v": [0.0]}
-    whole = simulate(made, **given, duration=0.4, settings=TIGHT)
-    other = simulate(
-        made, **given, duration=0.4, settings=RunSettings(rtol=1e-11, max_step=0.05, engine="compiled")
-    )
-    assert whole.data.change_time.values == pytest.approx(other.data.change_time.values, abs=1e-9)
-    middle = float(changes(whole, "lower: on")[0]) + 5e-3
-    first = simulate(made, **given, duration=middle, settings=TIGHT)
-    assert first.data.element_mode.values[-1, 0] == 1.0
-    start = State.from_json(first.end.to_json())
-    assert json.loads(start.to_json()) == json.loads(first.end.to_json())
-    second = simulate(made, start=start, duration=0.4 - middle, settings=TIGHT)
-    assert np.array_equal(whole.data.q.values[-1], second.data.q.values[-1])
 
 
 @pytest.mark.parametrize("law", ["exact-restitution", "carvalho-martins"])

@@ -23,7 +23,7 @@ class Seen:
         touching = run.workspace.memory["touching"]
         self.changes.append(int(np.count_nonzero(touching != self._touched)))
         self.events.append([one.time for one in self._passages])
-        self.steps.append(list(run.steps.log.steps))
+        self.steps.append(list(run.steps.log))
         self.ends.append((run.stepper.t, run.here.copy()))
         self._touched = touching.copy()
         self._passages.clear()
