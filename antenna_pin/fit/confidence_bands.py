@@ -56,39 +56,23 @@ _TRIES = 200
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CurveBands:
-    """Pointwise bands of the weighted residuals: model less record, over the standard deviation of the noise.
+    """Pointwise bands of the weighted residuals, in standard deviations of the noise [-]."""
 
-    Attributes:
-        low: Lower end of the model's curve, (m,) [-].
-        high: Upper end, (m,).
-        new_low: Lower end of where a new measurement may be, (m,).
-        new_high: Upper end, (m,).
-        level: Of each point [-].
-        seed: Of the draws; -1 where there were none.
-        drawn: Draws that the model could be run at [-].
-        failed: Draws that it could not be run at [-].
-        effective: How many draws of equal weight they are worth [-].
-    """
-
-    low: Array
-    high: Array
-    new_low: Array
-    new_high: Array
-    level: float
-    seed: int = -1
-    drawn: int = 0
-    failed: int = 0
-    effective: float = math.nan
+    low: Array  # lower end of the model's curve, (m,)
+    high: Array  # upper end, (m,)
+    new_low: Array  # lower end for a new measurement, (m,)
+    new_high: Array  # upper end, (m,)
+    level: float  # probability at each point
+    seed: int = -1  # of the draws; -1 without draws
+    drawn: int = 0  # draws with a run
+    failed: int = 0  # draws without a run
+    effective: float = math.nan  # equivalent number of draws of equal weight
 
 
 def linear_bands(problem: Residuals, found: Sure) -> CurveBands:
     """Return bands to first order in the standard errors.
 
-    Directions that the record does not tell do not move its curves, and count for nothing.
-
-    Args:
-        problem: What was fitted.
-        found: How sure its values are.
+    Unidentified directions do not move the curves, and are ignored.
     """
     residuals, jacobian = problem.residuals(found.values), problem.jacobian(found.values)
     along = (jacobian * problem.scale) @ found.rank.identified.T
@@ -101,18 +85,11 @@ def linear_bands(problem: Residuals, found: Sure) -> CurveBands:
 def draws(problem: Residuals, found: Sure, count: int, seed: int) -> tuple[Array, Array]:
     """Return values drawn about the best ones, (n, p), and their log densities, (n,).
 
-    They lie within their bounds, and are from Student's t of six degrees of freedom, or fewer where the
-    record has fewer, with the fit's covariance; what lies beyond a bound is drawn again.
-
-    Args:
-        problem: What was fitted.
-        found: How sure its values are.
-        count: How many.
-        seed: Of the draws.
+    Draws lie within the bounds, and follow Student's t of six degrees of freedom, or fewer for a record with
+    fewer, with the fit's covariance; a draw beyond a bound is repeated.
 
     Raises:
-        InvalidParameterError: A parameter cannot be told, so that nothing says from where to draw it, or
-            hardly a draw is within bounds.
+        InvalidParameterError: A parameter is not identifiable, or hardly a draw is within bounds.
     """
     if count < 2:
         raise InvalidParameterError("fit", "draws", "2 or more [-]", count)
@@ -161,16 +138,16 @@ def sampled_bands(
     """Return bands by runs of the model at values drawn about the best ones.
 
     Args:
-        problem: What was fitted.
-        found: How sure its values are.
+        problem: Problem of the fit.
+        found: Uncertainty of the values.
         count: Draws, each a run of the model [-].
-        seed: Of the draws, and of the noise of new measurements.
-        loss: That the fit used.
-        loss_scale: The residual at which it begins to count less [-].
-        progress: Called with how many draws are done.
+        seed: Seed of the draws, and of the noise of new measurements.
+        loss: Loss of the fit.
+        loss_scale: Residual from which the loss grows more slowly [-].
+        progress: Called with the number of draws so far.
 
     Raises:
-        InvalidParameterError: Nothing can be drawn, or the model runs at fewer than half of the draws.
+        InvalidParameterError: Nothing can be drawn, or fewer than half of the draws have a run.
     """
     values, logs = draws(problem, found, count, seed)
     curves: list[Array] = []
@@ -283,17 +260,11 @@ def _parameter_in_si(unknowns: Unknowns, values: Array, place: int) -> Array:
 
 
 class _Intervals(NamedTuple):
-    """Covariance and intervals of parameters in SI units.
+    """Covariance and intervals of parameters in SI units."""
 
-    Attributes:
-        covariance: (p, p), to first order.
-        low: Lower ends of their intervals, (p,).
-        high: Upper ends.
-    """
-
-    covariance: Array
-    low: Array
-    high: Array
+    covariance: Array  # (p, p), to first order
+    low: Array  # lower ends, (p,)
+    high: Array  # upper ends, (p,)
 
 
 def _in_si_units(found: Sure, unknowns: Unknowns) -> _Intervals:
@@ -310,12 +281,7 @@ def _in_si_units(found: Sure, unknowns: Unknowns) -> _Intervals:
 
 
 def profile_columns(found: Sequence[Profile], unknowns: Unknowns) -> _Columns:
-    """Return profiles as columns of a fit's dataset, in SI units, or NaN.
-
-    Args:
-        found: In the coordinates of the search.
-        unknowns: What these are.
-    """
+    """Return profiles in search coordinates as columns of a fit's dataset, in SI units, or NaN."""
     p, most = unknowns.count, max((len(one.values) for one in found), default=0)
     values, roots = np.full((2, p, most), np.nan)
     ends, words = np.full((p, 2), np.nan), np.full((p, 2), "", dtype=object)
@@ -343,9 +309,9 @@ def band_columns(found: CurveBands, predicted: xr.Dataset, weights: Array) -> _C
     """Return curve bands as columns of a fit's dataset, in its rows' units.
 
     Args:
-        found: Of the weighted residuals, those of pieces' joints behind those of rows.
+        found: Bands of the weighted residuals, pieces' joints after rows.
         predicted: Rows of the fit: ``model``, ``data`` and ``noise``.
-        weights: By which a row's residual counts beside others, (rows,) [-].
+        weights: Weights of the rows' residuals, (rows,) [-].
     """
     count, rows = predicted.sizes["row"], ("row",)
     one = predicted["noise"].values / np.asarray(weights)
@@ -369,34 +335,18 @@ WITHHELD = 4.0
 
 
 class ParameterBands(NamedTuple):
-    """Uncertainty of p parameters at 95 %.
+    """Uncertainty of p parameters at 95 %."""
 
-    Attributes:
-        covariance: (p, p) [SI], to first order; infinite where the records say nothing, NaN where a bound
-            holds a parameter.
-        sd: (p,) [SI].
-        low: Lower ends of the bands, (p,) [SI].
-        high: Upper ends.
-        chi2: Sum of the squares of the residuals [-].
-        freedoms: Residuals less directions of the unknowns that they tell [-].
-        absence: Why there are no bands, in words; "" if there are.
-        widening: How many times as wide they would be at most if what is correlated in time of the residuals
-            counted [-].
-        chance: Share of records of the stated noise that would be farther from the model [-]; NaN where the
-            noise is not given, or the loss not linear.
-        noise: What the bands take to be known of the noise: ``estimated`` where chi2 is beyond chance.
-    """
-
-    covariance: Array
-    sd: Array
-    low: Array
-    high: Array
-    chi2: float
-    freedoms: int
-    absence: str = ""
-    widening: float = 1.0
-    chance: float = math.nan
-    noise: Noise = "given"
+    covariance: Array  # (p, p) [SI], to first order; infinite if unidentified, NaN at a bound
+    sd: Array  # (p,) [SI]
+    low: Array  # lower ends of the bands, (p,) [SI]
+    high: Array  # upper ends, (p,) [SI]
+    chi2: float  # sum of the squares of the residuals [-]
+    freedoms: int  # residuals less identified directions of the unknowns [-]
+    absence: str = ""  # reason for missing bands, or ""
+    widening: float = 1.0  # largest factor of their width by correlation in time of the residuals [-]
+    chance: float = math.nan  # probability of a worse record by the stated noise [-]; NaN if not stated
+    noise: Noise = "given"  # assumption on the noise: ``estimated`` where chi2 is beyond chance
 
     @property
     def beyond_chance(self) -> bool:
@@ -433,17 +383,17 @@ def parameter_bands(
 ) -> ParameterBands:
     """Return the uncertainty of the parameters at 95 %.
 
-    A parameter at one of its bounds has the others' bands, and none itself: it is where it was kept. Where
-    the noise is given and chi2 beyond chance, bands are widened as if the residuals said how large the noise
-    is; where they are far beyond (:data:`WITHHELD`) there are none.
+    A parameter at one of its bounds has no band, and the others' bands hold it fixed. Where the noise is
+    given and chi2 is beyond chance, bands are widened as if the residuals gave the size of the noise; far
+    beyond chance (:data:`WITHHELD`) there are none.
 
     Args:
-        plan: Which says whether the noise is known.
-        unknowns: Of the fit.
+        plan: The fit's file, with the assumption on the noise.
+        unknowns: Unknowns of the fit.
         whole: Values with states, (p + h,) [SI].
-        residuals: There, (m,).
-        slopes: Their derivatives by what is searched for, (m, p + h).
-        curves: The number of the curve that each residual is of, (m,).
+        residuals: Residuals at the values, (m,).
+        slopes: Their derivatives by search coordinates, (m, p + h).
+        curves: Index of each residual's curve, (m,).
     """
     at = unknowns.to_search(whole)
     end = _SearchEnd(_unknown_names(unknowns), at, *unknowns.bounds(), np.ones(len(at)), residuals, slopes)

@@ -1,10 +1,10 @@
-"""Start states of the pieces of a record, before the fit, by an extended Kalman filter.
+"""Start states of a record's pieces before the fit, by an extended Kalman filter.
 
-With start values of its parameters a run loses the record: where the motion is chaotic, and where it comes to
-rest before or behind the record. So parameters and state are estimated along the record together: from the
-end of a piece, both are corrected by the next one's rows, each within its covariance (an extended Kalman
-filter with the parameters in its state: Jazwinski 1970, Stochastic Processes and Filtering Theory, chapter
-8).
+With start values of its parameters a run diverges from the record: where the motion is chaotic, and where it
+comes to rest before or after the record. So parameters and state are estimated along the record together:
+from the end of a piece, both are corrected by the next one's rows, each within its covariance (an extended
+Kalman filter with the parameters in its state: Jazwinski 1970, Stochastic Processes and Filtering Theory,
+chapter 8).
 """
 
 from __future__ import annotations
@@ -45,19 +45,12 @@ _LOST = 4.0
 
 
 class ColumnData(NamedTuple):
-    """Column of a record.
+    """Column of a record."""
 
-    Attributes:
-        gain: Of its readings [-], and by the number of which unknown; -1 if it is none.
-        offset: Likewise [SI].
-        data: Of its rows.
-        noise: Of a row.
-    """
-
-    gain: tuple[float, int]
-    offset: tuple[float, int]
-    data: Array
-    noise: Array
+    gain: tuple[float, int]  # of the readings [-], and index of the unknown that replaces it, or -1
+    offset: tuple[float, int]  # likewise [SI]
+    data: Array  # (rows,)
+    noise: Array  # standard deviation, (rows,)
 
 
 class _PieceRun(NamedTuple):
@@ -68,45 +61,20 @@ class _PieceRun(NamedTuple):
 
 
 class _PieceEstimate(NamedTuple):
-    """Estimate of parameters and of a piece's start.
+    """Estimate of parameters and of a piece's start."""
 
-    Attributes:
-        at: Both, as a search has them, (p + n,).
-        first: The piece's first state.
-        end: Its last.
-        covariance: Of both, (p + n, p + n).
-        ahead: Of numbers and the piece's end, (p + ways, p + ways).
-        cost: Sum of the squares of its rows.
-        lost: Whether that is not what noise makes.
-        failed: Why there is no run, in words.
-    """
-
-    at: Array
-    first: Any
-    end: Any
-    covariance: Array
-    ahead: Array
-    cost: float
-    lost: bool
-    failed: str = ""
+    at: Array  # parameters and start in search coordinates, (p + n,)
+    first: Any  # first state of the piece
+    end: Any  # last state
+    covariance: Array  # of parameters and start, (p + n, p + n)
+    ahead: Array  # covariance of parameters and the piece's end, (p + ways, p + ways)
+    cost: float  # sum of the squares of the rows
+    lost: bool  # larger cost than by noise
+    failed: str = ""  # reason for a missing run
 
 
 class _PieceEstimator:
-    """Estimator for one piece of a record, from the end of the piece before.
-
-    Args:
-        test: The record's test, its pieces known.
-        unknowns: Parameters of the fit.
-        own: Which of them are the test's values.
-        curves: Of the record's columns.
-        shift: Of its clock [s].
-        piece: Number of the piece.
-        at: Numbers that are known so far, as a search has them, (p,).
-        origin: State about which it starts; None of the first, which starts as the scenario does.
-
-    Attributes:
-        size: In how many coordinates its start is told.
-    """
+    """Estimator for one piece of a record, from the end of the piece before."""
 
     def __init__(
         self,
@@ -190,7 +158,7 @@ class _PieceEstimator:
     def _made(self, every: Sequence[Array]) -> list[_PieceRun | str]:
         """Return a run or a reason for each of several starts, with the same parameters.
 
-        Their sensors are read at once, which takes longer than a short run does.
+        All runs are read at once, as reading takes longer than a short run.
         """
         numbers = every[0][: self._unknowns.count]
         try:
@@ -273,15 +241,10 @@ _PASSES, _AGAIN = 2, 0.1
 
 
 class ParameterEstimate(NamedTuple):
-    """Estimate of a fit's parameters, in search coordinates.
+    """Estimate of a fit's parameters, in search coordinates."""
 
-    Attributes:
-        at: Their values, (p,).
-        covariance: (p, p).
-    """
-
-    at: Array
-    covariance: Array
+    at: Array  # (p,)
+    covariance: Array  # (p, p)
 
     @classmethod
     def before(cls, unknowns: Unknowns) -> ParameterEstimate:
@@ -313,16 +276,16 @@ def estimate_starts(
     """Estimate the start states of a record's pieces.
 
     Args:
-        test: The record's test, its pieces known.
+        test: Test of the record, with its pieces.
         unknowns: Parameters of the fit.
-        own: Which of them are the test's values.
-        known: What is known of them.
-        curves: Of the columns.
-        shift: Of its clock [s].
-        place: Of the record, for messages.
+        own: Indices of the test's values among them.
+        known: Prior estimate of the parameters.
+        curves: Columns of the record.
+        shift: Shift of the clock [s].
+        place: Place of the record, for messages.
 
     Raises:
-        ScenarioError: A piece's run does not come to its end.
+        ScenarioError: A piece's run does not complete.
     """
     best: _Pass | None = None
     for _ in range(_PASSES):

@@ -1,4 +1,4 @@
-"""A fit as a problem of least squares: residuals of all records as functions of the unknowns."""
+"""Least-squares problem of a fit: residuals of all records as functions of the unknowns."""
 
 from __future__ import annotations
 
@@ -32,19 +32,12 @@ _APART = 1e-2
 
 
 class DerivativeLog(NamedTuple):
-    """Methods by which the derivatives of a fit were found.
+    """Methods by which the derivatives of a fit were found."""
 
-    Attributes:
-        equation: How often by the variational equation.
-        differences: How often by differences of runs.
-        why: Why the first time not by the equation, where that was requested; "" if that was not.
-        apart: By how much the two differed where they were held against one another, over the size of the
-            derivatives by one unknown; NaN if they were not.
-    """
-
-    equation: int = 0
-    differences: int = 0
-    why: str = ""
+    equation: int = 0  # evaluations by the variational equation
+    differences: int = 0  # evaluations by differences of runs
+    why: str = ""  # first reason against a requested equation, or ""
+    # deviation of both methods over the size of derivatives by one unknown, or NaN
     apart: float = float("nan")
 
     def once_more(self, equation: bool, why: str = "") -> DerivativeLog:
@@ -75,21 +68,14 @@ class DerivativeLog(NamedTuple):
 def central_differences(
     evaluate: Callable[[Sequence[Array]], list[Array]], here: Array, lower: Array, upper: Array, step: float
 ) -> Array:
-    """Return the derivatives of residuals, (m, n), at unknowns.
+    """Return the derivatives, (m, n), of residuals at unknowns (n,), each over its size.
 
-    The error of central differences is of the square of the step. Next to a bound, and where a perturbed run
-    has no run, they go to one side, with an error of the step itself; where neither has one, a tenth of the
-    step or ten times as far.
-
-    Args:
-        evaluate: The residuals at several unknowns, (m,) each.
-        here: The unknowns, (n,), each over its size.
-        lower: Their bounds, (n,).
-        upper: Likewise.
-        step: Of each.
+    The error of central differences is of the square of the step. At a bound, and next to unknowns without a
+    run, they are one-sided, with an error of the step itself; where both sides are missing, the step is a
+    tenth or ten times as large.
 
     Raises:
-        NoRunError: There is no run here, or none on either side.
+        NoRunError: No run exists here, or on either side.
     """
     n = len(here)
     steps = step * np.eye(n)
@@ -144,7 +130,7 @@ _TOGETHER = 16
 
 
 class _Run(NamedTuple):
-    """Run of the fit: record, piece, and place of its start among unknowns."""
+    """Run of the fit: record, piece, and index of its start among the unknowns."""
 
     record: int
     piece: int
@@ -155,22 +141,22 @@ class _Run(NamedTuple):
 class Problem:
     """Least-squares problem of a fit, checked; runs are made on demand.
 
-    With records in pieces the pieces' starts are unknown too: coordinates beside the parameters, ``states``,
-    which are kept here and which :meth:`residuals` takes as they are if it is given parameters only.
+    With records in pieces the pieces' starts are unknown too: coordinates beside the parameters, stored in
+    ``states``, which :meth:`residuals` uses if it is given parameters only.
 
     Args:
-        plan: What the fit file says.
-        service: Who makes runs, and remembers them; this process if left out.
+        plan: Plan of the fit file.
+        service: Service that makes and stores runs; this process by default.
 
     Attributes:
-        plan: The fit's file.
+        plan: The argument.
         unknowns: Parameters and the pieces' starts, with bounds and sizes.
         states: Coordinates of the pieces' starts, (h,), in the run's error scales.
-        rows: What of the records is compared.
-        derived: By what derivatives were found so far.
+        rows: Residuals of the records.
+        derived: Log of derivatives.
 
     Raises:
-        AntennaPinError: Something of plan, records or scenarios is not valid: before any run of any length.
+        AntennaPinError: Plan, records or scenarios are not valid; raised before any run of any length.
     """
 
     @takes()
@@ -289,11 +275,7 @@ class Problem:
     # --- residuals and derivatives for searches -------------------------------------------------------------
 
     def residuals_at(self, wholes: Sequence[Array]) -> list[Array]:
-        """Return the residuals at several values with states, (p + h,) each, in parallel.
-
-        Raises:
-            NoRunError: One of them has none.
-        """
+        """Return the residuals at several values with states, (p + h,) each, in parallel."""
         found = self._without_priors(wholes)
         return [self._with_priors(whole, one) for whole, one in zip(wholes, found, strict=True)]
 
@@ -308,11 +290,7 @@ class Problem:
         return answers
 
     def curves(self, whole: Array) -> dict[str, tuple[Array, Array]]:
-        """Return times and curves over their noise, of records of one run.
-
-        Raises:
-            NoRunError: One has none.
-        """
+        """Return times and curves over their noise, of records of one run."""
         return self.rows.curves(whole, self._readings([whole])[0])
 
     def scenario(self, record: str, values: Array) -> Scenario:
@@ -323,10 +301,7 @@ class Problem:
         )
 
     def slopes(self, searched: Array) -> Array:
-        """Return the derivatives of the residuals by search coordinates, (m, p + h).
-
-        By what they were found is told by :attr:`derived`.
-        """
+        """Return the derivatives of the residuals by search coordinates, (m, p + h)."""
         found, why = None, ""
         if self.plan.jacobian == "equation":
             found, why = self._by_equation(self.unknowns.from_search(searched))
@@ -371,7 +346,7 @@ class Problem:
     def _by_starts(self, searched: Array, step: float) -> Array:
         """Return the derivatives by the pieces' starts, (m, h), one-sided where necessary.
 
-        A start acts on its own piece only: one run of all pieces is a perturbed run in a coordinate of each.
+        A start acts on its own piece only: one run of all pieces perturbs one coordinate of each.
         """
         whole, p = self.unknowns.from_search(searched), self.unknowns.count
         (here,) = self._readings([whole])

@@ -1,4 +1,4 @@
-"""Columns of a measured record from its file, of any of several formats; NaN for missing numbers."""
+"""Columns of a measured record from files of several formats; NaN for missing numbers."""
 
 from __future__ import annotations
 
@@ -143,7 +143,6 @@ def _stamp(cell: str, name: str, pattern: str, line: str) -> tuple[datetime.date
 def _seconds_after(
     stamp: tuple[datetime.datetime, float], first: tuple[datetime.datetime, float], line: str
 ) -> float:
-    """Return the time from the first stamp to another [s]."""
     if (stamp[0].tzinfo is None) != (first[0].tzinfo is None):
         raise ScenarioError(f"{line}: time stamps must all have a time zone, or none, got both")
     return (stamp[0] - first[0]).total_seconds() + (stamp[1] - first[1])
@@ -253,19 +252,19 @@ _SECONDS = 600  # of processor time that a damaged file is read for at most
 
 
 class BadMatFileError(ValueError):
-    """A file that the reader of MAT files cannot read."""
+    """Damaged or unreadable MAT file."""
 
 
 class Mat73Error(ValueError):
-    """A MAT file of version 7.3, which is an HDF5 file."""
+    """MAT file of version 7.3, which is an HDF5 file."""
 
 
 def read_mat(path: Path) -> dict[str, Any]:
     """Return the variables of a file, as :func:`scipy.io.loadmat` does.
 
     Raises:
-        Mat73Error: It is one of version 7.3.
-        BadMatFileError: It cannot be read.
+        Mat73Error: The file is of version 7.3.
+        BadMatFileError: The file cannot be read.
     """
     import scipy.io  # noqa: F401 - in this process, so that the other has it
 
@@ -338,17 +337,11 @@ _NO_NUMBERS = (b"char", b"cell", b"string", b"function_handle")  # what MATLAB's
 
 
 class _Columns(NamedTuple):
-    """Columns of a record's file.
+    """Columns of a record's file."""
 
-    Attributes:
-        time: Of the rows, by the file's clock, (rows,) [s].
-        values: Of the columns by their names in the file, (rows,), in the file's units.
-        units: Those that the file gives of them.
-    """
-
-    time: Array
-    values: dict[str, Array]
-    units: dict[str, str]
+    time: Array  # of the rows, by the file's clock, (rows,) [s]
+    values: dict[str, Array]  # by names in the file, (rows,), in the file's units
+    units: dict[str, str]  # units given in the file
 
 
 def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: str) -> _Columns:
@@ -356,13 +349,13 @@ def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: st
 
     Args:
         path: The file.
-        names: Of the columns that are wanted beside the times.
-        layout: How the file is laid out.
-        place: Where the file is named, for messages.
+        names: Names of the columns to read beside the times.
+        layout: Layout of the file.
+        place: Place of the file's name, for messages.
 
     Raises:
-        ScenarioError: It is not there, or cannot be read, or a column holds what is no number.
-        UnknownNameError: It has no such column.
+        ScenarioError: The file is missing or unreadable, or a column holds other than numbers.
+        UnknownNameError: The file lacks a column.
     """
     if path.suffix.lower() not in _SUFFIXES:
         raise ScenarioError(f"{place}.file must end in {', '.join(_SUFFIXES)}, got {path.name!r}")

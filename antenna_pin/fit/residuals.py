@@ -22,32 +22,20 @@ _Indices = NDArray[np.int_]
 
 
 class _RecordNumber(NamedTuple):
-    """Number of a record that is a parameter.
+    """Number of a record that is a parameter."""
 
-    Attributes:
-        parameter: Number of the parameter.
-        record: Number of the record.
-        column: Name of its column; "" of the record itself.
-        name: Of the number.
-    """
-
-    parameter: int
-    record: int
-    column: str
-    name: str
+    parameter: int  # index of the parameter
+    record: int  # index of the record
+    column: str  # name of the column; "" for the record itself
+    name: str  # of the number
 
 
 class ResidualRows:
     """Residuals of all records from the readings of their runs.
 
-    Args:
-        plan: What the fit file says.
-        prepared: Its records.
-
     Attributes:
-        numbers: Of the records, those that are parameters.
-        tie: By what joints of pieces count beside the weights of the plan: less than 1 while a search has
-            not found its way.
+        numbers: Parameters that are numbers of records.
+        tie: Factor of the joints' weights: less than 1 early in a search.
     """
 
     def __init__(self, plan: FitPlan, prepared: Prepared) -> None:
@@ -84,11 +72,7 @@ class ResidualRows:
         return gain, offset
 
     def models(self, whole: Array, found: Sequence[Readings]) -> list[Array]:
-        """Return the model's numbers of each column, for comparison.
-
-        Raises:
-            NoRunError: A run has failed.
-        """
+        """Return the model's numbers of each column; raise a NoRunError for a failed run."""
         models = []
         for r, test, pieces in self.by_record(found):
             for one in pieces:
@@ -101,11 +85,7 @@ class ResidualRows:
         return models
 
     def residuals(self, whole: Array, found: Sequence[Readings]) -> Array:
-        """Return weighted residuals of all columns, then gaps between pieces, (m,) [-].
-
-        Raises:
-            NoRunError: A run has failed.
-        """
+        """Return weighted residuals of all columns, then gaps between pieces, (m,) [-]."""
         parts = []
         for (name, target), model in zip(
             self._prepared.targets.items(), self.models(whole, found), strict=True
@@ -141,11 +121,7 @@ class ResidualRows:
         )
 
     def curves(self, whole: Array, found: Sequence[Readings]) -> dict[str, tuple[Array, Array]]:
-        """Return times and curves over their noise, of records of one run.
-
-        Raises:
-            NoRunError: A run has failed.
-        """
+        """Return times and curves over their noise, of records of one run."""
         curves = dict[str, list[Array]]()
         models = self.models(whole, found)
         for (name, target), model in zip(self._prepared.targets.items(), models, strict=True):
@@ -161,8 +137,8 @@ class ResidualRows:
 
         Args:
             whole: Values with states, (p + h,) [SI].
-            found: What came of the runs, with derivatives.
-            fitted: Of each run, where its fitted numbers and its start stand among the unknowns.
+            found: Readings of the runs, with derivatives.
+            fitted: Per run, indices of its fitted numbers and its start among the unknowns.
         """
         parts, joints, at = [], [], 0
         for r, test, pieces in self.by_record(found):
@@ -209,11 +185,7 @@ class ResidualRows:
         return slopes * (spec.weight / target.sd)[:, np.newaxis]
 
     def table(self, whole: Array, found: Sequence[Readings]) -> xr.Dataset:
-        """Return models beside records, all along ``row``, for a fit's dataset.
-
-        Raises:
-            NoRunError: A run has failed.
-        """
+        """Return models beside records, all along ``row``, for a fit's dataset."""
         parts: dict[str, list[Array]] = {name: [] for name in ("model", "data", "sd", "at", "residual")}
         words: dict[str, list[str]] = {"record": [], "column": [], "measure": [], "unit": []}
         for (name, target), model in zip(

@@ -1,9 +1,9 @@
-"""Runs of a fit: made with derivatives where requested, remembered in memory and on the disk.
+"""Runs of a fit, with derivatives where requested, stored in memory and on disk.
 
 By the variational equation fitted parameters and coordinates of a piece's start are propagated together along
 its run, through onsets, releases and events (:mod:`antenna_pin.nonlinear.variational`). Readings are then
-differentiated along the tangents: states next to those of the run are read, none is run to. So filters, which
-are linear, and all else that a sensor does are included.
+differentiated along the tangents, at states next to those of the run and without further runs, so that
+filters, which are linear, and all other effects of a sensor are included.
 """
 
 from __future__ import annotations
@@ -69,17 +69,11 @@ _TICK = 1e-4
 
 
 class _TangentSamples(NamedTuple):
-    """States of one run, with their perturbations by the unknowns.
+    """States of one run, with their perturbations by the unknowns."""
 
-    Attributes:
-        chunk: The states, the last at the run's end.
-        ways: Perturbations, (n, perturbation, fitted).
-        words: Derivatives of the program there, (n, numbers, words).
-    """
-
-    chunk: Chunk
-    ways: Array
-    words: Array
+    chunk: Chunk  # states, the last at the run's end
+    ways: Array  # perturbations, (n, perturbation, fitted)
+    words: Array  # derivatives of the program, (n, numbers, words)
 
 
 def _readings_with_slopes(test: RecordTest, request: RunRequest) -> tuple[Readings, ...]:
@@ -323,18 +317,15 @@ _FORM = 3  # of a line
 class RunStore:
     """Runs of a fit stored beside its result, in the folder ``FILE.parts``.
 
-    A line is for good: what was written under other records, parameters' keys, scenarios or versions is
-    refused; other starts, bounds and losses ask for other runs, and share those that are the same.
-
-    Args:
-        target: Of the fit's result.
+    Lines of other records, parameter keys, scenarios or versions are refused; fits with other starts, bounds
+    and losses share the runs that are the same.
 
     Raises:
-        OutputError: The folder is of another fit, or cannot be written, or another process has it.
+        OutputError: The folder belongs to another fit, cannot be written, or is in use.
     """
 
     def __init__(self, target: Path) -> None:
-        """Name the folder."""
+        """Derive the folder from the path of the fit's result."""
         self.folder = target.with_name(target.name + _SUFFIX)
         self._entries: dict[tuple[Any, ...], dict[str, Any]] = {}
         self._journal: Journal | None = None
@@ -368,7 +359,7 @@ class RunStore:
             self._journal = None
 
     def remove(self) -> None:
-        """Remove the folder: the fit is done, and saved."""
+        """Remove the folder of a saved fit."""
         self.close()
         for name in ("journal", "fit.json", ".lock"):
             (self.folder / name).unlink(missing_ok=True)
@@ -457,13 +448,13 @@ _REMEMBERED = 512  # answers that stay in memory
 class RunService:
     """Runs made on demand, each once.
 
-    A search that was interrupted asks, begun anew, for the same runs in the same order; what stands in the
-    store is not run again, so that it goes on bit for bit as if it had never stopped.
+    A repeated search requests the same runs in the same order; stored runs are not made again, so that an
+    interrupted search continues bit for bit.
 
     Args:
-        executor: Who makes them: this process if left out, or a cluster.
-        store: What was made before and what is made, on the disk; none if left out.
-        progress: Called after each run with how many there are.
+        executor: Executor of the runs: this process by default, or a cluster.
+        store: Store of the runs on disk; none by default.
+        progress: Called with the number of runs after each run.
     """
 
     def __init__(
@@ -483,21 +474,13 @@ class RunService:
         self._known: dict[RunRequest, tuple[Readings, ...]] = {}
 
     def take(self, plan: FitPlan, record_tests: tuple[RecordTest, ...]) -> None:
-        """Set the tests that runs are requested of.
-
-        Raises:
-            OutputError: The store is of another fit.
-        """
+        """Set the tests of the runs, and open the store."""
         self._record_tests = record_tests
         if self.store is not None:
             self.store.open(plan, record_tests)
 
     def readings(self, request: Sequence[RunRequest]) -> list[tuple[Readings, ...]]:
-        """Return the readings of each request; missing runs are made in parallel.
-
-        Raises:
-            KeyboardInterrupt: It was interrupted; what was made is kept.
-        """
+        """Return the readings of each request; missing runs are made in parallel."""
         missing = [one for one in dict.fromkeys(request) if one not in self._known]
         found: dict[RunRequest, tuple[Readings, ...]] = {}
         for one in list(missing):
@@ -528,11 +511,7 @@ class RunService:
         return answers
 
     def said_of_unbalanced(self, last: Sequence[Readings]) -> list[str]:
-        """Return a note on runs whose energy or momentum does not balance, if any.
-
-        Args:
-            last: Of the runs with the fitted values.
-        """
+        """Return a note on unbalanced runs, if any; ``last`` are the runs of the fitted values."""
         if not self.unbalanced:
             return []
         mine = [one.unbalanced for one in last if one.unbalanced]

@@ -1,4 +1,4 @@
-r"""Sensors: readings of a run behind low-pass filters, and the statistics that readings are compared by.
+r"""Sensors: readings of a run behind low-pass filters, and statistics for their comparison.
 
 An accelerometer at a point r of a link, with its axis d, both in the link's axes R, reads the specific force
 
@@ -70,19 +70,12 @@ _NODES, _WEIGHTS = np.array([0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15)]), np
 
 
 class _FilterInput(NamedTuple):
-    """Input of a filter over the n - 1 intervals between n sample times.
+    """Input of a filter over the n - 1 intervals between n sample times."""
 
-    Attributes:
-        time: Sample times, rising, (n,) [s].
-        smooth: Coefficients of the smooth part, a polynomial in the share of the interval, (n - 1, 3).
-        impulses: Sizes of impulses in each interval, (n - 1, k), in the input's unit times s.
-        places: Their times after the interval's start, (n - 1, k) [s].
-    """
-
-    time: Array
-    smooth: Array
-    impulses: Array
-    places: Array
+    time: Array  # sample times, rising, (n,) [s]
+    smooth: Array  # coefficients of a polynomial in the share of the interval, (n - 1, 3)
+    impulses: Array  # sizes of impulses in each interval, (n - 1, k), in the input's unit times s
+    places: Array  # times of the impulses after the interval's start, (n - 1, k) [s]
 
     def at(self, intervals: NDArray[np.intp], share: Array) -> Array:
         """Return the smooth part of the input at shares of some intervals, (m,)."""
@@ -104,10 +97,10 @@ def input_of_acceleration(
 
     Args:
         time: Sample times, rising, (n,) [s].
-        axes: Unit vectors along which the sensor reads, (n, 3).
-        position: Of the sensor, (n, 3) [m].
-        velocity: Likewise [m/s].
-        acceleration: Likewise, where it jumps the value afterwards [m/s^2].
+        axes: Unit vectors of the sensitive axis, (n, 3).
+        position: Position of the sensor, (n, 3) [m].
+        velocity: Its velocity, (n, 3) [m/s].
+        acceleration: Its acceleration, at a jump the value afterwards, (n, 3) [m/s^2].
         gravity: (3,) [m/s^2].
     """
     h = np.diff(time)[:, None]
@@ -135,15 +128,9 @@ def input_of_acceleration(
 
 
 def filter_response(given: _FilterInput, rows: Array, corner: float, order: int) -> Array:
-    """Return the filter's output at some times, (m,).
+    """Return the output of a filter of an order and a corner at 3 dB [Hz] at rising times, (m,).
 
-    Before the first sample the input is taken to have been constant for ever.
-
-    Args:
-        given: The input.
-        rows: Times of the output [s], from the first to the last sample time.
-        corner: Frequency at which the filter is 3 dB down [Hz].
-        order: Order of the filter [-].
+    Before the first sample the input is constant.
     """
     omega = 2.0 * np.pi * corner
     poles = np.exp(0.5j * np.pi * (1.0 + (2.0 * np.arange(order) + 1.0) / order))
@@ -194,17 +181,7 @@ _PER_PERIOD, _PER_PERIOD_OF_VALUES = 24, 64
 
 
 def sensor_unit(data: xr.Dataset, column: ColumnSpec, place: str) -> str:
-    """Return the SI unit of a sensor's reading, or refuse an unknown one.
-
-    Args:
-        data: Of a run.
-        column: Of the sensor.
-        place: Of the column, for messages.
-
-    Raises:
-        UnknownNameError: It is at a link or joint that is not there.
-        AntennaPinError: The result has no such quantity.
-    """
+    """Return the SI unit of a sensor's reading; refuse an unknown link, joint or quantity."""
     if column.sensor == "accelerometer":
         _check_link(data, str(column.link), f"{place}.link")
         return "m/s^2"
@@ -228,11 +205,7 @@ def _check_link(data: xr.Dataset, link: str, place: str) -> None:
 
 
 def check_sensor(column: ColumnSpec, unit: str, place: str) -> None:
-    """Refuse numbers of a column in a wrong unit.
-
-    Raises:
-        ScenarioError: One is not.
-    """
+    """Refuse numbers of a column in a wrong unit."""
     for name in ("sd", "offset", "resolution"):
         value = getattr(column, name)
         relative = name == "sd" and column.compare in ("spectrum", "blows")
@@ -251,11 +224,7 @@ def check_sensor(column: ColumnSpec, unit: str, place: str) -> None:
 
 
 def si_amount(value: object, unit: str, place: str) -> float:
-    """Return a number of a fit file in SI units, the default.
-
-    Raises:
-        ScenarioError: It is of another unit.
-    """
+    """Return a number of a fit file in SI units, the default; refuse another unit."""
     written = unit.replace("^", "**").replace(" ", "*")
     return in_si(value, written or "1", place)
 
@@ -263,7 +232,7 @@ def si_amount(value: object, unit: str, place: str) -> float:
 def reading_noise(column: ColumnSpec, unit: str) -> float:
     """Return the standard deviation of a row, of an encoder with its steps [SI].
 
-    A step of size s rounds by an error that is spread evenly, of variance s^2 / 12.
+    A step of size s rounds by a uniform error, of variance s^2 / 12.
     """
     noise = si_amount(column.sd, unit, "sd")
     if column.sensor == "encoder":
@@ -287,11 +256,11 @@ def reading(data: xr.Dataset, column: ColumnSpec, unit: str, time: Array) -> Arr
     """Return a sensor's readings at times, (n,), before gain and offset.
 
     Args:
-        data: Of a run, at the :func:`sample_times`; behind a filter further samples in between, such as those
-            at events, count too.
-        column: Of the sensor.
-        unit: Of what it reads.
-        time: When it is read [s].
+        data: Result of a run at the :func:`sample_times`; behind a filter further samples in between, such as
+            those at events, count too.
+        column: Settings of the sensor.
+        unit: SI unit of the reading.
+        time: Times of the readings [s].
     """
     if column.filter is None:
         return _unfiltered(data, column, unit)
@@ -374,32 +343,24 @@ _BANDWIDTH = 1.5
 
 
 class Target(NamedTuple):
-    """Data of a column for comparison.
+    """Data of a column for comparison."""
 
-    Attributes:
-        at: Where along it each number stands: a time [s], a band's middle [Hz], a bin's middle.
-        unit: Of that.
-        data: Of the record, (numbers,), in the measure in which it is compared.
-        sd: Of each, in that measure.
-        measure: In words, for who reads it: ``reading``, ``rms``, ``ln power``, ``2 sqrt(count + 3/8)``.
-    """
-
-    at: Array
-    unit: str
-    data: Array
-    sd: Array
-    measure: str
+    at: Array  # abscissa of each number: a time [s], a band's middle [Hz], a bin's middle
+    unit: str  # of the abscissa
+    data: Array  # of the record, (numbers,), in the compared measure
+    sd: Array  # of each number, in that measure
+    measure: str  # as text: ``reading``, ``rms``, ``ln power``, ``2 sqrt(count + 3/8)``
 
 
 def comparison_target(column: ColumnSpec, unit: str, time: Array, values: Array, place: str) -> Target:
     """Return the data of a record's column for comparison.
 
     Args:
-        column: As the fit file has it.
-        unit: SI unit of what it reads.
-        time: Of its rows [s].
-        values: As measured, (rows,).
-        place: Of the column, for messages.
+        column: Settings of the column.
+        unit: SI unit of the reading.
+        time: Times of the rows [s].
+        values: Measured values, (rows,).
+        place: Place of the column, for messages.
 
     Raises:
         ScenarioError: The record is too short for its segments, has no power in a band, or no impacts.
@@ -457,12 +418,12 @@ def compared_numbers(column: ColumnSpec, unit: str, time: Array, values: Array) 
 def compared_slopes(column: ColumnSpec, time: Array, values: Array, slopes: Array) -> Array:
     """Return the derivatives of :func:`compared_numbers` over a curve, (numbers, fitted).
 
-    Not of impacts, which are found anew in each run.
+    Impacts, which are detected anew in each run, have none.
 
     Args:
-        column: As the fit file has it.
-        time: Of its rows [s].
-        values: Of the model, (rows,).
+        column: Settings of the column.
+        time: Times of the rows [s].
+        values: Values of the model, (rows,).
         slopes: Their derivatives, (rows, fitted).
     """
     assert column.blows is None

@@ -116,35 +116,37 @@ def sensitivities(
     """Return the derivatives of a scenario's results over some of its numbers.
 
     By ``runs`` all numbers of the result have them: samples at given times, times and peaks of contacts,
-    impulses, losses, whatever the schema names. They are differences of sixth order of six runs a parameter,
-    each of which locates its own contacts and events, uncertain by what fourth order says otherwise and by
-    the runs' own error; ``quick-runs`` are of second order, of two.
+    impulses, losses, and all others of the schema. They are differences of sixth order of six runs a
+    parameter, each of which locates its own contacts and events; the error estimate is the difference from
+    fourth order plus the runs' own error. ``quick-runs`` are of second order, of two runs.
 
-    The ``equation`` propagates tangents along one run, and through events by their saltation
-    (:mod:`antenna_pin.nonlinear.variational`), and the integrals besides by the integral of its rates'
-    derivatives. NaN are those of numbers that it does not tell, such as a largest force at a contact's onset.
-    It takes more time, and perturbed runs need not be alike in it: so it is held against two runs a
-    parameter, and refused where they contradict.
+    The ``equation`` propagates tangents along one run, through events by their saltation
+    (:mod:`antenna_pin.nonlinear.variational`), and the integrals by the integral of their rates' derivatives.
+    Numbers that it does not determine, such as a largest force at a contact's onset, are NaN. It takes more
+    time, and allows perturbed runs with other events: so it is compared with two runs a parameter, and
+    refused where they contradict.
 
     Args:
         scenario: The scenario.
-        keys: Of its numbers, as in ``--set``; ``mechanism.gravity[2]`` for one of an array. A mapping gives
-            each a scale, beside which changes are small, a number or text with a unit: the size of its value
-            if None, and to be given where that is 0.
-        times: At which samples are differentiated, ascending [s]; the scenario's output if left out.
-        duration: Of the run [s]; the scenario's if left out, or up to the last of ``times``.
-        settings: How to integrate; with the scenario's engine, order 8(5,3) and 1e-12 if left out.
-        start: From where the run goes on, the ``end`` of another; the scenario's start if left out. Keys of
-            ``initial`` then are perturbations of this state.
+        keys: Keys of its numbers, as in ``--set``; ``mechanism.gravity[2]`` for one of an array. A mapping
+            gives each a scale, relative to which changes are small, a number or text with a unit: the size of
+            its value if None; required where that is 0.
+        times: Sample times, ascending [s]; the scenario's output by default.
+        duration: Duration of the run [s]; the scenario's by default, or up to the last of ``times``.
+        settings: Settings of the integration; the scenario's engine, order 8(5,3) and 1e-12 by default.
+        start: State from which the run continues, the ``end`` of another; the scenario's start by default.
+            Keys of ``initial`` then are perturbations of this state.
         method: ``runs``, ``quick-runs`` or ``equation``.
         pieces: Length of pieces, each from the run's own state at its start, which is held: for motions whose
-            derivatives grow too far [s]. Samples and the ends of pieces have derivatives, in pieces that have
-            none they are left out, and ``data.attrs["refused"]`` says why. The ``run`` is the first piece.
-        processes: In how many processes runs are made side by side.
+            derivatives grow too far [s]. Samples and the ends of pieces have derivatives; pieces without
+            derivatives are left out, with the reason in ``data.attrs["refused"]``. The ``run`` is the first
+            piece.
+        processes: Number of processes that make runs.
 
     Raises:
-        GrazeError: A contact or an event comes or goes with the smallest change: there is no derivative.
-        SensitivityError: A run does not come to its end, or a number has no perturbed runs.
+        GrazeError: A contact or an event appears or vanishes with the smallest change: there is no
+            derivative.
+        SensitivityError: A run does not complete, or a number has no perturbed runs.
         AntennaPinError: The input is not valid.
     """
     place = "sensitivities"
@@ -216,9 +218,9 @@ def _checked_by_runs(
 ) -> list[Slopes]:
     """Return derivatives of the equation, or refuse them where runs contradict.
 
-    By how much the two differ is uncertain, too. Where the motion is right and a number of what it does is
-    not (the integral of a loss over an onset where it has no derivative, a contact's memory that its law does
-    not ask for), that number is NaN: not told.
+    The deviation of both adds to the error estimate. Where the motion is right and another number is not (the
+    integral of a loss over an onset where it has no derivative, a contact's memory that its law does not
+    use), that number is NaN.
     """
     held = []
     for one, ours, theirs in zip(parameters, found, runs, strict=True):
@@ -245,8 +247,8 @@ def _checked_by_runs(
 def _relative_uncertainty(found: Slopes) -> float:
     """Return the relative error of the motion's largest derivative, at most 1.
 
-    What is perturbed behind goes with that one, and its share uncertain with it, whatever a difference says
-    of each time by itself.
+    Later perturbations follow that derivative, and share its relative error, whatever a difference gives for
+    each time by itself.
     """
     shares = [0.0]
     for name in _MOTION:

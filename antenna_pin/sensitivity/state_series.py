@@ -2,7 +2,7 @@
 
 A state y follows its flow f(t, y), so that the rate of any function g of it is the derivative of ``g(t + s, y
 + s f)`` over s, along a straight line. A perturbed state's rate is that of its own flow; the derivative of
-both over a parameter is the mixed one, by which largest values come later.
+both over a parameter is the mixed one, which gives the delay of largest values.
 """
 
 from __future__ import annotations
@@ -55,11 +55,7 @@ class _Shift(NamedTuple):
 
 
 class _SeriesTable:
-    """Series in columns, one row for each sample.
-
-    Args:
-        here: The series, by name, (n, ...); those that are differentiated are taken.
-    """
+    """Differentiable series in columns, one row for each sample."""
 
     def __init__(self, here: Mapping[str, Array]) -> None:
         taken = {name: one for name, one in here.items() if one.dtype.kind == "f" and name != "time"}
@@ -109,11 +105,11 @@ class StateSeries:
     """Series of a result at states of a run, and their derivatives over parameters.
 
     Args:
-        beside: What stands for perturbed runs of the run's system.
-        displacer: Makes their states.
-        settings: Of the run.
-        first: Its first state.
-        scales: Of the parameters, (parameters,).
+        beside: Perturbed parameters of the run's system.
+        displacer: Perturbation of states.
+        settings: Settings of the run.
+        first: First state of the run.
+        scales: Scales of the parameters, (parameters,).
     """
 
     def __init__(
@@ -137,15 +133,7 @@ class StateSeries:
     def perturbed(
         self, displaced: PerturbedSamples, wanted: Sequence[_Shift]
     ) -> Iterator[tuple[Sequence[int], PerturbedSystem, list[Chunk]]]:
-        """Yield perturbed states, together where one system serves them.
-
-        Args:
-            displaced: The states.
-            wanted: The perturbed runs.
-
-        Yields:
-            Numbers of perturbed runs, what evaluates them, and the states of each.
-        """
+        """Yield indices of perturbed runs, their system and their states, for runs of one system."""
         together = [i for i, one in enumerate(wanted) if self.beside.by_program[one.parameter]]
         for part in _batches(together, _AT_ONCE // len(displaced.chunk.times)):
             with self.beside.at(0, 0.0) as near:
@@ -157,7 +145,7 @@ class StateSeries:
     def series(self, displaced: PerturbedSamples) -> dict[str, tuple[Array, Array]]:
         """Return derivatives of the series at samples, with error estimates, (n, ..., parameters).
 
-        The first sample is where the integrals along the run counts from.
+        Integrals along the run count from the first sample.
         """
         here = self.series_at(displaced.chunk)
         table, count = _SeriesTable(here), len(self.scales)
@@ -239,23 +227,14 @@ _TIME_ROUND_OFF = 1e-15
 
 
 class _ForceCurvature(NamedTuple):
-    """Contact forces with their derivatives over time and parameters, at samples.
+    """Contact forces with their derivatives over time and parameters, at samples."""
 
-    Attributes:
-        force: Of each [N].
-        rate: Of it [N/s].
-        bend: Of that [N/s^2].
-        over: Of the rate over each parameter, in its scale, at equal times.
-        bend_doubt: By how much it is uncertain.
-        over_doubt: Likewise.
-    """
-
-    force: Array
-    rate: Array
-    bend: Array
-    over: Array
-    bend_doubt: Array
-    over_doubt: Array
+    force: Array  # [N]
+    rate: Array  # of the force [N/s]
+    bend: Array  # of the rate [N/s^2]
+    over: Array  # of the rate over each parameter, in its scale, at equal times
+    bend_doubt: Array  # error estimate
+    over_doubt: Array  # error estimate
 
     def of(self, n: int) -> _ForceCurvature:
         """Return the data of one sample, (1,)."""
@@ -269,7 +248,7 @@ class _ForceCurvature(NamedTuple):
     def delay(self, known: Array) -> tuple[Array, Array, Array]:
         """Return the delay of a force's maximum [s], its error, and the force's correction.
 
-        The correction is what the force changes more where it is largest than here, where that was found.
+        The correction is the additional change of the force at its maximum, relative to this sample.
         """
         (force,), (rate,), (bend,), (over,), (rough,), (rest,) = self
         late, off = -over / bend, -rate / bend
@@ -279,12 +258,7 @@ class _ForceCurvature(NamedTuple):
 
 
 class TimeDerivatives:
-    """Derivatives over time of series at perturbed samples.
-
-    Args:
-        told: What is said of states.
-        perturbed: The samples.
-    """
+    """Derivatives over time of series at perturbed samples."""
 
     def __init__(self, told: StateSeries, displaced: PerturbedSamples) -> None:
         """Store the samples."""
@@ -295,20 +269,20 @@ class TimeDerivatives:
         """Return normal forces of contacts with their derivatives.
 
         Args:
-            places: Which samples, (n,).
-            contacts: The contact at each, (n,).
-            long: How long each contact lasts [s].
+            places: Indices of samples, (n,).
+            contacts: Contact at each, (n,).
+            long: Duration of each contact [s].
         """
         told, part, n = self._told, self._part(places), len(places)
 
         def force(chunk: Chunk, near: PerturbedSystem) -> Array:
-            """Return forces in states that stand sample by sample, (n, states of each)."""
+            """Return forces in states sample by sample, (n, states of each)."""
             seen = observed(near.system, chunk.times, chunk.states, chunk.memories, chunk.programs)
             found = np.asarray(seen.contact["normal_force"]).reshape(n, -1, seen.contact.shape[-1])
             return found[np.arange(n), :, contacts]
 
         def rate(chunk: Chunk, near: PerturbedSystem) -> Array:
-            """Return rates of forces likewise, by the steps that are best for the run's own."""
+            """Return rates of forces likewise, by the best steps of the run's own rates."""
             lines, count = _lines(chunk, near), len(chunk.times) // n
             far = np.repeat(step, count)
             ahead_and_behind = force(lines(far[:, None] * _SIDES), near).reshape(n, count, len(_SIDES))
@@ -332,12 +306,7 @@ class TimeDerivatives:
         return _ForceCurvature(most, here, bend, over, off, rest)
 
     def series(self, place: int, long: float) -> dict[str, tuple[Array, Array]]:
-        """Return the rates of all series at a sample and their error estimates, by name.
-
-        Args:
-            place: Which.
-            long: How long what passes there takes [s].
-        """
+        """Return the rates of all series at a sample in an event of a duration [s], with errors."""
         if (place, long) not in self._rates:
             self._rates[place, long] = self._series(place, long)
         return self._rates[place, long]

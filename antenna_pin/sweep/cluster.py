@@ -47,7 +47,7 @@ _ENDED = re.compile(r"Worker process \d+ (?:was killed by signal (\d+)|exited wi
 
 
 class _Ends(logging.Handler):
-    """Takes how processes have ended from what Dask logs of them."""
+    """Handler that records exit codes of processes from Dask's log."""
 
     def __init__(self) -> None:
         super().__init__(logging.INFO)
@@ -107,12 +107,7 @@ def silence(package: ModuleType) -> None:
 
 
 def said_of_start(codes: list[int], error: str) -> str:
-    """Return in words why processes did not start, and what to do.
-
-    Args:
-        codes: Of those that have ended, by :func:`exit_codes`.
-        error: What Dask says.
-    """
+    """Return the reason for a failed start and a way out as text, from exit codes and Dask's message."""
     if not codes:
         return error
     if codes[0] < 0:
@@ -166,25 +161,25 @@ _QUIET = {  # what processes of this machine look at between the runs: their cor
 
 
 class Cluster:
-    """Processes that make runs, with Dask between.
+    """Processes that make runs, connected by Dask.
 
-    Nothing is started or reached before there is something to do (:meth:`start`).
+    Nothing is started or connected before the first runs (:meth:`start`).
 
     Args:
-        workers: How many processes of this machine; one for each core if left out.
-        scheduler: Address of a scheduler that runs elsewhere, ``tcp://host:8786`` or ``tls://...``; its
-            workers need this package in the same version, and nothing else.
-        tls: Files for a scheduler that is reached by TLS: ``ca``, ``cert`` and ``key``.
+        workers: Number of processes of this machine; one for each core by default.
+        scheduler: Address of an external scheduler, ``tcp://host:8786`` or ``tls://...``; its workers need
+            this package in the same version, and nothing else.
+        tls: Files for a scheduler reached by TLS: ``ca``, ``cert`` and ``key``.
 
     Raises:
         MissingToolError: Dask is not installed.
-        ClusterLostError: The address is none, or the files are not what they must be.
+        ClusterLostError: Address or files are not valid.
     """
 
     def __init__(
         self, workers: int | None = None, scheduler: str | None = None, tls: dict[str, str] | None = None
     ) -> None:
-        """Look at what is given."""
+        """Check the arguments."""
         take_back("dask")  # the command goes without it, for a quick start
         try:
             distributed: Any = importlib.import_module("distributed")
@@ -208,10 +203,10 @@ class Cluster:
         self._folder: tempfile.TemporaryDirectory[str] | None = None
 
     def start(self) -> None:
-        """Start the processes, or reach the scheduler, and have loaded what runs need; once.
+        """Start the processes, or connect to the scheduler, and load the code of runs; once.
 
         Raises:
-            ClusterLostError: They do not start, or no scheduler answers.
+            ClusterLostError: The processes do not start, or no scheduler answers.
         """
         if self._client is not None:
             return
@@ -300,7 +295,7 @@ class Cluster:
         """Yield each batch with its answer, in order of completion.
 
         Raises:
-            ClusterLostError: The scheduler, or all its workers, cannot be reached any more.
+            ClusterLostError: The scheduler, or all its workers, became unreachable.
         """
         self.start()
         under_way: dict[Any, tuple[list[T], Any]] = {}
@@ -350,7 +345,8 @@ class Cluster:
     def _data(self, shared: Any) -> Any:
         """Return the data of all runs, scattered to every worker.
 
-        It is kept: given anew under the same name while the old one is let go of, it would be lost.
+        The data are kept: scattered again under the same name while the old ones are released, they would be
+        lost.
         """
         if self._shared is None or self._shared[0] is not shared:
             (data,) = _asked(self._client.scatter, [shared], broadcast=True, hash=False)
@@ -363,7 +359,7 @@ class Cluster:
         return CancelledError
 
     def _finished(self, ready: queue.SimpleQueue[Any]) -> Any:
-        """Wait for one; where all workers are gone for long, raise."""
+        """Wait for a finished batch; raise after a long time without workers."""
         waited = 0.0
         while True:
             with contextlib.suppress(queue.Empty):
@@ -391,7 +387,7 @@ class Cluster:
             return Lost(f"it did not come back: {words_of(error)}")
 
     def close(self) -> None:
-        """End the processes, or leave the scheduler to others."""
+        """End the processes, or disconnect from the scheduler."""
         self._shared = None
         with held_back():  # half closed, its processes would outlive it
             for name in ("_client", "_local"):

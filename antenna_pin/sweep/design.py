@@ -1,4 +1,4 @@
-"""The design of a study: a grid of lists and ranges, times random samples."""
+"""Design of a study: a grid of lists and ranges, times random samples."""
 
 from __future__ import annotations
 
@@ -28,21 +28,13 @@ _INDEXED = re.compile(r"(.*)\[([0-9]{1,9})\]")
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """The values of one parameter along a dimension of the design.
+    """Values of one parameter along a dimension of the design."""
 
-    Attributes:
-        name: Of the parameter.
-        keys: Of the scenario.
-        dim: Dimension along which its values run.
-        settings: The values.
-        title: What it is called.
-    """
-
-    name: str
-    keys: tuple[str, ...]
-    dim: str
-    settings: Settings
-    title: str
+    name: str  # of the parameter
+    keys: tuple[str, ...]  # of the scenario
+    dim: str  # dimension along which the values run
+    settings: Settings  # the values
+    title: str  # in figures
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,11 +42,11 @@ class Design:
     """All runs of a study, numbered through its dimensions, the last one fastest.
 
     Attributes:
-        sizes: Of the dimensions, by name: those of the grid, then ``sample``.
+        sizes: Sizes of the dimensions, by name: those of the grid, then ``sample``.
         columns: The parameters.
-        probability: Of samples: where each stands in its distribution, (sample, factor) [-]; or None.
-        factors: Names of the parameters that are sampled.
-        seeds: One for each run, (runs,) [-].
+        probability: Cumulative probability of each sample in its distribution, (sample, factor) [-]; or None.
+        factors: Names of the sampled parameters.
+        seeds: Seed of each run, (runs,) [-].
     """
 
     sizes: dict[str, int]
@@ -65,7 +57,7 @@ class Design:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """The sizes of the dimensions."""
+        """Sizes of the dimensions."""
         return tuple(self.sizes.values())
 
     @property
@@ -74,22 +66,16 @@ class Design:
         return int(np.prod(self.shape, dtype=np.int64))
 
     def place(self, run: int) -> dict[str, int]:
-        """Return where a run stands, by dimension."""
+        """Return the indices of a run, by dimension."""
         return dict(zip(self.sizes, map(int, np.unravel_index(run, self.shape)), strict=True))
 
     def values(self, run: int) -> dict[str, Any]:
-        """Return what each parameter is set to in a run, by its name."""
+        """Return the settings of a run, by parameter."""
         place = self.place(run)
         return {column.name: column.settings.values[place[column.dim]].set for column in self.columns}
 
     def overrides(self, run: int, base: Scenario, only: tuple[str, ...] | None = None) -> dict[str, Any]:
-        """Return what a run sets over the scenario.
-
-        Args:
-            run: Its number.
-            base: The scenario, of which numbers of an array are taken that are not set.
-            only: The parameters that count; all if left out.
-        """
+        """Return the overrides of a run over the scenario, of all parameters or ``only`` some."""
         values, found = self.values(run), dict[str, Any]()
         for column in self.columns:
             if only is None or column.name in only:
@@ -98,7 +84,7 @@ class Design:
         return found
 
     def label(self, run: int) -> str:
-        """Return a run's number and its values in words."""
+        """Return a run's number and its values as text."""
         place = self.place(run)
         texts = [f"{c.name} = {_short(c.settings.values[place[c.dim]].text)}" for c in self.columns]
         return f"run {run} ({', '.join(texts)})"
@@ -109,16 +95,10 @@ def _short(text: str) -> str:
 
 
 def put_value(found: dict[str, Any], key: str, value: Any, base: Scenario) -> None:
-    """Enter a key's value among a scenario's overrides, in place.
-
-    Args:
-        found: What is set so far, by key.
-        key: With dots; ``name[2]`` for one number of an array.
-        value: Its.
-        base: The scenario, of which numbers of an array are taken that are not set.
+    """Enter a key's value among a scenario's overrides, in place; ``name[2]`` is one number of an array.
 
     Raises:
-        ScenarioError: There is no such array, or it has no such number.
+        ScenarioError: The scenario has no such array, or the array no such number.
     """
     indexed = _INDEXED.fullmatch(key)
     if indexed is None:
@@ -143,7 +123,7 @@ def design_of(study: Study) -> Design:
     """Return the runs of a study.
 
     Raises:
-        ScenarioError: There are too many, or samples that are not finite.
+        ScenarioError: The runs are too many, or samples are not finite.
     """
     _check_count(study)
     sizes: dict[str, int] = {}

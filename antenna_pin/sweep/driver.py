@@ -1,4 +1,4 @@
-"""The driver of a study: submits runs, and alone writes the store."""
+"""Driver of a study: submits runs, and alone writes the store."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ class StudyProgress:
     """Progress of a study.
 
     Attributes:
-        stage: ``check`` of what is to be run, or ``run``.
-        done: Runs made or checked, of an earlier command too.
-        count: Runs in all.
-        failed: Those of them that did not reach their end, or do not balance.
+        stage: ``check`` of the runs, or ``run``.
+        done: Runs made or checked, including those of an earlier command.
+        count: Number of all runs.
+        failed: Runs that did not complete, or do not balance.
     """
 
     stage: str
@@ -60,22 +60,22 @@ def run_study(
 ) -> xr.Dataset:
     """Make a study's missing runs, and return its dataset.
 
-    Everything is checked before anything is run: each combination is built. What is interrupted or killed
-    goes on with the same call.
+    Everything is checked before anything is run: each combination is built. An interrupted or killed study
+    continues with the same call.
 
     Args:
         study: The study.
-        out: Folder of the store, whose name ends in ``.study``; ``NAME.study`` here if left out.
-        executor: Who makes the runs: :class:`Here`, this process, if left out, or
+        out: Folder of the store, whose name ends in ``.study``; ``NAME.study`` here by default.
+        executor: Executor of the runs: :class:`Here`, this process, by default, or
             :class:`~antenna_pin.sweep.cluster.Cluster`.
-        apart: Whether a study, or a version, that is not the store's gets a store of its own beside it,
+        apart: True to give another study or version a store of its own beside an existing one,
             ``NAME-2.study``; else it is refused.
         progress: Called after each batch.
-        say: Called with what is to be noted, in one line each.
+        say: Called with each note, one line.
 
     Raises:
-        OutputError: The store is that of another study, or cannot be written; what was made is kept.
-        ScenarioError: A combination cannot be built, or something else of the study is not valid.
+        OutputError: The store is that of another study, or cannot be written; finished runs are kept.
+        ScenarioError: A combination cannot be built, or the study is not valid.
     """
     prepared = prepare(study)
     identity = identity_of(study, prepared.design, prepared.work)

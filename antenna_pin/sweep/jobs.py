@@ -28,55 +28,33 @@ __all__ = ["Done", "Job", "Work", "check_jobs", "do_jobs"]
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """Run of a study: its number, its overrides, its seed.
+    """Run of a study as plain data."""
 
-    Attributes:
-        run: Its number.
-        overrides: What it sets over the scenario.
-        seed: Its own [-].
-        follows: What the reference takes of it.
-        scenario: The whole scenario as JSON where files that it names must travel along; else "".
-    """
-
-    run: int
-    overrides: dict[str, Any]
-    seed: int
-    follows: dict[str, Any] = field(default_factory=dict)
-    scenario: str = ""
+    run: int  # number of the run
+    overrides: dict[str, Any]  # of the scenario
+    seed: int  # of the run [-]
+    follows: dict[str, Any] = field(default_factory=dict)  # overrides that the reference shares
+    scenario: str = ""  # as JSON if it names files, which must travel along; else ""
 
 
 @dataclass(frozen=True, slots=True)
 class Work:
-    """Data that all runs of a study share.
+    """Data that all runs of a study share."""
 
-    Attributes:
-        base: The scenario, as JSON with all files that it names.
-        reference: That of the reference; "" if there is none.
-        responses: What is kept, by name.
-        sources: Texts of the files of functions, by response.
-        results: Whose full results are kept: ``none``, ``failed``, ``all``.
-        versions: Of the package and its libraries, which must be the worker's.
-    """
-
-    base: str
-    reference: str
-    responses: dict[str, ResponseSpec]
-    sources: dict[str, str]
-    results: str
-    versions: dict[str, str]
+    base: str  # scenario as JSON, with all files that it names
+    reference: str  # scenario of the reference as JSON; "" without one
+    responses: dict[str, ResponseSpec]  # by name
+    sources: dict[str, str]  # texts of the files of functions, by response
+    results: str  # full results to keep: ``none``, ``failed``, ``all``
+    versions: dict[str, str]  # required versions of the package and its libraries
 
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """Finished run of a study.
+    """Finished run of a study."""
 
-    Attributes:
-        entry: What is kept of it, as JSON takes it.
-        result: Its full result file, or b"".
-    """
-
-    entry: dict[str, Any]
-    result: bytes = b""
+    entry: dict[str, Any]  # line of the journal, as JSON types
+    result: bytes = b""  # full result file, or b""
 
 
 @lru_cache(maxsize=8)
@@ -97,11 +75,7 @@ def scenario_of(work: Work, job: Job) -> Scenario:
 
 
 def check_jobs(work: Work, jobs: Sequence[Job]) -> list[tuple[int, str]]:
-    """Return the numbers of the runs that cannot be built, each with the reason.
-
-    Raises:
-        MissingToolError: Versions of this process are not those of the study.
-    """
+    """Return the numbers of the runs that cannot be built, each with the reason."""
     _check_versions(work)
     found = []
     for job in jobs:
@@ -125,11 +99,7 @@ def _check_versions(work: Work) -> None:
 
 
 def do_jobs(work: Work, jobs: Sequence[Job]) -> list[Done]:
-    """Make runs, one after the other.
-
-    Raises:
-        MissingToolError: Versions of this process are not those of the study.
-    """
+    """Make runs, one after the other; refuse versions other than the study's."""
     _check_versions(work)
     return [_do(work, job) for job in jobs]
 

@@ -41,28 +41,16 @@ Found = Callable[[Trajectory, Any, Trajectory | None], float]
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """One number of a run.
-
-    Attributes:
-        name: Of the measure.
-        units: Of the number.
-        meaning: In words.
-        of: What ``of`` names: ``contact`` (or a joint with play), or another dimension of a result; "" for
-            what is of the whole run.
-        find: Returns it.
-        series: Whether it needs the series that a lean result leaves out.
-        compares: Whether it needs the study's reference.
-        sliding: Whether its unit is another where what it belongs to slides.
-    """
+    """Definition of a number of a run."""
 
     name: str
     units: str
-    meaning: str
-    of: str
+    meaning: str  # as text
+    of: str  # dimension of ``of``: ``contact`` (or a joint with play), or another; "" for the whole run
     find: Found
-    series: bool = False
-    compares: bool = False
-    sliding: bool = False
+    series: bool = False  # needs series, which a lean result leaves out
+    compares: bool = False  # needs the study's reference
+    sliding: bool = False  # has another unit for sliding joints
 
 
 def _of_episodes(of: Variable) -> Found:

@@ -30,13 +30,13 @@ _LONG_ENOUGH = 1.0  # [s] for a trial to tell the pace of a run
 
 @dataclass(frozen=True, slots=True)
 class Prepared:
-    """A study ready to be run.
+    """Study ready to be run.
 
     Attributes:
         study: The study.
         design: Its runs.
-        base: The scenario that parameters are laid over.
-        work: What all runs share.
+        base: Scenario before the overrides of parameters.
+        work: Data that all runs share.
     """
 
     study: Study
@@ -68,8 +68,8 @@ class Trial:
     """Findings of a short part of the first run.
 
     Attributes:
-        seconds: Estimate of the time that a whole run takes on this machine [s].
-        notes: What is to be said.
+        seconds: Estimated time of a whole run on this machine [s].
+        notes: Notes, a line each.
     """
 
     seconds: float
@@ -81,7 +81,7 @@ def prepare(study: Study) -> Prepared:
     """Return a study ready to be run: scenario, runs and functions read and checked.
 
     Raises:
-        AntennaPinError: Something of it is not valid.
+        AntennaPinError: The study is not valid.
     """
     design = design_of(study)
     base = study.base()
@@ -159,10 +159,10 @@ def trial(prepared: Prepared, run: int = 0) -> Trial:
 
 
 class RunTime(NamedTuple):
-    """Estimates of the time that a run takes [s].
+    """Estimates of the time of a run [s].
 
     Attributes:
-        least: At the greatest pace that was seen.
+        least: At the greatest pace measured.
         mean: At the last pace.
         most: At the least pace.
     """
@@ -176,11 +176,11 @@ class RunTime(NamedTuple):
 def run_seconds(prepared: Prepared) -> RunTime:
     """Return estimates of a run's time on this machine [s], means over three runs.
 
-    Of the first, the middle and the last run, longer and longer parts are made, up to the whole or until one
-    has taken a second; what is left is taken to go on at a pace of these parts.
+    Parts of the first, the middle and the last run are made, longer and longer, up to the whole or to a part
+    of one second; the rest is extrapolated at a pace of these parts.
 
     Raises:
-        AntennaPinError: One of them cannot be built.
+        AntennaPinError: A run cannot be built.
     """
     last = prepared.design.count - 1
     every = np.mean([_seconds(prepared, run) for run in sorted({0, last // 2, last})], axis=0)
