@@ -14,18 +14,18 @@ from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.fit.confidence_bands import (
     DOUBT,
     CurveBands,
-    SearchCoordinates,
     band_columns,
     linear_bands,
     profile_columns,
     sampled_bands,
+    search_residuals,
 )
 from antenna_pin.fit.experiments import eliminate
 from antenna_pin.fit.identifiability import Design, Identifiable, Plan, identifiable
 from antenna_pin.fit.problem import Problem
 from antenna_pin.fit.profile_likelihood import Profile, profile_lines, profiles
 from antenna_pin.fit.result import Fit
-from antenna_pin.fit.uncertainty import Sure, sure
+from antenna_pin.fit.uncertainty import ResidualFunctions, Sure, sure
 from antenna_pin.scenario import Scenario
 from antenna_pin.trajectory import open_table, table_attributes
 
@@ -47,16 +47,21 @@ Array = NDArray[np.float64]
 # --- bands and profiles of a fit ----------------------------------------------------------------------------
 
 
-def _sure(found: Fit) -> tuple[SearchCoordinates, Sure]:
-    plan, whole = found.problem.plan, np.concatenate([found.values, found.states])
-    searched = SearchCoordinates(found.problem, whole)
+def _sure(fit: Fit) -> tuple[ResidualFunctions, Sure]:
+    problem, plan = fit.problem, fit.problem.plan
+    searched = search_residuals(
+        problem.unknowns,
+        np.concatenate([fit.values, fit.states]),
+        lambda values: problem.residuals(problem.unknowns.from_search(values)),
+        problem.slopes,
+    )
     known = sure(
         searched,
         searched.start,
-        noise=found.bands.noise,
+        noise=fit.bands.noise,
         loss=plan.loss,
         loss_scale=plan.loss_scale,
-        curves=found.problem.rows.curve_numbers(),
+        curves=problem.rows.curve_numbers(),
         doubt=DOUBT,
     )
     return searched, known
@@ -149,23 +154,6 @@ def certain(
     return table.assign(columns), tuple(said)
 
 
-class _Parameters:
-    """A problem over its parameters alone, the starts of its pieces eliminated."""
-
-    def __init__(self, problem: Problem, values: Array, factor: float) -> None:
-        unknowns = problem.unknowns
-        self._problem, self._root = problem, float(np.sqrt(factor))
-        self.names, self.start = problem.names, values
-        self.lower, self.upper = unknowns.lower, unknowns.upper
-        self.scale = sizes_of(problem, values)
-
-    def residuals(self, values: Array) -> Array:
-        return self._problem.residuals(values) / self._root
-
-    def jacobian(self, values: Array) -> Array:
-        return slopes_at(self._problem, values) / self._root
-
-
 def sizes_of(problem: Problem, values: Array) -> Array:
     """Return the sizes of parameters at values, (p,) [SI]."""
     unknowns = problem.unknowns
@@ -190,7 +178,16 @@ def tells(problem: Problem, values: Array | None = None, factor: float = 1.0) ->
         factor: Variance of a weighted residual, of a fit whose noise is estimated [-].
     """
     at = problem.first if values is None else np.asarray(values, dtype=float)
-    over = _Parameters(problem, at, factor)
+    root, lower, upper = float(np.sqrt(factor)), problem.lower, problem.upper
+    over = ResidualFunctions(
+        problem.names,
+        at,
+        lower,
+        upper,
+        sizes_of(problem, at),
+        lambda values: problem.residuals(values) / root,
+        lambda values: slopes_at(problem, values) / root,
+    )
     return identifiable(over, at, doubt=DOUBT)
 
 

@@ -41,10 +41,14 @@ def verdict(problem: Problem, whole: Array, bands: ParameterBands) -> tuple[str,
     """Return objections to a fit as a whole and their likely causes, line by line."""
     lines = list(_at_bounds(problem, whole))
     if bands.beyond_chance:
+        widened = (
+            f"bands are widened by {number(math.sqrt(bands.excess), 3)}, as if each sd was larger by that"
+        )
+        note = f"the values have no bands: {bands.absence}" if bands.absence else widened
         spread = math.sqrt(2.0 * bands.freedoms)
         lines.append(
             f"the model does not fit the records: chi2 is {number(bands.chi2, 4)}, where noise of the stated "
-            f"sd leaves {bands.freedoms} ± {number(spread, 2)}; {_bands_note(bands)}"
+            f"sd leaves {bands.freedoms} ± {number(spread, 2)}; {note}"
         )
         lines += [f"  may be {cause}" for cause in _causes(problem, whole, bands)]
     return tuple(lines)
@@ -54,13 +58,6 @@ def recommends_starts(problem: Problem, bands: ParameterBands) -> bool:
     """Return whether a search from many starts comes before other advice."""
     bounded = all(one.between is not None for one in problem.plan.parameters.values())
     return bands.beyond_chance and problem.plan.starts is None and bounded
-
-
-def _bands_note(bands: ParameterBands) -> str:
-    if bands.absence:
-        return f"the values have no bands: {bands.absence}"
-    widened = number(math.sqrt(bands.excess), 3)
-    return f"bands are widened by {widened}, as if each sd was larger by that"
 
 
 def _at_bounds(problem: Problem, whole: Array) -> Iterator[str]:

@@ -117,8 +117,7 @@ def identifiable(
     scale, names = np.asarray(problem.scale, dtype=float), tuple(problem.names)
     jacobian = problem.jacobian(at)
     rank = rank_of(jacobian, scale, doubt)
-    root = rank.identified.T / rank.singular[: len(rank.identified)]
-    error = np.where(rank.determined, np.linalg.norm(root, axis=1) * scale, math.inf)
+    _, error = _standard_errors(rank, scale)
     with np.errstate(divide="ignore", invalid="ignore"):
         alone = np.where(rank.influential, scale / rank.lengths, math.inf)
         inflation = np.where(rank.influential, error / alone, math.nan)
@@ -141,6 +140,12 @@ def identifiable(
         tuple(_direction_text(row, names, scale, at) for row in rank.null),
         tuple(names[int(np.abs(row).argmax())] for row in rank.null),
     )
+
+
+def _standard_errors(rank: Rank, scale: Array) -> tuple[Array, Array]:
+    """Return the root of the covariance in scales, (p, rank), and standard errors, (p,)."""
+    root = rank.identified.T / rank.singular[: len(rank.identified)]
+    return root, np.where(rank.determined, np.linalg.norm(root, axis=1) * scale, math.inf)
 
 
 def _direction_text(row: Array, names: tuple[str, ...], scale: Array, values: Array) -> str:
@@ -293,23 +298,16 @@ def _expected_errors(
     rows: Array, scale: Array, place: int | None, doubt: float
 ) -> tuple[Array, dict[Criterion, float]]:
     """Return expected standard errors, (p,), and every criterion's length in scales."""
-    count = len(scale)
-    if not np.any(rows):
-        error = np.full(count, math.inf)
-        every: dict[Criterion, float] = {"D": math.inf, "A": math.inf, "E": math.inf}
-        return error, every if place is None else every | {"c": math.inf}
-    rank = rank_of(rows, scale, doubt)
-    root = rank.identified.T / rank.singular[: len(rank.identified)]
-    error = np.where(rank.determined, np.linalg.norm(root, axis=1) * scale, math.inf)
-    if rank.full:
-        axes = np.linalg.svd(root, compute_uv=False)
-        worth: dict[Criterion, float] = {
-            "D": float(np.exp(np.log(axes).mean())),
-            "A": float(np.linalg.norm(axes)),
-            "E": float(axes[0]),
-        }
-    else:
-        worth = {"D": math.inf, "A": math.inf, "E": math.inf}
+    error = np.full(len(scale), math.inf)
+    worth: dict[Criterion, float] = {"D": math.inf, "A": math.inf, "E": math.inf}
+    if np.any(rows):
+        rank = rank_of(rows, scale, doubt)
+        root, error = _standard_errors(rank, scale)
+        if rank.full:
+            axes = np.linalg.svd(root, compute_uv=False)
+            worth["D"] = float(np.exp(np.log(axes).mean()))
+            worth["A"] = float(np.linalg.norm(axes))
+            worth["E"] = float(axes[0])
     if place is not None:
         worth["c"] = float(error[place] / scale[place])
     return error, worth

@@ -240,15 +240,7 @@ class FitPlan(RunsFile):
                     refuse("must have a name of letters, digits, - and _", place, name)
         owners: dict[tuple[str, str], str] = {}
         for name, parameter in self.parameters.items():
-            for i, record in enumerate(parameter.records or ()):
-                if record not in self.records:
-                    refuse_name("record", record, self.records, "parameters", name, "records", i)
-            for key in parameter.keys_set:
-                self._check_of_record(name, key)
-                for record in parameter.records or self.records:
-                    owner = owners.setdefault((key, record), name)
-                    if owner != name:
-                        refuse(f"must be a key of its own, got that of {owner}", "parameters", name, "key")
+            self._check_owner("parameters", name, parameter, owners)
             used = any(name in names_in(one.value) for one in self.derived.values())
             if not parameter.keys_set and not used:
                 rule = "is missing; only a parameter that derived numbers use has none"
@@ -269,20 +261,32 @@ class FitPlan(RunsFile):
         for used in names_in(derived.value):
             if used not in self.parameters:
                 refuse_name("parameter", used, self.parameters, "derived", name, "value")
-        for i, record in enumerate(derived.records or ()):
-            if record not in self.records:
-                refuse_name("record", record, self.records, "derived", name, "records", i)
-        for key in derived.keys_set:
-            if key.startswith("records."):
-                refuse(f"must be a key of the scenario, got {key!r}", "derived", name, "key")
-            for record in derived.records or self.records:
-                owner = owners.setdefault((key, record), name)
-                if owner != name:
-                    refuse(f"must be a key of its own, got that of {owner}", "derived", name, "key")
+        self._check_owner("derived", name, derived, owners)
         try:
             evaluate(derived.value, {one: spec.numbers()[0] for one, spec in self.parameters.items()})
         except ValueError as error:
             refuse(str(error), "derived", name, "value")
+
+    def _check_owner(
+        self,
+        table: str,
+        name: str,
+        number: FitParameterSpec | DerivedSpec,
+        owners: dict[tuple[str, str], str],
+    ) -> None:
+        """Refuse a number of unknown records, or of a key set elsewhere."""
+        for i, record in enumerate(number.records or ()):
+            if record not in self.records:
+                refuse_name("record", record, self.records, table, name, "records", i)
+        for key in number.keys_set:
+            if table == "parameters":
+                self._check_of_record(name, key)
+            elif key.startswith("records."):
+                refuse(f"must be a key of the scenario, got {key!r}", table, name, "key")
+            for record in number.records or self.records:
+                owner = owners.setdefault((key, record), name)
+                if owner != name:
+                    refuse(f"must be a key of its own, got that of {owner}", table, name, "key")
 
     def own_parameters(self, record: str) -> list[int]:
         """Return the indices of the parameters in a record's scenario."""
@@ -424,9 +428,9 @@ class Unknowns:
         found[:p] = np.where(self.logarithmic, logarithms, found[:p])
         return found / self.sizes()
 
-    def from_search(self, searched: Array) -> Array:
+    def from_search(self, coordinates: Array) -> Array:
         """Return values with states from search coordinates, (p + h,)."""
-        found, p = np.asarray(searched, dtype=float) * self.sizes(), self.count
+        found, p = np.asarray(coordinates, dtype=float) * self.sizes(), self.count
         values = np.where(self.logarithmic, np.exp(np.where(self.logarithmic, found[:p], 0.0)), found[:p])
         # Round-off of exp and log must not leave the bounds.
         found[:p] = np.clip(values, self.lower, self.upper)

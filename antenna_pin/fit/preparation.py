@@ -35,7 +35,7 @@ from antenna_pin.simulation.inputs import check_without_controllers
 from antenna_pin.sweep.design import put_value
 
 __all__ = [
-    "Prepared",
+    "PreparedRecords",
     "prepare_records",
 ]
 
@@ -50,7 +50,7 @@ _STAYS = 5
 
 
 @dataclass(frozen=True, slots=True)
-class _Measured:
+class _MeasuredData:
     """Measured data of a record."""
 
     time: Array  # of the rows that count, by the file's clock, rising [s]
@@ -58,7 +58,7 @@ class _Measured:
     notes: tuple[str, ...] = ()  # oddities, a line each
 
 
-def _read_record(spec: RecordSpec, folder: Path, units: Mapping[str, str], place: str) -> _Measured:
+def _read_record(spec: RecordSpec, folder: Path, units: Mapping[str, str], place: str) -> _MeasuredData:
     """Return a record from its file, or refuse it."""
     in_file = {name: one.column or name for name, one in spec.columns.items()}
     path = folder / os.path.expanduser(spec.file)
@@ -108,7 +108,7 @@ def _read_record(spec: RecordSpec, folder: Path, units: Mapping[str, str], place
         for name, one in spec.columns.items()
         if one.sensor != "encoder" and (words := _suspicion(found[name], rows))
     ]
-    return _Measured(time, found, tuple(notes))
+    return _MeasuredData(time, found, tuple(notes))
 
 
 def _suspicion(values: Array, rows: NDArray[np.int64]) -> str:
@@ -183,7 +183,7 @@ _GLANCE = 1e-6  # of a run's duration: enough to have all its variables
 
 
 @dataclass(frozen=True, slots=True)
-class Prepared:
+class PreparedRecords:
     """Records of a fit with their scenarios."""
 
     place: str  # name of the fit in messages
@@ -226,7 +226,7 @@ class Prepared:
             )
 
 
-def prepare_records(plan: FitPlan) -> Prepared:
+def prepare_records(plan: FitPlan) -> PreparedRecords:
     """Return the records and scenarios of a fit, checked; messages name a place in the fit's file."""
     place = f"fit {plan.name}"
     record_tests: list[RecordTest] = []
@@ -295,7 +295,7 @@ def prepare_records(plan: FitPlan) -> Prepared:
         ways.append(tuple(start_size(test.begun, origin) for origin in test.origins))
         joints.append(2 * data.sizes["coordinate"] * len(test.origins))
     first = unknowns.from_search(known.at) if any(test.pieces for test in record_tests) else unknowns.start
-    return Prepared(
+    return PreparedRecords(
         place, tuple(record_tests), targets, units, offsets, tuple(ways), tuple(joints), first, tuple(notes)
     )
 
@@ -402,12 +402,12 @@ def _probe(scenario: Scenario, place: str) -> tuple[xr.Dataset, xr.Dataset]:
 
 
 def _check_state_function(
-    column: ColumnSpec, unit: str, counted: xr.Dataset, place: str, beside: str
+    column: ColumnSpec, unit: str, counted: xr.Dataset, place: str, setting: str
 ) -> None:
     """Refuse a column that depends on integrals where states must suffice."""
     here, other = reading(counted, column.model_copy(update={"filter": None}), unit, np.zeros(2))
     if here != other and not (np.isnan(here) and np.isnan(other)):
-        way_out = "leave the pieces out" if beside == "pieces" else 'take jacobian = "differences"'
+        way_out = "leave the pieces out" if setting == "pieces" else 'take jacobian = "differences"'
         raise ScenarioError(
             f"{place} must follow from the state of a moment, not count from a run's start as "
             f"{column.of} does; {way_out}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.fit.plan import FitPlan, Unknowns
-from antenna_pin.fit.preparation import Prepared, prepare_records
+from antenna_pin.fit.preparation import PreparedRecords, prepare_records
 from antenna_pin.fit.residuals import ResidualRows
 from antenna_pin.fit.run_service import RunService
 from antenna_pin.fit.runs import NoRunError, Readings, RunRequest, scenario_with
@@ -46,7 +46,7 @@ class DerivativeLog(NamedTuple):
             return self._replace(equation=self.equation + 1)
         return self._replace(differences=self.differences + 1, why=self.why or why)
 
-    def held(self, equation: Array, runs: Array) -> DerivativeLog:
+    def compared(self, equation: Array, runs: Array) -> DerivativeLog:
         """Return the log with a comparison of the equation with runs."""
         sizes = np.linalg.norm(runs, axis=0)
         off = np.linalg.norm(equation - runs, axis=0) / np.where(sizes > 0.0, sizes, 1.0)
@@ -138,6 +138,10 @@ class _Run(NamedTuple):
     size: int
 
 
+def _flat(answers: Iterable[Sequence[Readings]]) -> list[Readings]:
+    return list(itertools.chain.from_iterable(answers))
+
+
 class Problem:
     """Least-squares problem of a fit, checked; runs are made on demand.
 
@@ -163,7 +167,7 @@ class Problem:
     def __init__(self, plan: FitPlan, service: RunService | None = None) -> None:
         """Read and check all."""
         self.plan = plan
-        self._prepared: Prepared = prepare_records(plan)
+        self._prepared: PreparedRecords = prepare_records(plan)
         self.service = service or RunService()
         self.unknowns = Unknowns.of(plan, sum(map(sum, self._prepared.ways)))
         self.states = np.zeros(self.unknowns.states)
@@ -300,19 +304,19 @@ class Problem:
             self._prepared.record_tests[r], tuple(float(values[i]) for i in self._own_parameters[r])
         )
 
-    def slopes(self, searched: Array) -> Array:
+    def slopes(self, coordinates: Array) -> Array:
         """Return the derivatives of the residuals by search coordinates, (m, p + h)."""
         found, why = None, ""
         if self.plan.jacobian == "equation":
-            found, why = self._by_equation(self.unknowns.from_search(searched))
-        runs = None if found is not None and self.derived.apart <= _APART else self._by_runs(searched)
+            found, why = self._by_equation(self.unknowns.from_search(coordinates))
+        runs = None if found is not None and self.derived.apart <= _APART else self._by_runs(coordinates)
         if found is not None and runs is not None:  # for the first time
-            self.derived = self.derived.held(found, runs)
+            self.derived = self.derived.compared(found, runs)
             found = found if self.derived.apart <= _APART else None
         self.derived = self.derived.once_more(found is not None, why)
         answer = runs if found is None else found
         assert answer is not None
-        return np.vstack([answer, self.unknowns.prior_slopes(self.unknowns.from_search(searched))])
+        return np.vstack([answer, self.unknowns.prior_slopes(self.unknowns.from_search(coordinates))])
 
     def _by_equation(self, whole: Array) -> tuple[Array | None, str]:
         """Return the derivatives by the variational equation, or None and the reason."""
@@ -321,7 +325,7 @@ class Problem:
         request = [
             one._replace(slopes=True, clock=self.rows.has_clock(one.record)) for one in self._requests(whole)
         ]
-        found = self._flat(self.service.readings(request))
+        found = _flat(self.service.readings(request))
         failed = next((one.failed for one in found if one.failed), "")
         if failed:
             return None, failed
@@ -331,43 +335,43 @@ class Problem:
         ]
         return self.rows.slopes(whole, found, fitted) / self.unknowns.search_slopes(whole), ""
 
-    def _by_runs(self, searched: Array) -> Array:
+    def _by_runs(self, coordinates: Array) -> Array:
         """Return the derivatives by differences of runs."""
         p, step = self.unknowns.count, self.plan.difference_step
         lower, upper = (one[:p] for one in self.unknowns.bounds())
 
         def of_parameters(ends: Sequence[Array]) -> list[Array]:
-            whole = [np.concatenate([one, searched[p:]]) for one in ends]
+            whole = [np.concatenate([one, coordinates[p:]]) for one in ends]
             return self._without_priors([self.unknowns.from_search(one) for one in whole])
 
-        found = central_differences(of_parameters, searched[:p], lower, upper, step)
-        return np.hstack([found, self._by_starts(searched, step)]) if len(searched) > p else found
+        found = central_differences(of_parameters, coordinates[:p], lower, upper, step)
+        return np.hstack([found, self._by_starts(coordinates, step)]) if len(coordinates) > p else found
 
-    def _by_starts(self, searched: Array, step: float) -> Array:
+    def _by_starts(self, coordinates: Array, step: float) -> Array:
         """Return the derivatives by the pieces' starts, (m, h), one-sided where necessary.
 
         A start acts on its own piece only: one run of all pieces perturbs one coordinate of each.
         """
-        whole, p = self.unknowns.from_search(searched), self.unknowns.count
+        whole, p = self.unknowns.from_search(coordinates), self.unknowns.count
         (here,) = self._readings([whole])
         middle = self.rows.residuals(whole, here)
-        slopes = np.zeros((len(middle), len(searched) - p))
+        slopes = np.zeros((len(middle), len(coordinates) - p))
         ends = []
         for i in range(max(one.size for one in self._runs)):
             own = [n for n, one in enumerate(self._runs) if i < one.size]
             for sign in (-1.0, 1.0):
-                end = searched.copy()
+                end = coordinates.copy()
                 end[[self._runs[n].first + i for n in own]] += sign * step
                 ends.append((i, own, end, self._requests(self.unknowns.from_search(end), own)))
         self.service.readings([one for *_, request in ends for one in request])
         for below, above in zip(ends[::2], ends[1::2], strict=True):
             i, own = below[:2]
-            made = [self._flat(self.service.readings(side[3])) for side in (below, above)]
+            made = [_flat(self.service.readings(side[3])) for side in (below, above)]
             for k, n in enumerate(own):
                 at, sides = self._runs[n].first + i, []
                 for side, found in zip((below, above), made, strict=True):
                     if found[k].failed:
-                        sides.append((float(searched[at]), middle))
+                        sides.append((float(coordinates[at]), middle))
                         continue
                     there = [*here[:n], found[k], *here[n + 1 :]]
                     sides.append((float(side[2][at]), self.rows.residuals(whole, there)))
@@ -410,14 +414,11 @@ class Problem:
                 request.append(RunRequest(r, values, shift, tuple(starts[k : k + _TOGETHER])))
         return request
 
-    def _flat(self, answers: Sequence[Sequence[Readings]]) -> list[Readings]:
-        return [one for several in answers for one in several]
-
     def _readings(self, wholes: Sequence[Array]) -> list[list[Readings]]:
         """Return the readings of all runs, at each of several values with states."""
         request = [self._requests(whole) for whole in wholes]
         answers = iter(self.service.readings([one for several in request for one in several]))
-        return [self._flat([next(answers) for _ in several]) for several in request]
+        return [_flat(itertools.islice(answers, len(several))) for several in request]
 
     def _check_times(self) -> None:
         """Refuse a record beyond its run, at any shift of its clock."""

@@ -120,21 +120,21 @@ class _ProfilePath:
     def __init__(
         self,
         problem: Residuals,
-        found: Sure,
+        uncertainty: Sure,
         place: int,
         loss: Loss,
         loss_scale: float,
         progress: Callable[[str, float], None] | None,
     ) -> None:
-        self._problem, self._found, self._place = problem, found, place
+        self._problem, self._found, self._place = problem, uncertainty, place
         self._loss, self._loss_scale, self._progress = loss, loss_scale, progress
         self._others = np.array(
-            [k for k in range(len(found.names)) if k != place and problem.upper[k] > problem.lower[k]],
+            [k for k in range(len(uncertainty.names)) if k != place and problem.upper[k] > problem.lower[k]],
             dtype=int,
         )
-        self._least = cost(problem.residuals(found.values), loss, loss_scale)
+        self._least = cost(problem.residuals(uncertainty.values), loss, loss_scale)
         # Growth of the loss at one standard error, squared.
-        self._one = found.factor * float(found.stretch[place])
+        self._one = uncertainty.factor * float(uncertainty.stretch[place])
         self._better: Array | None = None
         self._best = self._least
         self._tangent = self._straight_on()

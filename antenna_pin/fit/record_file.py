@@ -112,13 +112,13 @@ def _refuse_misplaced_header(
             )
 
 
-def _number(cell: str, name: str, first: bool, line: str) -> float:
+def _number(cell: str, name: str, is_first: bool, line: str) -> float:
     number = decimal_in(cell)
     if number is not None:
         return number
     if cell.strip().lower() in _NO_NUMBER:
         return float("nan")
-    way = hint(cell) or ("; if it is a unit, give units_row = true" if first else "")
+    way = hint(cell) or ("; if it is a unit, give units_row = true" if is_first else "")
     raise ScenarioError(f"{line}: {name} must be a number, got {shown(cell)}{way}")
 
 
@@ -141,11 +141,11 @@ def _stamp(cell: str, name: str, pattern: str, line: str) -> tuple[datetime.date
 
 
 def _seconds_after(
-    stamp: tuple[datetime.datetime, float], first: tuple[datetime.datetime, float], line: str
+    stamp: tuple[datetime.datetime, float], origin: tuple[datetime.datetime, float], line: str
 ) -> float:
-    if (stamp[0].tzinfo is None) != (first[0].tzinfo is None):
+    if (stamp[0].tzinfo is None) != (origin[0].tzinfo is None):
         raise ScenarioError(f"{line}: time stamps must all have a time zone, or none, got both")
-    return (stamp[0] - first[0]).total_seconds() + (stamp[1] - first[1])
+    return (stamp[0] - origin[0]).total_seconds() + (stamp[1] - origin[1])
 
 
 # --- universal files, an exchange format of vibration tests -------------------------------------------------
@@ -478,16 +478,16 @@ def _arrays_of_hdf5(path: Path, place: str) -> dict[str, Any]:
     return arrays
 
 
-def _leaves(group: Any, seen: set[Any]) -> Iterator[tuple[str, Any]]:
+def _leaves(group: Any, visited: set[Any]) -> Iterator[tuple[str, Any]]:
     """Yield the arrays of an HDF5 file by name, with points between levels."""
-    if group.id in seen:  # equal where they are the same object
+    if group.id in visited:  # equal where they are the same object
         raise ValueError(f"group {group.name} stands elsewhere in it, too")
-    seen.add(group.id)
+    visited.add(group.id)
     for name, item in group.items():
         if name.startswith("#"):  # what cells refer to
             continue
         if hasattr(item, "items"):
-            yield from ((f"{name}.{inner}", one) for inner, one in _leaves(item, seen))
+            yield from ((f"{name}.{inner}", one) for inner, one in _leaves(item, visited))
         elif hasattr(item, "dtype"):
             yield name, item
 

@@ -159,8 +159,8 @@ class Fit:
         """Return the problem as an lmfit minimizer, for ``lmfit.conf_interval`` and others."""
         import lmfit
 
-        def residuals(given: Any) -> Array:
-            return self.problem.residuals([given[one].value for one in _lmfit_names(self.names)])
+        def residuals(parameters: Any) -> Array:
+            return self.problem.residuals([parameters[one].value for one in _lmfit_names(self.names)])
 
         return lmfit.Minimizer(residuals, self._parameters(), scale_covar=self.problem.plan.noise != "given")
 

@@ -116,19 +116,19 @@ class _ForwardSensitivity:
 
     # --- states ---------------------------------------------------------------------------------------------
 
-    def _first(self, bench: PreparedScenario, piece: int, at: Array) -> State:
+    def _start_state(self, bench: PreparedScenario, piece: int, at: Array) -> State:
         if piece <= 0:
-            return bench.first
+            return bench.first_state
         return piece_start(self._test.begun, self._test.origins[piece - 1], at, bench.system)
 
     def _neighbours(self, piece: int, at: Array) -> list[Callable[[float], State]]:
         """Return functions for a piece's first state over each parameter and coordinate."""
 
         def of_number(k: int, s: float) -> State:
-            return self._first(self._at(k, s), piece, at)
+            return self._start_state(self._at(k, s), piece, at)
 
         def of_start(i: int, s: float) -> State:
-            return self._first(self._here, piece, at + s * np.eye(len(at))[i])
+            return self._start_state(self._here, piece, at + s * np.eye(len(at))[i])
 
         numbers = [functools.partial(of_number, k) for k in range(self._count)]
         return [*numbers, *(functools.partial(of_start, i) for i in range(len(at)))]
@@ -142,7 +142,7 @@ class _ForwardSensitivity:
 
     def _carried(self, piece: int, at: Array, times: Array, until: float) -> tuple[_TangentSamples, State]:
         """Return perturbed states of a piece at times and its end, and its start."""
-        first = self._first(self._here, piece, at)
+        first = self._start_state(self._here, piece, at)
         neighbours = self._neighbours(piece, at)
 
         def apart(there: Callable[[float], State], s: float) -> Array:
@@ -269,7 +269,7 @@ class _ForwardSensitivity:
         q, v = np.split(chunk.states[-1][: model.nq + model.nv], [model.nq])
         return difference_from_origin(self._test.begun, self._test.origins[piece], q, v)
 
-    def _lead(self, piece: int, first: State, at: Array) -> tuple[Array, Array]:
+    def _lead(self, piece: int, start: State, at: Array) -> tuple[Array, Array]:
         """Return the start of a piece relative to its origin, and its derivatives."""
         if piece <= 0:
             return np.zeros(0), np.zeros((0, self._count + len(at)))
@@ -280,14 +280,14 @@ class _ForwardSensitivity:
             return difference_from_origin(begun, origin, found.q, found.v)
 
         columns = [_slope(functools.partial(lead, one)) for one in self._neighbours(piece, at)]
-        return difference_from_origin(begun, origin, first.q, first.v), np.column_stack(columns)
+        return difference_from_origin(begun, origin, start.q, start.v), np.column_stack(columns)
 
     def _clock(self, piece: int, at: Array, rows: Array) -> tuple[Array, ...]:
         """Return derivatives of readings over time, of the run's dense output."""
         test, here = self._test, self._here
         h = _TICK * float(np.median(np.diff(test.time)))
         shifted = np.concatenate([rows + side * j * h for j in (1, 2) for side in (1, -1)])
-        first = self._first(here, piece, at) if piece > 0 else None
+        first = self._start_state(here, piece, at) if piece > 0 else None
         until = piece_end(test, here, piece, rows) + 2.0 * h
         wanted = np.unique(
             np.concatenate([sample_times(c, np.unique(shifted)) for c in test.columns.values()])
@@ -344,9 +344,9 @@ class RunStore:
             return None
         return tuple(_readings(one) for one in entry["found"])
 
-    def write(self, request: RunRequest, found: Sequence[Readings]) -> None:
+    def write(self, request: RunRequest, readings: Sequence[Readings]) -> None:
         """Store the readings of runs."""
-        entry = {"run": self._next, "asked": list(request), "found": [_as_lists(one) for one in found]}
+        entry = {"run": self._next, "asked": list(request), "found": [_as_lists(one) for one in readings]}
         if self._journal is not None:
             self._journal.add(entry)
         self._entries[_key(request)] = entry
@@ -366,22 +366,22 @@ class RunStore:
         self.folder.rmdir()
 
 
-def _as_lists(found: Readings) -> dict[str, Any]:
+def _as_lists(readings: Readings) -> dict[str, Any]:
     """Return readings as JSON types."""
-    lists: dict[str, Any] = _plain({name: getattr(found, name) for name in ("columns", "lead", "end")})
-    lists |= {"failed": found.failed, "unbalanced": found.unbalanced}
-    if found.slopes is not None:
-        lists["slopes"] = _plain(found.slopes._asdict())
-        lists["fitted"] = found.slopes.lead.shape[1]
+    lists: dict[str, Any] = _plain({name: getattr(readings, name) for name in ("columns", "lead", "end")})
+    lists |= {"failed": readings.failed, "unbalanced": readings.unbalanced}
+    if readings.slopes is not None:
+        lists["slopes"] = _plain(readings.slopes._asdict())
+        lists["fitted"] = readings.slopes.lead.shape[1]
     return lists
 
 
-def _plain(found: Any) -> Any:
-    if isinstance(found, dict):
-        return {name: _plain(one) for name, one in found.items()}
-    if isinstance(found, tuple):
-        return [_plain(one) for one in found]
-    return found.tolist() if isinstance(found, np.ndarray) else found
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: _plain(one) for name, one in value.items()}
+    if isinstance(value, tuple):
+        return [_plain(one) for one in value]
+    return value.tolist() if isinstance(value, np.ndarray) else value
 
 
 def _readings(lists: dict[str, Any]) -> Readings:

@@ -83,7 +83,7 @@ class PreparedScenario:
         self._latest: Run | None = None
 
     @cached_property
-    def _first(self) -> RunStart:
+    def _run_start(self) -> RunStart:
         q, v = initial_state(self.scenario, self.system)
         return RunStart(q, v, initial_angles(self.scenario, self.system))
 
@@ -93,7 +93,7 @@ class PreparedScenario:
         return Flow(self.system, settings_of(self.scenario), events_of(self.scenario), self.scenario)
 
     @cached_property
-    def first(self) -> State:
+    def first_state(self) -> State:
         """First state of the scenario."""
         q, v = initial_state(self.scenario, self.system)
         return self.flow.first(q, v, initial_angles(self.scenario, self.system))
@@ -113,7 +113,7 @@ class PreparedScenario:
             output_times=tuple(times[(times >= begin) & (times <= until)].tolist()),
             output_form="full",
         )
-        given = self._first if start is None else RunStart(start=start)
+        given = self._run_start if start is None else RunStart(start=start)
         events, controllers = events_of(self.scenario), controllers_of(self.scenario)
         ready = prepared("fit", self.system, given, settings, events, until - begin, None, controllers)
         run = Run(self.system, ready.first, until, settings, events, begin, controllers=controllers)
@@ -323,13 +323,13 @@ def _scenario_with(
 
 
 @functools.lru_cache(maxsize=4)
-def _prepared(*test: Any) -> PreparedScenario:
+def _cached_scenario(*test: Any) -> PreparedScenario:
     return PreparedScenario(_scenario_with(*test))
 
 
 def prepared_scenario(test: RecordTest, values: tuple[float, ...]) -> PreparedScenario:
     """Return a record's test with values of its fitted keys [SI]."""
-    return _prepared(*_assembly(test, values))
+    return _cached_scenario(*_assembly(test, values))
 
 
 def make_runs(test: RecordTest, request: RunRequest) -> tuple[Readings, ...]:

@@ -71,11 +71,11 @@ class ResponseSurface(NamedTuple):
     freedom: int  # runs less terms
 
     @classmethod
-    def through(cls, points: Array, found: Array, noise: Array) -> ResponseSurface:
+    def through(cls, points: Array, statistics: Array, noise: Array) -> ResponseSurface:
         """Return the surface through statistics (n, m) at points (n, p), with the sensors' variances (m,)."""
         table = np.array([_terms(one) for one in points])
-        terms, *_ = np.linalg.lstsq(table, found, rcond=None)
-        off, freedom = found - table @ terms, len(table) - table.shape[1]
+        terms, *_ = np.linalg.lstsq(table, statistics, rcond=None)
+        off, freedom = statistics - table @ terms, len(table) - table.shape[1]
         return cls(terms, off.T @ off / freedom + np.diag(noise), np.linalg.inv(table.T @ table), freedom)
 
     def at(self, u: Array) -> Array:
@@ -331,15 +331,9 @@ def _search(problem: Problem) -> Fit:
             *problem.unbalanced(whole),
             *grown,
             *_correlation_notes(problem, bands, residuals),
-            *_derivative_note(problem),
+            *([f"derivatives by {problem.derived.words()}"] if problem.plan.jacobian == "equation" else []),
         ),
     )
-
-
-def _derivative_note(problem: Problem) -> list[str]:
-    """Return a note on the derivatives' method, where the equation was requested."""
-    asked = problem.plan.jacobian == "equation"
-    return [f"derivatives by {problem.derived.words()}"] if asked else []
 
 
 def _correlation_notes(problem: Problem, bands: ParameterBands, residuals: Array) -> list[str]:
@@ -357,7 +351,7 @@ def _correlation_notes(problem: Problem, bands: ParameterBands, residuals: Array
     ]
 
 
-def _growth_notes(problem: Problem, first: Array, last: Array, bad: bool) -> list[str]:
+def _growth_notes(problem: Problem, start: Array, end: Array, bad: bool) -> list[str]:
     """Return a note for each record too long for one run.
 
     Perturbed runs at the start and the end of the search decide, which the search has anyway; after a bad end
@@ -365,7 +359,7 @@ def _growth_notes(problem: Problem, first: Array, last: Array, bad: bool) -> lis
     """
     found: dict[str, str] = {}
     for reach in (1.0, _REACH) if bad else (1.0,):
-        for whole in (first, last):
+        for whole in (start, end):
             for record, words in _growth_at(problem, whole, reach).items():
                 found.setdefault(record, words)
     return list(found.values())
@@ -404,9 +398,9 @@ def _least_squares(problem: Problem, start: Array) -> Any:
 
     plan, unknowns = problem.plan, problem.unknowns
 
-    def residuals(searched: Array) -> Array:
+    def residuals(coordinates: Array) -> Array:
         try:
-            return problem.residuals_at([unknowns.from_search(searched)])[0]
+            return problem.residuals_at([unknowns.from_search(coordinates)])[0]
         except NoRunError:  # the search goes on with a shorter step
             return np.full(problem.count, math.nan)
 
@@ -440,17 +434,17 @@ def _tie_weights(plan: FitPlan) -> list[float]:
     return ties
 
 
-def _starts(problem: Problem, first: Array) -> list[Array]:
+def _starts(problem: Problem, origin: Array) -> list[Array]:
     """Return the starts of searches: the given one, and the best sampled points."""
     plan, starts = problem.plan, problem.plan.starts
     if starts is None:
-        return [first]
+        return [origin]
     from scipy.stats import qmc
 
     p = problem.unknowns.count
     lower, upper = (one[:p] for one in problem.unknowns.bounds())
     points = qmc.Sobol(p, scramble=True, rng=np.random.default_rng(starts.seed)).random(starts.count)
-    rest = problem.unknowns.to_search(first)[p:]
+    rest = problem.unknowns.to_search(origin)[p:]
     wholes = [
         problem.unknowns.from_search(np.concatenate([lower + point * (upper - lower), rest]))
         for point in points
@@ -460,4 +454,4 @@ def _starts(problem: Problem, first: Array) -> list[Array]:
         for found in problem.tried(wholes)
     ]
     best = np.argsort(costs, kind="stable")[: starts.keep]
-    return [first, *(wholes[int(k)] for k in best if math.isfinite(costs[int(k)]))]
+    return [origin, *(wholes[int(k)] for k in best if math.isfinite(costs[int(k)]))]

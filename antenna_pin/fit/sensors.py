@@ -127,43 +127,43 @@ def input_of_acceleration(
     )
 
 
-def filter_response(given: _FilterInput, rows: Array, corner: float, order: int) -> Array:
+def filter_response(signal: _FilterInput, rows: Array, corner: float, order: int) -> Array:
     """Return the output of a filter of an order and a corner at 3 dB [Hz] at rising times, (m,).
 
     Before the first sample the input is constant.
     """
     omega = 2.0 * np.pi * corner
     poles = np.exp(0.5j * np.pi * (1.0 + (2.0 * np.arange(order) + 1.0) / order))
-    every = np.arange(len(given.time) - 1)
-    inside = np.clip(np.searchsorted(given.time, rows, side="right") - 1, 0, len(every) - 1)
-    lengths, out = np.diff(given.time), np.zeros(len(rows))
+    every = np.arange(len(signal.time) - 1)
+    inside = np.clip(np.searchsorted(signal.time, rows, side="right") - 1, 0, len(every) - 1)
+    lengths, out = np.diff(signal.time), np.zeros(len(rows))
     for i, pole in enumerate(poles):
         if pole.imag < -1e-9:  # the conjugate of one that counts twice
             continue
         times = 2.0 if pole.imag > 1e-9 else 1.0
         residue = 1.0 / np.prod(pole - np.delete(poles, i))
         p = omega * pole
-        driven = omega * _driven(given, p, every, lengths)
-        first = -given.smooth[0, 0] / pole
-        bands = np.ones((2, len(given.time)), dtype=complex)
+        driven = omega * _driven(signal, p, every, lengths)
+        first = -signal.smooth[0, 0] / pole
+        bands = np.ones((2, len(signal.time)), dtype=complex)
         bands[1, :-1] = -np.exp(p * lengths)
         states = solve_banded((1, 0), bands, np.concatenate([[first], driven]), check_finite=False)
-        into = rows - given.time[inside]
-        found = np.exp(p * into) * states[inside] + omega * _driven(given, p, inside, into)
+        into = rows - signal.time[inside]
+        found = np.exp(p * into) * states[inside] + omega * _driven(signal, p, inside, into)
         out += times * (residue * found).real
     return out
 
 
 def _driven(
-    given: _FilterInput, p: complex, intervals: NDArray[np.intp], into: Array
+    signal: _FilterInput, p: complex, intervals: NDArray[np.intp], into: Array
 ) -> NDArray[np.complex128]:
     """Return the contribution of intervals' inputs to a pole's state after a time, (m,)."""
-    lengths = np.diff(given.time)[intervals]
+    lengths = np.diff(signal.time)[intervals]
     total = np.zeros(len(intervals), dtype=complex)
     for node, weight in zip(_NODES, _WEIGHTS, strict=True):
         share = np.divide(node * into, lengths, out=np.zeros(len(into)), where=lengths > 0.0)
-        total += weight * into * np.exp(p * into * (1.0 - node)) * given.at(intervals, share)
-    for size, place in zip(given.impulses[intervals].T, given.places[intervals].T, strict=True):
+        total += weight * into * np.exp(p * into * (1.0 - node)) * signal.at(intervals, share)
+    for size, place in zip(signal.impulses[intervals].T, signal.places[intervals].T, strict=True):
         after = into - place
         total += np.where(after >= 0.0, size * np.exp(p * np.maximum(after, 0.0)), 0.0)
     return total
@@ -218,7 +218,7 @@ def check_sensor(column: ColumnSpec, unit: str, place: str) -> None:
             si_amount(value, "m", f"{place}.point[{i}]")
     if column.blows is not None:
         si_amount(column.blows.level, unit, f"{place}.blows.level")
-        counted = {"peaks": unit, "intervals": "s", "impulses": f"{unit} s"}[column.blows.of]
+        counted = _counted_unit(column.blows, unit)
         for i, edge in enumerate(column.blows.edges):
             si_amount(edge, counted, f"{place}.blows.edges[{i}]")
 
@@ -275,16 +275,14 @@ def _unfiltered(data: xr.Dataset, column: ColumnSpec, unit: str) -> Array:
     """Return a sensor's readings at a result's samples, without a filter."""
     if column.sensor == "accelerometer":
         axes, arms, motion = _sensor_motion(data, column)
-        return np.asarray(
-            np.einsum("ni,ni->n", axes, _arm_acceleration(motion, arms) - _gravity(data, column))
-        )
+        return _dot(axes, _arm_acceleration(motion, arms) - _gravity(data, column))
     if column.sensor == "force-cell":
         loads = joint_loads(data)[column.load or "force"].sel(moving_joint=column.joint).values
         direction = along(column.direction or (0.0, 0.0, 1.0))
         if column.link is None:
             return np.asarray(loads @ direction)
         axes = _motion(data, column.link)[0] @ direction
-        return np.asarray(np.einsum("ni,ni->n", axes, loads))
+        return _dot(axes, loads)
     values = np.asarray(quantity(data, str(column.of)).values, dtype=float)
     if column.rounding == "down":  # on average half a step is still to come
         return values - 0.5 * si_amount(column.resolution, unit, "resolution")
@@ -368,12 +366,10 @@ def comparison_target(column: ColumnSpec, unit: str, time: Array, values: Array,
     if column.spectrum is not None:
         _check_bands(column.spectrum, time, place)
     data = compared_numbers(column, unit, time, values)
-    if column.compare == "curve":
-        return Target(time, "s", data, np.full(len(time), reading_noise(column, unit)), "reading")
-    if column.compare == "rms":
-        return Target(
-            np.array([0.5 * (time[0] + time[-1])]), "s", data, np.array([reading_noise(column, unit)]), "rms"
-        )
+    if column.compare in ("curve", "rms"):
+        at = time if column.compare == "curve" else np.array([0.5 * (time[0] + time[-1])])
+        measure = "reading" if column.compare == "curve" else "rms"
+        return Target(at, "s", data, np.full(len(at), reading_noise(column, unit)), measure)
     if column.spectrum is not None:
         edges = np.array(column.spectrum.edges)
         for low, high, value in zip(edges, edges[1:], data, strict=False):
@@ -393,13 +389,8 @@ def comparison_target(column: ColumnSpec, unit: str, time: Array, values: Array,
             f"{place} must have blows above its level in the record, got none between the edges"
         )
     # The model's counts scatter as the record's, where the motion is chaotic.
-    return Target(
-        np.sqrt(edges[:-1] * edges[1:]),
-        counted,
-        data,
-        np.full(len(data), math.sqrt(2.0)),
-        "2 sqrt(count + 3/8)",
-    )
+    sd = np.full(len(data), math.sqrt(2.0))
+    return Target(np.sqrt(edges[:-1] * edges[1:]), counted, data, sd, "2 sqrt(count + 3/8)")
 
 
 def compared_numbers(column: ColumnSpec, unit: str, time: Array, values: Array) -> Array:
@@ -483,8 +474,12 @@ def _band_noise(spec: SpectrumSpec, time: Array) -> Array:
     return np.asarray(np.sqrt(2.0 / (segments * lines)))
 
 
+def _counted_unit(spec: BlowsSpec, unit: str) -> str:
+    return {"peaks": unit, "intervals": "s", "impulses": f"{unit} s"}[spec.of]
+
+
 def _edges(spec: BlowsSpec, unit: str) -> tuple[Array, str]:
-    counted = {"peaks": unit, "intervals": "s", "impulses": f"{unit} s"}[spec.of]
+    counted = _counted_unit(spec, unit)
     return np.array([si_amount(edge, counted, "edges") for edge in spec.edges]), counted
 
 
@@ -501,10 +496,10 @@ def _blows(spec: BlowsSpec, unit: str, time: Array, values: Array) -> Array:
     return np.array([size[i:j].sum() * step for i, j in zip(begins, ends, strict=True)])
 
 
-def _soft_histogram(found: Array, edges: Array) -> Array:
+def _soft_histogram(numbers: Array, edges: Array) -> Array:
     """Return the count of each bin, numbers shared between the two nearest middles."""
     middles = 0.5 * (np.log(edges[1:]) + np.log(edges[:-1]))
-    inside = np.log(found[(found >= edges[0]) & (found <= edges[-1])])
+    inside = np.log(numbers[(numbers >= edges[0]) & (numbers <= edges[-1])])
     place = np.interp(inside, middles, np.arange(len(middles), dtype=float))
     left = np.minimum(place.astype(int), len(middles) - 2) if len(middles) > 1 else place.astype(int)
     counts = np.zeros(len(middles))

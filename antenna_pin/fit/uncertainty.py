@@ -22,6 +22,7 @@ References:
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, Protocol, get_args
 
@@ -37,6 +38,7 @@ __all__ = [
     "Loss",
     "Noise",
     "Rank",
+    "ResidualFunctions",
     "Residuals",
     "Sure",
     "cost",
@@ -224,6 +226,19 @@ class Residuals(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class ResidualFunctions:
+    """Residuals and their derivatives as functions, with the members of :class:`Residuals`."""
+
+    names: tuple[str, ...]
+    start: Array
+    lower: Array
+    upper: Array
+    scale: Array
+    residuals: Callable[[Array], Array]
+    jacobian: Callable[[Array], Array]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Sure:
     """Uncertainty of a fit's values.
 
@@ -324,7 +339,7 @@ def sure(
     residuals, jacobian = problem.residuals(found), problem.jacobian(found)
     rank = rank_of(jacobian, problem.scale, doubt)
     slope = influence(residuals, loss, loss_scale)
-    held = _held(problem, found, jacobian.T @ slope)
+    held = _at_bound(problem, found, jacobian.T @ slope)
     if held.any():
         rank = rank_of(np.where(held, 0.0, jacobian), problem.scale, doubt)
     freedom = len(residuals) - len(rank.identified)
@@ -384,7 +399,7 @@ def _variance_factor(slope: Array, bend: Array, freedom: int) -> float:
     return float(slope @ slope / freedom / max(float(bend.mean()), 1e-300))
 
 
-def _held(problem: Residuals, values: Array, slope: Array) -> NDArray[np.bool_]:
+def _at_bound(problem: Residuals, values: Array, slope: Array) -> NDArray[np.bool_]:
     """Return whether values are at a bound, with the loss falling beyond it."""
     room = np.where(np.isfinite(problem.upper - problem.lower), problem.upper - problem.lower, problem.scale)
     low = (values - problem.lower <= _AT_BOUND * room) & (slope >= 0.0)
@@ -412,19 +427,14 @@ def _score_variance(
     total = scores.T @ scores
     if noise != "correlated":
         return np.asarray(total)
-    for part in _curve_parts(len(residuals), curves):
+    numbers = np.zeros(len(residuals), dtype=int) if curves is None else curves
+    for part in (np.flatnonzero(numbers == one) for one in np.unique(numbers)):
         mine = scores[part]
         lags = _lag_count(autocorrelation(residuals[part]), len(mine))
         for lag in range(1, lags + 1):
             one = mine[lag:].T @ mine[:-lag]
             total = total + (1.0 - lag / (lags + 1.0)) * (one + one.T)
     return np.asarray(total)
-
-
-def _curve_parts(count: int, curves: NDArray[np.intp] | None) -> list[NDArray[np.intp]]:
-    if curves is None:
-        return [np.arange(count)]
-    return [np.flatnonzero(curves == one) for one in np.unique(curves)]
 
 
 def autocorrelation(residuals: Array) -> float:

@@ -216,7 +216,7 @@ class FiniteDifferences:
         self._scenario, self._settings, self._duration = scenario, settings, duration
         self._times, self._start, self._processes = times, start, processes
         self._system = build_system(scenario) if start is not None else None
-        self.run = self._made(scenario, "the run", start)
+        self.run = self._completed_run(scenario, "the run", start)
         self._columns = columns_of(self.run)
         self.here = _numbers_at(self.run, times)
         self._here = {str(name): one.values for name, one in self.here.data_vars.items()}
@@ -225,7 +225,7 @@ class FiniteDifferences:
         #: Duration of the longest contact with a force maximum [s].
         self._longest = _longest(self.run.data)
 
-    def _made(self, scenario: Scenario, what: str, start: State | None) -> Trajectory:
+    def _completed_run(self, scenario: Scenario, what: str, start: State | None) -> Trajectory:
         """Return a run of a scenario, from its start or from a state."""
         given: dict[str, Any] = {"settings": self._settings, "duration": self._duration}
         if start is None and scenario is self._scenario:
@@ -297,17 +297,19 @@ class FiniteDifferences:
         """Return whether a number is inaccurate."""
         return one.worst > _GOOD[self._order]
 
-    def _take(self, best: dict[str, _Difference], found: dict[str, _Difference], *, finer: bool) -> bool:
+    def _take(
+        self, best: dict[str, _Difference], differences: dict[str, _Difference], *, finer: bool
+    ) -> bool:
         """Update the best differences; return whether an inaccurate one improved.
 
         The difference of two orders follows a power of the step: any excess over it is noise.
         """
         less = _FINER ** (1 if self._order == 2 else 4)
         gained = False
-        for name, one in found.items():
+        for name, one in differences.items():
             here = best[name]
             if finer:
-                found[name] = one = one._replace(noise=max(one.noise, one.worst - here.worst / less))
+                differences[name] = one = one._replace(noise=max(one.noise, one.worst - here.worst / less))
             if one.worst < here.worst:
                 gained = gained or self._poor(here)
                 best[name] = one
@@ -353,7 +355,7 @@ class FiniteDifferences:
         if start is not None and self._system is not None and is_initial(parameter.key):
             start = shifted_start(start, self._scenario, other, self._system)
         try:
-            run = self._made(other, f"a run {what}", start)
+            run = self._completed_run(other, f"a run {what}", start)
         except SensitivityError:
             raise
         except AntennaPinError as error:  # of what is built, which only some values want more for

@@ -320,11 +320,11 @@ def _event_delay(along: TangentRecord, when: float, scales: Array) -> Array:
 
 
 def _sample_delay(
-    along: TangentRecord, run: xr.Dataset, peaks: _Peaks, when: float, asked: Array, scales: Array
+    along: TangentRecord, run: xr.Dataset, peaks: _Peaks, when: float, sample_times: Array, scales: Array
 ) -> tuple[Array, Array, float] | None:
     """Return a sample's delay, its error estimate and its event's duration, or None."""
     still, one = np.zeros(len(scales)), _ONE * when
-    if (np.abs(asked - when) <= 4.0 * np.spacing(max(when, float(asked[-1])))).any():
+    if (np.abs(sample_times - when) <= 4.0 * np.spacing(max(when, float(sample_times[-1])))).any():
         return still, still, 0.0
     if any(abs(passed.time - when) < _SAME for passed in along.event_shifts):
         return None  # a sample on one side of what jumps there

@@ -57,19 +57,19 @@ def _piece_borders(length: float, begin: float, span: float) -> Array:
 
 def _over_pieces(
     flow: Flow,
-    first: State,
+    state: State,
     borders: Array,
     times: Array,
-    made: Callable[[State, Array, float], Sensitivities],
+    derive: Callable[[State, Array, float], Sensitivities],
 ) -> Sensitivities:
     """Return derivatives at times and at the ends of pieces, each over its own piece."""
     parts: list[tuple[float, Sensitivities]] = []
     refused: list[dict[str, float | str]] = []
-    start = first
+    start = state
     for begin, end in zip(borders[:-1].tolist(), borders[1:].tolist(), strict=True):
         at = np.append(times[(times > begin * (1.0 + _ONE)) & (times < end * (1.0 - _ONE))], end)
         try:
-            parts.append((begin, made(start, at, end - begin)))
+            parts.append((begin, derive(start, at, end - begin)))
         except GrazeError as error:
             refused.append({"begin": begin, "end": end, "why": str(error)})
         start = flow.after(start, end - start.time)
@@ -167,11 +167,11 @@ def sensitivities(
     if first is None:
         first = flow.first(*initial_state(scenario, system), initial_angles(scenario, system))
 
-    def made(state: State, samples: np.ndarray, length: float) -> Sensitivities:
+    def piece(state: State, samples: np.ndarray, length: float) -> Sensitivities:
         own = dataclasses.replace(used, output_rate=0.5 / length, output_times=tuple(samples.tolist()))
         return _one_run(scenario, parameters, own, samples, length, state, method, processes)
 
-    return _over_pieces(flow, first, borders, at, made)
+    return _over_pieces(flow, first, borders, at, piece)
 
 
 def _one_run(
@@ -214,7 +214,10 @@ def _by_equation(
 
 
 def _checked_by_runs(
-    runs: list[Slopes], found: list[Slopes], made: FiniteDifferences, parameters: tuple[Parameter, ...]
+    runs: list[Slopes],
+    equation: list[Slopes],
+    differences: FiniteDifferences,
+    parameters: tuple[Parameter, ...],
 ) -> list[Slopes]:
     """Return derivatives of the equation, or refuse them where runs contradict.
 
@@ -223,10 +226,10 @@ def _checked_by_runs(
     use), that number is NaN.
     """
     held = []
-    for one, ours, theirs in zip(parameters, found, runs, strict=True):
+    for one, ours, theirs in zip(parameters, equation, runs, strict=True):
         values, doubts, share = dict(ours.values), {}, _relative_uncertainty(theirs)
         for name, value in ours.values.items():
-            size = made.sizes[name] / one.scale
+            size = differences.sizes[name] / one.scale
             size = max(size, float(np.nanmax(np.abs(theirs.values[name]), initial=0.0)))
             noise = np.fmax(theirs.doubts[name], share * np.abs(theirs.values[name]))
             off = np.abs(value - theirs.values[name]) - 2.0 * noise - ours.doubts[name]
@@ -244,7 +247,7 @@ def _checked_by_runs(
     return held
 
 
-def _relative_uncertainty(found: Slopes) -> float:
+def _relative_uncertainty(slopes: Slopes) -> float:
     """Return the relative error of the motion's largest derivative, at most 1.
 
     Later perturbations follow that derivative, and share its relative error, whatever a difference gives for
@@ -252,10 +255,10 @@ def _relative_uncertainty(found: Slopes) -> float:
     """
     shares = [0.0]
     for name in _MOTION:
-        if name in found.values and np.isfinite(sizes := np.abs(found.values[name]).reshape(-1)).any():
+        if name in slopes.values and np.isfinite(sizes := np.abs(slopes.values[name]).reshape(-1)).any():
             most = int(np.nanargmax(sizes))
             if sizes[most] > 0.0:
-                shares.append(float(found.doubts[name].reshape(-1)[most]) / float(sizes[most]))
+                shares.append(float(slopes.doubts[name].reshape(-1)[most]) / float(sizes[most]))
     return min(max(shares), 1.0)
 
 

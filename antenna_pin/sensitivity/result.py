@@ -266,11 +266,11 @@ def results_of(found: Sensitivities) -> list[Changed]:
     return sorted(rows, key=lambda row: -row.most)
 
 
-def _rows(found: Sensitivities) -> Iterator[Changed]:
-    scales = np.array([one.scale for one in found.parameters])
-    for name in sorted(str(one)[2:] for one in found.data.data_vars if str(one).startswith("d_")):
-        here = found.data[name]
-        values, slopes, doubts = here.values, found.relative(name), found.doubt(name) * scales
+def _rows(result: Sensitivities) -> Iterator[Changed]:
+    scales = np.array([one.scale for one in result.parameters])
+    for name in sorted(str(one)[2:] for one in result.data.data_vars if str(one).startswith("d_")):
+        here = result.data[name]
+        values, slopes, doubts = here.values, result.relative(name), result.doubt(name) * scales
         unit = str(here.attrs.get("units", ""))
         if "time" in here.dims:
             continue
@@ -363,12 +363,12 @@ def sensitivity_table(found: Sensitivities, scenario: Scenario | None = None) ->
     )
 
 
-def _curves(found: Sensitivities) -> tuple[tuple[Array, Array], list[str], list[str]]:
+def _curves(result: Sensitivities) -> tuple[tuple[Array, Array], list[str], list[str]]:
     """Return scaled changes and errors of curves, (time, curve, parameter), with names and units."""
-    scales = np.array([one.scale for one in found.parameters])
+    scales = np.array([one.scale for one in result.parameters])
     changes, doubts, labels, units = [], [], [], []
-    for name in (one for one in _CURVES if f"d_{one}" in found.data):
-        here, slopes, rest = found.data[name], found.relative(name), found.doubt(name) * scales
+    for name in (one for one in _CURVES if f"d_{one}" in result.data):
+        here, slopes, rest = result.data[name], result.relative(name), result.doubt(name) * scales
         for index in np.ndindex(here.shape[1:]):
             at = (slice(None), *index)
             if not np.nanmax(np.abs(slopes[at]), initial=0.0) > np.nanmax(rest[at], initial=0.0):
@@ -376,8 +376,8 @@ def _curves(found: Sensitivities) -> tuple[tuple[Array, Array], list[str], list[
             changes.append(slopes[at])
             doubts.append(rest[at])
             labels.append(f"{name} {_labels(here, index, 'time')}".strip())
-            units.append(_unit(found.run.data, str(here.attrs.get("units", "")), labels[-1]))
-    shape = (found.data.sizes["time"], 0, len(scales))
+            units.append(_unit(result.run.data, str(here.attrs.get("units", "")), labels[-1]))
+    shape = (result.data.sizes["time"], 0, len(scales))
     both = tuple(np.stack(one, axis=1) if one else np.zeros(shape) for one in (changes, doubts))
     return (both[0], both[1]), labels, units
 

@@ -105,30 +105,30 @@ class StateSeries:
     """Series of a result at states of a run, and their derivatives over parameters.
 
     Args:
-        beside: Perturbed parameters of the run's system.
+        parameters: Perturbed parameters of the run's system.
         displacer: Perturbation of states.
         settings: Settings of the run.
-        first: First state of the run.
+        start: First state of the run.
         scales: Scales of the parameters, (parameters,).
     """
 
     def __init__(
         self,
-        beside: PerturbedParameters,
+        parameters: PerturbedParameters,
         displacer: StatePerturbation,
         settings: RunSettings,
-        first: State,
+        start: State,
         scales: Array,
     ) -> None:
         """Store the arguments."""
-        self.beside, self._displacer, self._settings, self._first = beside, displacer, settings, first
+        self.beside, self._displacer, self._settings, self._first = parameters, displacer, settings, start
         self.scales = scales
         self._shown: Run | None = None
 
     def series_at(self, chunk: Chunk) -> dict[str, Array]:
         """Return the series at states of the system, by name."""
         with self.beside.at(0, 0.0) as near:
-            return self._told(near.system, chunk)
+            return self._series_of(near.system, chunk)
 
     def perturbed(
         self, displaced: PerturbedSamples, wanted: Sequence[_Shift]
@@ -181,14 +181,14 @@ class StateSeries:
         wanted = [_Shift(k, far) for k in left for far in (_SIDES * step).tolist()]
         rows = np.zeros((len(wanted), len(displaced.chunk.times), len(table.owner)))
         for numbers, near, chunks in self.perturbed(displaced, wanted):
-            found = table.flat(self._told(near.system, _interleaved(chunks)))
+            found = table.flat(self._series_of(near.system, _interleaved(chunks)))
             found = found.reshape(len(displaced.chunk.times), len(chunks), -1)
             found[:, :, table.since] -= found[:1, :, table.since]
             rows[numbers] = np.swapaxes(found, 0, 1)
         ahead, behind = np.split(rows.reshape(len(left), len(_SIDES), *rows.shape[1:]), 2, axis=1)
         return ahead - behind
 
-    def _told(self, system: System, chunk: Chunk) -> dict[str, Array]:
+    def _series_of(self, system: System, chunk: Chunk) -> dict[str, Array]:
         if self._shown is None or self._shown.system is not system:
             first = self._first
             self._shown = Run(system, first, first.reached + 1.0, self._settings, ())
@@ -240,10 +240,10 @@ class _ForceCurvature(NamedTuple):
         """Return the data of one sample, (1,)."""
         return _ForceCurvature(*(one[n : n + 1] for one in self))
 
-    def is_maximum(self, found: float) -> bool:
+    def is_maximum(self, tolerance: float) -> bool:
         """Return whether a force has its maximum here, within a share of its time scale."""
         force, rate, bend = (float(one[0]) for one in self[:3])
-        return bend < 0.0 and rate**2 < found**2 * force * -bend
+        return bend < 0.0 and rate**2 < tolerance**2 * force * -bend
 
     def delay(self, known: Array) -> tuple[Array, Array, Array]:
         """Return the delay of a force's maximum [s], its error, and the force's correction.
@@ -260,9 +260,9 @@ class _ForceCurvature(NamedTuple):
 class TimeDerivatives:
     """Derivatives over time of series at perturbed samples."""
 
-    def __init__(self, told: StateSeries, displaced: PerturbedSamples) -> None:
+    def __init__(self, source: StateSeries, displaced: PerturbedSamples) -> None:
         """Store the samples."""
-        self._told, self._all = told, displaced
+        self._told, self._all = source, displaced
         self._rates: dict[tuple[int, float], dict[str, tuple[Array, Array]]] = {}
 
     def forces(self, places: NDArray[np.int_], contacts: NDArray[np.int_], long: Array) -> _ForceCurvature:
@@ -275,17 +275,17 @@ class TimeDerivatives:
         """
         told, part, n = self._told, self._part(places), len(places)
 
-        def force(chunk: Chunk, near: PerturbedSystem) -> Array:
+        def force(chunk: Chunk, evaluator: PerturbedSystem) -> Array:
             """Return forces in states sample by sample, (n, states of each)."""
-            seen = observed(near.system, chunk.times, chunk.states, chunk.memories, chunk.programs)
+            seen = observed(evaluator.system, chunk.times, chunk.states, chunk.memories, chunk.programs)
             found = np.asarray(seen.contact["normal_force"]).reshape(n, -1, seen.contact.shape[-1])
             return found[np.arange(n), :, contacts]
 
-        def rate(chunk: Chunk, near: PerturbedSystem) -> Array:
+        def rate(chunk: Chunk, evaluator: PerturbedSystem) -> Array:
             """Return rates of forces likewise, by the best steps of the run's own rates."""
-            lines, count = _lines(chunk, near), len(chunk.times) // n
+            lines, count = _lines(chunk, evaluator), len(chunk.times) // n
             far = np.repeat(step, count)
-            ahead_and_behind = force(lines(far[:, None] * _SIDES), near).reshape(n, count, len(_SIDES))
+            ahead_and_behind = force(lines(far[:, None] * _SIDES), evaluator).reshape(n, count, len(_SIDES))
             return _orders(ahead_and_behind)[0] / step[:, None]
 
         with told.beside.at(0, 0.0) as own:
@@ -337,23 +337,23 @@ class TimeDerivatives:
         return PerturbedSamples(chunk, *(one[places] for one in every[1:]))
 
 
-def _lines(chunk: Chunk, near: PerturbedSystem) -> Callable[[Array], Chunk]:
+def _lines(chunk: Chunk, evaluator: PerturbedSystem) -> Callable[[Array], Chunk]:
     """Return a function for states along straight lines in time, (n, of each) [s]."""
-    system = near.system
+    system = evaluator.system
     nq, nv = system.model.nq, system.model.nv
     flows = []
     for time, state, memory, program in zip(
         chunk.times.tolist(), chunk.states, chunk.memories, chunk.programs, strict=True
     ):
-        near.workspace.memory[:], near.workspace.program[:] = memory, program
-        flows.append(near.rates(time, np.ascontiguousarray(state)).copy())
+        evaluator.workspace.memory[:], evaluator.workspace.program[:] = memory, program
+        flows.append(evaluator.rates(time, np.ascontiguousarray(state)).copy())
 
     def line(h: Array) -> Chunk:
         count = h.shape[1]
         states = np.repeat(chunk.states, count, axis=0)
         for i, (y, s) in enumerate(zip(states, h.reshape(-1).tolist(), strict=True)):
             way = s * y[nq : nq + nv]
-            near.workspace.retract(y, way)
+            evaluator.workspace.retract(y, way)
             y[nq:] += s * flows[i // count]
             system.turn_on(y)
         times = np.repeat(chunk.times, count) + h.reshape(-1)

@@ -165,9 +165,9 @@ class _DepthMaxima:
         found: Contacts and times of their largest depths [s], in order.
     """
 
-    def __init__(self, within: StepStates) -> None:
-        self._within = within
-        self._table = np.zeros(len(within.workspace.table), CONTACT)
+    def __init__(self, states: StepStates) -> None:
+        self._within = states
+        self._table = np.zeros(len(states.workspace.table), CONTACT)
         self.found: list[tuple[int, float]] = []
 
     def look(self, steps: Sequence[LoggedStep]) -> list[float]:
@@ -407,7 +407,7 @@ class TangentRecord:
     # --- at changes -----------------------------------------------------------------------------------------
 
     def _meet_all(
-        self, mark: _BeforeChange, passages: list[EventEffect], new: list[EventShift], words: Array | None
+        self, mark: _BeforeChange, effects: list[EventEffect], new: list[EventShift], words: Array | None
     ) -> None:
         """Record the events and transitions at a time."""
         time, y, ways, books = mark
@@ -417,7 +417,7 @@ class TangentRecord:
         if field.numbers is not None and words is not None:
             field.numbers.program[:] = words
         there = ways + np.outer(field.flow(time, y), late)
-        for one in passages:
+        for one in effects:
             own = (p.late for p in new if p.what == "event" and p.name == one.event.name)
             self.events.append(self._happenings.of(one, time, y, ways, next(own, late)))
             if one.acts and one.done:

@@ -19,6 +19,7 @@ import tempfile
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from types import ModuleType
@@ -310,7 +311,7 @@ class Cluster:
                         break
                     with held_back():  # interrupted, Dask leaves unknown batches and tracebacks
                         data = self._data(shared)
-                        future = _asked(self._client.submit, call, data, batch, pure=False)
+                        future = _call_client(self._client.submit, call, data, batch, pure=False)
                         under_way[future] = batch, data
                         future.add_done_callback(ready.put)
                 if not under_way:
@@ -319,7 +320,7 @@ class Cluster:
                 batch, data = under_way.pop(future)
                 try:
                     answer = self._answer(future)
-                except self._cancelled():
+                except CancelledError:
                     # All who had what the runs share have gone, and it with them; or the scheduler has.
                     lost += 1
                     if self._client.status != "running" or lost > _LOSSES * _AHEAD * self.width:
@@ -332,8 +333,8 @@ class Cluster:
                 yield batch, answer
         except AntennaPinError:
             raise
-        except (OSError, TimeoutError, self._cancelled()) as error:
-            why = "the connection is gone" if isinstance(error, self._cancelled()) else words_of(error)
+        except (OSError, TimeoutError, CancelledError) as error:
+            why = "the connection is gone" if isinstance(error, CancelledError) else words_of(error)
             raise ClusterLostError(
                 f"scheduler {self._scheduler or 'this machine'}: was lost: {why}; finished runs are kept: "
                 "give the same command again"
@@ -349,14 +350,9 @@ class Cluster:
         lost.
         """
         if self._shared is None or self._shared[0] is not shared:
-            (data,) = _asked(self._client.scatter, [shared], broadcast=True, hash=False)
+            (data,) = _call_client(self._client.scatter, [shared], broadcast=True, hash=False)
             self._shared = shared, data
         return self._shared[1]
-
-    def _cancelled(self) -> type[BaseException]:
-        from concurrent.futures import CancelledError
-
-        return CancelledError
 
     def _finished(self, ready: queue.SimpleQueue[Any]) -> Any:
         """Wait for a finished batch; raise after a long time without workers."""
@@ -366,7 +362,7 @@ class Cluster:
                 return ready.get(timeout=_LOOK_EVERY)
             if self._client.status != "running":
                 raise OSError("the connection is closed")
-            waited = 0.0 if _asked(self._client.nthreads) else waited + _LOOK_EVERY
+            waited = 0.0 if _call_client(self._client.nthreads) else waited + _LOOK_EVERY
             if waited > _PATIENCE:
                 raise OSError(f"it has had no workers for {_PATIENCE:g} s")
 
@@ -375,14 +371,10 @@ class Cluster:
 
         try:
             return future.result()
-        except MissingToolError:
+        except (MissingToolError, OSError, CancelledError):
             raise
         except KilledWorker:
             return Lost("the process that made it was lost")
-        except self._cancelled():
-            raise
-        except OSError:
-            raise
         except Exception as error:
             return Lost(f"it did not come back: {words_of(error)}")
 
@@ -401,7 +393,7 @@ class Cluster:
             self._folder.cleanup()
 
 
-def _asked(call: Callable[..., Any], *arguments: Any, **more: Any) -> Any:
+def _call_client(call: Callable[..., Any], *arguments: Any, **more: Any) -> Any:
     """Return a client's answer; raise its failure for a closed connection."""
     try:
         return call(*arguments, **more)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -94,7 +93,7 @@ def _short(text: str) -> str:
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
 
 
-def put_value(found: dict[str, Any], key: str, value: Any, base: Scenario) -> None:
+def put_value(overrides: dict[str, Any], key: str, value: Any, base: Scenario) -> None:
     """Enter a key's value among a scenario's overrides, in place; ``name[2]`` is one number of an array.
 
     Raises:
@@ -102,10 +101,10 @@ def put_value(found: dict[str, Any], key: str, value: Any, base: Scenario) -> No
     """
     indexed = _INDEXED.fullmatch(key)
     if indexed is None:
-        found[key] = value
+        overrides[key] = value
         return
     name, index = indexed[1], int(indexed[2])
-    array = found.get(name)
+    array = overrides.get(name)
     if array is None:
         below: Any = base.model_dump()
         for part in name.split("."):
@@ -115,7 +114,7 @@ def put_value(found: dict[str, Any], key: str, value: Any, base: Scenario) -> No
         raise ScenarioError(f"{key}: must be a number of an array of the scenario, got {shown(array)}")
     if index >= len(array):
         raise ScenarioError(f"{key}: must be one of {len(array)} numbers, from [0] on, got [{index}]")
-    found[name] = [value if i == index else old for i, old in enumerate(array)]
+    overrides[name] = [value if i == index else old for i, old in enumerate(array)]
 
 
 @takes()
@@ -170,15 +169,9 @@ def _too_many(study: Study, count: int) -> ScenarioError:
 
 def _seeds(seed: int, count: int) -> NDArray[np.int64]:
     """Return a seed for each run, from streams that do not overlap."""
-    return np.fromiter(
-        (int(child.generate_state(1, np.uint64)[0]) >> 1 for child in _children(seed, count)),
-        dtype=np.int64,
-        count=count,
-    )
-
-
-def _children(seed: int, count: int) -> Iterator[np.random.SeedSequence]:
-    return iter(np.random.SeedSequence([seed, 1]).spawn(count))
+    children = np.random.SeedSequence([seed, 1]).spawn(count)
+    seeds = (int(child.generate_state(1, np.uint64)[0]) >> 1 for child in children)
+    return np.fromiter(seeds, dtype=np.int64, count=count)
 
 
 def _probabilities(sampling: SamplingSpec, names: list[str], seed: int) -> NDArray[np.float64]:

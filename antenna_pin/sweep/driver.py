@@ -16,7 +16,7 @@ import xarray as xr
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import OutputError, ScenarioError
 from antenna_pin.sweep.executor import Executor, Here, Lost
-from antenna_pin.sweep.jobs import Done, Job, check_jobs, do_jobs
+from antenna_pin.sweep.jobs import Done, Job, check_jobs, do_jobs, failed_entry
 from antenna_pin.sweep.preparation import Prepared, prepare, trial
 from antenna_pin.sweep.store import LOST, SUFFIX, Store, identity_of, open_study
 from antenna_pin.sweep.study import Study
@@ -83,8 +83,9 @@ def run_study(
     if path.suffix != SUFFIX:
         raise OutputError(f"{path}: the name of a store must end in {SUFFIX}; try {path.name}{SUFFIX}")
     store = _store(path, prepared, identity, apart)
+    note_to = say or (lambda line: None)
     for note in store.notes:
-        (say or _nothing)(note)
+        note_to(note)
     by = executor or Here()
     missing = store.missing()
     seconds = 0.0
@@ -93,7 +94,7 @@ def run_study(
         shown = trial(prepared, missing[0])
         seconds = shown.seconds
         for note in shown.notes:
-            (say or _nothing)(note)
+            note_to(note)
         _check(prepared, missing, by, progress)
     with closing(store):
         store.begin()
@@ -104,16 +105,12 @@ def run_study(
     return open_study(store.path)
 
 
-def _nothing(line: str) -> None:
-    pass
-
-
-def _store(path: Path, prepared: Prepared, identity: Any, apart: bool) -> Store:
+def _store(path: Path, plan: Prepared, identity: Any, apart: bool) -> Store:
     number = 1
     while True:
         target = path if number == 1 else path.with_name(f"{path.stem}-{number}{SUFFIX}")
         try:
-            return Store(target, prepared.study, prepared.design, identity)
+            return Store(target, plan.study, plan.design, identity)
         except OutputError:
             if not (apart and target.is_dir()) or number >= 1000:
                 raise
@@ -121,16 +118,14 @@ def _store(path: Path, prepared: Prepared, identity: Any, apart: bool) -> Store:
 
 
 def _check(
-    prepared: Prepared, runs: list[int], by: Executor, progress: Callable[[StudyProgress], None] | None
+    plan: Prepared, runs: list[int], by: Executor, progress: Callable[[StudyProgress], None] | None
 ) -> None:
     """Refuse a study of which a run cannot be built, with the first such run."""
     refused: list[tuple[int, str]] = []
     done = 0
     size = max(1, min(_CHECKED_AT_ONCE, -(-len(runs) // by.width)))
-    batches = (
-        [_job(prepared, run) for run in runs[first : first + size]] for first in range(0, len(runs), size)
-    )
-    for batch, answer in by.each(check_jobs, prepared.work, batches):
+    batches = ([_job(plan, run) for run in runs[first : first + size]] for first in range(0, len(runs), size))
+    for batch, answer in by.each(check_jobs, plan.work, batches):
         if isinstance(answer, Lost):
             refused.append((batch[0].run, str(answer)))
         else:
@@ -141,14 +136,14 @@ def _check(
     if refused:
         run, reason = min(refused)
         more = f" ({len(refused)} of {len(runs)} runs are refused)" if len(refused) > 1 else ""
-        raise ScenarioError(f"{prepared.place}: {prepared.design.label(run)}: {reason}{more}")
+        raise ScenarioError(f"{plan.place}: {plan.design.label(run)}: {reason}{more}")
 
 
-def _job(prepared: Prepared, run: int) -> Job:
+def _job(plan: Prepared, run: int) -> Job:
     try:
-        return prepared.job(run)
+        return plan.job(run)
     except ScenarioError as error:
-        raise ScenarioError(f"{prepared.place}: {prepared.design.label(run)}: {error}") from None
+        raise ScenarioError(f"{plan.place}: {plan.design.label(run)}: {error}") from None
 
 
 class _Driver:
@@ -156,13 +151,13 @@ class _Driver:
 
     def __init__(
         self,
-        prepared: Prepared,
+        plan: Prepared,
         store: Store,
         by: Executor,
         seconds: float,
         progress: Callable[[StudyProgress], None] | None,
     ) -> None:
-        self.prepared, self.store, self.by, self.progress = prepared, store, by, progress
+        self.prepared, self.store, self.by, self.progress = plan, store, by, progress
         self.seconds = max(seconds, 1e-4)  # of a run, as far as is known
         self.waiting: deque[int] = deque()
         self.again: deque[Job] = deque()
@@ -209,10 +204,8 @@ class _Driver:
             if tries < _TRIES:
                 self.again.append(job)
                 continue
-            numbers = dict.fromkeys(("end_time", "simulated", "cpu", "wall_time"), 0.0)
-            counts = dict.fromkeys(("steps", "rejected", "relocated", "evaluations"), 0)
-            entry = {"run": job.run, "seed": job.seed, "values": {}, "outcome": LOST, **numbers, **counts}
-            self._keep(Done(entry | {"message": f"{reason}, {tries} times", "worker": ""}))
+            entry = {"run": job.run, "seed": job.seed, "values": {}, "wall_time": 0.0, "worker": ""}
+            self._keep(Done(entry | failed_entry(LOST, f"{reason}, {tries} times")))
 
     def _tell(self) -> None:
         if self.progress is not None:

@@ -23,7 +23,7 @@ from antenna_pin.simulation.inputs import check_scenario
 from antenna_pin.sweep.responses import ResponseSpec, evaluate
 from antenna_pin.trajectory import Trajectory, library_versions
 
-__all__ = ["Done", "Job", "Work", "check_jobs", "do_jobs"]
+__all__ = ["Done", "Job", "Work", "check_jobs", "do_jobs", "failed_entry"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,9 +112,9 @@ def _do(work: Work, job: Job) -> Done:
         with _told_of(job):
             run = simulate(scenario_of(work, job))
     except AntennaPinError as error:  # only what the check before the start could not see
-        entry |= _failed("REFUSED", str(error))
+        entry |= failed_entry("REFUSED", str(error))
     except Exception as error:  # a bug must not end a study of a week
-        entry |= _failed("FAILED", f"{type(error).__name__}: {error}")
+        entry |= failed_entry("FAILED", f"{type(error).__name__}: {error}")
     else:
         simulated, cpu = time.perf_counter() - began, time.thread_time() - busy
         counts = run.counts
@@ -145,7 +145,10 @@ def _do(work: Work, job: Job) -> Done:
             "cpu": cpu,
         }
         keep = work.results == "all" or (work.results == "failed" and not run.completed)
-        result = _file(run) if keep else b""
+        result = b""
+        if keep:
+            with tempfile.TemporaryDirectory() as folder:
+                result = run.save(Path(folder, "run.nc")).read_bytes()
         return Done(entry | {"wall_time": time.perf_counter() - began, "worker": platform.node()}, result)
     return Done(entry | {"wall_time": time.perf_counter() - began, "worker": platform.node()})
 
@@ -165,19 +168,8 @@ def _told_of(job: Job) -> Iterator[None]:
         yield
 
 
-def _failed(outcome: str, message: str) -> dict[str, Any]:
-    numbers = {
-        "end_time": 0.0,
-        "steps": 0,
-        "rejected": 0,
-        "relocated": 0,
-        "evaluations": 0,
-        "simulated": 0.0,
-        "cpu": 0.0,
-    }
-    return {"outcome": outcome, "message": " ".join(message.split()), **numbers}
-
-
-def _file(run: Trajectory) -> bytes:
-    with tempfile.TemporaryDirectory() as folder:
-        return run.save(Path(folder, "run.nc")).read_bytes()
+def failed_entry(outcome: str, message: str) -> dict[str, Any]:
+    """Return the entry of a run without a result."""
+    counts = dict.fromkeys(("steps", "rejected", "relocated", "evaluations"), 0)
+    seconds = dict.fromkeys(("end_time", "simulated", "cpu"), 0.0)
+    return {"outcome": outcome, "message": " ".join(message.split()), **counts, **seconds}

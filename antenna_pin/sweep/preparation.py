@@ -187,8 +187,8 @@ def run_seconds(prepared: Prepared) -> RunTime:
     return RunTime(*map(float, every))
 
 
-def _seconds(prepared: Prepared, run: int) -> RunTime:
-    scenario = scenario_of(prepared.work, prepared.job(run))
+def _seconds(plan: Prepared, run: int) -> RunTime:
+    scenario = scenario_of(plan.work, plan.job(run))
     share, before, paces = _TRIAL_SHARE, (0.0, 0.0), list[float]()
     while True:
         began = time.perf_counter()
@@ -201,8 +201,8 @@ def _seconds(prepared: Prepared, run: int) -> RunTime:
         before, share = (share, stepping), min(2.0 * share, 1.0)
 
 
-def _reference(prepared: Prepared, job: Job, span: float) -> Trajectory | None:
-    text = prepared.work.reference
+def _reference(plan: Prepared, job: Job, span: float) -> Trajectory | None:
+    text = plan.work.reference
     if not text:
         return None
     values: dict[str, Any] = job.follows
@@ -212,4 +212,4 @@ def _reference(prepared: Prepared, job: Job, span: float) -> Trajectory | None:
             raise ScenarioError('output.form must be "full" for runs to be compared with it, got "lean"')
         return uninterrupted(simulate(scenario, duration=span))
     except AntennaPinError as error:
-        raise ScenarioError(f"{prepared.place}: reference: {error}") from None
+        raise ScenarioError(f"{plan.place}: reference: {error}") from None

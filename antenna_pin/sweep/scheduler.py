@@ -120,7 +120,7 @@ def _problem(address: str, security: Any) -> str:
     """Return the fault of a scheduler's address, in words, or ""."""
     secure = address.startswith("tls://")
     try:
-        kind = asyncio.run(_asked(address, security))
+        kind = asyncio.run(_process_type(address, security))
     except TimeoutError:
         return (
             f"must answer within {ANSWERS_WITHIN:g} s, got silence; is it running, is the address right, and "
@@ -131,12 +131,12 @@ def _problem(address: str, security: Any) -> str:
     return "" if kind == "Scheduler" else f"must be the address of a scheduler, got that of a {kind}"
 
 
-async def _asked(address: str, security: Any) -> str:
+async def _process_type(address: str, security: Any) -> str:
     """Return the type of a Dask process at an address."""
     core = importlib.import_module("distributed.comm.core")
     more = {} if security is None else security.get_connection_args("client")
 
-    async def asked() -> str:
+    async def query() -> str:
         comm = await core.connect(address, timeout=ANSWERS_WITHIN, **more)
         try:
             await comm.write({"op": "identity", "reply": True})
@@ -145,7 +145,7 @@ async def _asked(address: str, security: Any) -> str:
         finally:
             comm.abort()
 
-    return await asyncio.wait_for(asked(), ANSWERS_WITHIN + 1.0)
+    return await asyncio.wait_for(query(), ANSWERS_WITHIN + 1.0)
 
 
 def _why(error: BaseException, secure: bool) -> str:

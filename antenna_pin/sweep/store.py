@@ -107,15 +107,6 @@ def add_entries(table: xr.Dataset, entries: Iterable[Mapping[str, Any]]) -> None
             arrays[name][place] = entry[name]
 
 
-def table_of(
-    study: Study, design: Design, about: Mapping[str, str], entries: Iterable[Mapping[str, Any]]
-) -> xr.Dataset:
-    """Return the dataset of a study with its finished runs, in any order."""
-    table = empty_table(study, design, about)
-    add_entries(table, entries)
-    return table
-
-
 #: How the name of a store ends.
 SUFFIX = ".study"
 
@@ -289,7 +280,9 @@ class Store:
     def table(self) -> xr.Dataset:
         """Return the dataset of the runs made so far."""
         about = {"digest": self.identity.digest, "versions": json.dumps(self.identity.versions)}
-        return table_of(self.study, self.design, about, self.entries.values())
+        table = empty_table(self.study, self.design, about)
+        add_entries(table, self.entries.values())
+        return table
 
     def write_table(self) -> None:
         """Write the dataset of the runs made so far; a failure leaves the one before."""

@@ -172,7 +172,7 @@ class Study(RunsFile):
                 for other, owner in owners.items():
                     if other == key:
                         refuse(f"must be a key of its own, got that of {owner}", "parameters", name, "key")
-                    if _within(key, other) or _within(other, key):
+                    if _is_within(key, other) or _is_within(other, key):
                         rule = (
                             f"must not be within {owner}'s {other}, nor hold it, or one would undo the other"
                         )
@@ -203,7 +203,7 @@ class Study(RunsFile):
         return self.scenario_with(self.reference.case, merge(lasts, nested(self.reference.set)))
 
 
-def _within(key: str, table: str) -> bool:
+def _is_within(key: str, table: str) -> bool:
     """Return true for a key of a table, or of an array's numbers."""
     return key.startswith((f"{table}.", f"{table}["))
 
