@@ -252,7 +252,7 @@ def _in_si_units(uncertainty: Sure, unknowns: Unknowns) -> _Intervals:
 
 
 def profile_columns(profiles: Sequence[Profile], unknowns: Unknowns) -> _Columns:
-    """Return profiles in search coordinates as columns of a fit's dataset, in SI units, or NaN."""
+    """Return profiles as columns of a fit's dataset, in SI units, or NaN."""
     p, most = unknowns.count, max((len(one.values) for one in profiles), default=0)
     values, roots = np.full((2, p, most), np.nan)
     ends, words = np.full((p, 2), np.nan), np.full((p, 2), "", dtype=object)

@@ -227,7 +227,7 @@ class PreparedRecords:
 
 
 def prepare_records(plan: FitPlan) -> PreparedRecords:
-    """Return the records and scenarios of a fit, checked; messages name a place in the fit's file."""
+    """Return the records and scenarios of a fit, checked before any run."""
     place = f"fit {plan.name}"
     record_tests: list[RecordTest] = []
     targets: dict[str, Target] = {}

@@ -306,7 +306,7 @@ def profile_lines(table: xr.Dataset) -> list[str]:
 
 
 def profile_interval(one: xr.Dataset) -> str:
-    """Return the interval of a profile as text, or "", from a fit's table at one parameter."""
+    """Return the interval of one parameter's profile as text, or ""."""
     how = [str(word) for word in one["profile_how"].values]
     if not all(how):
         return ""

@@ -262,7 +262,7 @@ class Fit:
 
     @takes()
     def write_scenario(self, path: str | os.PathLike[str], record: str | None = None) -> Path:
-        """Write the scenario of a record, by default the first, with the values found and their origin.
+        """Write the scenario of a record, by default the first, with the values found.
 
         Raises:
             OutputError: The file cannot be written.

@@ -303,7 +303,7 @@ def _slope(function: Callable[[float], Array]) -> Array:
 
 
 def _fourth(values: Sequence[Array], h: float) -> Array:
-    """Return a derivative of fourth order from values at h, -h, 2 h and -2 h."""
+    """Return a derivative of fourth order from values at h, -h, 2h and -2h."""
     ahead, behind, farther, farthest = values
     return np.asarray((_FOURTH[0] * (ahead - behind) + _FOURTH[1] * (farther - farthest)) / h)
 
@@ -511,7 +511,7 @@ class RunService:
         return answers
 
     def said_of_unbalanced(self, last: Sequence[Readings]) -> list[str]:
-        """Return a note on unbalanced runs, if any; ``last`` are the runs of the fitted values."""
+        """Return a note on unbalanced runs, if any; ``last`` have the fitted values."""
         if not self.unbalanced:
             return []
         mine = [one.unbalanced for one in last if one.unbalanced]

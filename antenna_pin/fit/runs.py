@@ -99,7 +99,7 @@ class PreparedScenario:
         return self.flow.first(q, v, initial_angles(self.scenario, self.system))
 
     def run(self, times: Array, until: float, start: State | None = None) -> RunSamples:
-        """Make a run sampled at rising times within its span [s], from a state or the scenario's start.
+        """Make a run sampled at rising times [s], from a state or the scenario's start.
 
         Raises:
             AntennaPinError: The run cannot begin.

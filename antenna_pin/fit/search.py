@@ -72,7 +72,10 @@ class ResponseSurface(NamedTuple):
 
     @classmethod
     def through(cls, points: Array, statistics: Array, noise: Array) -> ResponseSurface:
-        """Return the surface through statistics (n, m) at points (n, p), with the sensors' variances (m,)."""
+        """Return the surface through statistics (n, m) at points (n, p).
+
+        The variances of the sensors' noise, (m,), add to the scatter.
+        """
         table = np.array([_terms(one) for one in points])
         terms, *_ = np.linalg.lstsq(table, statistics, rcond=None)
         off, freedom = statistics - table @ terms, len(table) - table.shape[1]

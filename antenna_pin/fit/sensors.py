@@ -128,7 +128,7 @@ def input_of_acceleration(
 
 
 def filter_response(signal: _FilterInput, rows: Array, corner: float, order: int) -> Array:
-    """Return the output of a filter of an order and a corner at 3 dB [Hz] at rising times, (m,).
+    """Return the output at rising times, (m,), of a filter with a corner [Hz].
 
     Before the first sample the input is constant.
     """

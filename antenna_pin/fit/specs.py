@@ -360,7 +360,7 @@ def _is_call(node: ast.expr) -> bool:
 
 
 class _PriorSpec(Spec):
-    """Prior of a parameter: mean and standard deviation of a normal distribution, in the parameter's unit."""
+    """Prior of a parameter: a normal distribution, in the parameter's unit."""
 
     mean: AnyQuantity
     sd: AnyQuantity

@@ -96,7 +96,10 @@ def influence(residuals: Array, loss: Loss = "linear", scale: float = 1.0) -> Ar
 
 
 def curvature(residuals: Array, loss: Loss = "linear", scale: float = 1.0) -> Array:
-    """Return the curvature psi' of the loss in each residual, (m,) [-]; it may be negative far out."""
+    """Return the curvature psi' of the loss in each residual, (m,) [-].
+
+    It may be negative far out.
+    """
     z, _, slope, bend = _terms(residuals, loss, scale)
     return np.asarray(slope + 2.0 * z * bend)
 

@@ -395,7 +395,7 @@ def _unit(run: xr.Dataset, unit: str, label: str) -> str:
 
 @takes()
 def growth_said(found: Sensitivities, share: float = 0.01) -> str:
-    """Return one line on the validity of derivatives along the run, up to a relative error [-]."""
+    """Return one line on the validity of derivatives, up to a relative error [-]."""
     every = [one for one in found.growth(share) if one.largest > 0.0]
     if not every:
         return "no velocity changes with these"

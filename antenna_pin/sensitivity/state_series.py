@@ -306,7 +306,7 @@ class TimeDerivatives:
         return _ForceCurvature(most, here, bend, over, off, rest)
 
     def series(self, place: int, long: float) -> dict[str, tuple[Array, Array]]:
-        """Return the rates of all series at a sample in an event of a duration [s], with errors."""
+        """Return the rates of all series at a sample in an event, with errors."""
         if (place, long) not in self._rates:
             self._rates[place, long] = self._series(place, long)
         return self._rates[place, long]

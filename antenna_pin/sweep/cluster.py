@@ -108,7 +108,7 @@ def silence(package: ModuleType) -> None:
 
 
 def said_of_start(codes: list[int], error: str) -> str:
-    """Return the reason for a failed start and a way out as text, from exit codes and Dask's message."""
+    """Return the reason for a failed start as text, from exit codes and Dask's message."""
     if not codes:
         return error
     if codes[0] < 0:

@@ -94,7 +94,7 @@ def _short(text: str) -> str:
 
 
 def put_value(overrides: dict[str, Any], key: str, value: Any, base: Scenario) -> None:
-    """Enter a key's value among a scenario's overrides, in place; ``name[2]`` is one number of an array.
+    """Enter the value of a key, as ``name`` or ``name[2]``, among a scenario's overrides.
 
     Raises:
         ScenarioError: The scenario has no such array, or the array no such number.

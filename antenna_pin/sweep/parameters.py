@@ -267,7 +267,7 @@ def _tolerance(spec: ToleranceSpec) -> tuple[Any, str]:
 def numbers_of(
     table: Mapping[str, Any], *place: str, pure: tuple[str, ...] = ()
 ) -> tuple[dict[str, float], str]:
-    """Return quantities of one kind in SI units, by name, and their common unit; ``pure`` names have none."""
+    """Return quantities of one kind in SI units, by name, and their common unit."""
     numbers, units = {}, {}
     for name, value in table.items():
         found = any_quantity(value)

@@ -129,7 +129,7 @@ _UNITS = {"angle": "rad", "rate": "rad/s", "acceleration": "rad/s^2"}
 
 
 def source_of(response: ResponseSpec, folder: Path, name: str) -> str:
-    """Return the text of a response's function file, or ""; refuse a missing file or function."""
+    """Return the text of a response's function file, or ""."""
     return "" if response.function is None else own_source(response.function, folder, f"responses.{name}")
 
 
