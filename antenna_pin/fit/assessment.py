@@ -14,18 +14,18 @@ from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.fit.confidence_bands import (
     DOUBT,
     CurveBands,
-    SearchCoordinates,
     band_columns,
     linear_bands,
     profile_columns,
     sampled_bands,
+    search_residuals,
 )
 from antenna_pin.fit.experiments import eliminate
 from antenna_pin.fit.identifiability import Design, Identifiable, Plan, identifiable
 from antenna_pin.fit.problem import Problem
 from antenna_pin.fit.profile_likelihood import Profile, profile_lines, profiles
 from antenna_pin.fit.result import Fit
-from antenna_pin.fit.uncertainty import Sure, sure
+from antenna_pin.fit.uncertainty import ResidualFunctions, Sure, sure
 from antenna_pin.scenario import Scenario
 from antenna_pin.trajectory import open_table, table_attributes
 
@@ -47,16 +47,21 @@ Array = NDArray[np.float64]
 # --- bands and profiles of a fit ----------------------------------------------------------------------------
 
 
-def _sure(found: Fit) -> tuple[SearchCoordinates, Sure]:
-    plan, whole = found.problem.plan, np.concatenate([found.values, found.states])
-    searched = SearchCoordinates(found.problem, whole)
+def _sure(fit: Fit) -> tuple[ResidualFunctions, Sure]:
+    problem, plan = fit.problem, fit.problem.plan
+    searched = search_residuals(
+        problem.unknowns,
+        np.concatenate([fit.values, fit.states]),
+        lambda values: problem.residuals(problem.unknowns.from_search(values)),
+        problem.slopes,
+    )
     known = sure(
         searched,
         searched.start,
-        noise=found.bands.noise,
+        noise=fit.bands.noise,
         loss=plan.loss,
         loss_scale=plan.loss_scale,
-        curves=found.problem.rows.curve_numbers(),
+        curves=problem.rows.curve_numbers(),
         doubt=DOUBT,
     )
     return searched, known
@@ -66,11 +71,11 @@ def _sure(found: Fit) -> tuple[SearchCoordinates, Sure]:
 def profiles_of(
     found: Fit, names: Sequence[str] | None = None, progress: Callable[[str, float], None] | None = None
 ) -> tuple[Profile, ...]:
-    """Return the profiles of a fit's parameters, in the coordinates of the search.
+    """Return the profiles of a fit's parameters, in search coordinates.
 
     Args:
         found: The fit.
-        names: Of the parameters; all that no bound holds if left out.
+        names: Names of the parameters; all but those at a bound by default.
         progress: Called with the parameter and the signed root of each point.
     """
     plan = found.problem.plan
@@ -96,14 +101,14 @@ def certain(
 ) -> tuple[xr.Dataset, tuple[str, ...]]:
     """Return a fit's dataset with curve bands and profiles, and notes on them.
 
-    Bands are to first order, or by runs at values drawn about the best ones. Where the fit has no bands
-    (:attr:`antenna_pin.fit.confidence_bands.ParameterBands.eliminate`), neither have its curves.
+    Bands are to first order, or by runs at values drawn about the best ones. Curves of a fit without bands
+    (:attr:`antenna_pin.fit.confidence_bands.ParameterBands.absence`) have none.
 
     Args:
         found: The fit.
-        profile: Whether to make the profile of each parameter: some thirty fits of the others each.
+        profile: True for the profile of each parameter: some thirty fits of the others each.
         draws: Runs at drawn values; none for bands to first order.
-        seed: Of the draws.
+        seed: Seed of the draws.
         progress: Called with the parameter and the signed root of each point of a profile.
     """
     table, said = found.data(), []
@@ -149,23 +154,6 @@ def certain(
     return table.assign(columns), tuple(said)
 
 
-class _Parameters:
-    """A problem over its parameters alone, the starts of its pieces eliminated."""
-
-    def __init__(self, problem: Problem, values: Array, factor: float) -> None:
-        unknowns = problem.unknowns
-        self._problem, self._root = problem, float(np.sqrt(factor))
-        self.names, self.start = problem.names, values
-        self.lower, self.upper = unknowns.lower, unknowns.upper
-        self.scale = sizes_of(problem, values)
-
-    def residuals(self, values: Array) -> Array:
-        return self._problem.residuals(values) / self._root
-
-    def jacobian(self, values: Array) -> Array:
-        return slopes_at(self._problem, values) / self._root
-
-
 def sizes_of(problem: Problem, values: Array) -> Array:
     """Return the sizes of parameters at values, (p,) [SI]."""
     unknowns = problem.unknowns
@@ -186,25 +174,25 @@ def tells(problem: Problem, values: Array | None = None, factor: float = 1.0) ->
 
     Args:
         problem: The fit's problem.
-        values: Where, (p,) [SI]; where the search begins if left out.
+        values: Values of the parameters, (p,) [SI]; the start of the search by default.
         factor: Variance of a weighted residual, of a fit whose noise is estimated [-].
     """
     at = problem.first if values is None else np.asarray(values, dtype=float)
-    over = _Parameters(problem, at, factor)
+    root, lower, upper = float(np.sqrt(factor)), problem.lower, problem.upper
+    over = ResidualFunctions(
+        problem.names,
+        at,
+        lower,
+        upper,
+        sizes_of(problem, at),
+        lambda values: problem.residuals(values) / root,
+        lambda values: slopes_at(problem, values) / root,
+    )
     return identifiable(over, at, doubt=DOUBT)
 
 
 def values_in(table: xr.Dataset, problem: Problem, label: str) -> tuple[Array, float]:
-    """Return values of a saved fit, (p,) [SI], and the variance of its residuals.
-
-    Args:
-        table: Of :func:`antenna_pin.fit.open_fit`.
-        problem: The fit's problem.
-        label: How messages call the file.
-
-    Raises:
-        UnknownNameError: It lacks one of the parameters.
-    """
+    """Return values of a saved fit, (p,) [SI], and the variance of its residuals."""
     there = [str(one) for one in table["parameter"].values]
     for name in problem.names:
         if name not in there:
@@ -229,17 +217,17 @@ def identifiability_table(
     """Return identifiability as a dataset, for :func:`antenna_pin.trajectory.save_table`.
 
     Args:
-        found: What it can tell.
-        units: SI units of the parameters, "" of a pure number.
-        titles: What they are called in figures.
-        scenario: What the test is of; None for a model that is none.
+        found: Identifiability of the parameters.
+        units: SI units of the parameters, "" for a pure number.
+        titles: Titles of the parameters in figures.
+        scenario: Scenario of the test; None for a model without one.
 
     Returns:
         Over ``parameter``: ``value``, ``scale``, ``error``, ``half``, ``alone``, in its ``units``, infinite
-        where it cannot be told, ``inflation`` [-], ``felt`` and ``determined`` (0, 1), ``title``. Over
+        if unidentifiable, ``inflation`` [-], ``felt`` and ``determined`` (0, 1), ``title``. Over
         ``direction``: ``singular`` [-], and ``part`` of each parameter in it, over its scale [-]. Over
-        ``combination``: ``null``, of each parameter over its scale [-], ``said``, in words, and ``hold``,
-        which parameter to hold. Attributes ``level`` and ``quantile``, half widths over errors [-].
+        ``combination``: ``null``, of each parameter over its scale [-], ``said``, as text, and ``hold``, the
+        parameter to hold. Attributes ``level`` and ``quantile``, half widths over errors [-].
     """
     count = len(found.names)
     over = ("parameter",)
@@ -297,18 +285,18 @@ def experiments_table(
     """Return a comparison of experiments as a dataset, for :func:`save_table`.
 
     Args:
-        found: What each would tell.
-        plan: How often to make each; None if nobody asked.
-        values: Of the parameters, at which this holds, (p,).
-        units: Their SI units, "" of a pure number.
-        titles: What they are called in figures.
-        words: What each experiment is, by its name.
-        scenario: What they are of; None for a model that is none.
+        found: Comparison of the experiments.
+        plan: Plan of repetitions, or None.
+        values: Values of the parameters, (p,).
+        units: SI units of the parameters, "" for a pure number.
+        titles: Titles of the parameters in figures.
+        words: Descriptions of the experiments, by name.
+        scenario: Scenario of the experiments; None for a model without one.
 
     Returns:
         Over ``experiment``, the best first: ``half`` and, over ``parameter``, in its ``units``: half widths
-        of the intervals to expect, infinite where it cannot be told; ``D``, ``A``, ``E`` and ``c`` if it was
-        asked for, lengths in scales [-]; ``share`` and ``count`` of the plan; ``what`` it is. Over
+        of the expected intervals, infinite if unidentifiable; ``D``, ``A``, ``E``, and ``c`` if requested,
+        lengths in scales [-]; ``share`` and ``count`` of the plan; the description ``what``. Over
         ``parameter``: ``value``, ``scale``, ``before``, ``title``. Attributes ``criterion``, ``wanted``,
         ``level``, ``total``.
     """
@@ -348,25 +336,19 @@ def experiments_table(
 
 @takes()
 def open_identifiability(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return identifiability from its file, of ``antenna-pin fit --identify --out``.
-
-    Returns:
-        See :func:`identifiability_table`.
+    """Return an :func:`identifiability_table` from a file of ``antenna-pin fit --identify --out``.
 
     Raises:
-        FileFormatError: It is none, or damaged.
+        FileFormatError: The file is of another kind, or damaged.
     """
     return open_table(path, "identifiability")
 
 
 @takes()
 def open_experiments(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return a comparison of experiments from its file, of ``antenna-pin fit --next --out``.
-
-    Returns:
-        See :func:`experiments_table`.
+    """Return an :func:`experiments_table` from a file of ``antenna-pin fit --next --out``.
 
     Raises:
-        FileFormatError: It is none, or damaged.
+        FileFormatError: The file is of another kind, or damaged.
     """
     return open_table(path, "experiments")

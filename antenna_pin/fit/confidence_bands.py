@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -27,20 +27,20 @@ from numpy.typing import NDArray
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.fit.plan import FitPlan, Unknowns
 from antenna_pin.fit.profile_likelihood import Profile
-from antenna_pin.fit.uncertainty import Loss, Noise, Residuals, Sure, cost, sure
+from antenna_pin.fit.uncertainty import Loss, Noise, ResidualFunctions, Residuals, Sure, cost, sure
 
 __all__ = [
     "BEYOND_CHANCE",
     "ParameterBands",
     "CurveBands",
     "DOUBT",
-    "SearchCoordinates",
     "WITHHELD",
     "linear_bands",
     "band_columns",
     "parameter_bands",
     "sampled_bands",
     "draws",
+    "search_residuals",
     "profile_columns",
 ]
 
@@ -56,76 +56,59 @@ _TRIES = 200
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CurveBands:
-    """Pointwise bands of the weighted residuals: model less record, over the standard deviation of the noise.
+    """Pointwise bands of the weighted residuals, in standard deviations of the noise [-]."""
 
-    Attributes:
-        low: Lower end of the model's curve, (m,) [-].
-        high: Upper end, (m,).
-        new_low: Lower end of where a new measurement may be, (m,).
-        new_high: Upper end, (m,).
-        level: Of each point [-].
-        seed: Of the draws; -1 where there were none.
-        drawn: Draws that the model could be run at [-].
-        failed: Draws that it could not be run at [-].
-        effective: How many draws of equal weight they are worth [-].
-    """
-
-    low: Array
-    high: Array
-    new_low: Array
-    new_high: Array
-    level: float
-    seed: int = -1
-    drawn: int = 0
-    failed: int = 0
-    effective: float = math.nan
+    low: Array  # lower end of the model's curve, (m,)
+    high: Array  # upper end, (m,)
+    new_low: Array  # lower end for a new measurement, (m,)
+    new_high: Array  # upper end, (m,)
+    level: float  # probability at each point
+    seed: int = -1  # of the draws; -1 without draws
+    drawn: int = 0  # draws with a run
+    failed: int = 0  # draws without a run
+    effective: float = math.nan  # equivalent number of draws of equal weight
 
 
-def linear_bands(problem: Residuals, found: Sure) -> CurveBands:
+def linear_bands(problem: Residuals, uncertainty: Sure) -> CurveBands:
     """Return bands to first order in the standard errors.
 
-    Directions that the record does not tell do not move its curves, and count for nothing.
-
-    Args:
-        problem: What was fitted.
-        found: How sure its values are.
+    Unidentified directions do not move the curves, and are ignored.
     """
-    residuals, jacobian = problem.residuals(found.values), problem.jacobian(found.values)
-    along = (jacobian * problem.scale) @ found.rank.identified.T
-    spread = np.maximum(np.einsum("ij,jk,ik->i", along, found.direction_covariance, along), 0.0)
-    curve = found.quantile * np.sqrt(spread)
-    new = found.quantile * np.sqrt(spread + found.factor)
-    return CurveBands(residuals - curve, residuals + curve, residuals - new, residuals + new, found.level)
+    residuals, jacobian = problem.residuals(uncertainty.values), problem.jacobian(uncertainty.values)
+    along = (jacobian * problem.scale) @ uncertainty.rank.identified.T
+    spread = np.maximum(np.einsum("ij,jk,ik->i", along, uncertainty.direction_covariance, along), 0.0)
+    curve = uncertainty.quantile * np.sqrt(spread)
+    new = uncertainty.quantile * np.sqrt(spread + uncertainty.factor)
+    return CurveBands(
+        residuals - curve, residuals + curve, residuals - new, residuals + new, uncertainty.level
+    )
 
 
-def draws(problem: Residuals, found: Sure, count: int, seed: int) -> tuple[Array, Array]:
+def draws(problem: Residuals, uncertainty: Sure, count: int, seed: int) -> tuple[Array, Array]:
     """Return values drawn about the best ones, (n, p), and their log densities, (n,).
 
-    They lie within their bounds, and are from Student's t of six degrees of freedom, or fewer where the
-    record has fewer, with the fit's covariance; what lies beyond a bound is drawn again.
-
-    Args:
-        problem: What was fitted.
-        found: How sure its values are.
-        count: How many.
-        seed: Of the draws.
+    Draws lie within the bounds, and follow Student's t of six degrees of freedom, or fewer for a record with
+    fewer, with the fit's covariance; a draw beyond a bound is repeated.
 
     Raises:
-        InvalidParameterError: A parameter cannot be told, so that nothing says from where to draw it, or
-            hardly a draw is within bounds.
+        InvalidParameterError: A parameter is not identifiable, or hardly a draw is within bounds.
     """
     if count < 2:
         raise InvalidParameterError("fit", "draws", "2 or more [-]", count)
-    unclear = [name for name, error in zip(found.names, found.error, strict=True) if not math.isfinite(error)]
+    unclear = [
+        name
+        for name, error in zip(uncertainty.names, uncertainty.error, strict=True)
+        if not math.isfinite(error)
+    ]
     if unclear:
         rule = "of parameters that the record tells; hold, or bound by a prior record, those that it does not"
         raise InvalidParameterError("fit", "bands", rule, said=", ".join(unclear))
-    free = np.flatnonzero(found.error > 0.0)
-    sizes = found.error[free]
-    correlation = found.covariance[np.ix_(free, free)] / np.outer(sizes, sizes)
+    free = np.flatnonzero(uncertainty.error > 0.0)
+    sizes = uncertainty.error[free]
+    correlation = uncertainty.covariance[np.ix_(free, free)] / np.outer(sizes, sizes)
     value, vector = np.linalg.eigh(correlation)
     root = vector * np.sqrt(np.maximum(value, 0.0))
-    tails = min(_TAILS, float(found.freedom))
+    tails = min(_TAILS, float(uncertainty.freedom))
     random = np.random.default_rng(seed)
     rows: list[Array] = []
     logs: list[float] = []
@@ -134,7 +117,7 @@ def draws(problem: Residuals, found: Sure, count: int, seed: int) -> tuple[Array
             break
         normal = random.standard_normal(len(free))
         stretch = math.sqrt(tails / random.chisquare(tails))
-        one = found.values.copy()
+        one = uncertainty.values.copy()
         one[free] += sizes * (root @ normal) * stretch
         if np.all((one >= problem.lower) & (one <= problem.upper)):
             rows.append(one)
@@ -150,7 +133,7 @@ def draws(problem: Residuals, found: Sure, count: int, seed: int) -> tuple[Array
 
 def sampled_bands(
     problem: Residuals,
-    found: Sure,
+    uncertainty: Sure,
     count: int = 200,
     seed: int = 0,
     *,
@@ -161,21 +144,21 @@ def sampled_bands(
     """Return bands by runs of the model at values drawn about the best ones.
 
     Args:
-        problem: What was fitted.
-        found: How sure its values are.
+        problem: Problem of the fit.
+        uncertainty: Uncertainty of the values.
         count: Draws, each a run of the model [-].
-        seed: Of the draws, and of the noise of new measurements.
-        loss: That the fit used.
-        loss_scale: The residual at which it begins to count less [-].
-        progress: Called with how many draws are done.
+        seed: Seed of the draws, and of the noise of new measurements.
+        loss: Loss of the fit.
+        loss_scale: Residual from which the loss grows more slowly [-].
+        progress: Called with the number of draws so far.
 
     Raises:
-        InvalidParameterError: Nothing can be drawn, or the model runs at fewer than half of the draws.
+        InvalidParameterError: Nothing can be drawn, or fewer than half of the draws have a run.
     """
-    values, logs = draws(problem, found, count, seed)
+    values, logs = draws(problem, uncertainty, count, seed)
     curves: list[Array] = []
     weights: list[float] = []
-    phi = found.factor * float(np.max(found.stretch[found.error > 0.0], initial=1.0))
+    phi = uncertainty.factor * float(np.max(uncertainty.stretch[uncertainty.error > 0.0], initial=1.0))
     for k, one in enumerate(values):
         try:
             residuals = problem.residuals(one)
@@ -184,7 +167,7 @@ def sampled_bands(
         if residuals is not None and np.isfinite(residuals).all():
             curves.append(residuals)
             grown = cost(residuals, loss, loss_scale)
-            weights.append(_log_likelihood(grown, phi, found) - logs[k])
+            weights.append(_log_likelihood(grown, phi, uncertainty) - logs[k])
         if progress is not None:
             progress(k + 1)
     if 2 * len(curves) < count:
@@ -193,23 +176,23 @@ def sampled_bands(
     share = np.exp(np.array(weights) - max(weights))
     share /= share.sum()
     every = np.stack(curves)
-    noise = math.sqrt(found.factor) * np.random.default_rng([seed, 1]).standard_normal(every.shape)
-    ends = (0.5 - 0.5 * found.level, 0.5 + 0.5 * found.level)
+    noise = math.sqrt(uncertainty.factor) * np.random.default_rng([seed, 1]).standard_normal(every.shape)
+    ends = (0.5 - 0.5 * uncertainty.level, 0.5 + 0.5 * uncertainty.level)
     low, high = (_quantile(every, share, one) for one in ends)
     new_low, new_high = (_quantile(every + noise, share, one) for one in ends)
     effective = 1.0 / float(share @ share)
     return CurveBands(
-        low, high, new_low, new_high, found.level, seed, len(curves), count - len(curves), effective
+        low, high, new_low, new_high, uncertainty.level, seed, len(curves), count - len(curves), effective
     )
 
 
-def _log_likelihood(grown: float, phi: float, found: Sure) -> float:
+def _log_likelihood(grown: float, phi: float, uncertainty: Sure) -> float:
     """Return the log likelihood of a draw: normal, or Student's t of estimated noise."""
-    if found.noise == "given":
+    if uncertainty.noise == "given":
         return -0.5 * grown / phi
     # Marginal over the noise's size: (S / S_least)^(-m / 2), of a linear model Student's t.
-    count = found.freedom + len(found.rank.identified)
-    return -0.5 * count * math.log(max(grown, 1e-300) / (found.freedom * phi))
+    count = uncertainty.freedom + len(uncertainty.rank.identified)
+    return -0.5 * count * math.log(max(grown, 1e-300) / (uncertainty.freedom * phi))
 
 
 def _quantile(every: Array, share: Array, at: float) -> Array:
@@ -231,48 +214,13 @@ DOUBT = 1e-5
 _SIDES = ("below", "above")
 
 
-def _unknown_names(unknowns: Unknowns) -> tuple[str, ...]:
-    """Return the names of all unknowns, (p + h,): parameters, then states."""
-    return (*unknowns.names, *(f"state {k + 1}" for k in range(unknowns.states)))
-
-
-class _SearchedProblem(Protocol):
-    """Problem of a search."""
-
-    @property
-    def unknowns(self) -> Unknowns:
-        """Parameters and the pieces' starts."""
-
-    def residuals(self, values: Array) -> Array:
-        """Return weighted residuals at values with states, (m,)."""
-
-    def slopes(self, searched: Array) -> Array:
-        """Return their derivatives by search coordinates, (m, p + h)."""
-
-
-class SearchCoordinates:
-    """Residuals over search coordinates, as :class:`antenna_pin.fit.uncertainty.Residuals`.
-
-    Args:
-        problem: The fit's problem.
-        whole: Values with states that the search starts from, (p + h,) [SI].
-    """
-
-    def __init__(self, problem: _SearchedProblem, whole: Array) -> None:
-        """Store bounds and start."""
-        self._problem, self._unknowns = problem, problem.unknowns
-        self.names = _unknown_names(self._unknowns)
-        self.start = self._unknowns.to_search(whole)
-        self.lower, self.upper = self._unknowns.bounds()
-        self.scale = np.ones(len(self.start))
-
-    def residuals(self, values: Array) -> Array:
-        """Return model less record, and the gaps between pieces, (m,) [-]."""
-        return self._problem.residuals(self._unknowns.from_search(values))
-
-    def jacobian(self, values: Array) -> Array:
-        """Return their derivatives, (m, p + h)."""
-        return self._problem.slopes(values)
+def search_residuals(
+    unknowns: Unknowns, whole: Array, residuals: Callable[[Array], Array], jacobian: Callable[[Array], Array]
+) -> ResidualFunctions:
+    """Return residuals over search coordinates, starting at values with states, (p + h,) [SI]."""
+    start = unknowns.to_search(whole)
+    names = (*unknowns.names, *(f"state {k + 1}" for k in range(unknowns.states)))
+    return ResidualFunctions(names, start, *unknowns.bounds(), np.ones(len(start)), residuals, jacobian)
 
 
 def _parameter_in_si(unknowns: Unknowns, values: Array, place: int) -> Array:
@@ -283,43 +231,32 @@ def _parameter_in_si(unknowns: Unknowns, values: Array, place: int) -> Array:
 
 
 class _Intervals(NamedTuple):
-    """Covariance and intervals of parameters in SI units.
+    """Covariance and intervals of parameters in SI units."""
 
-    Attributes:
-        covariance: (p, p), to first order.
-        low: Lower ends of their intervals, (p,).
-        high: Upper ends.
-    """
-
-    covariance: Array
-    low: Array
-    high: Array
+    covariance: Array  # (p, p), to first order
+    low: Array  # lower ends, (p,)
+    high: Array  # upper ends, (p,)
 
 
-def _in_si_units(found: Sure, unknowns: Unknowns) -> _Intervals:
+def _in_si_units(uncertainty: Sure, unknowns: Unknowns) -> _Intervals:
     """Return covariance and intervals of parameters in SI units."""
     p = unknowns.count
-    whole = np.array([_parameter_in_si(unknowns, found.values[k], k) for k in range(p)])
-    values = np.concatenate([whole, found.values[p:]])
+    whole = np.array([_parameter_in_si(unknowns, uncertainty.values[k], k) for k in range(p)])
+    values = np.concatenate([whole, uncertainty.values[p:]])
     rates = unknowns.search_slopes(values)[:p]
     low, high = (
         np.array([float(_parameter_in_si(unknowns, ends[k], k)) for k in range(p)])
-        for ends in (found.low, found.high)
+        for ends in (uncertainty.low, uncertainty.high)
     )
-    return _Intervals(found.covariance[:p, :p] / np.outer(rates, rates), low, high)
+    return _Intervals(uncertainty.covariance[:p, :p] / np.outer(rates, rates), low, high)
 
 
-def profile_columns(found: Sequence[Profile], unknowns: Unknowns) -> _Columns:
-    """Return profiles as columns of a fit's dataset, in SI units, or NaN.
-
-    Args:
-        found: In the coordinates of the search.
-        unknowns: What these are.
-    """
-    p, most = unknowns.count, max((len(one.values) for one in found), default=0)
+def profile_columns(profiles: Sequence[Profile], unknowns: Unknowns) -> _Columns:
+    """Return profiles as columns of a fit's dataset, in SI units, or NaN."""
+    p, most = unknowns.count, max((len(one.values) for one in profiles), default=0)
     values, roots = np.full((2, p, most), np.nan)
     ends, words = np.full((p, 2), np.nan), np.full((p, 2), "", dtype=object)
-    for one in found:
+    for one in profiles:
         k = unknowns.names.index(one.name)
         values[k, : len(one.values)] = _parameter_in_si(unknowns, one.values, k)
         roots[k, : len(one.root)] = one.root
@@ -332,30 +269,30 @@ def profile_columns(found: Sequence[Profile], unknowns: Unknowns) -> _Columns:
         "profile_end": (sides, ends, {"long_name": "end of the profile's interval"}),
         "profile_reach": (
             (),
-            found[0].threshold if found else np.nan,
+            profiles[0].threshold if profiles else np.nan,
             {"units": "1", "long_name": "root at an end"},
         ),
         "profile_how": (sides, words, {"long_name": "how it ends: crossed, bounded, open, stopped"}),
     }
 
 
-def band_columns(found: CurveBands, predicted: xr.Dataset, weights: Array) -> _Columns:
+def band_columns(bands: CurveBands, predicted: xr.Dataset, weights: Array) -> _Columns:
     """Return curve bands as columns of a fit's dataset, in its rows' units.
 
     Args:
-        found: Of the weighted residuals, those of pieces' joints behind those of rows.
+        bands: Bands of the weighted residuals, pieces' joints after rows.
         predicted: Rows of the fit: ``model``, ``data`` and ``noise``.
-        weights: By which a row's residual counts beside others, (rows,) [-].
+        weights: Weights of the rows' residuals, (rows,) [-].
     """
     count, rows = predicted.sizes["row"], ("row",)
     one = predicted["noise"].values / np.asarray(weights)
     return {
         name: (rows, predicted["data"].values + ends[:count] * one, {"long_name": words})
         for name, ends, words in (
-            ("band_low", found.low, "lower end of where the model's curve may be"),
-            ("band_high", found.high, "upper end"),
-            ("new_low", found.new_low, "lower end of where a new measurement may be"),
-            ("new_high", found.new_high, "upper end"),
+            ("band_low", bands.low, "lower end of where the model's curve may be"),
+            ("band_high", bands.high, "upper end"),
+            ("new_low", bands.new_low, "lower end of where a new measurement may be"),
+            ("new_high", bands.new_high, "upper end"),
         )
     }
 
@@ -369,34 +306,18 @@ WITHHELD = 4.0
 
 
 class ParameterBands(NamedTuple):
-    """Uncertainty of p parameters at 95 %.
+    """Uncertainty of p parameters at 95 %."""
 
-    Attributes:
-        covariance: (p, p) [SI], to first order; infinite where the records say nothing, NaN where a bound
-            holds a parameter.
-        sd: (p,) [SI].
-        low: Lower ends of the bands, (p,) [SI].
-        high: Upper ends.
-        chi2: Sum of the squares of the residuals [-].
-        freedoms: Residuals less directions of the unknowns that they tell [-].
-        absence: Why there are no bands, in words; "" if there are.
-        widening: How many times as wide they would be at most if what is correlated in time of the residuals
-            counted [-].
-        chance: Share of records of the stated noise that would be farther from the model [-]; NaN where the
-            noise is not given, or the loss not linear.
-        noise: What the bands take to be known of the noise: ``estimated`` where chi2 is beyond chance.
-    """
-
-    covariance: Array
-    sd: Array
-    low: Array
-    high: Array
-    chi2: float
-    freedoms: int
-    absence: str = ""
-    widening: float = 1.0
-    chance: float = math.nan
-    noise: Noise = "given"
+    covariance: Array  # (p, p) [SI], to first order; infinite if unidentified, NaN at a bound
+    sd: Array  # (p,) [SI]
+    low: Array  # lower ends of the bands, (p,) [SI]
+    high: Array  # upper ends, (p,) [SI]
+    chi2: float  # sum of the squares of the residuals [-]
+    freedoms: int  # residuals less identified directions of the unknowns [-]
+    absence: str = ""  # reason for missing bands, or ""
+    widening: float = 1.0  # largest factor of their width by correlation in time of the residuals [-]
+    chance: float = math.nan  # probability of a worse record by the stated noise [-]; NaN if not stated
+    noise: Noise = "given"  # assumption on the noise: ``estimated`` where chi2 is beyond chance
 
     @property
     def beyond_chance(self) -> bool:
@@ -409,50 +330,29 @@ class ParameterBands(NamedTuple):
         return self.chi2 / max(self.freedoms, 1)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _SearchEnd:
-    """Residuals at the end of a search, in its coordinates."""
-
-    names: tuple[str, ...]
-    start: Array
-    lower: Array
-    upper: Array
-    scale: Array
-    left: Array
-    slopes: Array
-
-    def residuals(self, values: Array) -> Array:
-        return self.left
-
-    def jacobian(self, values: Array) -> Array:
-        return self.slopes
-
-
 def parameter_bands(
     plan: FitPlan, unknowns: Unknowns, whole: Array, residuals: Array, slopes: Array, curves: NDArray[np.intp]
 ) -> ParameterBands:
     """Return the uncertainty of the parameters at 95 %.
 
-    A parameter at one of its bounds has the others' bands, and none itself: it is where it was kept. Where
-    the noise is given and chi2 beyond chance, bands are widened as if the residuals said how large the noise
-    is; where they are far beyond (:data:`WITHHELD`) there are none.
+    A parameter at one of its bounds has no band, and the others' bands hold it fixed. Where the noise is
+    given and chi2 is beyond chance, bands are widened as if the residuals gave the size of the noise; far
+    beyond chance (:data:`WITHHELD`) there are none.
 
     Args:
-        plan: Which says whether the noise is known.
-        unknowns: Of the fit.
+        plan: The fit's file, with the assumption on the noise.
+        unknowns: Unknowns of the fit.
         whole: Values with states, (p + h,) [SI].
-        residuals: There, (m,).
-        slopes: Their derivatives by what is searched for, (m, p + h).
-        curves: The number of the curve that each residual is of, (m,).
+        residuals: Residuals at the values, (m,).
+        slopes: Their derivatives by search coordinates, (m, p + h).
+        curves: Index of each residual's curve, (m,).
     """
-    at = unknowns.to_search(whole)
-    end = _SearchEnd(_unknown_names(unknowns), at, *unknowns.bounds(), np.ones(len(at)), residuals, slopes)
+    end = search_residuals(unknowns, whole, lambda _: residuals, lambda _: slopes)
     p, chi2 = unknowns.count, float(residuals @ residuals)
 
     def known_of(noise: Noise) -> Sure:
-        return sure(
-            end, at, noise=noise, loss=plan.loss, loss_scale=plan.loss_scale, curves=curves, doubt=DOUBT
-        )
+        settings: Any = {"loss": plan.loss, "loss_scale": plan.loss_scale, "curves": curves, "doubt": DOUBT}
+        return sure(end, end.start, noise=noise, **settings)
 
     try:
         found = known_of(plan.noise)
@@ -481,10 +381,10 @@ def _no_bands(count: int, chi2: float, freedoms: int, why: str) -> ParameterBand
     return ParameterBands(np.full((count, count), np.nan), none, none, none, chi2, freedoms, why)
 
 
-def _widening(found: Sure, known_of: Callable[[Noise], Sure], count: int) -> float:
+def _widening(uncertainty: Sure, known_of: Callable[[Noise], Sure], count: int) -> float:
     """Return the largest ratio of intervals with correlated noise to those without."""
-    if found.noise == "correlated" or found.freedom < 1:
+    if uncertainty.noise == "correlated" or uncertainty.freedom < 1:
         return 1.0
-    told = found.error[:count]
+    told = uncertainty.error[:count]
     there = np.isfinite(told) & (told > 0.0)
     return float(np.max(known_of("correlated").error[:count][there] / told[there], initial=1.0))

@@ -38,22 +38,17 @@ class _Curve(NamedTuple):
 
 
 def verdict(problem: Problem, whole: Array, bands: ParameterBands) -> tuple[str, ...]:
-    """Return objections to a fit as a whole and their likely causes, line by line.
-
-    Args:
-        problem: What was fitted.
-        whole: Values with states that were found, (p + h,) [SI].
-        bands: What is known of the values.
-
-    Returns:
-        Nothing if there is nothing to object to.
-    """
+    """Return objections to a fit as a whole and their likely causes, line by line."""
     lines = list(_at_bounds(problem, whole))
     if bands.beyond_chance:
+        widened = (
+            f"bands are widened by {number(math.sqrt(bands.excess), 3)}, as if each sd was larger by that"
+        )
+        note = f"the values have no bands: {bands.absence}" if bands.absence else widened
         spread = math.sqrt(2.0 * bands.freedoms)
         lines.append(
             f"the model does not fit the records: chi2 is {number(bands.chi2, 4)}, where noise of the stated "
-            f"sd leaves {bands.freedoms} ± {number(spread, 2)}; {_bands_note(bands)}"
+            f"sd leaves {bands.freedoms} ± {number(spread, 2)}; {note}"
         )
         lines += [f"  may be {cause}" for cause in _causes(problem, whole, bands)]
     return tuple(lines)
@@ -63,13 +58,6 @@ def recommends_starts(problem: Problem, bands: ParameterBands) -> bool:
     """Return whether a search from many starts comes before other advice."""
     bounded = all(one.between is not None for one in problem.plan.parameters.values())
     return bands.beyond_chance and problem.plan.starts is None and bounded
-
-
-def _bands_note(bands: ParameterBands) -> str:
-    if bands.absence:
-        return f"the values have no bands: {bands.absence}"
-    widened = number(math.sqrt(bands.excess), 3)
-    return f"bands are widened by {widened}, as if each sd was larger by that"
 
 
 def _at_bounds(problem: Problem, whole: Array) -> Iterator[str]:
@@ -156,21 +144,13 @@ _FEWEST, _RARE, _TAILS = 20, 1e-4, 1.0
 
 
 class _ResidualTests(NamedTuple):
-    """Tests of the residuals of one column, with the probabilities of worse ones by noise.
+    """Tests of the residuals of one column, with the probabilities of worse ones by noise."""
 
-    Attributes:
-        correlation: Of each residual with the next [-].
-        runs: Stretches of one sign, about the mean.
-        runs_chance: That independent residuals have a number as far from the expected one [-].
-        excess_kurtosis: Fourth moment over the squared variance, less 3 [-].
-        normal_chance: That normal residuals have skewness and kurtosis as far from theirs [-].
-    """
-
-    correlation: float
-    runs: int
-    runs_chance: float
-    excess_kurtosis: float
-    normal_chance: float
+    correlation: float  # of each residual with the next [-]
+    runs: int  # number of runs of one sign about the mean
+    runs_chance: float  # probability of as unusual a number by independent residuals [-]
+    excess_kurtosis: float  # fourth moment over the squared variance, less 3 [-]
+    normal_chance: float  # probability of as unusual a skewness and kurtosis by normal residuals [-]
 
 
 def residual_tests(residuals: Array) -> _ResidualTests | None:
@@ -194,11 +174,7 @@ def residual_tests(residuals: Array) -> _ResidualTests | None:
 
 
 def residual_notes(curves: Mapping[str, Array]) -> Iterator[str]:
-    """Yield a line for each column whose uncorrelated residuals are not normal noise.
-
-    Args:
-        curves: Residuals of each column that is compared row by row, in the order of time.
-    """
+    """Yield a line for each column whose uncorrelated residuals are not normal noise."""
     for name, residuals in curves.items():
         found = None if is_correlated(residuals) else residual_tests(residuals)
         if found is not None and found.runs_chance < _RARE:
@@ -226,15 +202,10 @@ _ROUND_OFF = 1e-9  # of readings [-]
 
 
 class DifferenceGrowth(NamedTuple):
-    """Growth of differences along a record too long for one run.
+    """Growth of differences along a record too long for one run."""
 
-    Attributes:
-        since: From when on perturbed runs differ by more than is straight [s].
-        fold: In what time a difference grows by e [s].
-    """
-
-    since: float
-    fold: float
+    since: float  # time from which the growth is nonlinear [s]
+    fold: float  # time in which a difference grows by e [s]
 
     @property
     def length(self) -> float:
@@ -242,13 +213,7 @@ class DifferenceGrowth(NamedTuple):
         return _FOLDS * self.fold
 
     def words(self, record: str, parameter: str, step: float) -> str:
-        """Return a line on it.
-
-        Args:
-            record: Name of the record.
-            parameter: Name of the parameter that perturbed runs differ by.
-            step: By how much of its size [-].
-        """
+        """Return a line on the record, for runs perturbed by a relative step of a parameter."""
         since, fold, length = (_time(one) for one in (self.since, self.fold, self.length))
         return (
             f"note: records.{record}: one run does not hold it: from {since} on the effect of {step:g} of "
@@ -268,11 +233,11 @@ def difference_growth(
     """Return the growth of differences between perturbed runs, or None if small.
 
     Args:
-        time: Of its rows [s].
-        below: What is read in a run on one side, over the noise, (columns, rows).
-        here: Likewise in the run itself.
-        above: On the other side.
-        reach: How much farther perturbed runs are looked for than these are, by how the difference bends.
+        time: Times of the rows [s].
+        below: Readings of a run on one side, over the noise, (columns, rows).
+        here: Readings of the run itself.
+        above: Readings on the other side.
+        reach: Ratio of the perturbation of interest to that of these runs, by extrapolation.
     """
     if len(time) < 2 * _PARTS:
         return None

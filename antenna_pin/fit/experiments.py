@@ -1,8 +1,8 @@
-"""Candidate experiments of a fit, and the derivatives of their residuals at known values.
+"""Candidate experiments of a fit, and the derivatives of their residuals.
 
 An experiment resembles one of the fit's records, with keys of the scenario set anew, and other columns or
-times if given. Its information depends on the derivatives of its residuals only, and these on no measured
-number: so it is run as a record of the model's own readings.
+times if given. Its information depends on the derivatives of its residuals only, and not on measured numbers:
+so it is run as a record of the model's own readings.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class _TimesSpec(Spec):
 
     Attributes:
         until: Time of the last sample, at most [s].
-        rate: Samples a second [Hz].
+        rate: Samples per second [Hz].
     """
 
     until: Annotated[float, Quantity("s", "positive")]
@@ -68,13 +68,13 @@ class _ExperimentSpec(Spec):
     """Experiment of a fit.
 
     Attributes:
-        like: The record of the fit that it is like; the first if left out.
-        what: It is, in a few words.
-        case: Of the scenario, if not that record's.
-        set: What is set over the record's scenario: dotted keys, or tables.
-        times: When it is sampled, if not as that record is.
-        columns: What is measured, if not what that record has.
-        repeat: How often it is made [-].
+        like: Record of the fit that it resembles; the first by default.
+        what: Short description.
+        case: Case of the scenario, if not that record's.
+        set: Overrides of the record's scenario: dotted keys, or tables.
+        times: Sample times, if not that record's.
+        columns: Measured quantities, if not that record's.
+        repeat: Number of repetitions [-].
     """
 
     like: str | None = None
@@ -111,16 +111,16 @@ def _dotted(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, An
 
 
 class Experiments(Spec):
-    """A file of experiments to choose from.
+    """File of candidate experiments.
 
     Attributes:
-        format: Version of the format of such files.
-        title: In a few words.
-        criterion: What is to be small: ``D``, the volume in which all parameters lie; ``c``, the error of the
-            ``wanted`` one; ``A``, the sum of squared errors; ``E``, the longest axis.
-        wanted: The parameter that ``c`` is of.
-        total: How many experiments are to be made; then it is said how often each; 0 if nobody asks [-].
-        experiments: By name.
+        format: Version of the file format.
+        title: Short title.
+        criterion: Criterion to minimise: ``D``, the volume of the confidence region; ``c``, the error of the
+            ``wanted`` parameter; ``A``, the sum of squared errors; ``E``, the longest axis.
+        wanted: Parameter of criterion ``c``.
+        total: Total number of experiments of a plan of repetitions; 0 for no plan [-].
+        experiments: Experiments by name.
     """
 
     format: Literal[1] = 1
@@ -160,15 +160,15 @@ def load_experiments(path: str | os.PathLike[str]) -> Experiments:
 class Trial:
     """Experiment ready to be run as the model would make it.
 
-    What is unknown anew in it, the shift of its clock and the starts of its pieces, is eliminated: residuals
-    that it could explain tell nothing.
+    Unknowns of its own, the shift of its clock and the starts of its pieces, are eliminated: residuals that
+    they explain give no information.
 
     Args:
         plan: The fit's file.
-        name: Of the experiment, for messages.
-        experiment: What it is.
-        values: Of the fit's parameters, (p,) [SI].
-        service: Makes who makes the runs.
+        name: Name of the experiment, for messages.
+        experiment: Settings of the experiment.
+        values: Values of the fit's parameters, (p,) [SI].
+        service: Factory of the service that makes the runs.
 
     Raises:
         AntennaPinError: Record, scenario, columns or parameters are not valid.
@@ -182,7 +182,7 @@ class Trial:
         values: Array,
         service: Callable[[], RunService] = RunService,
     ) -> None:
-        """Check all of it."""
+        """Check the experiment."""
         like = next(iter(plan.records)) if experiment.like is None else experiment.like
         if like not in plan.records:
             raise UnknownNameError(f"experiments.{name}.like", "record", like, plan.records)

@@ -1,8 +1,8 @@
 """Identifiability of parameters before a fit, and optimal design of the next experiment.
 
-A record tells of the parameters by its information :math:`F = J^T J`, J being the derivatives of its
-residuals in units of the noise; information of independent records adds up, and the inverse of the sum is the
-expected covariance. So the worth of an experiment is known before it is made. The criterion is a choice:
+The information of a record on the parameters is :math:`F = J^T J`, J being the derivatives of its residuals
+in units of the noise; information of independent records adds up, and the inverse of the sum is the expected
+covariance. So the worth of an experiment is known before it is made. The criterion is a choice:
 
 ======  ==================================================================================
 ``D``   its determinant: the volume of the region in which all parameters lie
@@ -11,12 +11,12 @@ expected covariance. So the worth of an experiment is known before it is made. T
 ``E``   the longest axis of that region, in scales
 ======  ==================================================================================
 
-All of them are of a model that is linear about the present values: better values give another design.
+All of them hold for a model that is linear about the present values: better values give another design.
 
 References:
     Fedorov (1972), Theory of Optimal Experiments; Silvey (1980), Optimal Design.
     Kiefer and Wolfowitz (1960), Canadian J. Math. 12, 363-366: the equivalence theorem.
-    Yu (2010), Ann. Statist. 38(3), 1593-1606: that the multiplication of weights converges.
+    Yu (2010), Ann. Statist. 38(3), 1593-1606: convergence of the multiplication of weights.
 """
 
 from __future__ import annotations
@@ -60,21 +60,21 @@ class Identifiable:
     """Identifiability of parameters from a record, at given values.
 
     Attributes:
-        names: Of the parameters.
-        values: At which this holds, (p,).
+        names: Names of the parameters.
+        values: Values, (p,).
         scale: Typical sizes, (p,).
-        rank: What of them the record feels.
-        error: Standard errors to expect by the stated noise, (p,); infinite of one that cannot be told.
-        half: Half widths of the intervals to expect, (p,).
-        alone: Standard errors to expect if all others were known, (p,).
-        inflation: How many times an error is larger for the others not being known, (p,) [-].
-        level: Of the intervals [-].
+        rank: Rank of the Jacobian.
+        error: Expected standard errors by the stated noise, (p,); infinite if unidentifiable.
+        half: Half widths of the expected intervals, (p,).
+        alone: Expected standard errors with all others known, (p,).
+        inflation: Ratio of both errors, (p,) [-].
+        level: Confidence level of the intervals [-].
         quantile: Half widths over errors [-].
-        singular: Singular values of the Jacobian over the scales, falling, (p,) [-]: one over a value is the
-            standard error along its direction, in scales.
+        singular: Singular values of the Jacobian over the scales, falling, (p,) [-]: the inverse of a value
+            is the standard error along its direction, in scales.
         directions: Those directions, a row each, (p, p), of length 1 in scales.
-        together: In words, what cannot be told: parameters one by one, and combinations.
-        hold: Parameters to hold, so that the others can be told: one of each combination.
+        together: Unidentifiable parameters and combinations as text.
+        hold: Parameters to hold, one of each combination, so that the others are identifiable.
     """
 
     names: tuple[str, ...]
@@ -106,9 +106,9 @@ def identifiable(
     """Return the identifiability of parameters from one Jacobian, without a fit.
 
     Args:
-        problem: What would be fitted.
-        values: Where, (p,); the values to start from if left out.
-        level: Of the intervals to expect [-].
+        problem: Problem of the fit.
+        values: Values of the parameters, (p,); the start by default.
+        level: Confidence level of the intervals [-].
         doubt: Relative error of the Jacobian's columns [-].
     """
     if not 0.0 < level < 1.0:
@@ -117,8 +117,7 @@ def identifiable(
     scale, names = np.asarray(problem.scale, dtype=float), tuple(problem.names)
     jacobian = problem.jacobian(at)
     rank = rank_of(jacobian, scale, doubt)
-    root = rank.identified.T / rank.singular[: len(rank.identified)]
-    error = np.where(rank.determined, np.linalg.norm(root, axis=1) * scale, math.inf)
+    _, error = _standard_errors(rank, scale)
     with np.errstate(divide="ignore", invalid="ignore"):
         alone = np.where(rank.influential, scale / rank.lengths, math.inf)
         inflation = np.where(rank.influential, error / alone, math.nan)
@@ -141,6 +140,12 @@ def identifiable(
         tuple(_direction_text(row, names, scale, at) for row in rank.null),
         tuple(names[int(np.abs(row).argmax())] for row in rank.null),
     )
+
+
+def _standard_errors(rank: Rank, scale: Array) -> tuple[Array, Array]:
+    """Return the root of the covariance in scales, (p, rank), and standard errors, (p,)."""
+    root = rank.identified.T / rank.singular[: len(rank.identified)]
+    return root, np.where(rank.determined, np.linalg.norm(root, axis=1) * scale, math.inf)
 
 
 def _direction_text(row: Array, names: tuple[str, ...], scale: Array, values: Array) -> str:
@@ -174,17 +179,16 @@ class Design:
     """Comparison of experiments, each added to the known records.
 
     Attributes:
-        names: Of the parameters.
+        names: Names of the parameters.
         scale: Their typical sizes, (p,).
         experiments: Names of the experiments, the best first.
-        half: Half widths of the intervals to expect after each, (e, p); infinite where a parameter still
-            cannot be told.
-        before: The same before any of them, (p,).
+        half: Half widths of the expected intervals after each, (e, p); infinite if unidentifiable.
+        before: Half widths before any of them, (p,).
         criteria: By name the square root of each criterion after each, as a length in scales, (e,): of D the
             p-th root of the volume, so that all are widths that halve where noise halves.
-        chosen: Which of them the order is by.
-        wanted: The parameter that ``c`` is of; "" for all of ``D``, ``A`` and ``E``.
-        level: Of the intervals [-].
+        chosen: Criterion of the order.
+        wanted: Parameter of ``c``; "" for all of ``D``, ``A`` and ``E``.
+        level: Confidence level of the intervals [-].
     """
 
     names: tuple[str, ...]
@@ -204,10 +208,10 @@ class Plan:
 
     Attributes:
         experiments: Names, as given.
-        weights: Shares of all that are made, (e,) [-]; they sum to 1.
-        counts: The same as whole numbers, (e,).
-        gap: How much less the best design may have at most, as a share of the criterion: the equivalence
-            theorem's bound [-].
+        weights: Shares of the total, (e,) [-]; their sum is 1.
+        counts: Whole numbers of repetitions, (e,).
+        gap: Bound of the equivalence theorem on the improvement by the best design, as a share of the
+            criterion [-].
     """
 
     experiments: tuple[str, ...]
@@ -233,17 +237,17 @@ def design(
     Args:
         jacobians: Derivatives of each experiment's residuals, in units of the noise, by its name, (m, p)
             each.
-        names: Of the parameters.
+        names: Names of the parameters.
         scale: Their typical sizes, (p,).
-        known: Derivatives of the residuals of the records there are, (m, p); none if left out.
-        criterion: What is to be small.
-        wanted: The parameter that ``c`` is of.
-        level: Of the intervals [-].
+        known: Derivatives of the residuals of the present records, (m, p); none by default.
+        criterion: Criterion to minimise.
+        wanted: Parameter of ``c``.
+        level: Confidence level of the intervals [-].
         doubt: Relative error of the Jacobians' columns [-].
 
     Raises:
-        InvalidParameterError: There is no experiment, or ``c`` without a parameter.
-        UnknownNameError: There is no such parameter.
+        InvalidParameterError: No experiment is given, or ``c`` without a parameter.
+        UnknownNameError: The parameter is unknown.
     """
     known_rows = np.zeros((1, len(scale))) if known is None else known
     place = _parameter_place(criterion, wanted, names)
@@ -294,23 +298,16 @@ def _expected_errors(
     rows: Array, scale: Array, place: int | None, doubt: float
 ) -> tuple[Array, dict[Criterion, float]]:
     """Return expected standard errors, (p,), and every criterion's length in scales."""
-    count = len(scale)
-    if not np.any(rows):
-        error = np.full(count, math.inf)
-        every: dict[Criterion, float] = {"D": math.inf, "A": math.inf, "E": math.inf}
-        return error, every if place is None else every | {"c": math.inf}
-    rank = rank_of(rows, scale, doubt)
-    root = rank.identified.T / rank.singular[: len(rank.identified)]
-    error = np.where(rank.determined, np.linalg.norm(root, axis=1) * scale, math.inf)
-    if rank.full:
-        axes = np.linalg.svd(root, compute_uv=False)
-        worth: dict[Criterion, float] = {
-            "D": float(np.exp(np.log(axes).mean())),
-            "A": float(np.linalg.norm(axes)),
-            "E": float(axes[0]),
-        }
-    else:
-        worth = {"D": math.inf, "A": math.inf, "E": math.inf}
+    error = np.full(len(scale), math.inf)
+    worth: dict[Criterion, float] = {"D": math.inf, "A": math.inf, "E": math.inf}
+    if np.any(rows):
+        rank = rank_of(rows, scale, doubt)
+        root, error = _standard_errors(rank, scale)
+        if rank.full:
+            axes = np.linalg.svd(root, compute_uv=False)
+            worth["D"] = float(np.exp(np.log(axes).mean()))
+            worth["A"] = float(np.linalg.norm(axes))
+            worth["E"] = float(axes[0])
     if place is not None:
         worth["c"] = float(error[place] / scale[place])
     return error, worth
@@ -330,20 +327,20 @@ def planned(
     r"""Return the optimal repetitions of experiments for a total number.
 
     Weights are multiplied by :math:`(\mathrm{tr}(C F_k) / \mathrm{mean})^{1/2}`, with C the slope of the
-    criterion in the information, until no experiment has more than the mean; whole numbers are those nearest
-    whose criterion is least, by exchange of one at a time.
+    criterion in the information, until no experiment has more than the mean; whole numbers are the nearest
+    ones of least criterion, by exchange of one at a time.
 
     Args:
         jacobians: Derivatives of each experiment's residuals, by its name, (m, p) each.
-        names: Of the parameters.
+        names: Names of the parameters.
         scale: Their typical sizes, (p,).
-        total: How many experiments are to be made.
-        known: Derivatives of the residuals of the records there are; none if left out.
-        criterion: What is to be small.
-        wanted: The parameter that ``c`` is of.
+        total: Total number of experiments.
+        known: Derivatives of the residuals of the present records; none by default.
+        criterion: Criterion to minimise.
+        wanted: Parameter of ``c``.
 
     Raises:
-        InvalidParameterError: All of them together do not tell every parameter.
+        InvalidParameterError: All experiments together do not identify every parameter.
     """
     place = _parameter_place(criterion, wanted, names)
     _check(jacobians)

@@ -1,10 +1,10 @@
-"""Start states of the pieces of a record, before the fit, by an extended Kalman filter.
+"""Start states of a record's pieces before the fit, by an extended Kalman filter.
 
-With start values of its parameters a run loses the record: where the motion is chaotic, and where it comes to
-rest before or behind the record. So parameters and state are estimated along the record together: from the
-end of a piece, both are corrected by the next one's rows, each within its covariance (an extended Kalman
-filter with the parameters in its state: Jazwinski 1970, Stochastic Processes and Filtering Theory, chapter
-8).
+With start values of its parameters a run diverges from the record: where the motion is chaotic, and where it
+comes to rest before or after the record. So parameters and state are estimated along the record together:
+from the end of a piece, both are corrected by the next one's rows, each within its covariance (an extended
+Kalman filter with the parameters in its state: Jazwinski 1970, Stochastic Processes and Filtering Theory,
+chapter 8).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from antenna_pin.fit.runs import (
 from antenna_pin.nonlinear import Chart
 from antenna_pin.nonlinear.coordinates import configuration_difference
 
-__all__ = ["ColumnData", "ParameterEstimate", "estimate_starts"]
+__all__ = ["ColumnData", "ParameterEstimate", "RecordEstimate", "estimate_starts"]
 
 Array = NDArray[np.float64]
 
@@ -45,22 +45,15 @@ _LOST = 4.0
 
 
 class ColumnData(NamedTuple):
-    """Column of a record.
+    """Column of a record."""
 
-    Attributes:
-        gain: Of its readings [-], and by the number of which unknown; -1 if it is none.
-        offset: Likewise [SI].
-        data: Of its rows.
-        noise: Of a row.
-    """
-
-    gain: tuple[float, int]
-    offset: tuple[float, int]
-    data: Array
-    noise: Array
+    gain: tuple[float, int]  # of the readings [-], and index of the unknown that replaces it, or -1
+    offset: tuple[float, int]  # likewise [SI]
+    data: Array  # (rows,)
+    noise: Array  # standard deviation, (rows,)
 
 
-class _PieceRun(NamedTuple):
+class _PieceResiduals(NamedTuple):
     """Run of a piece: residuals over their noise, and its end."""
 
     off: Array
@@ -68,45 +61,20 @@ class _PieceRun(NamedTuple):
 
 
 class _PieceEstimate(NamedTuple):
-    """Estimate of parameters and of a piece's start.
+    """Estimate of parameters and of a piece's start."""
 
-    Attributes:
-        at: Both, as a search has them, (p + n,).
-        first: The piece's first state.
-        end: Its last.
-        covariance: Of both, (p + n, p + n).
-        ahead: Of numbers and the piece's end, (p + ways, p + ways).
-        cost: Sum of the squares of its rows.
-        lost: Whether that is not what noise makes.
-        failed: Why there is no run, in words.
-    """
-
-    at: Array
-    first: Any
-    end: Any
-    covariance: Array
-    ahead: Array
-    cost: float
-    lost: bool
-    failed: str = ""
+    at: Array  # parameters and start in search coordinates, (p + n,)
+    first: Any  # first state of the piece
+    end: Any  # last state
+    covariance: Array  # of parameters and start, (p + n, p + n)
+    ahead: Array  # covariance of parameters and the piece's end, (p + ways, p + ways)
+    cost: float  # sum of the squares of the rows
+    lost: bool  # larger cost than by noise
+    failed: str = ""  # reason for a missing run
 
 
 class _PieceEstimator:
-    """Estimator for one piece of a record, from the end of the piece before.
-
-    Args:
-        test: The record's test, its pieces known.
-        unknowns: Parameters of the fit.
-        own: Which of them are the test's values.
-        curves: Of the record's columns.
-        shift: Of its clock [s].
-        piece: Number of the piece.
-        at: Numbers that are known so far, as a search has them, (p,).
-        origin: State about which it starts; None of the first, which starts as the scenario does.
-
-    Attributes:
-        size: In how many coordinates its start is told.
-    """
+    """Estimator for one piece of a record, from the end of the piece before."""
 
     def __init__(
         self,
@@ -129,7 +97,7 @@ class _PieceEstimator:
         self._chart = None if origin is None else Chart(self._bench(at).system, origin)
         self.size = 0 if self._chart is None else 2 * self._chart.positions
 
-    def found(self, covariance: Array) -> _PieceEstimate:
+    def estimate(self, covariance: Array) -> _PieceEstimate:
         """Return the estimate from the rows and the covariance so far."""
         from scipy.optimize import least_squares
 
@@ -137,13 +105,13 @@ class _PieceEstimator:
         before = np.concatenate([self._at, np.zeros(n)])
         values, axes = np.linalg.eigh(covariance)
         held = (axes / np.sqrt(np.maximum(values, 1e-12 * values[-1]))).T
-        made = self._made([before])[0]
+        made = self._run_all([before])[0]
         if isinstance(made, str):
             return _PieceEstimate(before, None, None, covariance, covariance, np.inf, True, made)
         latest: dict[str, Any] = {}
 
         def residuals(x: Array) -> Array:
-            one = self._made([x])[0]
+            one = self._run_all([x])[0]
             off = np.full(len(made.off), np.nan) if isinstance(one, str) else one.off
             return np.concatenate([off, held @ (x - before)])
 
@@ -163,7 +131,7 @@ class _PieceEstimator:
         ).x
         if not np.array_equal(latest["x"], x):
             slopes(x)
-        (one,) = self._made([x])
+        (one,) = self._run_all([x])
         assert not isinstance(one, str)
         cost, count = float(one.off @ one.off), max(len(one.off), 1)
         factor = max(1.0, cost / count)
@@ -172,14 +140,14 @@ class _PieceEstimator:
         ahead[:p, :p] = np.eye(p)
         ahead[p:] = latest["ends"]
         return _PieceEstimate(
-            x, self._first(x), one.end, after, ahead @ after @ ahead.T, cost, cost > _LOST * count
+            x, self._start_state(x), one.end, after, ahead @ after @ ahead.T, cost, cost > _LOST * count
         )
 
     def _bench(self, at: Array) -> PreparedScenario:
         values = self._unknowns.from_search(np.concatenate([at, np.zeros(self._unknowns.states)]))
         return prepared_scenario(self._test, tuple(values[self._own].tolist()))
 
-    def _first(self, x: Array) -> State | None:
+    def _start_state(self, x: Array) -> State | None:
         """Return the piece's first state; None of the scenario's own."""
         if self._chart is None:
             return None
@@ -187,10 +155,10 @@ class _PieceEstimator:
         whole[: self.size] = x[self._unknowns.count :]
         return self._chart.state(whole, self._bench(x[: self._unknowns.count]).system)
 
-    def _made(self, every: Sequence[Array]) -> list[_PieceRun | str]:
+    def _run_all(self, every: Sequence[Array]) -> list[_PieceResiduals | str]:
         """Return a run or a reason for each of several starts, with the same parameters.
 
-        Their sensors are read at once, which takes longer than a short run does.
+        All runs are read at once, as reading takes longer than a short run.
         """
         numbers = every[0][: self._unknowns.count]
         try:
@@ -203,7 +171,7 @@ class _PieceEstimator:
             sensor_readings(self._test, bench, [self._rows] * len(good), good) if len(self._rows) else ()
         )
         values = self._unknowns.from_search(np.concatenate([numbers, np.zeros(self._unknowns.states)]))
-        found: list[_PieceRun | str] = []
+        found: list[_PieceResiduals | str] = []
         for one in ran:
             if isinstance(one, str):
                 found.append(one)
@@ -212,12 +180,12 @@ class _PieceEstimator:
             for reading, (gain, offset, data, noise) in zip(next(read, ()), self._curves, strict=False):
                 by, and_by = (values[k] if k >= 0 else value for value, k in (gain, offset))
                 off.append((by * reading + and_by - data) / noise)
-            found.append(_PieceRun(np.concatenate(off), one.end))
+            found.append(_PieceResiduals(np.concatenate(off), one.end))
         return found
 
     def _ran(self, bench: PreparedScenario, x: Array) -> RunSamples | str:
         try:
-            first = self._first(x)
+            first = self._start_state(x)
             ran = bench.run(self._rows, self._until, first and with_contacts(first, bench.system))
         except Exception as error:
             return failure_reason(error)
@@ -225,7 +193,7 @@ class _PieceEstimator:
 
     def _slopes(self, x: Array) -> tuple[Array, Array]:
         """Return the derivatives of rows and of the piece's end, in its own coordinates."""
-        (here,) = self._made([x])
+        (here,) = self._run_all([x])
         assert not isinstance(here, str)
         p = self._unknowns.count
         lower, upper = (one[:p] for one in self._unknowns.bounds())
@@ -237,10 +205,10 @@ class _PieceEstimator:
             one[k] += sign * _STEP
             if k < p:
                 one[k] = min(max(one[k], lower[k]), upper[k])
-        made: dict[tuple[int, float], _PieceRun | str] = {}
+        made: dict[tuple[int, float], _PieceResiduals | str] = {}
         together = [[one] for one in there if one[0] < p] + [[one for one in there if one[0] >= p]]
         for keys in filter(None, together):
-            made.update(zip(keys, self._made([there[one] for one in keys]), strict=True))
+            made.update(zip(keys, self._run_all([there[one] for one in keys]), strict=True))
         for k in (*numbers, *places):
             sides = []
             for sign in (-1.0, 1.0):
@@ -273,15 +241,10 @@ _PASSES, _AGAIN = 2, 0.1
 
 
 class ParameterEstimate(NamedTuple):
-    """Estimate of a fit's parameters, in search coordinates.
+    """Estimate of a fit's parameters, in search coordinates."""
 
-    Attributes:
-        at: Their values, (p,).
-        covariance: (p, p).
-    """
-
-    at: Array
-    covariance: Array
+    at: Array  # (p,)
+    covariance: Array  # (p, p)
 
     @classmethod
     def before(cls, unknowns: Unknowns) -> ParameterEstimate:
@@ -289,16 +252,12 @@ class ParameterEstimate(NamedTuple):
         return cls(unknowns.to_search(unknowns.start), _NUMBER**2 * np.eye(unknowns.count))
 
 
-class _RecordEstimate(NamedTuple):
-    """Estimate from a whole record.
+class RecordEstimate(NamedTuple):
+    """Estimate from a whole record."""
 
-    Attributes:
-        origins: State in which each piece starts but the first, as text.
-        known: What is known of the numbers behind it.
-    """
-
-    origins: tuple[str, ...]
-    known: ParameterEstimate
+    origins: tuple[str, ...]  # start states of the pieces but the first, as text
+    known: ParameterEstimate  # at the end of the record
+    lost: int  # number of lost pieces
 
 
 def estimate_starts(
@@ -309,22 +268,22 @@ def estimate_starts(
     curves: Sequence[ColumnData],
     shift: float,
     place: str,
-) -> _RecordEstimate:
+) -> RecordEstimate:
     """Estimate the start states of a record's pieces.
 
     Args:
-        test: The record's test, its pieces known.
+        test: Test of the record, with its pieces.
         unknowns: Parameters of the fit.
-        own: Which of them are the test's values.
-        known: What is known of them.
-        curves: Of the columns.
-        shift: Of its clock [s].
-        place: Of the record, for messages.
+        own: Indices of the test's values among them.
+        known: Prior estimate of the parameters.
+        curves: Columns of the record.
+        shift: Shift of the clock [s].
+        place: Place of the record, for messages.
 
     Raises:
-        ScenarioError: A piece's run does not come to its end.
+        ScenarioError: A piece's run does not complete.
     """
-    best: _Pass | None = None
+    best: RecordEstimate | None = None
     for _ in range(_PASSES):
         made = _filter_once(test, unknowns, own, known, curves, shift)
         if isinstance(made, str):
@@ -337,21 +296,7 @@ def estimate_starts(
             break
         known = ParameterEstimate(made.known.at, _AGAIN**2 * np.eye(unknowns.count))
     assert best is not None
-    return _RecordEstimate(best.origins, best.known)
-
-
-class _Pass(NamedTuple):
-    """Pass of the filter over a record.
-
-    Attributes:
-        origins: As of :class:`_RecordEstimate`.
-        known: Likewise.
-        lost: How many of its pieces were not found.
-    """
-
-    origins: tuple[str, ...]
-    known: ParameterEstimate
-    lost: int
+    return best
 
 
 def _filter_once(
@@ -361,7 +306,7 @@ def _filter_once(
     known: ParameterEstimate,
     curves: Sequence[ColumnData],
     shift: float,
-) -> _Pass | str:
+) -> RecordEstimate | str:
     """Run the filter over a record once, or return the reason for no run."""
     origins: list[str] = []
     state: State | None = None
@@ -374,9 +319,9 @@ def _filter_once(
         if state is not None:
             whole[: len(spread), : len(spread)] = spread
             whole[p:, p:] += _BENT**2 * np.eye(n)
-        found = one.found(whole)
+        found = one.estimate(whole)
         if found.lost and n:
-            again = one.found(_with_unknown_state(known, n))
+            again = one.estimate(_with_unknown_state(known, n))
             found = again if again.cost < found.cost else found
         if found.failed:
             return found.failed
@@ -388,7 +333,7 @@ def _filter_once(
             spread = _with_unknown_state(known, len(found.ahead) - p)
         else:
             known, spread = ParameterEstimate(found.at[:p], found.covariance[:p, :p]), found.ahead
-    return _Pass(tuple(origins), known, lost)
+    return RecordEstimate(tuple(origins), known, lost)
 
 
 def _with_unknown_state(known: ParameterEstimate, n: int) -> Array:

@@ -44,18 +44,18 @@ _LEAST_TOLERANCE = 1e-15  # [-]
 
 
 def record_place(key: str) -> tuple[str, str, str] | None:
-    """Return record, column or "" and number named by a key, or None."""
+    """Return record, column or "" and number addressed by a key, or None."""
     found = _OF_RECORD.fullmatch(key)
     return None if found is None else (found[1], found[3] or "", found[2] or found[4])
 
 
 class _PiecesSpec(Spec):
-    """A record cut into pieces that start from states of their own (multiple shooting).
+    """Record cut into pieces that start from states of their own (multiple shooting).
 
     Attributes:
-        length: Of a piece; the last may be shorter [s].
-        weight: By which the jump from a piece's end to the next one's start counts, in units of the run's
-            error scales: the larger, the nearer to one continuous motion [-].
+        length: Length of a piece; the last may be shorter [s].
+        weight: Weight of the jump from a piece's end to the next start, in units of the run's error scales:
+            the larger, the closer to one continuous motion [-].
     """
 
     length: Annotated[float, Quantity("s", "positive")]
@@ -66,15 +66,14 @@ class RecordSpec(LayoutSpec):
     """Measured run: layout of its file, and measured quantities.
 
     Attributes:
-        file: A text (CSV and its kin), NetCDF, MAT or universal file, from the fit file's folder.
-        clock_shift: What is added to the file's times to have the run's [s].
-        window: Of the file's clock, what counts of it [s]; all if left out.
-        gaps: Whether rows without numbers, and times at which rows are missing, are ``refuse``d, or the rows
-            that are there count (``skip``).
-        case: Of the scenario, if not the fit's.
-        set: What is set over the scenario for this record.
-        pieces: If it is compared piece by piece.
-        columns: What was measured, by name.
+        file: Text (CSV and similar), NetCDF, MAT or universal file, relative to the fit file's folder.
+        clock_shift: Run time less the file's time [s].
+        window: Interval of the file's clock that counts [s]; all by default.
+        gaps: ``refuse`` rows without numbers and missing rows, or ``skip`` them.
+        case: Case of the scenario, if not the fit's.
+        set: Overrides of the scenario for this record.
+        pieces: Pieces of a comparison piece by piece.
+        columns: Measured quantities, by name.
     """
 
     file: str
@@ -89,7 +88,6 @@ class RecordSpec(LayoutSpec):
     @model_validator(mode="before")
     @classmethod
     def _nest(cls, data: Any) -> Any:
-        """Accept keys of the scenario with dots."""
         if isinstance(data, Mapping) and isinstance(data.get("set"), Mapping):
             return {**data, "set": nested(data["set"])}
         return data
@@ -109,12 +107,12 @@ class RecordSpec(LayoutSpec):
 
 
 class _StartsSpec(Spec):
-    """Many starts, for a sum of squares with several valleys: Sobol' points between the bounds.
+    """Several starts, for a sum of squares with several valleys: Sobol' points between the bounds.
 
     Attributes:
-        count: Points at which the sum is looked at, a power of two; the start is one more [-].
-        keep: Of them, the best, from which a search begins [-].
-        seed: Of the scrambling [-].
+        count: Number of points at which the sum is evaluated, a power of two; the start is one more [-].
+        keep: Number of best points from which a search begins [-].
+        seed: Seed of the scrambling [-].
     """
 
     count: Annotated[int, BeforeValidator(Count(2, 1_000_000).read)]
@@ -132,10 +130,10 @@ class SurfaceSpec(Spec):
     """Response surfaces through many runs, for statistics of chaotic motions.
 
     Attributes:
-        runs: At points of a box, each time, a power of two [-].
-        width: Half of the first box, in sizes of the parameters [-].
-        rounds: Boxes at most [-].
-        seed: Of the points [-].
+        runs: Runs at points of each box, a power of two [-].
+        width: Half width of the first box, in sizes of the parameters [-].
+        rounds: Largest number of boxes [-].
+        seed: Seed of the points [-].
     """
 
     runs: Annotated[int, BeforeValidator(Count(16, 1_000_000).read)] = 64
@@ -154,25 +152,25 @@ class FitPlan(RunsFile):
     """Fit defined by a file.
 
     Attributes:
-        parameters: What is unknown, by name.
+        parameters: Unknown numbers, by name.
         derived: Numbers of the scenario that follow from parameters, by name.
-        records: What was measured, by name.
-        validation: Records that are not fitted: the fit is judged by them.
-        noise: ``given``, the columns' ``sd`` are what they say; ``estimated``, only their ratios are, and
-            what the residuals come to says how large the noise is; or ``correlated``, and they are correlated
-            in time.
-        loss: How a residual counts, as SciPy's ``least_squares`` has it: ``linear`` by its square, the others
-            less where it is large.
-        loss_scale: Where it begins to be large, in standard deviations [-].
-        jacobian: Whence derivatives come: central ``differences`` of runs, or the variational ``equation``
-            along one run, for where runs differ too much or are too many.
-        difference_step: Of those, over a parameter's scale: its start's size, or the bounds' distance [-].
-        tolerance: Relative change of the sum, and of parameters, below which the search has ended [-].
-        most: Evaluations by steps of a search after which it is given up [-].
-        starts: Of a search from many points; from ``start`` alone if left out.
-        surface: Of a search among statistics that scatter from run to run; by derivatives if left out.
-        name: Of the fit: that of its file.
-        folder: Of the file.
+        records: Measured runs, by name.
+        validation: Records that judge the fit, and are not fitted.
+        noise: ``given``, the columns' ``sd`` are those of the noise; ``estimated``, only their ratios are,
+            and the residuals give its size; ``correlated``, as estimated, with correlation in time.
+        loss: Loss of a residual by SciPy's ``least_squares``: ``linear`` for its square, the others for less
+            weight of large residuals.
+        loss_scale: Residual from which the weight falls, in standard deviations [-].
+        jacobian: Source of derivatives: central ``differences`` of runs, or the variational ``equation``
+            along one run, for diverging runs or many unknowns.
+        difference_step: Step of differences over a parameter's scale: its start's size, or the bounds'
+            distance [-].
+        tolerance: Relative change of the sum, and of parameters, at which a search ends [-].
+        most: Largest number of evaluations by steps of a search [-].
+        starts: Search from many points; from ``start`` alone by default.
+        surface: Search among statistics that scatter from run to run; by derivatives by default.
+        name: Name of the fit: that of its file.
+        folder: Folder of the file.
     """
 
     suffix: ClassVar[str] = ".fit.toml"
@@ -242,15 +240,7 @@ class FitPlan(RunsFile):
                     refuse("must have a name of letters, digits, - and _", place, name)
         owners: dict[tuple[str, str], str] = {}
         for name, parameter in self.parameters.items():
-            for i, record in enumerate(parameter.records or ()):
-                if record not in self.records:
-                    refuse_name("record", record, self.records, "parameters", name, "records", i)
-            for key in parameter.keys_set:
-                self._check_of_record(name, key)
-                for record in parameter.records or self.records:
-                    owner = owners.setdefault((key, record), name)
-                    if owner != name:
-                        refuse(f"must be a key of its own, got that of {owner}", "parameters", name, "key")
+            self._check_owner("parameters", name, parameter, owners)
             used = any(name in names_in(one.value) for one in self.derived.values())
             if not parameter.keys_set and not used:
                 rule = "is missing; only a parameter that derived numbers use has none"
@@ -271,20 +261,32 @@ class FitPlan(RunsFile):
         for used in names_in(derived.value):
             if used not in self.parameters:
                 refuse_name("parameter", used, self.parameters, "derived", name, "value")
-        for i, record in enumerate(derived.records or ()):
-            if record not in self.records:
-                refuse_name("record", record, self.records, "derived", name, "records", i)
-        for key in derived.keys_set:
-            if key.startswith("records."):
-                refuse(f"must be a key of the scenario, got {key!r}", "derived", name, "key")
-            for record in derived.records or self.records:
-                owner = owners.setdefault((key, record), name)
-                if owner != name:
-                    refuse(f"must be a key of its own, got that of {owner}", "derived", name, "key")
+        self._check_owner("derived", name, derived, owners)
         try:
             evaluate(derived.value, {one: spec.numbers()[0] for one, spec in self.parameters.items()})
         except ValueError as error:
             refuse(str(error), "derived", name, "value")
+
+    def _check_owner(
+        self,
+        table: str,
+        name: str,
+        number: FitParameterSpec | DerivedSpec,
+        owners: dict[tuple[str, str], str],
+    ) -> None:
+        """Refuse a number of unknown records, or of a key set elsewhere."""
+        for i, record in enumerate(number.records or ()):
+            if record not in self.records:
+                refuse_name("record", record, self.records, table, name, "records", i)
+        for key in number.keys_set:
+            if table == "parameters":
+                self._check_of_record(name, key)
+            elif key.startswith("records."):
+                refuse(f"must be a key of the scenario, got {key!r}", table, name, "key")
+            for record in number.records or self.records:
+                owner = owners.setdefault((key, record), name)
+                if owner != name:
+                    refuse(f"must be a key of its own, got that of {owner}", table, name, "key")
 
     def own_parameters(self, record: str) -> list[int]:
         """Return the indices of the parameters in a record's scenario."""
@@ -334,11 +336,7 @@ class FitPlan(RunsFile):
             refuse("must be left out for a number of a record, whose it is", "parameters", name, "records")
 
     def check_output(self, path: Path) -> None:
-        """Refuse an output path that the fit reads from.
-
-        Raises:
-            OutputError: The path is that of one of them.
-        """
+        """Raise an OutputError for an output path that the fit reads from."""
         read = [self.scenario, *(one.file for one in self.records.values())]
         for name in read:
             there = self.folder / os.path.expanduser(name)
@@ -359,12 +357,12 @@ def load_fit(path: str | os.PathLike[str], settings: Mapping[str, Any] | Sequenc
     """Return a fit's file, complete and checked; its scenario and records are not read yet.
 
     Args:
-        path: Of the file, or the name of a shipped one.
-        settings: What is set over the file's keys: ``["loss=huber", "starts.count=64"]``.
+        path: Path of the file, or the name of a shipped one.
+        settings: Overrides of the file's keys: ``["loss=huber", "starts.count=64"]``.
 
     Raises:
-        ScenarioError: With one line that gives file, place, rule, the value seen and a way out.
-        UnknownNameError: There is no such fit.
+        ScenarioError: With one line that gives file, place, rule, value and a way out.
+        UnknownNameError: No such fit exists.
     """
     return FitPlan.loaded("load_fit", path, settings)
 
@@ -379,33 +377,20 @@ _REACH = 0.1
 class Unknowns:
     """Unknowns of a fit: p parameters, then h coordinates of pieces' starts.
 
-    A search has each over its size, of some the logarithm.
-
-    Attributes:
-        names: Of the parameters.
-        titles: What they are called in figures.
-        units: Theirs, SI; "" of a pure number or one whose unit nobody gave.
-        start: Where the search begins, (p,) [SI].
-        lower: Bounds, (p,) [SI]; infinite if there is none.
-        upper: Likewise.
-        scale: Size of each, (p,) [SI]: of its start, or of the way between its bounds.
-        prior_mean: Means of priors, (p,) [SI].
-        prior_sd: Their standard deviations, (p,) [SI]; infinite if there is none.
-        logarithmic: Of which the logarithm is searched for, (p,).
-        states: How many coordinates there are, h.
+    In a search each is divided by its size, or replaced by its logarithm.
     """
 
-    names: tuple[str, ...]
-    titles: tuple[str, ...]
-    units: tuple[str, ...]
-    start: Array
-    lower: Array
-    upper: Array
-    scale: Array
-    prior_mean: Array
-    prior_sd: Array
-    logarithmic: NDArray[np.bool_]
-    states: int
+    names: tuple[str, ...]  # of the parameters
+    titles: tuple[str, ...]  # in figures
+    units: tuple[str, ...]  # SI; "" for a pure number or an unknown unit
+    start: Array  # start of the search, (p,) [SI]
+    lower: Array  # lower bounds, (p,) [SI]; minus infinity for none
+    upper: Array  # upper bounds, (p,) [SI]; infinity for none
+    scale: Array  # size of the start value, or distance of the bounds, (p,) [SI]
+    prior_mean: Array  # (p,) [SI]
+    prior_sd: Array  # (p,) [SI]; infinite without a prior
+    logarithmic: NDArray[np.bool_]  # parameters searched by their logarithm, (p,)
+    states: int  # number of coordinates, h
 
     @classmethod
     def of(cls, plan: FitPlan, states: int) -> Unknowns:
@@ -443,9 +428,9 @@ class Unknowns:
         found[:p] = np.where(self.logarithmic, logarithms, found[:p])
         return found / self.sizes()
 
-    def from_search(self, searched: Array) -> Array:
+    def from_search(self, coordinates: Array) -> Array:
         """Return values with states from search coordinates, (p + h,)."""
-        found, p = np.asarray(searched, dtype=float) * self.sizes(), self.count
+        found, p = np.asarray(coordinates, dtype=float) * self.sizes(), self.count
         values = np.where(self.logarithmic, np.exp(np.where(self.logarithmic, found[:p], 0.0)), found[:p])
         # Round-off of exp and log must not leave the bounds.
         found[:p] = np.clip(values, self.lower, self.upper)

@@ -35,7 +35,7 @@ from antenna_pin.simulation.inputs import check_without_controllers
 from antenna_pin.sweep.design import put_value
 
 __all__ = [
-    "Prepared",
+    "PreparedRecords",
     "prepare_records",
 ]
 
@@ -50,21 +50,15 @@ _STAYS = 5
 
 
 @dataclass(frozen=True, slots=True)
-class _Measured:
-    """Measured data of a record.
+class _MeasuredData:
+    """Measured data of a record."""
 
-    Attributes:
-        time: Of the rows that count, by the file's clock, rising [s].
-        values: Of the columns, in SI units, by name, (rows,).
-        notes: What is odd about them, a line each.
-    """
-
-    time: Array
-    values: Mapping[str, Array]
-    notes: tuple[str, ...] = ()
+    time: Array  # of the rows that count, by the file's clock, rising [s]
+    values: Mapping[str, Array]  # of the columns in SI units, by name, (rows,)
+    notes: tuple[str, ...] = ()  # oddities, a line each
 
 
-def _read_record(spec: RecordSpec, folder: Path, units: Mapping[str, str], place: str) -> _Measured:
+def _read_record(spec: RecordSpec, folder: Path, units: Mapping[str, str], place: str) -> _MeasuredData:
     """Return a record from its file, or refuse it."""
     in_file = {name: one.column or name for name, one in spec.columns.items()}
     path = folder / os.path.expanduser(spec.file)
@@ -114,7 +108,7 @@ def _read_record(spec: RecordSpec, folder: Path, units: Mapping[str, str], place
         for name, one in spec.columns.items()
         if one.sensor != "encoder" and (words := _suspicion(found[name], rows))
     ]
-    return _Measured(time, found, tuple(notes))
+    return _MeasuredData(time, found, tuple(notes))
 
 
 def _suspicion(values: Array, rows: NDArray[np.int64]) -> str:
@@ -189,41 +183,28 @@ _GLANCE = 1e-6  # of a run's duration: enough to have all its variables
 
 
 @dataclass(frozen=True, slots=True)
-class Prepared:
-    """A fit's records with their scenarios.
+class PreparedRecords:
+    """Records of a fit with their scenarios."""
 
-    Attributes:
-        place: How messages call the fit.
-        record_tests: Of the records, in order.
-        targets: What is compared, by ``record.column``, in order.
-        units: SI unit of what is read, likewise.
-        offsets: Of the readings [SI], likewise.
-        ways: Of each record, in how many coordinates each piece's start is told, but the first's.
-        joints: Of each record, how many numbers tell how far a piece is from the next, all joints together.
-        first: Values of the parameters that a search begins with, (p,) [SI]: where following records in
-            pieces has come to.
-        notes: What is odd about the records, a line each.
-    """
-
-    place: str
-    record_tests: tuple[RecordTest, ...]
-    targets: dict[str, Target]
-    units: dict[str, str]
-    offsets: dict[str, float]
-    ways: tuple[tuple[int, ...], ...]
-    joints: tuple[int, ...]
-    first: np.ndarray
-    notes: tuple[str, ...]
+    place: str  # name of the fit in messages
+    record_tests: tuple[RecordTest, ...]  # in the order of the records
+    targets: dict[str, Target]  # by ``record.column``, in order
+    units: dict[str, str]  # SI units of the readings, likewise
+    offsets: dict[str, float]  # of the readings [SI], likewise
+    ways: tuple[tuple[int, ...], ...]  # per record, number of start coordinates of each piece but the first
+    joints: tuple[int, ...]  # per record, number of gaps between pieces
+    first: np.ndarray  # parameters at the start of the search, (p,) [SI]; along pieces an estimate
+    notes: tuple[str, ...]  # oddities of the records, a line each
 
     def check_span(self, record: str, least: float, most: float, span: float, windowed: bool) -> None:
-        """Refuse rows before a run's start or behind its end.
+        """Refuse rows before a run's start or after its end.
 
         Args:
-            record: Its name.
+            record: Name of the record.
             least: Smallest shift of its clock [s].
-            most: Largest.
-            span: Of the run [s].
-            windowed: Whether a window of it is given, which may be as short as is wanted.
+            most: Largest shift [s].
+            span: Duration of the run [s].
+            windowed: True if a window of it is given, which may be of any length.
         """
         test = next(one for one in self.record_tests if one.name == record)
         first, last = float(test.time[0]) + least, float(test.time[-1]) + most
@@ -245,12 +226,8 @@ class Prepared:
             )
 
 
-def prepare_records(plan: FitPlan) -> Prepared:
-    """Return a fit's records and scenarios.
-
-    Raises:
-        AntennaPinError: Something is not valid; the message names its place in the fit's file.
-    """
+def prepare_records(plan: FitPlan) -> PreparedRecords:
+    """Return the records and scenarios of a fit, checked before any run."""
     place = f"fit {plan.name}"
     record_tests: list[RecordTest] = []
     targets: dict[str, Target] = {}
@@ -318,7 +295,7 @@ def prepare_records(plan: FitPlan) -> Prepared:
         ways.append(tuple(start_size(test.begun, origin) for origin in test.origins))
         joints.append(2 * data.sizes["coordinate"] * len(test.origins))
     first = unknowns.from_search(known.at) if any(test.pieces for test in record_tests) else unknowns.start
-    return Prepared(
+    return PreparedRecords(
         place, tuple(record_tests), targets, units, offsets, tuple(ways), tuple(joints), first, tuple(notes)
     )
 
@@ -425,12 +402,12 @@ def _probe(scenario: Scenario, place: str) -> tuple[xr.Dataset, xr.Dataset]:
 
 
 def _check_state_function(
-    column: ColumnSpec, unit: str, counted: xr.Dataset, place: str, beside: str
+    column: ColumnSpec, unit: str, counted: xr.Dataset, place: str, setting: str
 ) -> None:
     """Refuse a column that depends on integrals where states must suffice."""
     here, other = reading(counted, column.model_copy(update={"filter": None}), unit, np.zeros(2))
     if here != other and not (np.isnan(here) and np.isnan(other)):
-        way_out = "leave the pieces out" if beside == "pieces" else 'take jacobian = "differences"'
+        way_out = "leave the pieces out" if setting == "pieces" else 'take jacobian = "differences"'
         raise ScenarioError(
             f"{place} must follow from the state of a moment, not count from a run's start as "
             f"{column.of} does; {way_out}"

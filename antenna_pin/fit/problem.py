@@ -1,11 +1,11 @@
-"""A fit as a problem of least squares: residuals of all records as functions of the unknowns."""
+"""Least-squares problem of a fit: residuals of all records as functions of the unknowns."""
 
 from __future__ import annotations
 
 import itertools
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.fit.plan import FitPlan, Unknowns
-from antenna_pin.fit.preparation import Prepared, prepare_records
+from antenna_pin.fit.preparation import PreparedRecords, prepare_records
 from antenna_pin.fit.residuals import ResidualRows
 from antenna_pin.fit.run_service import RunService
 from antenna_pin.fit.runs import NoRunError, Readings, RunRequest, scenario_with
@@ -32,19 +32,12 @@ _APART = 1e-2
 
 
 class DerivativeLog(NamedTuple):
-    """Methods by which the derivatives of a fit were found.
+    """Methods by which the derivatives of a fit were found."""
 
-    Attributes:
-        equation: How often by the variational equation.
-        differences: How often by differences of runs.
-        why: Why the first time not by the equation, where that was requested; "" if that was not.
-        apart: By how much the two differed where they were held against one another, over the size of the
-            derivatives by one unknown; NaN if they were not.
-    """
-
-    equation: int = 0
-    differences: int = 0
-    why: str = ""
+    equation: int = 0  # evaluations by the variational equation
+    differences: int = 0  # evaluations by differences of runs
+    why: str = ""  # first reason against a requested equation, or ""
+    # deviation of both methods over the size of derivatives by one unknown, or NaN
     apart: float = float("nan")
 
     def once_more(self, equation: bool, why: str = "") -> DerivativeLog:
@@ -53,7 +46,7 @@ class DerivativeLog(NamedTuple):
             return self._replace(equation=self.equation + 1)
         return self._replace(differences=self.differences + 1, why=self.why or why)
 
-    def held(self, equation: Array, runs: Array) -> DerivativeLog:
+    def compared(self, equation: Array, runs: Array) -> DerivativeLog:
         """Return the log with a comparison of the equation with runs."""
         sizes = np.linalg.norm(runs, axis=0)
         off = np.linalg.norm(equation - runs, axis=0) / np.where(sizes > 0.0, sizes, 1.0)
@@ -75,21 +68,14 @@ class DerivativeLog(NamedTuple):
 def central_differences(
     evaluate: Callable[[Sequence[Array]], list[Array]], here: Array, lower: Array, upper: Array, step: float
 ) -> Array:
-    """Return the derivatives of residuals, (m, n), at unknowns.
+    """Return the derivatives, (m, n), of residuals at unknowns (n,), each over its size.
 
-    The error of central differences is of the square of the step. Next to a bound, and where a perturbed run
-    has no run, they go to one side, with an error of the step itself; where neither has one, a tenth of the
-    step or ten times as far.
-
-    Args:
-        evaluate: The residuals at several unknowns, (m,) each.
-        here: The unknowns, (n,), each over its size.
-        lower: Their bounds, (n,).
-        upper: Likewise.
-        step: Of each.
+    The error of central differences is of the square of the step. At a bound, and next to unknowns without a
+    run, they are one-sided, with an error of the step itself; where both sides are missing, the step is a
+    tenth or ten times as large.
 
     Raises:
-        NoRunError: There is no run here, or none on either side.
+        NoRunError: No run exists here, or on either side.
     """
     n = len(here)
     steps = step * np.eye(n)
@@ -144,7 +130,7 @@ _TOGETHER = 16
 
 
 class _Run(NamedTuple):
-    """Run of the fit: record, piece, and place of its start among unknowns."""
+    """Run of the fit: record, piece, and index of its start among the unknowns."""
 
     record: int
     piece: int
@@ -152,32 +138,36 @@ class _Run(NamedTuple):
     size: int
 
 
+def _flat(answers: Iterable[Sequence[Readings]]) -> list[Readings]:
+    return list(itertools.chain.from_iterable(answers))
+
+
 class Problem:
     """Least-squares problem of a fit, checked; runs are made on demand.
 
-    With records in pieces the pieces' starts are unknown too: coordinates beside the parameters, ``states``,
-    which are kept here and which :meth:`residuals` takes as they are if it is given parameters only.
+    With records in pieces the pieces' starts are unknown too: coordinates beside the parameters, stored in
+    ``states``, which :meth:`residuals` uses if it is given parameters only.
 
     Args:
-        plan: What the fit file says.
-        service: Who makes runs, and remembers them; this process if left out.
+        plan: Plan of the fit file.
+        service: Service that makes and stores runs; this process by default.
 
     Attributes:
-        plan: The fit's file.
+        plan: The argument.
         unknowns: Parameters and the pieces' starts, with bounds and sizes.
         states: Coordinates of the pieces' starts, (h,), in the run's error scales.
-        rows: What of the records is compared.
-        derived: By what derivatives were found so far.
+        rows: Residuals of the records.
+        derived: Log of derivatives.
 
     Raises:
-        AntennaPinError: Something of plan, records or scenarios is not valid: before any run of any length.
+        AntennaPinError: Plan, records or scenarios are not valid; raised before any run of any length.
     """
 
     @takes()
     def __init__(self, plan: FitPlan, service: RunService | None = None) -> None:
         """Read and check all."""
         self.plan = plan
-        self._prepared: Prepared = prepare_records(plan)
+        self._prepared: PreparedRecords = prepare_records(plan)
         self.service = service or RunService()
         self.unknowns = Unknowns.of(plan, sum(map(sum, self._prepared.ways)))
         self.states = np.zeros(self.unknowns.states)
@@ -289,11 +279,7 @@ class Problem:
     # --- residuals and derivatives for searches -------------------------------------------------------------
 
     def residuals_at(self, wholes: Sequence[Array]) -> list[Array]:
-        """Return the residuals at several values with states, (p + h,) each, in parallel.
-
-        Raises:
-            NoRunError: One of them has none.
-        """
+        """Return the residuals at several values with states, (p + h,) each, in parallel."""
         found = self._without_priors(wholes)
         return [self._with_priors(whole, one) for whole, one in zip(wholes, found, strict=True)]
 
@@ -308,11 +294,7 @@ class Problem:
         return answers
 
     def curves(self, whole: Array) -> dict[str, tuple[Array, Array]]:
-        """Return times and curves over their noise, of records of one run.
-
-        Raises:
-            NoRunError: One has none.
-        """
+        """Return times and curves over their noise, of records of one run."""
         return self.rows.curves(whole, self._readings([whole])[0])
 
     def scenario(self, record: str, values: Array) -> Scenario:
@@ -322,22 +304,19 @@ class Problem:
             self._prepared.record_tests[r], tuple(float(values[i]) for i in self._own_parameters[r])
         )
 
-    def slopes(self, searched: Array) -> Array:
-        """Return the derivatives of the residuals by search coordinates, (m, p + h).
-
-        By what they were found is told by :attr:`derived`.
-        """
+    def slopes(self, coordinates: Array) -> Array:
+        """Return the derivatives of the residuals by search coordinates, (m, p + h)."""
         found, why = None, ""
         if self.plan.jacobian == "equation":
-            found, why = self._by_equation(self.unknowns.from_search(searched))
-        runs = None if found is not None and self.derived.apart <= _APART else self._by_runs(searched)
+            found, why = self._by_equation(self.unknowns.from_search(coordinates))
+        runs = None if found is not None and self.derived.apart <= _APART else self._by_runs(coordinates)
         if found is not None and runs is not None:  # for the first time
-            self.derived = self.derived.held(found, runs)
+            self.derived = self.derived.compared(found, runs)
             found = found if self.derived.apart <= _APART else None
         self.derived = self.derived.once_more(found is not None, why)
         answer = runs if found is None else found
         assert answer is not None
-        return np.vstack([answer, self.unknowns.prior_slopes(self.unknowns.from_search(searched))])
+        return np.vstack([answer, self.unknowns.prior_slopes(self.unknowns.from_search(coordinates))])
 
     def _by_equation(self, whole: Array) -> tuple[Array | None, str]:
         """Return the derivatives by the variational equation, or None and the reason."""
@@ -346,7 +325,7 @@ class Problem:
         request = [
             one._replace(slopes=True, clock=self.rows.has_clock(one.record)) for one in self._requests(whole)
         ]
-        found = self._flat(self.service.readings(request))
+        found = _flat(self.service.readings(request))
         failed = next((one.failed for one in found if one.failed), "")
         if failed:
             return None, failed
@@ -356,43 +335,43 @@ class Problem:
         ]
         return self.rows.slopes(whole, found, fitted) / self.unknowns.search_slopes(whole), ""
 
-    def _by_runs(self, searched: Array) -> Array:
+    def _by_runs(self, coordinates: Array) -> Array:
         """Return the derivatives by differences of runs."""
         p, step = self.unknowns.count, self.plan.difference_step
         lower, upper = (one[:p] for one in self.unknowns.bounds())
 
         def of_parameters(ends: Sequence[Array]) -> list[Array]:
-            whole = [np.concatenate([one, searched[p:]]) for one in ends]
+            whole = [np.concatenate([one, coordinates[p:]]) for one in ends]
             return self._without_priors([self.unknowns.from_search(one) for one in whole])
 
-        found = central_differences(of_parameters, searched[:p], lower, upper, step)
-        return np.hstack([found, self._by_starts(searched, step)]) if len(searched) > p else found
+        found = central_differences(of_parameters, coordinates[:p], lower, upper, step)
+        return np.hstack([found, self._by_starts(coordinates, step)]) if len(coordinates) > p else found
 
-    def _by_starts(self, searched: Array, step: float) -> Array:
+    def _by_starts(self, coordinates: Array, step: float) -> Array:
         """Return the derivatives by the pieces' starts, (m, h), one-sided where necessary.
 
-        A start acts on its own piece only: one run of all pieces is a perturbed run in a coordinate of each.
+        A start acts on its own piece only: one run of all pieces perturbs one coordinate of each.
         """
-        whole, p = self.unknowns.from_search(searched), self.unknowns.count
+        whole, p = self.unknowns.from_search(coordinates), self.unknowns.count
         (here,) = self._readings([whole])
         middle = self.rows.residuals(whole, here)
-        slopes = np.zeros((len(middle), len(searched) - p))
+        slopes = np.zeros((len(middle), len(coordinates) - p))
         ends = []
         for i in range(max(one.size for one in self._runs)):
             own = [n for n, one in enumerate(self._runs) if i < one.size]
             for sign in (-1.0, 1.0):
-                end = searched.copy()
+                end = coordinates.copy()
                 end[[self._runs[n].first + i for n in own]] += sign * step
                 ends.append((i, own, end, self._requests(self.unknowns.from_search(end), own)))
         self.service.readings([one for *_, request in ends for one in request])
         for below, above in zip(ends[::2], ends[1::2], strict=True):
             i, own = below[:2]
-            made = [self._flat(self.service.readings(side[3])) for side in (below, above)]
+            made = [_flat(self.service.readings(side[3])) for side in (below, above)]
             for k, n in enumerate(own):
                 at, sides = self._runs[n].first + i, []
                 for side, found in zip((below, above), made, strict=True):
                     if found[k].failed:
-                        sides.append((float(searched[at]), middle))
+                        sides.append((float(coordinates[at]), middle))
                         continue
                     there = [*here[:n], found[k], *here[n + 1 :]]
                     sides.append((float(side[2][at]), self.rows.residuals(whole, there)))
@@ -435,14 +414,11 @@ class Problem:
                 request.append(RunRequest(r, values, shift, tuple(starts[k : k + _TOGETHER])))
         return request
 
-    def _flat(self, answers: Sequence[Sequence[Readings]]) -> list[Readings]:
-        return [one for several in answers for one in several]
-
     def _readings(self, wholes: Sequence[Array]) -> list[list[Readings]]:
         """Return the readings of all runs, at each of several values with states."""
         request = [self._requests(whole) for whole in wholes]
         answers = iter(self.service.readings([one for several in request for one in several]))
-        return [self._flat([next(answers) for _ in several]) for several in request]
+        return [_flat(itertools.islice(answers, len(several))) for several in request]
 
     def _check_times(self) -> None:
         """Refuse a record beyond its run, at any shift of its clock."""

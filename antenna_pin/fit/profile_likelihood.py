@@ -53,17 +53,16 @@ class Profile:
     """Profile of one parameter.
 
     Attributes:
-        name: Of the parameter.
-        values: At which it was held, rising, (n,), the best among them.
-        root: The signed root of the growth of the loss there, tau, (n,) [-].
+        name: Name of the parameter.
+        values: Values at which it was held, rising, (n,), the best among them.
+        root: Signed root tau of the growth of the loss, (n,) [-].
         others: All parameters there, (n, p).
-        low: Lower end of the interval; minus infinity where it is open, the bound where that ends it, the
-            last value at which the model ran where that did.
-        high: Its upper end.
-        ends: How it ends below and above.
-        threshold: The size of tau at its ends [-].
-        better: Values whose loss is lower than where the fit had ended, (p,), if such were met: fit anew from
-            them. None else.
+        low: Lower end of the interval; minus infinity if open, the bound if bounded, the last value with a
+            run if stopped.
+        high: Upper end, likewise.
+        ends: Kinds of both ends.
+        threshold: Size of tau at the ends [-].
+        better: Values of a lower loss than that of the fit, (p,), from which to fit anew, or None.
     """
 
     name: str
@@ -90,16 +89,16 @@ def profiles(
     """Return the profiles of parameters, each with its interval.
 
     Args:
-        problem: What was fitted.
-        found: How sure its values are: the level, the noise, and how long the first steps are.
-        names: Of the parameters; all that are not held at a bound if left out.
-        loss: That the fit used.
-        loss_scale: The residual at which it begins to count less [-].
+        problem: Problem of the fit.
+        found: Uncertainty of its values: level, noise, and sizes of the first steps.
+        names: Names of the parameters; all but those at a bound by default.
+        loss: Loss of the fit.
+        loss_scale: Residual from which the loss grows more slowly [-].
         progress: Called with the parameter and tau of each point.
 
     Raises:
-        InvalidParameterError: There is no noise.
-        UnknownNameError: There is no such parameter.
+        InvalidParameterError: The residuals have no noise.
+        UnknownNameError: A parameter is unknown.
     """
     if not found.factor > 0.0:
         rule = "given where the model meets the record exactly, as nothing is left that says how large it is"
@@ -121,21 +120,21 @@ class _ProfilePath:
     def __init__(
         self,
         problem: Residuals,
-        found: Sure,
+        uncertainty: Sure,
         place: int,
         loss: Loss,
         loss_scale: float,
         progress: Callable[[str, float], None] | None,
     ) -> None:
-        self._problem, self._found, self._place = problem, found, place
+        self._problem, self._found, self._place = problem, uncertainty, place
         self._loss, self._loss_scale, self._progress = loss, loss_scale, progress
         self._others = np.array(
-            [k for k in range(len(found.names)) if k != place and problem.upper[k] > problem.lower[k]],
+            [k for k in range(len(uncertainty.names)) if k != place and problem.upper[k] > problem.lower[k]],
             dtype=int,
         )
-        self._least = cost(problem.residuals(found.values), loss, loss_scale)
+        self._least = cost(problem.residuals(uncertainty.values), loss, loss_scale)
         # Growth of the loss at one standard error, squared.
-        self._one = found.factor * float(found.stretch[place])
+        self._one = uncertainty.factor * float(uncertainty.stretch[place])
         self._better: Array | None = None
         self._best = self._least
         self._tangent = self._straight_on()
@@ -297,11 +296,7 @@ _SIDES = ("below", "above")
 
 
 def profile_lines(table: xr.Dataset) -> list[str]:
-    """Return a line for each parameter that has a profile.
-
-    Args:
-        table: A fit's, with the columns of :func:`antenna_pin.fit.confidence_bands.profile_columns`.
-    """
+    """Return a line for each parameter with a profile in a fit's table."""
     found = []
     for name in map(str, table["parameter"].values):
         said = profile_interval(table.sel(parameter=name))
@@ -311,11 +306,7 @@ def profile_lines(table: xr.Dataset) -> list[str]:
 
 
 def profile_interval(one: xr.Dataset) -> str:
-    """Return the interval of one parameter's profile as text, or "".
-
-    Args:
-        one: A fit's table at that parameter.
-    """
+    """Return the interval of one parameter's profile as text, or ""."""
     how = [str(word) for word in one["profile_how"].values]
     if not all(how):
         return ""

@@ -1,4 +1,4 @@
-"""Columns of a measured record from its file, of any of several formats; NaN for missing numbers."""
+"""Columns of a measured record from files of several formats; NaN for missing numbers."""
 
 from __future__ import annotations
 
@@ -112,13 +112,13 @@ def _refuse_misplaced_header(
             )
 
 
-def _number(cell: str, name: str, first: bool, line: str) -> float:
+def _number(cell: str, name: str, is_first: bool, line: str) -> float:
     number = decimal_in(cell)
     if number is not None:
         return number
     if cell.strip().lower() in _NO_NUMBER:
         return float("nan")
-    way = hint(cell) or ("; if it is a unit, give units_row = true" if first else "")
+    way = hint(cell) or ("; if it is a unit, give units_row = true" if is_first else "")
     raise ScenarioError(f"{line}: {name} must be a number, got {shown(cell)}{way}")
 
 
@@ -141,12 +141,11 @@ def _stamp(cell: str, name: str, pattern: str, line: str) -> tuple[datetime.date
 
 
 def _seconds_after(
-    stamp: tuple[datetime.datetime, float], first: tuple[datetime.datetime, float], line: str
+    stamp: tuple[datetime.datetime, float], origin: tuple[datetime.datetime, float], line: str
 ) -> float:
-    """Return the time from the first stamp to another [s]."""
-    if (stamp[0].tzinfo is None) != (first[0].tzinfo is None):
+    if (stamp[0].tzinfo is None) != (origin[0].tzinfo is None):
         raise ScenarioError(f"{line}: time stamps must all have a time zone, or none, got both")
-    return (stamp[0] - first[0]).total_seconds() + (stamp[1] - first[1])
+    return (stamp[0] - origin[0]).total_seconds() + (stamp[1] - origin[1])
 
 
 # --- universal files, an exchange format of vibration tests -------------------------------------------------
@@ -253,19 +252,19 @@ _SECONDS = 600  # of processor time that a damaged file is read for at most
 
 
 class BadMatFileError(ValueError):
-    """A file that the reader of MAT files cannot read."""
+    """Damaged or unreadable MAT file."""
 
 
 class Mat73Error(ValueError):
-    """A MAT file of version 7.3, which is an HDF5 file."""
+    """MAT file of version 7.3, which is an HDF5 file."""
 
 
 def read_mat(path: Path) -> dict[str, Any]:
     """Return the variables of a file, as :func:`scipy.io.loadmat` does.
 
     Raises:
-        Mat73Error: It is one of version 7.3.
-        BadMatFileError: It cannot be read.
+        Mat73Error: The file is of version 7.3.
+        BadMatFileError: The file cannot be read.
     """
     import scipy.io  # noqa: F401 - in this process, so that the other has it
 
@@ -343,17 +342,11 @@ _NO_NUMBERS = (b"char", b"cell", b"string", b"function_handle")  # what MATLAB's
 
 
 class _Columns(NamedTuple):
-    """Columns of a record's file.
+    """Columns of a record's file."""
 
-    Attributes:
-        time: Of the rows, by the file's clock, (rows,) [s].
-        values: Of the columns by their names in the file, (rows,), in the file's units.
-        units: Those that the file gives of them.
-    """
-
-    time: Array
-    values: dict[str, Array]
-    units: dict[str, str]
+    time: Array  # of the rows, by the file's clock, (rows,) [s]
+    values: dict[str, Array]  # by names in the file, (rows,), in the file's units
+    units: dict[str, str]  # units given in the file
 
 
 def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: str) -> _Columns:
@@ -361,13 +354,13 @@ def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: st
 
     Args:
         path: The file.
-        names: Of the columns that are wanted beside the times.
-        layout: How the file is laid out.
-        place: Where the file is named, for messages.
+        names: Names of the columns to read beside the times.
+        layout: Layout of the file.
+        place: Place of the file's name, for messages.
 
     Raises:
-        ScenarioError: It is not there, or cannot be read, or a column holds what is no number.
-        UnknownNameError: It has no such column.
+        ScenarioError: The file is missing or unreadable, or a column holds other than numbers.
+        UnknownNameError: The file lacks a column.
     """
     if path.suffix.lower() not in _SUFFIXES:
         raise ScenarioError(f"{place}.file must end in {', '.join(_SUFFIXES)}, got {path.name!r}")
@@ -490,16 +483,16 @@ def _arrays_of_hdf5(path: Path, place: str) -> dict[str, Any]:
     return arrays
 
 
-def _leaves(group: Any, seen: set[Any]) -> Iterator[tuple[str, Any]]:
+def _leaves(group: Any, visited: set[Any]) -> Iterator[tuple[str, Any]]:
     """Yield the arrays of an HDF5 file by name, with points between levels."""
-    if group.id in seen:  # equal where they are the same object
+    if group.id in visited:  # equal where they are the same object
         raise ValueError(f"group {group.name} stands elsewhere in it, too")
-    seen.add(group.id)
+    visited.add(group.id)
     for name, item in group.items():
         if name.startswith("#"):  # what cells refer to
             continue
         if hasattr(item, "items"):
-            yield from ((f"{name}.{inner}", one) for inner, one in _leaves(item, seen))
+            yield from ((f"{name}.{inner}", one) for inner, one in _leaves(item, visited))
         elif hasattr(item, "dtype"):
             yield name, item
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,9 +10,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.fit.plan import FitPlan, record_place
-from antenna_pin.fit.preparation import Prepared
+from antenna_pin.fit.preparation import PreparedRecords
 from antenna_pin.fit.runs import NoRunError, Readings, RecordTest
-from antenna_pin.fit.sensors import compared_numbers, compared_slopes
+from antenna_pin.fit.sensors import Target, compared_numbers, compared_slopes
 
 __all__ = ["ResidualRows"]
 
@@ -22,37 +22,25 @@ _Indices = NDArray[np.int_]
 
 
 class _RecordNumber(NamedTuple):
-    """Number of a record that is a parameter.
+    """Number of a record that is a parameter."""
 
-    Attributes:
-        parameter: Number of the parameter.
-        record: Number of the record.
-        column: Name of its column; "" of the record itself.
-        name: Of the number.
-    """
-
-    parameter: int
-    record: int
-    column: str
-    name: str
+    parameter: int  # index of the parameter
+    record: int  # index of the record
+    column: str  # name of the column; "" for the record itself
+    name: str  # of the number
 
 
 class ResidualRows:
     """Residuals of all records from the readings of their runs.
 
-    Args:
-        plan: What the fit file says.
-        prepared: Its records.
-
     Attributes:
-        numbers: Of the records, those that are parameters.
-        tie: By what joints of pieces count beside the weights of the plan: less than 1 while a search has
-            not found its way.
+        numbers: Parameters that are numbers of records.
+        tie: Factor of the joints' weights: less than 1 early in a search.
     """
 
-    def __init__(self, plan: FitPlan, prepared: Prepared) -> None:
+    def __init__(self, plan: FitPlan, records: PreparedRecords) -> None:
         """Collect the parameters that are numbers of records."""
-        self._plan, self._prepared, self.tie = plan, prepared, 1.0
+        self._plan, self._prepared, self.tie = plan, records, 1.0
         order = {name: r for r, name in enumerate(plan.records)}
         self.numbers = tuple(
             _RecordNumber(i, order[place[0]], place[1], place[2])
@@ -83,14 +71,10 @@ class ResidualRows:
                 offset = float(whole[number.parameter]) if number.name == "offset" else offset
         return gain, offset
 
-    def models(self, whole: Array, found: Sequence[Readings]) -> list[Array]:
-        """Return the model's numbers of each column, for comparison.
-
-        Raises:
-            NoRunError: A run has failed.
-        """
+    def models(self, whole: Array, readings: Sequence[Readings]) -> list[Array]:
+        """Return the model's numbers of each column; raise a NoRunError for a failed run."""
         models = []
-        for r, test, pieces in self.by_record(found):
+        for r, test, pieces in self.by_record(readings):
             for one in pieces:
                 if one.failed:
                     raise NoRunError(f"fit {self._plan.name}: records.{test.name}: {one.failed}")
@@ -100,20 +84,22 @@ class ResidualRows:
                 models.append(compared_numbers(column, test.read_in[name], test.time, read))
         return models
 
-    def residuals(self, whole: Array, found: Sequence[Readings]) -> Array:
-        """Return weighted residuals of all columns, then gaps between pieces, (m,) [-].
-
-        Raises:
-            NoRunError: A run has failed.
-        """
-        parts = []
-        for (name, target), model in zip(
-            self._prepared.targets.items(), self.models(whole, found), strict=True
-        ):
+    def _compared(
+        self, whole: Array, readings: Sequence[Readings]
+    ) -> Iterator[tuple[str, str, Target, Array]]:
+        """Yield record, column, data and model of each column."""
+        models = self.models(whole, readings)
+        for (name, target), model in zip(self._prepared.targets.items(), models, strict=True):
             record, _, column = name.partition(".")
+            yield record, column, target, model
+
+    def residuals(self, whole: Array, readings: Sequence[Readings]) -> Array:
+        """Return weighted residuals of all columns, then gaps between pieces, (m,) [-]."""
+        parts = []
+        for record, column, target, model in self._compared(whole, readings):
             weight = self._plan.records[record].columns[column].weight
             parts.append((model - target.data) * weight / target.sd)
-        for _, test, pieces in self.by_record(found):
+        for _, test, pieces in self.by_record(readings):
             for one, other in zip(pieces, pieces[1:], strict=False):
                 parts.append(self.weight(test) * (one.end - other.lead))
         return np.concatenate(parts)
@@ -140,32 +126,26 @@ class ResidualRows:
             ]
         )
 
-    def curves(self, whole: Array, found: Sequence[Readings]) -> dict[str, tuple[Array, Array]]:
-        """Return times and curves over their noise, of records of one run.
-
-        Raises:
-            NoRunError: A run has failed.
-        """
+    def curves(self, whole: Array, readings: Sequence[Readings]) -> dict[str, tuple[Array, Array]]:
+        """Return times and curves over their noise, of records of one run."""
         curves = dict[str, list[Array]]()
-        models = self.models(whole, found)
-        for (name, target), model in zip(self._prepared.targets.items(), models, strict=True):
-            record, _, column = name.partition(".")
+        for record, column, target, model in self._compared(whole, readings):
             spec = self._plan.records[record]
             if spec.pieces is None and spec.columns[column].compare == "curve":
                 curves.setdefault(record, []).append(model / target.sd)
         times = {one.name: one.time for one in self._prepared.record_tests}
         return {name: (times[name], np.array(rows)) for name, rows in curves.items()}
 
-    def slopes(self, whole: Array, found: Sequence[Readings], fitted: Sequence[_Indices]) -> Array:
+    def slopes(self, whole: Array, readings: Sequence[Readings], fitted: Sequence[_Indices]) -> Array:
         """Return the derivatives of :meth:`residuals` by values with states, (m, p + h).
 
         Args:
             whole: Values with states, (p + h,) [SI].
-            found: What came of the runs, with derivatives.
-            fitted: Of each run, where its fitted numbers and its start stand among the unknowns.
+            readings: Readings of the runs, with derivatives.
+            fitted: Per run, indices of its fitted numbers and its start among the unknowns.
         """
         parts, joints, at = [], [], 0
-        for r, test, pieces in self.by_record(found):
+        for r, test, pieces in self.by_record(readings):
             own = fitted[at : at + len(pieces)]
             at += len(pieces)
             for c, name in enumerate(test.columns):
@@ -208,25 +188,18 @@ class ResidualRows:
         slopes = compared_slopes(spec, test.time, gain * read + offset, table)
         return slopes * (spec.weight / target.sd)[:, np.newaxis]
 
-    def table(self, whole: Array, found: Sequence[Readings]) -> xr.Dataset:
-        """Return models beside records, all along ``row``, for a fit's dataset.
-
-        Raises:
-            NoRunError: A run has failed.
-        """
+    def table(self, whole: Array, readings: Sequence[Readings]) -> xr.Dataset:
+        """Return models beside records, all along ``row``, for a fit's dataset."""
         parts: dict[str, list[Array]] = {name: [] for name in ("model", "data", "sd", "at", "residual")}
         words: dict[str, list[str]] = {"record": [], "column": [], "measure": [], "unit": []}
-        for (name, target), model in zip(
-            self._prepared.targets.items(), self.models(whole, found), strict=True
-        ):
-            record, _, column = name.partition(".")
+        for record, column, target, model in self._compared(whole, readings):
             spec = self._plan.records[record].columns[column]
             shift = self.shift(whole, list(self._plan.records).index(record))
             at = target.at + shift if target.unit == "s" and spec.compare != "blows" else target.at
             rows = (model, target.data, target.sd, at, (model - target.data) * spec.weight / target.sd)
             for key, row in zip(parts, rows, strict=True):
                 parts[key].append(row)
-            unit = self._prepared.units[name] if target.measure in ("reading", "rms") else "1"
+            unit = self._prepared.units[f"{record}.{column}"] if target.measure in ("reading", "rms") else "1"
             for key, text in zip(words, (record, column, target.measure, unit), strict=True):
                 words[key] += [text] * len(model)
         columns = {name: ("row", np.concatenate(one)) for name, one in parts.items()}
@@ -239,11 +212,11 @@ class ResidualRows:
         assert pieces is not None
         return self.tie * pieces.weight
 
-    def by_record(self, found: Sequence[Readings]) -> list[tuple[int, RecordTest, list[Readings]]]:
+    def by_record(self, readings: Sequence[Readings]) -> list[tuple[int, RecordTest, list[Readings]]]:
         """Return number, test and pieces of each record."""
         parts, at = [], 0
         for r, test in enumerate(self._prepared.record_tests):
             count = max(1, len(test.pieces) - 1)
-            parts.append((r, test, list(found[at : at + count])))
+            parts.append((r, test, list(readings[at : at + count])))
             at += count
         return parts

@@ -43,19 +43,12 @@ Array = NDArray[np.float64]
 
 
 class ValidationResult(NamedTuple):
-    """Residuals of a record that was not fitted.
+    """Residuals of a record that was not fitted."""
 
-    Attributes:
-        record: Its name.
-        chi2: Sum of the squares of its residuals [-]; NaN if the model has no run.
-        numbers: How many residuals that are.
-        failed: Why there is no run, in words.
-    """
-
-    record: str
-    chi2: float
-    numbers: int
-    failed: str = ""
+    record: str  # name
+    chi2: float  # sum of the squares of the residuals [-]; NaN without a run
+    numbers: int  # number of residuals
+    failed: str = ""  # reason for a missing run
 
     @property
     def chance(self) -> float:
@@ -73,15 +66,7 @@ class ValidationResult(NamedTuple):
 
 
 class Validation:
-    """Records for validation, read and checked.
-
-    Args:
-        plan: The fit's file.
-        executor: Who makes the runs: this process if left out.
-
-    Raises:
-        AntennaPinError: Something of records or scenarios is not valid.
-    """
+    """Records for validation, read and checked."""
 
     def __init__(self, plan: FitPlan, executor: Executor | None = None) -> None:
         """Read and check the records."""
@@ -89,12 +74,7 @@ class Validation:
         self._problem = None if other is None else Problem(other, RunService(executor))
 
     def at(self, names: Sequence[str], values: Array) -> tuple[ValidationResult, ...]:
-        """Return the residuals of each record.
-
-        Args:
-            names: Of the fit's parameters.
-            values: Theirs, (p,) [SI].
-        """
+        """Return the residuals of each record at values (p,) of the fit's parameters [SI]."""
         if self._problem is None:
             return ()
         every = dict(zip(names, values, strict=True))
@@ -117,17 +97,11 @@ if TYPE_CHECKING:
 
 
 class Search(NamedTuple):
-    """Search of a fit: start and end.
+    """Search of a fit: start and end."""
 
-    Attributes:
-        start: Values, (p,) [SI].
-        end: Likewise.
-        cost: Half the sum of the losses there [-]; NaN if there was no run at its start.
-    """
-
-    start: Array
-    end: Array
-    cost: float
+    start: Array  # (p,) [SI]
+    end: Array  # (p,) [SI]
+    cost: float  # half the sum of the losses at the end [-]; NaN without a run at the start
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -135,19 +109,19 @@ class Fit:
     """Result of a fit.
 
     Attributes:
-        problem: What was fitted.
-        values: Of the parameters, (p,) [SI].
+        problem: Problem of the fit.
+        values: Values of the parameters, (p,) [SI].
         states: Coordinates of the pieces' starts, (h,), in error scales.
-        bands: What is known of them.
+        bands: Uncertainty of the values.
         residuals: (m,) [-].
         slopes: Their derivatives by the values, (m, p).
-        converged: Whether the search came to its end.
-        message: How it ended, in words.
-        evaluations: By steps of all searches.
-        searches: All of them, the best first.
+        converged: True if the search converged.
+        message: End of the search, as text.
+        evaluations: Evaluations by steps of all searches.
+        searches: All searches, the best first.
         validation: Records that were not fitted, beside the model.
         verdict: Objections to the fit as a whole, with their likely causes, a line each; () if none.
-        notes: What is to be known besides, a line each.
+        notes: Further notes, a line each.
     """
 
     __repr__ = brief
@@ -185,8 +159,8 @@ class Fit:
         """Return the problem as an lmfit minimizer, for ``lmfit.conf_interval`` and others."""
         import lmfit
 
-        def residuals(given: Any) -> Array:
-            return self.problem.residuals([given[one].value for one in _lmfit_names(self.names)])
+        def residuals(parameters: Any) -> Array:
+            return self.problem.residuals([parameters[one].value for one in _lmfit_names(self.names)])
 
         return lmfit.Minimizer(residuals, self._parameters(), scale_covar=self.problem.plan.noise != "given")
 
@@ -288,14 +262,10 @@ class Fit:
 
     @takes()
     def write_scenario(self, path: str | os.PathLike[str], record: str | None = None) -> Path:
-        """Write the scenario of a record with the values found, and their origin.
-
-        Args:
-            path: Of the file.
-            record: Whose; the first one's if left out.
+        """Write the scenario of a record, by default the first, with the values found.
 
         Raises:
-            OutputError: It cannot be written there.
+            OutputError: The file cannot be written.
         """
         target = check_writable(path, ".toml")
         self.problem.plan.check_output(target)
@@ -368,10 +338,10 @@ class Fit:
 
     @takes()
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write it to a file (NetCDF 4); return its path.
+        """Write the result to a file (NetCDF 4), and return its path.
 
         Raises:
-            OutputError: It cannot be written there.
+            OutputError: The file cannot be written.
         """
         save_table(self.data(), path)
         return Path(path)
@@ -382,7 +352,7 @@ def open_fit(path: str | os.PathLike[str]) -> xr.Dataset:
     """Return a saved fit.
 
     Raises:
-        FileFormatError: It is none, or damaged, or not there.
+        FileFormatError: The file is of another kind, damaged, or missing.
     """
     return open_table(path, "fit")
 

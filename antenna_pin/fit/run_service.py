@@ -1,9 +1,9 @@
-"""Runs of a fit: made with derivatives where requested, remembered in memory and on the disk.
+"""Runs of a fit, with derivatives where requested, stored in memory and on disk.
 
 By the variational equation fitted parameters and coordinates of a piece's start are propagated together along
 its run, through onsets, releases and events (:mod:`antenna_pin.nonlinear.variational`). Readings are then
-differentiated along the tangents: states next to those of the run are read, none is run to. So filters, which
-are linear, and all else that a sensor does are included.
+differentiated along the tangents, at states next to those of the run and without further runs, so that
+filters, which are linear, and all other effects of a sensor are included.
 """
 
 from __future__ import annotations
@@ -69,17 +69,11 @@ _TICK = 1e-4
 
 
 class _TangentSamples(NamedTuple):
-    """States of one run, with their perturbations by the unknowns.
+    """States of one run, with their perturbations by the unknowns."""
 
-    Attributes:
-        chunk: The states, the last at the run's end.
-        ways: Perturbations, (n, perturbation, fitted).
-        words: Derivatives of the program there, (n, numbers, words).
-    """
-
-    chunk: Chunk
-    ways: Array
-    words: Array
+    chunk: Chunk  # states, the last at the run's end
+    ways: Array  # perturbations, (n, perturbation, fitted)
+    words: Array  # derivatives of the program, (n, numbers, words)
 
 
 def _readings_with_slopes(test: RecordTest, request: RunRequest) -> tuple[Readings, ...]:
@@ -122,19 +116,19 @@ class _ForwardSensitivity:
 
     # --- states ---------------------------------------------------------------------------------------------
 
-    def _first(self, bench: PreparedScenario, piece: int, at: Array) -> State:
+    def _start_state(self, bench: PreparedScenario, piece: int, at: Array) -> State:
         if piece <= 0:
-            return bench.first
+            return bench.first_state
         return piece_start(self._test.begun, self._test.origins[piece - 1], at, bench.system)
 
     def _neighbours(self, piece: int, at: Array) -> list[Callable[[float], State]]:
         """Return functions for a piece's first state over each parameter and coordinate."""
 
         def of_number(k: int, s: float) -> State:
-            return self._first(self._at(k, s), piece, at)
+            return self._start_state(self._at(k, s), piece, at)
 
         def of_start(i: int, s: float) -> State:
-            return self._first(self._here, piece, at + s * np.eye(len(at))[i])
+            return self._start_state(self._here, piece, at + s * np.eye(len(at))[i])
 
         numbers = [functools.partial(of_number, k) for k in range(self._count)]
         return [*numbers, *(functools.partial(of_start, i) for i in range(len(at)))]
@@ -148,7 +142,7 @@ class _ForwardSensitivity:
 
     def _carried(self, piece: int, at: Array, times: Array, until: float) -> tuple[_TangentSamples, State]:
         """Return perturbed states of a piece at times and its end, and its start."""
-        first = self._first(self._here, piece, at)
+        first = self._start_state(self._here, piece, at)
         neighbours = self._neighbours(piece, at)
 
         def apart(there: Callable[[float], State], s: float) -> Array:
@@ -277,7 +271,7 @@ class _ForwardSensitivity:
         q, v = np.split(chunk.states[-1][: model.nq + model.nv], [model.nq])
         return difference_from_origin(self._test.begun, self._test.origins[piece], q, v)
 
-    def _lead(self, piece: int, first: State, at: Array) -> tuple[Array, Array]:
+    def _lead(self, piece: int, start: State, at: Array) -> tuple[Array, Array]:
         """Return the start of a piece relative to its origin, and its derivatives."""
         if piece <= 0:
             return np.zeros(0), np.zeros((0, self._count + len(at)))
@@ -288,14 +282,14 @@ class _ForwardSensitivity:
             return difference_from_origin(begun, origin, found.q, found.v)
 
         columns = [_slope(functools.partial(lead, one)) for one in self._neighbours(piece, at)]
-        return difference_from_origin(begun, origin, first.q, first.v), np.column_stack(columns)
+        return difference_from_origin(begun, origin, start.q, start.v), np.column_stack(columns)
 
     def _clock(self, piece: int, at: Array, rows: Array) -> tuple[Array, ...]:
         """Return derivatives of readings over time, of the run's dense output."""
         test, here = self._test, self._here
         h = _TICK * float(np.median(np.diff(test.time)))
         shifted = np.concatenate([rows + side * j * h for j in (1, 2) for side in (1, -1)])
-        first = self._first(here, piece, at) if piece > 0 else None
+        first = self._start_state(here, piece, at) if piece > 0 else None
         until = piece_end(test, here, piece, rows) + 2.0 * h
         wanted = np.unique(
             np.concatenate([sample_times(c, np.unique(shifted)) for c in test.columns.values()])
@@ -311,7 +305,7 @@ def _slope(function: Callable[[float], Array]) -> Array:
 
 
 def _fourth(values: Sequence[Array], h: float) -> Array:
-    """Return a derivative of fourth order from values at h, -h, 2 h and -2 h."""
+    """Return a derivative of fourth order from values at h, -h, 2h and -2h."""
     ahead, behind, farther, farthest = values
     return np.asarray((_FOURTH[0] * (ahead - behind) + _FOURTH[1] * (farther - farthest)) / h)
 
@@ -325,18 +319,15 @@ _FORM = 3  # of a line
 class RunStore:
     """Runs of a fit stored beside its result, in the folder ``FILE.parts``.
 
-    A line is for good: what was written under other records, parameters' keys, scenarios or versions is
-    refused; other starts, bounds and losses ask for other runs, and share those that are the same.
-
-    Args:
-        target: Of the fit's result.
+    Lines of other records, parameter keys, scenarios or versions are refused; fits with other starts, bounds
+    and losses share the runs that are the same.
 
     Raises:
-        OutputError: The folder is of another fit, or cannot be written, or another process has it.
+        OutputError: The folder belongs to another fit, cannot be written, or is in use.
     """
 
     def __init__(self, target: Path) -> None:
-        """Name the folder."""
+        """Derive the folder from the path of the fit's result."""
         self.folder = target.with_name(target.name + _SUFFIX)
         self._entries: dict[tuple[Any, ...], dict[str, Any]] = {}
         self._journal: Journal | None = None
@@ -355,9 +346,9 @@ class RunStore:
             return None
         return tuple(_readings(one) for one in entry["found"])
 
-    def write(self, request: RunRequest, found: Sequence[Readings]) -> None:
+    def write(self, request: RunRequest, readings: Sequence[Readings]) -> None:
         """Store the readings of runs."""
-        entry = {"run": self._next, "asked": list(request), "found": [_as_lists(one) for one in found]}
+        entry = {"run": self._next, "asked": list(request), "found": [_as_lists(one) for one in readings]}
         if self._journal is not None:
             self._journal.add(entry)
         self._entries[_key(request)] = entry
@@ -370,29 +361,29 @@ class RunStore:
             self._journal = None
 
     def remove(self) -> None:
-        """Remove the folder: the fit is done, and saved."""
+        """Remove the folder of a saved fit."""
         self.close()
         for name in ("journal", "fit.json", ".lock"):
             (self.folder / name).unlink(missing_ok=True)
         self.folder.rmdir()
 
 
-def _as_lists(found: Readings) -> dict[str, Any]:
+def _as_lists(readings: Readings) -> dict[str, Any]:
     """Return readings as JSON types."""
-    lists: dict[str, Any] = _plain({name: getattr(found, name) for name in ("columns", "lead", "end")})
-    lists |= {"failed": found.failed, "unbalanced": found.unbalanced}
-    if found.slopes is not None:
-        lists["slopes"] = _plain(found.slopes._asdict())
-        lists["fitted"] = found.slopes.lead.shape[1]
+    lists: dict[str, Any] = _plain({name: getattr(readings, name) for name in ("columns", "lead", "end")})
+    lists |= {"failed": readings.failed, "unbalanced": readings.unbalanced}
+    if readings.slopes is not None:
+        lists["slopes"] = _plain(readings.slopes._asdict())
+        lists["fitted"] = readings.slopes.lead.shape[1]
     return lists
 
 
-def _plain(found: Any) -> Any:
-    if isinstance(found, dict):
-        return {name: _plain(one) for name, one in found.items()}
-    if isinstance(found, tuple):
-        return [_plain(one) for one in found]
-    return found.tolist() if isinstance(found, np.ndarray) else found
+def _plain(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {name: _plain(one) for name, one in value.items()}
+    if isinstance(value, tuple):
+        return [_plain(one) for one in value]
+    return value.tolist() if isinstance(value, np.ndarray) else value
 
 
 def _readings(lists: dict[str, Any]) -> Readings:
@@ -459,13 +450,13 @@ _REMEMBERED = 512  # answers that stay in memory
 class RunService:
     """Runs made on demand, each once.
 
-    A search that was interrupted asks, begun anew, for the same runs in the same order; what stands in the
-    store is not run again, so that it goes on bit for bit as if it had never stopped.
+    A repeated search requests the same runs in the same order; stored runs are not made again, so that an
+    interrupted search continues bit for bit.
 
     Args:
-        executor: Who makes them: this process if left out, or a cluster.
-        store: What was made before and what is made, on the disk; none if left out.
-        progress: Called after each run with how many there are.
+        executor: Executor of the runs: this process by default, or a cluster.
+        store: Store of the runs on disk; none by default.
+        progress: Called with the number of runs after each run.
     """
 
     def __init__(
@@ -485,21 +476,13 @@ class RunService:
         self._known: dict[RunRequest, tuple[Readings, ...]] = {}
 
     def take(self, plan: FitPlan, record_tests: tuple[RecordTest, ...]) -> None:
-        """Set the tests that runs are requested of.
-
-        Raises:
-            OutputError: The store is of another fit.
-        """
+        """Set the tests of the runs, and open the store."""
         self._record_tests = record_tests
         if self.store is not None:
             self.store.open(plan, record_tests)
 
     def readings(self, request: Sequence[RunRequest]) -> list[tuple[Readings, ...]]:
-        """Return the readings of each request; missing runs are made in parallel.
-
-        Raises:
-            KeyboardInterrupt: It was interrupted; what was made is kept.
-        """
+        """Return the readings of each request; missing runs are made in parallel."""
         missing = [one for one in dict.fromkeys(request) if one not in self._known]
         found: dict[RunRequest, tuple[Readings, ...]] = {}
         for one in list(missing):
@@ -530,11 +513,7 @@ class RunService:
         return answers
 
     def said_of_unbalanced(self, last: Sequence[Readings]) -> list[str]:
-        """Return a note on runs whose energy or momentum does not balance, if any.
-
-        Args:
-            last: Of the runs with the fitted values.
-        """
+        """Return a note on unbalanced runs, if any; ``last`` have the fitted values."""
         if not self.unbalanced:
             return []
         mine = [one.unbalanced for one in last if one.unbalanced]

@@ -1,7 +1,7 @@
-"""Runs of a record's test, whole or in pieces (multiple shooting), and the readings of its sensors.
+"""Runs of a record's test, whole or in pieces (multiple shooting), with sensor readings.
 
 A motion with impacts forgets its start: over a long record the sum of squares has a valley for each order in
-which impacts can follow one another. Over a piece it does not, and the gaps between pieces are further
+which impacts can follow one another. Over a piece it has not, and the gaps between pieces are further
 residuals (Bock 1981, Springer Series in Chemical Physics 18, 102-125).
 """
 
@@ -66,27 +66,16 @@ _ROUND_OFF = 1e-12  # by which a run may end before its end [s]
 
 
 class RunSamples(NamedTuple):
-    """Samples of a run for a fit.
+    """Samples of a run for a fit."""
 
-    Attributes:
-        chunk: Its samples.
-        end: The state that it came to.
-        failed: Why it did not come to its end, in words; "" if it did.
-        unbalanced: How its energy or momentum does not balance, in words; "" if both do.
-    """
-
-    chunk: Chunk
-    end: State
-    failed: str
-    unbalanced: str = ""
+    chunk: Chunk  # samples
+    end: State  # final state
+    failed: str  # reason for an early end; "" if completed
+    unbalanced: str = ""  # imbalance of energy or momentum as text; "" if balanced
 
 
 class PreparedScenario:
-    """Scenario with its system, which is built once.
-
-    Args:
-        scenario: What is run.
-    """
+    """Scenario with its system, built once."""
 
     def __init__(self, scenario: Scenario) -> None:
         """Build the system."""
@@ -94,7 +83,7 @@ class PreparedScenario:
         self._latest: Run | None = None
 
     @cached_property
-    def _first(self) -> RunStart:
+    def _run_start(self) -> RunStart:
         q, v = initial_state(self.scenario, self.system)
         return RunStart(q, v, initial_angles(self.scenario, self.system))
 
@@ -104,22 +93,17 @@ class PreparedScenario:
         return Flow(self.system, settings_of(self.scenario), events_of(self.scenario), self.scenario)
 
     @cached_property
-    def first(self) -> State:
+    def first_state(self) -> State:
         """First state of the scenario."""
         q, v = initial_state(self.scenario, self.system)
         return self.flow.first(q, v, initial_angles(self.scenario, self.system))
 
     def run(self, times: Array, until: float, start: State | None = None) -> RunSamples:
-        """Make a run sampled at rising times [s], to an end [s].
-
-        Args:
-            times: Of its samples, beside its start and end; those of the run's span count.
-            until: Its end [s].
-            start: From where; the scenario's start if left out.
+        """Make a run sampled at rising times [s], from a state or the scenario's start.
 
         Raises:
-            AntennaPinError: It cannot begin.
-            KeyboardInterrupt: It was interrupted.
+            AntennaPinError: The run cannot begin.
+            KeyboardInterrupt: The run was interrupted.
         """
         begin = 0.0 if start is None else start.reached
         settings = dataclasses.replace(
@@ -129,7 +113,7 @@ class PreparedScenario:
             output_times=tuple(times[(times >= begin) & (times <= until)].tolist()),
             output_form="full",
         )
-        given = self._first if start is None else RunStart(start=start)
+        given = self._run_start if start is None else RunStart(start=start)
         events, controllers = events_of(self.scenario), controllers_of(self.scenario)
         ready = prepare_run("fit", self.system, given, settings, events, until - begin, None, controllers)
         run = Run(self.system, ready.first, until, settings, events, begin, controllers=controllers)
@@ -143,8 +127,8 @@ class PreparedScenario:
     def counted(self, chunk: Chunk) -> Chunk:
         """Return one state twice, with all integrals larger by 1 in the second.
 
-        What is not the same of both counts from a run's start on, as work does: pieces of a run, and states
-        perturbed, do not have it.
+        A quantity that differs between both counts from a run's start on, as work does: pieces of a run, and
+        perturbed states, do not have it.
         """
         both = Chunk.joined([chunk.part(0, 1), chunk.part(0, 1)])
         system, first = self.system, self.system.model.nq + self.system.model.nv
@@ -156,9 +140,9 @@ class PreparedScenario:
         return both._replace(states=states)
 
     def data(self, chunk: Chunk) -> xr.Dataset:
-        """Return states of this system as a result, possibly of several runs.
+        """Return states of this system, possibly of several runs, as a result.
 
-        Integrals along a run, as work is, counts from the first of them.
+        Integrals along a run, such as work, count from the first state.
         """
         if self._latest is None:
             first, settings = np.ascontiguousarray(chunk.states[0]), settings_of(self.scenario)
@@ -187,20 +171,16 @@ def _chart(begun: str, origin: str) -> Chart:
 
 
 def start_size(begun: str, origin: str) -> int:
-    """Return the number of coordinates of a piece's start: positions and rates.
-
-    Args:
-        begun: The scenario with the start values, as JSON.
-        origin: A state of it, as text.
-    """
+    """Return the number of coordinates of a piece's start: positions and rates."""
     return 2 * _chart(begun, origin).positions
 
 
 def piece_start(begun: str, origin: str, z: Array, system: System) -> State:
-    """Return the state at coordinates z about an origin, (coordinates,), of a system.
+    """Return the state of a system at coordinates z about an origin, (coordinates,).
 
-    A journal that is in the wall there, and was not touching at the origin, touches as one does that a
-    scenario starts from: with its speed there as that of its approach.
+    A journal that penetrates the wall there, without contact at the origin, is in contact as at the start of
+    a
+    scenario: with its present speed as approach speed.
     """
     chart = _chart(begun, origin)
     whole = np.zeros(chart.size)
@@ -211,8 +191,8 @@ def piece_start(begun: str, origin: str, z: Array, system: System) -> State:
 def with_contacts(state: State, system: System) -> State:
     """Return a state in which contacts without a gap touch, new ones as at onset.
 
-    Without it a run from inside the wall would find them begun in its first step, at a time that no
-    perturbed run's depth and speed there move.
+    A run from inside the wall would otherwise detect them in its first step, at a time that no perturbed
+    run's depth and speed move.
     """
     if not system.contact_names:
         return state
@@ -256,37 +236,21 @@ class NoRunError(AntennaPinError, RuntimeError):
 
 @dataclass(frozen=True, slots=True)
 class RecordTest:
-    """Test of a record as plain data, for any process that makes its runs.
+    """Test of a record as plain data, for any process that makes its runs."""
 
-    Attributes:
-        name: Of the record.
-        scenario: Its scenario as JSON, before what is fitted.
-        keys: Of the scenario that are fitted, one tuple for each of :attr:`RunRequest.values`.
-        names: Of those values: what :attr:`derived` calls them.
-        derived: Numbers of the scenario that follow from the values: keys and expression of each.
-        units: Of those values.
-        sizes: Of those values: what a change is small beside [SI].
-        columns: What is read, by name.
-        read_in: SI unit of each.
-        time: Of the rows, by the file's clock [s].
-        pieces: Instants at which pieces begin and the last one ends [s]; () of a whole run.
-        origins: State about which each piece's start is told, but the first's, as text.
-        begun: The scenario whose states these are, with the start values, as JSON; "" of a whole run.
-    """
-
-    name: str
-    scenario: str
-    keys: tuple[tuple[str, ...], ...]
-    units: tuple[str, ...]
-    sizes: tuple[float, ...]
-    columns: Mapping[str, ColumnSpec]
-    read_in: Mapping[str, str]
-    time: Array
-    names: tuple[str, ...] = ()
-    derived: tuple[tuple[tuple[str, ...], str], ...] = ()
-    pieces: tuple[float, ...] = ()
-    origins: tuple[str, ...] = ()
-    begun: str = ""
+    name: str  # of the record
+    scenario: str  # as JSON, without fitted values
+    keys: tuple[tuple[str, ...], ...]  # scenario keys of each of :attr:`RunRequest.values`
+    units: tuple[str, ...]  # of those values
+    sizes: tuple[float, ...]  # of those values, for difference steps [SI]
+    columns: Mapping[str, ColumnSpec]  # columns to read, by name
+    read_in: Mapping[str, str]  # SI units of the readings
+    time: Array  # of the rows, by the file's clock [s]
+    names: tuple[str, ...] = ()  # of those values, in derived expressions
+    derived: tuple[tuple[tuple[str, ...], str], ...] = ()  # keys and expression of each derived number
+    pieces: tuple[float, ...] = ()  # borders of the pieces, the end included [s]; () for a whole run
+    origins: tuple[str, ...] = ()  # start states of the pieces but the first, as text
+    begun: str = ""  # scenario of these states, with start values, as JSON; "" for a whole run
 
 
 #: Start of a whole run.
@@ -294,59 +258,35 @@ _WHOLE: tuple[tuple[int, tuple[float, ...]], ...] = ((-1, ()),)
 
 
 class RunRequest(NamedTuple):
-    """Runs of one test requested together.
+    """Runs of one test requested together."""
 
-    Attributes:
-        record: Number of its test.
-        values: Of its scenario's fitted keys [SI].
-        shift: Of its clock [s].
-        starts: Number of a piece, -1 for the whole, and where it starts: coordinates about its origin.
-        slopes: Whether with derivatives, by the variational equation.
-        clock: Whether with those over time.
-    """
-
-    record: int
-    values: tuple[float, ...]
-    shift: float
+    record: int  # index of the test
+    values: tuple[float, ...]  # of the scenario's fitted keys [SI]
+    shift: float  # of the clock [s]
+    # index of a piece, -1 for the whole, and coordinates of its start
     starts: tuple[tuple[int, tuple[float, ...]], ...] = _WHOLE
-    slopes: bool = False
-    clock: bool = False
+    slopes: bool = False  # with derivatives, by the variational equation
+    clock: bool = False  # with derivatives over time
 
 
 class ReadingSlopes(NamedTuple):
-    """Derivatives of a run's readings by parameters [1/SI], and by its start.
+    """Derivatives of a run's readings by parameters [1/SI], and by its start."""
 
-    Attributes:
-        columns: Of what each sensor reads, (rows, fitted).
-        lead: (ways, fitted).
-        end: Likewise.
-        clock: Of what each sensor reads over time [1/s]; None if not requested.
-    """
-
-    columns: tuple[Array, ...]
-    lead: Array
-    end: Array
-    clock: tuple[Array, ...] | None = None
+    columns: tuple[Array, ...]  # per sensor, (rows, fitted)
+    lead: Array  # (coordinates, fitted)
+    end: Array  # (coordinates, fitted)
+    clock: tuple[Array, ...] | None = None  # per sensor, over time [1/s]; None if not requested
 
 
 class Readings(NamedTuple):
-    """Readings of one run.
+    """Readings of one run."""
 
-    Attributes:
-        columns: What each sensor reads at the rows, before gain and offset.
-        lead: Of a piece: the way from its origin to where it starts, in error scales; () of the first.
-        end: Of a piece that another follows: the way from that one's origin to its end; () of the last.
-        failed: Why there is nothing, in words; "" if there is.
-        slopes: Derivatives, if they were requested.
-        unbalanced: How the run's energy or momentum does not balance, in words; "" if both do.
-    """
-
-    columns: tuple[Array, ...]
-    lead: Array
-    end: Array
-    failed: str = ""
-    slopes: ReadingSlopes | None = None
-    unbalanced: str = ""
+    columns: tuple[Array, ...]  # per sensor at the rows, before gain and offset
+    lead: Array  # start of a piece relative to its origin, in error scales; () for the first
+    end: Array  # end of a piece relative to the next origin, in error scales; () for the last
+    failed: str = ""  # reason for a missing run; "" for a run
+    slopes: ReadingSlopes | None = None  # derivatives, if requested
+    unbalanced: str = ""  # imbalance of energy or momentum as text; "" if balanced
 
 
 @functools.lru_cache(maxsize=16)
@@ -383,21 +323,17 @@ def _scenario_with(
 
 
 @functools.lru_cache(maxsize=4)
-def _prepared(*test: Any) -> PreparedScenario:
+def _cached_scenario(*test: Any) -> PreparedScenario:
     return PreparedScenario(_scenario_with(*test))
 
 
 def prepared_scenario(test: RecordTest, values: tuple[float, ...]) -> PreparedScenario:
     """Return a record's test with values of its fitted keys [SI]."""
-    return _prepared(*_assembly(test, values))
+    return _cached_scenario(*_assembly(test, values))
 
 
 def make_runs(test: RecordTest, request: RunRequest) -> tuple[Readings, ...]:
-    """Make some runs and read their sensors, once for each start.
-
-    Raises:
-        KeyboardInterrupt: It was interrupted.
-    """
+    """Make some runs and read their sensors, once for each start."""
     try:
         bench = prepared_scenario(test, request.values)
         rows = [piece_rows(test, request.shift, piece) for piece, _ in request.starts]
@@ -416,13 +352,7 @@ def make_runs(test: RecordTest, request: RunRequest) -> tuple[Readings, ...]:
 
 
 class _PieceRun(NamedTuple):
-    """Run that completed.
-
-    Attributes:
-        ran: The run.
-        lead: As of :class:`Readings`.
-        end: Likewise.
-    """
+    """Completed run with start and end relative to origins, as in :class:`Readings`."""
 
     ran: RunSamples
     lead: Array
@@ -470,13 +400,13 @@ def sensor_readings(
 ) -> list[list[Array]]:
     """Return the readings of some runs, by run and sensor.
 
-    They are read all at once, which takes longer than a short run does.
+    All runs are read at once, as reading takes longer than a short run.
 
     Args:
-        test: Whose sensors.
-        bench: Of whose system the runs are.
-        rows: Of each, by the run's clock [s].
-        chunks: Samples of each, those at which its sensors are requested among them.
+        test: Test with the sensors.
+        bench: Scenario with the system of the runs.
+        rows: Rows of each run, by the run's clock [s].
+        chunks: Samples of each run, at the times that its sensors need and others.
     """
     read: list[list[Array]] = [[] for _ in rows]
     if not rows:
@@ -496,13 +426,7 @@ def sensor_readings(
 
 
 def failure_reason(error: Exception) -> str:
-    """Return the reason for no run: a refusal, or an unexpected error.
-
-    To a search both are a trial that cannot be made.
-
-    Raises:
-        Exception: The same, if it is an interruption.
-    """
+    """Return the reason for a failed run: a refusal, or an unexpected error; raise interruptions."""
     if is_interruption(error):
         raise error
     if isinstance(error, AntennaPinError):

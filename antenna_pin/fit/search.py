@@ -1,8 +1,8 @@
-r"""The search of a fit: least squares from one start or many, or response surfaces of statistics.
+r"""Search of a fit: least squares from one or many starts, or response surfaces.
 
 Statistics of a chaotic motion jump with the smallest change of any number, as a record's would from another
 start: their derivatives are noise, and a search by them stays at its start. The mean does follow the numbers.
-So runs are made at points of a box about a centre, and a surface of second order is laid through each
+So runs are made at points of a box about a centre, and a surface of second order is fitted to each
 statistic r by least squares,
 
 .. math:: r(u) = b + B u + u^T C u + \epsilon,
@@ -15,8 +15,8 @@ shrinks.
 
 S is of n runs less t terms, f = n - t, and of m statistics: its inverse is too large by f / (f - m - 1)
 (Hartlap, Simon and Schneider 2007, Astron. Astrophys. 464, 399-404); the error of the surface itself is a
-share h, the leverage of its least, of S; and weights that are known from so few runs make p numbers less
-certain by (m - p) / (f - m) (Dodelson and Schneider 2013, Phys. Rev. D 88, 063537).
+share h, the leverage of its least, of S; and weights from so few runs make p numbers less certain by
+(m - p) / (f - m) (Dodelson and Schneider 2013, Phys. Rev. D 88, 063537).
 """
 
 from __future__ import annotations
@@ -63,32 +63,22 @@ _ERRORS, _NEAR, _SHRINKS, _INSIDE = 3.0, 1.5, 0.4, 0.95
 
 
 class ResponseSurface(NamedTuple):
-    """Statistics over a box, by runs at points of it.
+    """Statistics over a box, by runs at points of it."""
 
-    Attributes:
-        terms: Coefficients, (terms, m).
-        scatter: Of one run about it, with what the sensors' noise adds, (m, m).
-        inner: Inverse of the sum of squares of the terms over the points, (terms, terms).
-        freedom: Runs less terms.
-    """
-
-    terms: Array
-    scatter: Array
-    inner: Array
-    freedom: int
+    terms: Array  # coefficients, (terms, m)
+    scatter: Array  # covariance of one run about the surface, with the sensors' noise, (m, m)
+    inner: Array  # inverse of the terms' sum of squares over the points, (terms, terms)
+    freedom: int  # runs less terms
 
     @classmethod
-    def through(cls, points: Array, found: Array, noise: Array) -> ResponseSurface:
-        """Return the surface through statistics at points.
+    def through(cls, points: Array, statistics: Array, noise: Array) -> ResponseSurface:
+        """Return the surface through statistics (n, m) at points (n, p).
 
-        Args:
-            points: In half widths of the box, (n, p).
-            found: Statistics there, (n, m).
-            noise: What sensors add to a statistic's variance, (m,).
+        The variances of the sensors' noise, (m,), add to the scatter.
         """
         table = np.array([_terms(one) for one in points])
-        terms, *_ = np.linalg.lstsq(table, found, rcond=None)
-        off, freedom = found - table @ terms, len(table) - table.shape[1]
+        terms, *_ = np.linalg.lstsq(table, statistics, rcond=None)
+        off, freedom = statistics - table @ terms, len(table) - table.shape[1]
         return cls(terms, off.T @ off / freedom + np.diag(noise), np.linalg.inv(table.T @ table), freedom)
 
     def at(self, u: Array) -> Array:
@@ -139,12 +129,8 @@ def _term_count(p: int) -> int:
 def fit_by_surface(problem: Problem, spec: SurfaceSpec) -> Fit:
     """Return the fit of statistics by surfaces over boxes.
 
-    Args:
-        problem: Without pieces, all its columns statistics.
-        spec: How many runs, over how wide a box.
-
     Raises:
-        InvalidParameterError: There are too few runs for so many statistics.
+        InvalidParameterError: The runs are too few for so many statistics.
     """
     from scipy.stats import qmc
 
@@ -257,22 +243,22 @@ def run_fit(
 ) -> Fit:
     """Find the values of a fit's parameters that bring its runs nearest to its records.
 
-    With ``out`` the result is written there. What runs come to is kept beside it, in the folder
-    ``OUT.parts``, until it is; a fit that is interrupted or killed goes on with the same call, bit for bit.
+    With ``out`` the result is written there. Until then all runs are stored beside it, in the folder
+    ``OUT.parts``; an interrupted or killed fit continues with the same call, bit for bit.
 
     Args:
         plan: The fit's file.
         out: File of the result, NAME.nc.
-        executor: Who makes the runs: this process if left out, or a :class:`antenna_pin.sweep.Cluster`.
-        progress: Called after each run with how many there are.
-        then: Called with the fit once it is saved, while its runs are still kept: what it asks for, such as
-            profiles, is kept with them, and goes on likewise.
+        executor: Executor of the runs: this process by default, or a :class:`antenna_pin.sweep.Cluster`.
+        progress: Called with the number of runs after each run.
+        then: Called with the saved fit while its runs are still stored: further runs, such as those of
+            profiles, are stored with them, and continue likewise.
 
     Raises:
-        AntennaPinError: Something of plan, records or scenarios is not valid: raised before any run.
-        NoRunError: There is no run for the values of the start.
+        AntennaPinError: Plan, records or scenarios are not valid; raised before any run.
+        NoRunError: The start values have no run.
         MissingToolError: lmfit is not installed.
-        KeyboardInterrupt: It was interrupted; what was made is kept with ``out``.
+        KeyboardInterrupt: The fit was interrupted; with ``out`` its runs are stored.
     """
     try:
         importlib.import_module("lmfit")
@@ -348,15 +334,9 @@ def _search(problem: Problem) -> Fit:
             *problem.unbalanced(whole),
             *grown,
             *_correlation_notes(problem, bands, residuals),
-            *_derivative_note(problem),
+            *([f"derivatives by {problem.derived.words()}"] if problem.plan.jacobian == "equation" else []),
         ),
     )
-
-
-def _derivative_note(problem: Problem) -> list[str]:
-    """Return a note on the derivatives' method, where the equation was requested."""
-    asked = problem.plan.jacobian == "equation"
-    return [f"derivatives by {problem.derived.words()}"] if asked else []
 
 
 def _correlation_notes(problem: Problem, bands: ParameterBands, residuals: Array) -> list[str]:
@@ -374,15 +354,15 @@ def _correlation_notes(problem: Problem, bands: ParameterBands, residuals: Array
     ]
 
 
-def _growth_notes(problem: Problem, first: Array, last: Array, bad: bool) -> list[str]:
+def _growth_notes(problem: Problem, start: Array, end: Array, bad: bool) -> list[str]:
     """Return a note for each record too long for one run.
 
-    By perturbed runs that a search has anyway, at its start and its end; of one that has come to no good end
-    also by how far its start may be off.
+    Perturbed runs at the start and the end of the search decide, which the search has anyway; after a bad end
+    also with a larger error of the start.
     """
     found: dict[str, str] = {}
     for reach in (1.0, _REACH) if bad else (1.0,):
-        for whole in (first, last):
+        for whole in (start, end):
             for record, words in _growth_at(problem, whole, reach).items():
                 found.setdefault(record, words)
     return list(found.values())
@@ -414,17 +394,16 @@ def _growth_at(problem: Problem, whole: Array, reach: float) -> dict[str, str]:
 def _least_squares(problem: Problem, start: Array) -> Any:
     """Return the result of SciPy's search from values with states.
 
-    Pieces that are tied to one motion from the beginning leave it nothing but that motion's valleys, along
-    which it creeps. So each first finds its own way to the record, next to free; then joints count more and
-    more.
+    Pieces tied to one motion from the beginning have no valleys but those of that motion, along which a
+    search creeps. So the joints' weights rise from search to search.
     """
     from scipy.optimize import least_squares
 
     plan, unknowns = problem.plan, problem.unknowns
 
-    def residuals(searched: Array) -> Array:
+    def residuals(coordinates: Array) -> Array:
         try:
-            return problem.residuals_at([unknowns.from_search(searched)])[0]
+            return problem.residuals_at([unknowns.from_search(coordinates)])[0]
         except NoRunError:  # the search goes on with a shorter step
             return np.full(problem.count, math.nan)
 
@@ -458,17 +437,17 @@ def _tie_weights(plan: FitPlan) -> list[float]:
     return ties
 
 
-def _starts(problem: Problem, first: Array) -> list[Array]:
+def _starts(problem: Problem, origin: Array) -> list[Array]:
     """Return the starts of searches: the given one, and the best sampled points."""
     plan, starts = problem.plan, problem.plan.starts
     if starts is None:
-        return [first]
+        return [origin]
     from scipy.stats import qmc
 
     p = problem.unknowns.count
     lower, upper = (one[:p] for one in problem.unknowns.bounds())
     points = qmc.Sobol(p, scramble=True, rng=np.random.default_rng(starts.seed)).random(starts.count)
-    rest = problem.unknowns.to_search(first)[p:]
+    rest = problem.unknowns.to_search(origin)[p:]
     wholes = [
         problem.unknowns.from_search(np.concatenate([lower + point * (upper - lower), rest]))
         for point in points
@@ -478,4 +457,4 @@ def _starts(problem: Problem, first: Array) -> list[Array]:
         for found in problem.tried(wholes)
     ]
     best = np.argsort(costs, kind="stable")[: starts.keep]
-    return [first, *(wholes[int(k)] for k in best if math.isfinite(costs[int(k)]))]
+    return [origin, *(wholes[int(k)] for k in best if math.isfinite(costs[int(k)]))]

@@ -1,4 +1,4 @@
-r"""Sensors: readings of a run behind low-pass filters, and the statistics that readings are compared by.
+r"""Sensors: readings of a run behind low-pass filters, and statistics for their comparison.
 
 An accelerometer at a point r of a link, with its axis d, both in the link's axes R, reads the specific force
 
@@ -70,19 +70,12 @@ _NODES, _WEIGHTS = np.array([0.5 - np.sqrt(0.15), 0.5, 0.5 + np.sqrt(0.15)]), np
 
 
 class _FilterInput(NamedTuple):
-    """Input of a filter over the n - 1 intervals between n sample times.
+    """Input of a filter over the n - 1 intervals between n sample times."""
 
-    Attributes:
-        time: Sample times, rising, (n,) [s].
-        smooth: Coefficients of the smooth part, a polynomial in the share of the interval, (n - 1, 3).
-        impulses: Sizes of impulses in each interval, (n - 1, k), in the input's unit times s.
-        places: Their times after the interval's start, (n - 1, k) [s].
-    """
-
-    time: Array
-    smooth: Array
-    impulses: Array
-    places: Array
+    time: Array  # sample times, rising, (n,) [s]
+    smooth: Array  # coefficients of a polynomial in the share of the interval, (n - 1, 3)
+    impulses: Array  # sizes of impulses in each interval, (n - 1, k), in the input's unit times s
+    places: Array  # times of the impulses after the interval's start, (n - 1, k) [s]
 
     def at(self, intervals: NDArray[np.intp], share: Array) -> Array:
         """Return the smooth part of the input at shares of some intervals, (m,)."""
@@ -104,10 +97,10 @@ def input_of_acceleration(
 
     Args:
         time: Sample times, rising, (n,) [s].
-        axes: Unit vectors along which the sensor reads, (n, 3).
-        position: Of the sensor, (n, 3) [m].
-        velocity: Likewise [m/s].
-        acceleration: Likewise, where it jumps the value afterwards [m/s^2].
+        axes: Unit vectors of the sensitive axis, (n, 3).
+        position: Position of the sensor, (n, 3) [m].
+        velocity: Its velocity, (n, 3) [m/s].
+        acceleration: Its acceleration, at a jump the value afterwards, (n, 3) [m/s^2].
         gravity: (3,) [m/s^2].
     """
     h = np.diff(time)[:, None]
@@ -134,49 +127,43 @@ def input_of_acceleration(
     )
 
 
-def filter_response(given: _FilterInput, rows: Array, corner: float, order: int) -> Array:
-    """Return the filter's output at some times, (m,).
+def filter_response(signal: _FilterInput, rows: Array, corner: float, order: int) -> Array:
+    """Return the output at rising times, (m,), of a filter with a corner [Hz].
 
-    Before the first sample the input is taken to have been constant for ever.
-
-    Args:
-        given: The input.
-        rows: Times of the output [s], from the first to the last sample time.
-        corner: Frequency at which the filter is 3 dB down [Hz].
-        order: Order of the filter [-].
+    Before the first sample the input is constant.
     """
     omega = 2.0 * np.pi * corner
     poles = np.exp(0.5j * np.pi * (1.0 + (2.0 * np.arange(order) + 1.0) / order))
-    every = np.arange(len(given.time) - 1)
-    inside = np.clip(np.searchsorted(given.time, rows, side="right") - 1, 0, len(every) - 1)
-    lengths, out = np.diff(given.time), np.zeros(len(rows))
+    every = np.arange(len(signal.time) - 1)
+    inside = np.clip(np.searchsorted(signal.time, rows, side="right") - 1, 0, len(every) - 1)
+    lengths, out = np.diff(signal.time), np.zeros(len(rows))
     for i, pole in enumerate(poles):
         if pole.imag < -1e-9:  # the conjugate of one that counts twice
             continue
         times = 2.0 if pole.imag > 1e-9 else 1.0
         residue = 1.0 / np.prod(pole - np.delete(poles, i))
         p = omega * pole
-        driven = omega * _driven(given, p, every, lengths)
-        first = -given.smooth[0, 0] / pole
-        bands = np.ones((2, len(given.time)), dtype=complex)
+        driven = omega * _driven(signal, p, every, lengths)
+        first = -signal.smooth[0, 0] / pole
+        bands = np.ones((2, len(signal.time)), dtype=complex)
         bands[1, :-1] = -np.exp(p * lengths)
         states = solve_banded((1, 0), bands, np.concatenate([[first], driven]), check_finite=False)
-        into = rows - given.time[inside]
-        found = np.exp(p * into) * states[inside] + omega * _driven(given, p, inside, into)
+        into = rows - signal.time[inside]
+        found = np.exp(p * into) * states[inside] + omega * _driven(signal, p, inside, into)
         out += times * (residue * found).real
     return out
 
 
 def _driven(
-    given: _FilterInput, p: complex, intervals: NDArray[np.intp], into: Array
+    signal: _FilterInput, p: complex, intervals: NDArray[np.intp], into: Array
 ) -> NDArray[np.complex128]:
     """Return the contribution of intervals' inputs to a pole's state after a time, (m,)."""
-    lengths = np.diff(given.time)[intervals]
+    lengths = np.diff(signal.time)[intervals]
     total = np.zeros(len(intervals), dtype=complex)
     for node, weight in zip(_NODES, _WEIGHTS, strict=True):
         share = np.divide(node * into, lengths, out=np.zeros(len(into)), where=lengths > 0.0)
-        total += weight * into * np.exp(p * into * (1.0 - node)) * given.at(intervals, share)
-    for size, place in zip(given.impulses[intervals].T, given.places[intervals].T, strict=True):
+        total += weight * into * np.exp(p * into * (1.0 - node)) * signal.at(intervals, share)
+    for size, place in zip(signal.impulses[intervals].T, signal.places[intervals].T, strict=True):
         after = into - place
         total += np.where(after >= 0.0, size * np.exp(p * np.maximum(after, 0.0)), 0.0)
     return total
@@ -194,17 +181,7 @@ _PER_PERIOD, _PER_PERIOD_OF_VALUES = 24, 64
 
 
 def sensor_unit(data: xr.Dataset, column: ColumnSpec, place: str) -> str:
-    """Return the SI unit of a sensor's reading, or refuse an unknown one.
-
-    Args:
-        data: Of a run.
-        column: Of the sensor.
-        place: Of the column, for messages.
-
-    Raises:
-        UnknownNameError: It is at a link or joint that is not there.
-        AntennaPinError: The result has no such quantity.
-    """
+    """Return the SI unit of a sensor's reading; refuse an unknown link, joint or quantity."""
     if column.sensor == "accelerometer":
         _check_link(data, str(column.link), f"{place}.link")
         return "m/s^2"
@@ -228,11 +205,7 @@ def _check_link(data: xr.Dataset, link: str, place: str) -> None:
 
 
 def check_sensor(column: ColumnSpec, unit: str, place: str) -> None:
-    """Refuse numbers of a column in a wrong unit.
-
-    Raises:
-        ScenarioError: One is not.
-    """
+    """Refuse numbers of a column in a wrong unit."""
     for name in ("sd", "offset", "resolution"):
         value = getattr(column, name)
         relative = name == "sd" and column.compare in ("spectrum", "blows")
@@ -245,17 +218,13 @@ def check_sensor(column: ColumnSpec, unit: str, place: str) -> None:
             si_amount(value, "m", f"{place}.point[{i}]")
     if column.blows is not None:
         si_amount(column.blows.level, unit, f"{place}.blows.level")
-        counted = {"peaks": unit, "intervals": "s", "impulses": f"{unit} s"}[column.blows.of]
+        counted = _counted_unit(column.blows, unit)
         for i, edge in enumerate(column.blows.edges):
             si_amount(edge, counted, f"{place}.blows.edges[{i}]")
 
 
 def si_amount(value: object, unit: str, place: str) -> float:
-    """Return a number of a fit file in SI units, the default.
-
-    Raises:
-        ScenarioError: It is of another unit.
-    """
+    """Return a number of a fit file in SI units, the default; refuse another unit."""
     written = unit.replace("^", "**").replace(" ", "*")
     return in_si(value, written or "1", place)
 
@@ -263,7 +232,7 @@ def si_amount(value: object, unit: str, place: str) -> float:
 def reading_noise(column: ColumnSpec, unit: str) -> float:
     """Return the standard deviation of a row, of an encoder with its steps [SI].
 
-    A step of size s rounds by an error that is spread evenly, of variance s^2 / 12.
+    A step of size s rounds by a uniform error, of variance s^2 / 12.
     """
     noise = si_amount(column.sd, unit, "sd")
     if column.sensor == "encoder":
@@ -287,11 +256,11 @@ def reading(data: xr.Dataset, column: ColumnSpec, unit: str, time: Array) -> Arr
     """Return a sensor's readings at times, (n,), before gain and offset.
 
     Args:
-        data: Of a run, at the :func:`sample_times`; behind a filter further samples in between, such as those
-            at events, count too.
-        column: Of the sensor.
-        unit: Of what it reads.
-        time: When it is read [s].
+        data: Result of a run at the :func:`sample_times`; behind a filter further samples in between, such as
+            those at events, count too.
+        column: Settings of the sensor.
+        unit: SI unit of the reading.
+        time: Times of the readings [s].
     """
     if column.filter is None:
         return _unfiltered(data, column, unit)
@@ -306,16 +275,14 @@ def _unfiltered(data: xr.Dataset, column: ColumnSpec, unit: str) -> Array:
     """Return a sensor's readings at a result's samples, without a filter."""
     if column.sensor == "accelerometer":
         axes, arms, motion = _sensor_motion(data, column)
-        return np.asarray(
-            np.einsum("ni,ni->n", axes, _arm_acceleration(motion, arms) - _gravity(data, column))
-        )
+        return _dot(axes, _arm_acceleration(motion, arms) - _gravity(data, column))
     if column.sensor == "force-cell":
         loads = joint_loads(data)[column.load or "force"].sel(moving_joint=column.joint).values
         direction = along(column.direction or (0.0, 0.0, 1.0))
         if column.link is None:
             return np.asarray(loads @ direction)
         axes = _motion(data, column.link)[0] @ direction
-        return np.asarray(np.einsum("ni,ni->n", axes, loads))
+        return _dot(axes, loads)
     values = np.asarray(quantity(data, str(column.of)).values, dtype=float)
     if column.rounding == "down":  # on average half a step is still to come
         return values - 0.5 * si_amount(column.resolution, unit, "resolution")
@@ -374,32 +341,24 @@ _BANDWIDTH = 1.5
 
 
 class Target(NamedTuple):
-    """Data of a column for comparison.
+    """Data of a column for comparison."""
 
-    Attributes:
-        at: Where along it each number stands: a time [s], a band's middle [Hz], a bin's middle.
-        unit: Of that.
-        data: Of the record, (numbers,), in the measure in which it is compared.
-        sd: Of each, in that measure.
-        measure: In words, for who reads it: ``reading``, ``rms``, ``ln power``, ``2 sqrt(count + 3/8)``.
-    """
-
-    at: Array
-    unit: str
-    data: Array
-    sd: Array
-    measure: str
+    at: Array  # abscissa of each number: a time [s], a band's middle [Hz], a bin's middle
+    unit: str  # of the abscissa
+    data: Array  # of the record, (numbers,), in the compared measure
+    sd: Array  # of each number, in that measure
+    measure: str  # as text: ``reading``, ``rms``, ``ln power``, ``2 sqrt(count + 3/8)``
 
 
 def comparison_target(column: ColumnSpec, unit: str, time: Array, values: Array, place: str) -> Target:
     """Return the data of a record's column for comparison.
 
     Args:
-        column: As the fit file has it.
-        unit: SI unit of what it reads.
-        time: Of its rows [s].
-        values: As measured, (rows,).
-        place: Of the column, for messages.
+        column: Settings of the column.
+        unit: SI unit of the reading.
+        time: Times of the rows [s].
+        values: Measured values, (rows,).
+        place: Place of the column, for messages.
 
     Raises:
         ScenarioError: The record is too short for its segments, has no power in a band, or no impacts.
@@ -407,12 +366,10 @@ def comparison_target(column: ColumnSpec, unit: str, time: Array, values: Array,
     if column.spectrum is not None:
         _check_bands(column.spectrum, time, place)
     data = compared_numbers(column, unit, time, values)
-    if column.compare == "curve":
-        return Target(time, "s", data, np.full(len(time), reading_noise(column, unit)), "reading")
-    if column.compare == "rms":
-        return Target(
-            np.array([0.5 * (time[0] + time[-1])]), "s", data, np.array([reading_noise(column, unit)]), "rms"
-        )
+    if column.compare in ("curve", "rms"):
+        at = time if column.compare == "curve" else np.array([0.5 * (time[0] + time[-1])])
+        measure = "reading" if column.compare == "curve" else "rms"
+        return Target(at, "s", data, np.full(len(at), reading_noise(column, unit)), measure)
     if column.spectrum is not None:
         edges = np.array(column.spectrum.edges)
         for low, high, value in zip(edges, edges[1:], data, strict=False):
@@ -432,13 +389,8 @@ def comparison_target(column: ColumnSpec, unit: str, time: Array, values: Array,
             f"{place} must have blows above its level in the record, got none between the edges"
         )
     # The model's counts scatter as the record's, where the motion is chaotic.
-    return Target(
-        np.sqrt(edges[:-1] * edges[1:]),
-        counted,
-        data,
-        np.full(len(data), math.sqrt(2.0)),
-        "2 sqrt(count + 3/8)",
-    )
+    sd = np.full(len(data), math.sqrt(2.0))
+    return Target(np.sqrt(edges[:-1] * edges[1:]), counted, data, sd, "2 sqrt(count + 3/8)")
 
 
 def compared_numbers(column: ColumnSpec, unit: str, time: Array, values: Array) -> Array:
@@ -457,12 +409,12 @@ def compared_numbers(column: ColumnSpec, unit: str, time: Array, values: Array) 
 def compared_slopes(column: ColumnSpec, time: Array, values: Array, slopes: Array) -> Array:
     """Return the derivatives of :func:`compared_numbers` over a curve, (numbers, fitted).
 
-    Not of impacts, which are found anew in each run.
+    Impacts, which are detected anew in each run, have none.
 
     Args:
-        column: As the fit file has it.
-        time: Of its rows [s].
-        values: Of the model, (rows,).
+        column: Settings of the column.
+        time: Times of the rows [s].
+        values: Values of the model, (rows,).
         slopes: Their derivatives, (rows, fitted).
     """
     assert column.blows is None
@@ -522,8 +474,12 @@ def _band_noise(spec: SpectrumSpec, time: Array) -> Array:
     return np.asarray(np.sqrt(2.0 / (segments * lines)))
 
 
+def _counted_unit(spec: BlowsSpec, unit: str) -> str:
+    return {"peaks": unit, "intervals": "s", "impulses": f"{unit} s"}[spec.of]
+
+
 def _edges(spec: BlowsSpec, unit: str) -> tuple[Array, str]:
-    counted = {"peaks": unit, "intervals": "s", "impulses": f"{unit} s"}[spec.of]
+    counted = _counted_unit(spec, unit)
     return np.array([si_amount(edge, counted, "edges") for edge in spec.edges]), counted
 
 
@@ -540,10 +496,10 @@ def _blows(spec: BlowsSpec, unit: str, time: Array, values: Array) -> Array:
     return np.array([size[i:j].sum() * step for i, j in zip(begins, ends, strict=True)])
 
 
-def _soft_histogram(found: Array, edges: Array) -> Array:
+def _soft_histogram(numbers: Array, edges: Array) -> Array:
     """Return the count of each bin, numbers shared between the two nearest middles."""
     middles = 0.5 * (np.log(edges[1:]) + np.log(edges[:-1]))
-    inside = np.log(found[(found >= edges[0]) & (found <= edges[-1])])
+    inside = np.log(numbers[(numbers >= edges[0]) & (numbers <= edges[-1])])
     place = np.interp(inside, middles, np.arange(len(middles), dtype=float))
     left = np.minimum(place.astype(int), len(middles) - 2) if len(middles) > 1 else place.astype(int)
     counts = np.zeros(len(middles))

@@ -1,4 +1,4 @@
-"""Tables of a fit file: columns of a record, layout of its file, parameters and derived numbers."""
+"""Tables of a fit file: columns, layouts of files, parameters and derived numbers."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from antenna_pin.base.units import any_quantity, shown
 from antenna_pin.scenario.spec import Count, Quantity, Spec, refuse
+from antenna_pin.sweep.parameters import AnyQuantity, KeysSpec
 
 __all__ = [
     "BlowsSpec",
@@ -31,15 +32,6 @@ __all__ = [
 # --- columns of a record ------------------------------------------------------------------------------------
 
 
-def _quantity(value: object) -> object:
-    if any_quantity(value) is None:
-        refuse(f"must be a number, or text with a unit, got {shown(value)}", value=value)
-    return value
-
-
-#: A number or text with a unit, checked once the model's column is known.
-_AnyQuantity = Annotated[Any, BeforeValidator(_quantity)]
-
 _PositiveFrequency = Annotated[float, Quantity("Hz", "positive")]
 _PositiveSpan = Annotated[float, Quantity("s", "positive")]
 _Triple = tuple[float, float, float]
@@ -49,8 +41,8 @@ class _FilterSpec(Spec):
     """Low-pass filter of a reading: Butterworth, causal, at rest at the record's start.
 
     Attributes:
-        order: Of it [-].
-        corner: Where it is 3 dB down [Hz].
+        order: Order of the filter [-].
+        corner: Frequency at which the filter is 3 dB down [Hz].
     """
 
     order: Annotated[int, BeforeValidator(Count(1, 12).read)] = 4
@@ -61,8 +53,8 @@ class SpectrumSpec(Spec):
     """Comparison by the logarithms of band powers of the spectrum (Welch 1967).
 
     Attributes:
-        edges: Of the bands, rising [Hz].
-        segment: Length of a segment; half of it overlaps with the next [s].
+        edges: Edges of the bands, rising [Hz].
+        segment: Length of a segment; consecutive segments overlap by half [s].
     """
 
     edges: tuple[_PositiveFrequency, ...]
@@ -78,19 +70,19 @@ class SpectrumSpec(Spec):
 class BlowsSpec(Spec):
     """Comparison by a histogram of impacts: intervals in which a curve exceeds a level.
 
-    Each counts in the two bins between whose middles its logarithm lies, in parts, so that counts follow the
-    model's numbers without jumps.
+    Each impact counts in parts in the two bins between whose middles its logarithm lies, so that counts
+    follow the model's numbers without jumps.
 
     Attributes:
-        level: Above which an impact lasts, in the column's unit.
-        of: What is counted: largest values ``peaks``, ``intervals`` from one onset to the next, integrals
-            over time ``impulses``.
-        edges: Of the bins, positive and rising, in the unit of what is counted.
+        level: Level above which an impact lasts, in the column's unit.
+        of: Counted number: largest values ``peaks``, ``intervals`` from one onset to the next, integrals over
+            time ``impulses``.
+        edges: Edges of the bins, positive and rising, in the unit of the counted number.
     """
 
-    level: _AnyQuantity
+    level: AnyQuantity
     of: Literal["peaks", "intervals", "impulses"] = "peaks"
-    edges: tuple[_AnyQuantity, ...]
+    edges: tuple[AnyQuantity, ...]
 
     @model_validator(mode="after")
     def _check_bins(self) -> Self:
@@ -116,30 +108,30 @@ class ColumnSpec(Spec):
     """Column of a record: its sensor's reading of the motion, times ``gain``, plus ``offset``.
 
     Attributes:
-        column: Name in the file; that of this table if left out.
-        unit: In which the file has it; the SI unit of what is read if left out.
-        sensor: ``variable``, a quantity of the result as it is; ``accelerometer``, the specific force at a
-            point of a link; ``encoder``, a quantity in steps; ``force-cell``, what a joint passes on.
-        of: Of variable and encoder: a quantity by its name, as ``motion_angle[hinge]``.
-        link: Of an accelerometer: the link that it is fixed on. Of a force cell: in whose axes its direction
-            is; the world's if left out.
-        point: Of an accelerometer: its place in the link's frame [m].
-        direction: Its axis, in the link's axes; only the ratio of the numbers counts.
-        gravity: Whether the accelerometer reads the specific force, acceleration less that of gravity, as
-            all that go down to 0 Hz do; else the acceleration.
-        resolution: Of an encoder: its step.
-        rounding: Of an encoder: to the ``nearest`` step, or ``down`` to the last that was passed.
-        joint: Of a force cell: the joint or closure, whose load from parent to child it reads.
-        load: Of a force cell: ``force`` or ``torque``.
-        gain: Of the reading [-].
-        offset: Of the reading, in the unit of what is read.
-        filter: What the reading went through.
+        column: Name in the file; the name of this table by default.
+        unit: Unit in the file; the SI unit of the reading by default.
+        sensor: ``variable``, a quantity of the result; ``accelerometer``, the specific force at a point of a
+            link; ``encoder``, a quantity in steps; ``force-cell``, the load that a joint transmits.
+        of: Variable and encoder: name of a quantity, as ``motion_angle[hinge]``.
+        link: Accelerometer: link on which it is mounted. Force cell: link whose axes its direction refers to;
+            the world's axes by default.
+        point: Accelerometer: position in the link's frame [m].
+        direction: Sensitive axis, in the link's axes; only the ratio of the numbers counts.
+        gravity: Accelerometer: true for the specific force, acceleration less gravity, as sensors down to 0
+            Hz read; false for the acceleration.
+        resolution: Encoder: size of a step.
+        rounding: Encoder: to the ``nearest`` step, or ``down`` to the last step passed.
+        joint: Force cell: joint or closure, whose load from parent to child is read.
+        load: Force cell: ``force`` or ``torque``.
+        gain: Gain of the reading [-].
+        offset: Offset of the reading, in the reading's unit.
+        filter: Low-pass filter of the reading.
         compare: ``curve``, all rows; ``rms``, one number; ``spectrum``; ``blows``.
-        spectrum: How, where spectra are compared.
-        impacts: How, where impacts are.
-        sd: Standard deviation of the noise: of a row of a curve, or of the rms, in the unit of what is read;
-            of a band's power as a part of it [-]. Of bands and impacts it follows from counts if left out.
-        weight: Of the column's residuals beside the others' [-].
+        spectrum: Settings of a comparison of spectra.
+        blows: Settings of a comparison of impacts.
+        sd: Standard deviation of the noise: of a row of a curve, or of the rms, in the reading's unit; of a
+            band's power relative to the power [-]. For bands and impacts it follows from counts by default.
+        weight: Weight of the column's residuals relative to other columns [-].
     """
 
     column: str | None = None
@@ -150,17 +142,17 @@ class ColumnSpec(Spec):
     point: tuple[Any, Any, Any] | None = None
     direction: _Triple | None = None
     gravity: bool | None = None
-    resolution: _AnyQuantity = None
+    resolution: AnyQuantity = None
     rounding: Literal["nearest", "down"] | None = None
     joint: str | None = None
     load: Literal["force", "torque"] | None = None
     gain: float = 1.0
-    offset: _AnyQuantity = 0.0
+    offset: AnyQuantity = 0.0
     filter: _FilterSpec | None = None
     compare: Literal["curve", "rms", "spectrum", "blows"] = "curve"
     spectrum: SpectrumSpec | None = None
     blows: BlowsSpec | None = None
-    sd: _AnyQuantity = None
+    sd: AnyQuantity = None
     weight: Annotated[float, Quantity("1", "positive")] = 1.0
 
     @model_validator(mode="after")
@@ -204,22 +196,22 @@ _SOME_DAY = datetime(2026, 5, 4, 10, 15, 30, 250000)
 
 
 class LayoutSpec(Spec):
-    """Layout of a record's file, most of it for texts.
+    """Layout of a record's file; most settings are for text files.
 
     Attributes:
-        delimiter: Between a text's columns; a blank is any number of blanks. Detected if left out.
-        decimal: A text's decimal sign, point or comma. Detected if left out.
-        encoding: Of a text, as Python calls it: ``utf-8``, ``latin-1``, ``utf-16``. A byte order mark comes
-            before ``utf-8``.
-        comment: With what a text's lines begin that do not count.
-        skip: A text's lines in front of its column names, comments too [-].
-        names: Of a text's columns, if no line of it has them.
-        units_row: Whether a line beneath the names has the columns' units.
-        time: Name of the column of times; a record of a run of this package has ``time``.
-        time_unit: In which it is; where it is left out what the file says, else seconds.
-        time_format: Of times that are stamps: ``iso`` (2026-05-04 10:15:30.25), or as Python's ``strptime``
-            has it (``%d.%m.%Y %H:%M:%S,%f``); they count from the first row.
-        rate: Of a file without times: how many rows a second has; they count from the first row [Hz].
+        delimiter: Delimiter of a text's columns; a blank means any number of blanks. Detected by default.
+        decimal: Decimal sign of a text, point or comma. Detected by default.
+        encoding: Encoding of a text by Python's name: ``utf-8``, ``latin-1``, ``utf-16``. A byte order mark
+            takes precedence over ``utf-8``.
+        comment: Prefix of a text's comment lines.
+        skip: Number of lines before the column names of a text, comments included [-].
+        names: Names of a text's columns, if no line has them.
+        units_row: True if a line below the names has the columns' units.
+        time: Name of the column of times; ``time`` in a record of a run of this package.
+        time_unit: Unit of the times; by default that in the file, else seconds.
+        time_format: Format of time stamps: ``iso`` (2026-05-04 10:15:30.25), or a pattern of Python's
+            ``strptime`` (``%d.%m.%Y %H:%M:%S,%f``); times count from the first row.
+        rate: Rate of the rows of a file without times; times count from the first row [Hz].
     """
 
     delimiter: Annotated[str, Field(min_length=1, max_length=1)] | None = None
@@ -304,7 +296,7 @@ def names_in(text: str) -> tuple[str, ...]:
     """Return the names of the parameters in an expression, in alphabetical order.
 
     Raises:
-        ValueError: It is no expression, or has more in it than arithmetic; the message is a rule.
+        ValueError: The text is no arithmetic expression; the message is a rule.
     """
     found: set[str] = set()
 
@@ -327,14 +319,10 @@ def names_in(text: str) -> tuple[str, ...]:
 
 
 def evaluate(text: str, values: Mapping[str, float]) -> float:
-    """Return the value of an expression that :func:`names_in` accepts.
-
-    Args:
-        text: The expression.
-        values: Of the parameters in it [SI].
+    """Return the value in SI units of an expression that :func:`names_in` accepts.
 
     Raises:
-        ValueError: It has no finite real value there.
+        ValueError: The expression has no finite real value.
     """
 
     def value(node: Any) -> Any:
@@ -372,44 +360,34 @@ def _is_call(node: ast.expr) -> bool:
 
 
 class _PriorSpec(Spec):
-    """Prior of a parameter: a normal distribution.
+    """Prior of a parameter: a normal distribution, in the parameter's unit."""
+
+    mean: AnyQuantity
+    sd: AnyQuantity
+
+
+class FitParameterSpec(KeysSpec):
+    """Unknown number of a fit.
 
     Attributes:
-        mean: Its mean, in the parameter's unit.
-        sd: Its standard deviation, in the parameter's unit.
-    """
-
-    mean: _AnyQuantity
-    sd: _AnyQuantity
-
-
-class FitParameterSpec(Spec):
-    """Unknown number.
-
-    Attributes:
-        key: Key of the scenario, as a study has it, or several that get the same value; or a number of a
+        key: Key of the scenario, as in a study, or several keys that get the same value; or a number of a
             record: ``records.NAME.clock_shift``, ``records.NAME.columns.COLUMN.gain`` or ``.offset``. Left
-            out of a parameter that only numbers derived from it use.
-        start: Where the search begins.
-        between: Its bounds.
-        scale: ``log`` for a positive number of which not even the size is known.
-        prior: What is known of it from elsewhere, which counts like one more measurement.
-        records: Whose it is; of all records if left out.
-        title: What it is called in figures; its name if left out.
+            out of a parameter that only derived numbers use.
+        start: Start value of the search.
+        between: Bounds.
+        scale: ``log`` for a positive number of unknown order of magnitude.
+        prior: Prior knowledge, which counts as one more measurement.
+        records: Records to which the parameter belongs; all by default.
+        title: Title in figures; the name by default.
     """
 
     key: str | tuple[str, ...] = ()
-    start: _AnyQuantity
-    between: tuple[_AnyQuantity, _AnyQuantity] | None = None
+    start: AnyQuantity
+    between: tuple[AnyQuantity, AnyQuantity] | None = None
     scale: Literal["linear", "log"] = "linear"
     prior: _PriorSpec | None = None
     records: tuple[str, ...] | None = None
     title: str = ""
-
-    @property
-    def keys_set(self) -> tuple[str, ...]:
-        """Keys that the parameter sets."""
-        return (self.key,) if isinstance(self.key, str) else self.key
 
     def numbers(self) -> tuple[float, float, float, str]:
         """Return start and bounds in SI units, infinite without bounds, and the unit."""
@@ -460,27 +438,21 @@ def _unit(value: object) -> str:
     return "" if unit == "1" else unit
 
 
-class DerivedSpec(Spec):
+class DerivedSpec(KeysSpec):
     """Number of the scenario that follows from parameters, such as ``coulomb + excess``.
 
-    With a difference as the parameter, of zero or more, two numbers keep their order.
+    With a nonnegative difference as the parameter, two numbers keep their order.
 
     Attributes:
-        key: Key of the scenario, or several that get the same value.
+        key: Key of the scenario, or several keys that get the same value.
         value: Expression of parameters: + - * / **, sqrt, exp, log, min, max; all numbers are in SI units.
-        records: Whose it is; of all records if left out.
-        unit: SI unit in which it is printed.
+        records: Records to which the number belongs; all by default.
+        unit: SI unit in printed results.
     """
 
-    key: str | tuple[str, ...]
     value: str
     records: tuple[str, ...] | None = None
     unit: str = ""
-
-    @property
-    def keys_set(self) -> tuple[str, ...]:
-        """Keys that the number sets."""
-        return (self.key,) if isinstance(self.key, str) else self.key
 
     @field_validator("value")
     @classmethod

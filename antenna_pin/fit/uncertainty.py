@@ -22,6 +22,7 @@ References:
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, Protocol, get_args
 
@@ -37,6 +38,7 @@ __all__ = [
     "Loss",
     "Noise",
     "Rank",
+    "ResidualFunctions",
     "Residuals",
     "Sure",
     "cost",
@@ -96,7 +98,7 @@ def influence(residuals: Array, loss: Loss = "linear", scale: float = 1.0) -> Ar
 def curvature(residuals: Array, loss: Loss = "linear", scale: float = 1.0) -> Array:
     """Return the curvature psi' of the loss in each residual, (m,) [-].
 
-    That of ``cauchy`` and ``arctan`` is negative far out.
+    It may be negative far out.
     """
     z, _, slope, bend = _terms(residuals, loss, scale)
     return np.asarray(slope + 2.0 * z * bend)
@@ -110,25 +112,14 @@ DOUBT = 1e-7
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rank:
-    """Rank of a Jacobian.
+    """Rank of a Jacobian."""
 
-    Attributes:
-        influential: Whether a parameter changes the record at all, (p,).
-        determined: Whether it can be told from the record, all others free, (p,).
-        lengths: Of the columns, each times its parameter's scale, (p,) [-].
-        singular: Singular values of the columns at length 1, falling, those of parameters that are not felt
-            left out, (felt,) [-].
-        identified: Directions of the scaled parameters that the record tells, a row each, (rank, p).
-        null: Directions along which the record stays as it is, a row each with a 1 in a place where the
-            others have a 0, (p - rank, p) in scales of the parameters: as few parameters together as can be.
-    """
-
-    influential: NDArray[np.bool_]
-    determined: NDArray[np.bool_]
-    lengths: Array
-    singular: Array
-    identified: Array
-    null: Array
+    influential: NDArray[np.bool_]  # parameters with any effect on the record, (p,)
+    determined: NDArray[np.bool_]  # parameters identifiable with all others free, (p,)
+    lengths: Array  # of the columns, each times its parameter's scale, (p,) [-]
+    singular: Array  # singular values of unit columns, falling, influential ones only, (felt,) [-]
+    identified: Array  # identifiable directions of the scaled parameters, a row each, (rank, p)
+    null: Array  # null directions in scales, reduced to as few parameters as possible, (p - rank, p)
 
     @property
     def full(self) -> bool:
@@ -139,11 +130,9 @@ class Rank:
 def rank_of(jacobian: Array, scale: Array, doubt: float = DOUBT) -> Rank:
     """Return the rank of a Jacobian, with its identifiable directions.
 
-    A direction is one that cannot be told if what it does to the record is within the error of the Jacobian
-    itself: a singular value below ``doubt`` times the root of the number of parameters, of columns of length
-        1. A
-    parameter is not felt if one scale of it does less than ``doubt`` squared of what one of the strongest
-    does.
+    A direction is unidentifiable if its effect on the record is within the error of the Jacobian itself: a
+    singular value below ``doubt`` times the root of the number of parameters, of columns of length 1. A
+    parameter has no influence if one scale of it has less than ``doubt`` squared of the largest effect.
 
     Args:
         jacobian: Derivatives of the weighted residuals, (m, p).
@@ -151,7 +140,7 @@ def rank_of(jacobian: Array, scale: Array, doubt: float = DOUBT) -> Rank:
         doubt: Relative error of its columns [-].
 
     Raises:
-        InvalidParameterError: The Jacobian holds what is no number, or has another shape.
+        InvalidParameterError: The Jacobian is not finite, or has another shape.
     """
     count = len(scale)
     if jacobian.ndim != 2 or jacobian.shape[1] != count or not len(jacobian):
@@ -240,30 +229,41 @@ class Residuals(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class ResidualFunctions:
+    """Residuals and their derivatives as functions, with the members of :class:`Residuals`."""
+
+    names: tuple[str, ...]
+    start: Array
+    lower: Array
+    upper: Array
+    scale: Array
+    residuals: Callable[[Array], Array]
+    jacobian: Callable[[Array], Array]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Sure:
     """Uncertainty of a fit's values.
 
     Attributes:
-        names: Of the parameters.
-        values: At which this holds, (p,).
-        covariance: Of the values, (p, p); infinite on the diagonal of one that cannot be told, NaN beside it,
-            and zero of one that is held at its bound.
+        names: Names of the parameters.
+        values: Values, (p,).
+        covariance: Covariance of the values, (p, p); infinite on the diagonal if unidentifiable, NaN beside
+            it, and zero at a bound.
         error: Standard errors, (p,).
-        correlation: (p, p) [-]; NaN where one cannot be told, or is held.
+        correlation: (p, p) [-]; NaN if unidentifiable or at a bound.
         low: Lower ends of the intervals, (p,).
         high: Upper ends, (p,).
-        level: Of the intervals [-].
-        held: Whether a value is at a bound and would go on beyond it, (p,): the others are sure as if it was
-            known.
-        rank: What the record tells of those that are not held.
-        direction_covariance: Covariance along the directions that it tells, ``rank.identified``, (rank,
-            rank).
+        level: Confidence level of the intervals [-].
+        held: True for a value held by a bound, (p,); the others' uncertainty takes it as known.
+        rank: Rank of the Jacobian of the others.
+        direction_covariance: Covariance along ``rank.identified``, (rank, rank).
         freedom: Residuals less parameters [-].
-        factor: The variance of a weighted residual, phi [-].
-        stretch: How many times a variance is that of phi and the curvature of the loss alone, (p,) [-]: 1
-            where residuals are independent and their loss linear.
+        factor: Variance phi of a weighted residual [-].
+        stretch: Ratio of a variance to that by phi and the curvature of the loss alone, (p,) [-]: 1 for
+            independent residuals and a linear loss.
         chi_squared: Sum of the squares of the weighted residuals [-].
-        noise: What was taken to be known of the noise.
+        noise: Assumption on the noise.
     """
 
     names: tuple[str, ...]
@@ -316,22 +316,22 @@ def sure(
     curves: NDArray[np.intp] | None = None,
     doubt: float = DOUBT,
 ) -> Sure:
-    """Return the uncertainty of values at which a fit has ended.
+    """Return the uncertainty of the values at the end of a fit.
 
     Args:
-        problem: What was fitted.
+        problem: Problem of the fit.
         values: The best values, (p,).
-        noise: What is known of it: ``given``, residuals are in units of it; ``estimated``, its size is found
-            from the residuals; ``correlated``, and they are correlated in time.
-        loss: That the fit used.
-        loss_scale: The residual at which it begins to count less [-].
-        level: Of the intervals [-].
-        curves: The number of the curve that each residual is of, (m,), those of one curve in order of time;
-            all one curve if left out. Of use to ``correlated`` only.
+        noise: ``given``, residuals are in units of it; ``estimated``, its size follows from the residuals;
+            ``correlated``, as estimated, with correlation in time.
+        loss: Loss of the fit.
+        loss_scale: Residual from which the loss grows more slowly [-].
+        level: Confidence level of the intervals [-].
+        curves: Index of each residual's curve, (m,), those of one curve in order of time; one curve by
+            default. For ``correlated`` only.
         doubt: Relative error of the Jacobian's columns [-].
 
     Raises:
-        InvalidParameterError: There are no more residuals than parameters, or the curvature of a loss that
+        InvalidParameterError: The residuals are no more than the parameters, or the curvature of a loss that
             falls far out is not positive at the best values.
     """
     if noise not in _NOISES:
@@ -342,7 +342,7 @@ def sure(
     residuals, jacobian = problem.residuals(found), problem.jacobian(found)
     rank = rank_of(jacobian, problem.scale, doubt)
     slope = influence(residuals, loss, loss_scale)
-    held = _held(problem, found, jacobian.T @ slope)
+    held = _at_bound(problem, found, jacobian.T @ slope)
     if held.any():
         rank = rank_of(np.where(held, 0.0, jacobian), problem.scale, doubt)
     freedom = len(residuals) - len(rank.identified)
@@ -402,7 +402,7 @@ def _variance_factor(slope: Array, bend: Array, freedom: int) -> float:
     return float(slope @ slope / freedom / max(float(bend.mean()), 1e-300))
 
 
-def _held(problem: Residuals, values: Array, slope: Array) -> NDArray[np.bool_]:
+def _at_bound(problem: Residuals, values: Array, slope: Array) -> NDArray[np.bool_]:
     """Return whether values are at a bound, with the loss falling beyond it."""
     room = np.where(np.isfinite(problem.upper - problem.lower), problem.upper - problem.lower, problem.scale)
     low = (values - problem.lower <= _AT_BOUND * room) & (slope >= 0.0)
@@ -430,19 +430,14 @@ def _score_variance(
     total = scores.T @ scores
     if noise != "correlated":
         return np.asarray(total)
-    for part in _curve_parts(len(residuals), curves):
+    numbers = np.zeros(len(residuals), dtype=int) if curves is None else curves
+    for part in (np.flatnonzero(numbers == one) for one in np.unique(numbers)):
         mine = scores[part]
         lags = _lag_count(autocorrelation(residuals[part]), len(mine))
         for lag in range(1, lags + 1):
             one = mine[lag:].T @ mine[:-lag]
             total = total + (1.0 - lag / (lags + 1.0)) * (one + one.T)
     return np.asarray(total)
-
-
-def _curve_parts(count: int, curves: NDArray[np.intp] | None) -> list[NDArray[np.intp]]:
-    if curves is None:
-        return [np.arange(count)]
-    return [np.flatnonzero(curves == one) for one in np.unique(curves)]
 
 
 def autocorrelation(residuals: Array) -> float:

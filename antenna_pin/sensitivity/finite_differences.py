@@ -1,4 +1,4 @@
-"""Derivatives of a result by finite differences of runs, each with its own contacts and events."""
+"""Derivatives of a result by finite differences of runs with contacts and events."""
 
 from __future__ import annotations
 
@@ -134,31 +134,19 @@ _ULPS = 4.0
 
 
 class Slopes(NamedTuple):
-    """Derivatives over one parameter.
-
-    Attributes:
-        values: By variable.
-        doubts: Likewise: what is between differences of two orders, and the runs' own error.
-    """
+    """Derivatives over one parameter, by variable."""
 
     values: dict[str, Array]
-    doubts: dict[str, Array]
+    doubts: dict[str, Array]  # difference of two orders, and the runs' own error
 
 
 class _Difference(NamedTuple):
-    """Derivative of a variable by one step.
-
-    Attributes:
-        value: The derivative.
-        doubt: Of it.
-        worst: The largest doubt, over the derivative or the variable's own size over the scale.
-        noise: What of that the runs' own error is, which goes with one over the step.
-    """
+    """Derivative of a variable by one step."""
 
     value: Array
-    doubt: Array
-    worst: float
-    noise: float
+    doubt: Array  # error estimate
+    worst: float  # largest error estimate over the derivative, or over the variable's size per scale
+    noise: float  # share of it by the runs' own error, in inverse proportion to the step
 
 
 def _numbers_at(run: Trajectory, times: Array) -> xr.Dataset:
@@ -205,12 +193,12 @@ class FiniteDifferences:
 
     Args:
         scenario: The scenario.
-        settings: Of all runs.
-        duration: Of all runs [s].
-        times: At which samples are differentiated, (times,) [s].
-        start: From where they go on; the scenario's start if None.
-        processes: In how many processes runs are made.
-        order: Of differences: 6, of six runs a parameter, or 2, of two.
+        settings: Settings of all runs.
+        duration: Duration of all runs [s].
+        times: Times of differentiated samples, (times,) [s].
+        start: State from which runs continue; the scenario's start if None.
+        processes: Number of processes that make runs.
+        order: Order of differences: 6, of six runs a parameter, or 2, of two.
     """
 
     def __init__(
@@ -228,7 +216,7 @@ class FiniteDifferences:
         self._scenario, self._settings, self._duration = scenario, settings, duration
         self._times, self._start, self._processes = times, start, processes
         self._system = build_system(scenario) if start is not None else None
-        self.run = self._made(scenario, "the run", start)
+        self.run = self._completed_run(scenario, "the run", start)
         self._columns = columns_of(self.run)
         self.here = _numbers_at(self.run, times)
         self._here = {str(name): one.values for name, one in self.here.data_vars.items()}
@@ -237,7 +225,7 @@ class FiniteDifferences:
         #: Duration of the longest contact with a force maximum [s].
         self._longest = _longest(self.run.data)
 
-    def _made(self, scenario: Scenario, what: str, start: State | None) -> Trajectory:
+    def _completed_run(self, scenario: Scenario, what: str, start: State | None) -> Trajectory:
         """Return a run of a scenario, from its start or from a state."""
         given: dict[str, Any] = {"settings": self._settings, "duration": self._duration}
         if start is None and scenario is self._scenario:
@@ -259,17 +247,17 @@ class FiniteDifferences:
         """Return the derivatives over each of some parameters.
 
         Raises:
-            GrazeError: A contact or an event comes or goes with one.
-            SensitivityError: A run did not come to its end, or the scenario refuses a perturbed run's value.
+            GrazeError: A contact or an event appears or vanishes with one.
+            SensitivityError: A run did not complete, or the scenario refuses a perturbed run's value.
         """
         return [self._over(one) for one in parameters]
 
     def _over(self, parameter: Parameter) -> Slopes:
         """Return derivatives by the best step for each number, with few steps.
 
-        They begin with the largest one that left the last parameter's perturbed runs alike. Finer ones are
-        made while a number that is not known well would be known better, to judge by the two before; coarser
-        ones where what it is off by at the first is the runs' own error.
+        The first step is the largest one with unchanged events of the last parameter's perturbed runs. Finer
+        ones follow while they improve an inaccurate number, judging by the two before; coarser ones where the
+        error of the first is the runs' own.
         """
         best: dict[str, _Difference] = {}
         steps, first = _STEPS[self._order], self._first
@@ -309,17 +297,19 @@ class FiniteDifferences:
         """Return whether a number is inaccurate."""
         return one.worst > _GOOD[self._order]
 
-    def _take(self, best: dict[str, _Difference], found: dict[str, _Difference], *, finer: bool) -> bool:
+    def _take(
+        self, best: dict[str, _Difference], differences: dict[str, _Difference], *, finer: bool
+    ) -> bool:
         """Update the best differences; return whether an inaccurate one improved.
 
-        What parts two orders goes with a power of the step: what is more of it than that is noise.
+        The difference of two orders follows a power of the step: any excess over it is noise.
         """
         less = _FINER ** (1 if self._order == 2 else 4)
         gained = False
-        for name, one in found.items():
+        for name, one in differences.items():
             here = best[name]
             if finer:
-                found[name] = one = one._replace(noise=max(one.noise, one.worst - here.worst / less))
+                differences[name] = one = one._replace(noise=max(one.noise, one.worst - here.worst / less))
             if one.worst < here.worst:
                 gained = gained or self._poor(here)
                 best[name] = one
@@ -365,7 +355,7 @@ class FiniteDifferences:
         if start is not None and self._system is not None and is_initial(parameter.key):
             start = shifted_start(start, self._scenario, other, self._system)
         try:
-            run = self._made(other, f"a run {what}", start)
+            run = self._completed_run(other, f"a run {what}", start)
         except SensitivityError:
             raise
         except AntennaPinError as error:  # of what is built, which only some values want more for

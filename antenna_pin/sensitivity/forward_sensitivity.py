@@ -1,8 +1,8 @@
-"""Forward sensitivity of a result by the variational equation, along one run and through its events.
+"""Forward sensitivity of a result by the variational equation, along one run.
 
 A force is largest where its rate F' is zero. In a perturbed run, whose rate there differs by dF', that is
-later by ``-dF' / F''``; the largest force itself changes as at equal times. One that is largest at an event,
-such as the onset of another contact, moves with that event.
+later by ``-dF' / F''``; the largest force itself changes as at equal times. A force that is largest at an
+event, such as the onset of another contact, moves with that event.
 
 A largest value at a sample is that of a sample of the run's own: of an output time, which is fixed, or of the
 time at which a contact's force is largest, with which it moves. An effort that is largest between samples
@@ -60,13 +60,7 @@ _START = 1e-3
 
 
 class _PerturbedScenario(NamedTuple):
-    """Scenario with one parameter perturbed.
-
-    Attributes:
-        scenario: The scenario.
-        system: What it builds.
-        first: The state that it starts from.
-    """
+    """Scenario with one parameter perturbed, its system and first state."""
 
     scenario: Scenario
     system: System
@@ -76,14 +70,8 @@ class _PerturbedScenario(NamedTuple):
 class ForwardSensitivity:
     """Derivatives of samples of a scenario's run over parameters, by the variational equation.
 
-    Args:
-        scenario: The scenario.
-        parameters: Its numbers.
-        settings: How to integrate.
-        start: From where it goes on; the scenario's start if None.
-
     Raises:
-        InvalidParameterError: It has controllers, or a parameter is one of an event.
+        InvalidParameterError: The scenario has controllers, or a parameter belongs to an event.
     """
 
     def __init__(
@@ -162,15 +150,11 @@ class ForwardSensitivity:
     def run(self, times: Array, duration: float, moments: Array) -> TangentRecord:
         """Return the run with its tangents, recorded at times and depth maxima.
 
-        Its samples are the run's first one and these, in order.
-
-        Args:
-            times: When, ascending (n,) [s].
-            duration: Of the run [s].
-            moments: When besides, such as at the largest forces of contacts, (m,) [s].
+        Its samples are the run's first one and those at ``times`` (n,) and ``moments`` (m,), such as the
+        largest forces of contacts, in order [s].
 
         Raises:
-            GrazeError: A contact begins, or an event happens, with no speed.
+            GrazeError: A contact begins, or an event occurs, at zero rate.
         """
         first, flow = self._here.first, self.flow
         begin, end = first.reached, first.reached + duration
@@ -198,19 +182,12 @@ _FOUND = 1e-3
 
 
 class _Peaks(NamedTuple):
-    """Shifts of force peaks in time and size, (episodes, parameters) each.
+    """Shifts of force peaks in time and size, (episodes, parameters) each."""
 
-    Attributes:
-        late: By how much later per scale [s].
-        late_doubt: By how much that is uncertain.
-        force: By how much larger at that time [N].
-        force_doubt: Likewise.
-    """
-
-    late: Array
-    late_doubt: Array
-    force: Array
-    force_doubt: Array
+    late: Array  # delay per scale [s]
+    late_doubt: Array  # its error estimate [s]
+    force: Array  # increase at that time [N]
+    force_doubt: Array  # its error estimate [N]
 
 
 def maximum_times(run: xr.Dataset) -> Array:
@@ -343,11 +320,11 @@ def _event_delay(along: TangentRecord, when: float, scales: Array) -> Array:
 
 
 def _sample_delay(
-    along: TangentRecord, run: xr.Dataset, peaks: _Peaks, when: float, asked: Array, scales: Array
+    along: TangentRecord, run: xr.Dataset, peaks: _Peaks, when: float, sample_times: Array, scales: Array
 ) -> tuple[Array, Array, float] | None:
     """Return a sample's delay, its error estimate and its event's duration, or None."""
     still, one = np.zeros(len(scales)), _ONE * when
-    if (np.abs(asked - when) <= 4.0 * np.spacing(max(when, float(asked[-1])))).any():
+    if (np.abs(sample_times - when) <= 4.0 * np.spacing(max(when, float(sample_times[-1])))).any():
         return still, still, 0.0
     if any(abs(passed.time - when) < _SAME for passed in along.event_shifts):
         return None  # a sample on one side of what jumps there
@@ -387,9 +364,9 @@ def named_derivatives(
     """Return derivatives over each parameter, by the result's names; NaN where unknown.
 
     Args:
-        equation: Along whose run tangents were propagated.
-        along: That run, as it was looked at.
-        here: What the result has at the times that are asked for.
+        equation: Forward sensitivity that propagated the tangents.
+        along: Record of its run.
+        here: Result at the requested times.
         run: The result.
         parameters: The parameters.
     """

@@ -57,19 +57,19 @@ def _piece_borders(length: float, begin: float, span: float) -> Array:
 
 def _over_pieces(
     flow: Flow,
-    first: State,
+    state: State,
     borders: Array,
     times: Array,
-    made: Callable[[State, Array, float], Sensitivities],
+    derive: Callable[[State, Array, float], Sensitivities],
 ) -> Sensitivities:
     """Return derivatives at times and at the ends of pieces, each over its own piece."""
     parts: list[tuple[float, Sensitivities]] = []
     refused: list[dict[str, float | str]] = []
-    start = first
+    start = state
     for begin, end in zip(borders[:-1].tolist(), borders[1:].tolist(), strict=True):
         at = np.append(times[(times > begin * (1.0 + _ONE)) & (times < end * (1.0 - _ONE))], end)
         try:
-            parts.append((begin, made(start, at, end - begin)))
+            parts.append((begin, derive(start, at, end - begin)))
         except GrazeError as error:
             refused.append({"begin": begin, "end": end, "why": str(error)})
         start = flow.after(start, end - start.time)
@@ -116,35 +116,37 @@ def sensitivities(
     """Return the derivatives of a scenario's results over some of its numbers.
 
     By ``runs`` all numbers of the result have them: samples at given times, times and peaks of contacts,
-    impulses, losses, whatever the schema names. They are differences of sixth order of six runs a parameter,
-    each of which locates its own contacts and events, uncertain by what fourth order says otherwise and by
-    the runs' own error; ``quick-runs`` are of second order, of two.
+    impulses, losses, and all others of the schema. They are differences of sixth order of six runs a
+    parameter, each of which locates its own contacts and events; the error estimate is the difference from
+    fourth order plus the runs' own error. ``quick-runs`` are of second order, of two runs.
 
-    The ``equation`` propagates tangents along one run, and through events by their saltation
-    (:mod:`antenna_pin.nonlinear.variational`), and the integrals besides by the integral of its rates'
-    derivatives. NaN are those of numbers that it does not tell, such as a largest force at a contact's onset.
-    It takes more time, and perturbed runs need not be alike in it: so it is held against two runs a
-    parameter, and refused where they contradict.
+    The ``equation`` propagates tangents along one run, through events by their saltation
+    (:mod:`antenna_pin.nonlinear.variational`), and the integrals by the integral of their rates' derivatives.
+    Numbers that it does not determine, such as a largest force at a contact's onset, are NaN. It takes more
+    time, and allows perturbed runs with other events: so it is compared with two runs a parameter, and
+    refused where they contradict.
 
     Args:
         scenario: The scenario.
-        keys: Of its numbers, as in ``--set``; ``mechanism.gravity[2]`` for one of an array. A mapping gives
-            each a scale, beside which changes are small, a number or text with a unit: the size of its value
-            if None, and to be given where that is 0.
-        times: At which samples are differentiated, ascending [s]; the scenario's output if left out.
-        duration: Of the run [s]; the scenario's if left out, or up to the last of ``times``.
-        settings: How to integrate; with the scenario's engine, order 8(5,3) and 1e-12 if left out.
-        start: From where the run goes on, the ``end`` of another; the scenario's start if left out. Keys of
-            ``initial`` then are perturbations of this state.
+        keys: Keys of its numbers, as in ``--set``; ``mechanism.gravity[2]`` for one of an array. A mapping
+            gives each a scale, relative to which changes are small, a number or text with a unit: the size of
+            its value if None; required where that is 0.
+        times: Sample times, ascending [s]; the scenario's output by default.
+        duration: Duration of the run [s]; the scenario's by default, or up to the last of ``times``.
+        settings: Settings of the integration; the scenario's engine, order 8(5,3) and 1e-12 by default.
+        start: State from which the run continues, the ``end`` of another; the scenario's start by default.
+            Keys of ``initial`` then are perturbations of this state.
         method: ``runs``, ``quick-runs`` or ``equation``.
         pieces: Length of pieces, each from the run's own state at its start, which is held: for motions whose
-            derivatives grow too far [s]. Samples and the ends of pieces have derivatives, in pieces that have
-            none they are left out, and ``data.attrs["refused"]`` says why. The ``run`` is the first piece.
-        processes: In how many processes runs are made side by side.
+            derivatives grow too far [s]. Samples and the ends of pieces have derivatives; pieces without
+            derivatives are left out, with the reason in ``data.attrs["refused"]``. The ``run`` is the first
+            piece.
+        processes: Number of processes that make runs.
 
     Raises:
-        GrazeError: A contact or an event comes or goes with the smallest change: there is no derivative.
-        SensitivityError: A run does not come to its end, or a number has no perturbed runs.
+        GrazeError: A contact or an event appears or vanishes with the smallest change: there is no
+            derivative.
+        SensitivityError: A run does not complete, or a number has no perturbed runs.
         AntennaPinError: The input is not valid.
     """
     place = "sensitivities"
@@ -165,11 +167,11 @@ def sensitivities(
     if first is None:
         first = flow.first(*initial_state(scenario, system), initial_angles(scenario, system))
 
-    def made(state: State, samples: np.ndarray, length: float) -> Sensitivities:
+    def piece(state: State, samples: np.ndarray, length: float) -> Sensitivities:
         own = dataclasses.replace(used, output_rate=0.5 / length, output_times=tuple(samples.tolist()))
         return _one_run(scenario, parameters, own, samples, length, state, method, processes)
 
-    return _over_pieces(flow, first, borders, at, made)
+    return _over_pieces(flow, first, borders, at, piece)
 
 
 def _one_run(
@@ -212,19 +214,22 @@ def _by_equation(
 
 
 def _checked_by_runs(
-    runs: list[Slopes], found: list[Slopes], made: FiniteDifferences, parameters: tuple[Parameter, ...]
+    runs: list[Slopes],
+    equation: list[Slopes],
+    differences: FiniteDifferences,
+    parameters: tuple[Parameter, ...],
 ) -> list[Slopes]:
     """Return derivatives of the equation, or refuse them where runs contradict.
 
-    By how much the two differ is uncertain, too. Where the motion is right and a number of what it does is
-    not (the integral of a loss over an onset where it has no derivative, a contact's memory that its law does
-    not ask for), that number is NaN: not told.
+    The deviation of both adds to the error estimate. Where the motion is right and another number is not (the
+    integral of a loss over an onset where it has no derivative, a contact's memory that its law does not
+    use), that number is NaN.
     """
     held = []
-    for one, ours, theirs in zip(parameters, found, runs, strict=True):
+    for one, ours, theirs in zip(parameters, equation, runs, strict=True):
         values, doubts, share = dict(ours.values), {}, _relative_uncertainty(theirs)
         for name, value in ours.values.items():
-            size = made.sizes[name] / one.scale
+            size = differences.sizes[name] / one.scale
             size = max(size, float(np.nanmax(np.abs(theirs.values[name]), initial=0.0)))
             noise = np.fmax(theirs.doubts[name], share * np.abs(theirs.values[name]))
             off = np.abs(value - theirs.values[name]) - 2.0 * noise - ours.doubts[name]
@@ -242,18 +247,18 @@ def _checked_by_runs(
     return held
 
 
-def _relative_uncertainty(found: Slopes) -> float:
+def _relative_uncertainty(slopes: Slopes) -> float:
     """Return the relative error of the motion's largest derivative, at most 1.
 
-    What is perturbed behind goes with that one, and its share uncertain with it, whatever a difference says
-    of each time by itself.
+    Later perturbations follow that derivative, and share its relative error, whatever a difference gives for
+    each time by itself.
     """
     shares = [0.0]
     for name in _MOTION:
-        if name in found.values and np.isfinite(sizes := np.abs(found.values[name]).reshape(-1)).any():
+        if name in slopes.values and np.isfinite(sizes := np.abs(slopes.values[name]).reshape(-1)).any():
             most = int(np.nanargmax(sizes))
             if sizes[most] > 0.0:
-                shares.append(float(found.doubts[name].reshape(-1)[most]) / float(sizes[most]))
+                shares.append(float(slopes.doubts[name].reshape(-1)[most]) / float(sizes[most]))
     return min(max(shares), 1.0)
 
 

@@ -41,11 +41,11 @@ class GrazeError(SensitivityError):
     """A contact or event that any perturbation adds or removes: there is no derivative.
 
     Attributes:
-        time: When, about; NaN if that is not known [s].
+        time: Approximate time of the event; NaN if unknown [s].
     """
 
     def __init__(self, message: str, time: float = math.nan) -> None:
-        """Compose it."""
+        """Store message and time."""
         super().__init__(message)
         self.time = time
 
@@ -54,10 +54,10 @@ class Parameter(NamedTuple):
     """Number of a scenario that results are differentiated by.
 
     Attributes:
-        key: Where it stands.
-        value: In SI units.
-        unit: Its SI unit; "" where that depends on what else stands there.
-        scale: What counts as one of it, in the same unit: changes are small beside this.
+        key: Key in the scenario.
+        value: Value in SI units.
+        unit: SI unit; "" if it depends on other entries.
+        scale: Scale in the same unit, relative to which changes are small.
     """
 
     key: str
@@ -75,10 +75,11 @@ def parameters_of(
         scenario: The scenario.
         keys: As in ``--set``, ``mechanism.gravity[2]`` for one number of an array; a mapping gives each its
             scale, a number or text with a unit, or None for the size of its value.
-        place: Who asks, for messages.
+        place: Name of the caller, for messages.
 
     Raises:
-        InvalidParameterError: Two are one, none is given, one has no scale, or motions are none of it.
+        InvalidParameterError: A key is given twice, none is given, one has no scale, or does not affect
+            motions.
         UnknownNameError: The scenario has no such number.
     """
     scales = dict(keys) if isinstance(keys, Mapping) else dict.fromkeys(keys)
@@ -123,16 +124,10 @@ def check_start_keys(keys: tuple[str, ...], system: System) -> None:
 
 
 def shifted_start(start: State, scenario: Scenario, other: Scenario, system: System) -> State:
-    """Return a state shifted as the start of one scenario is from another's.
+    """Return a state shifted by the difference of the starts of two scenarios.
 
-    What differs in a joint's place and rate differs in the state: along the joint's axis, of a joint with
-    play in its bearing's axes, of the base in the world's, its velocities in its own.
-
-    Args:
-        start: The state.
-        scenario: The scenario.
-        other: One that differs from it in its start, ``initial``.
-        system: Of both.
+    Differences of a joint's position and rate apply along the joint's axis, of a joint with play in its
+    bearing's axes, of the base in the world's axes, and of its velocities in its own.
     """
     here, there = (
         system.state(*initial_state(one, system), initial_angles(one, system)) for one in (scenario, other)

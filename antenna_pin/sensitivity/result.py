@@ -1,4 +1,4 @@
-"""Sensitivities as results: derivatives with their growth, rows for people, dataset and file."""
+"""Sensitivities as results: derivatives with their growth, tables, dataset and file."""
 
 from __future__ import annotations
 
@@ -45,14 +45,15 @@ class Growth(NamedTuple):
     """Growth of the velocities' derivative over one parameter along a run.
 
     Attributes:
-        key: Of the parameter.
-        largest: Velocities change by this at most per scale of it [m/s] ([rad/s]).
-        when: At this time [s].
-        exponent: By which it grows like exp(exponent t), a straight line through its logarithm over all
-            samples: the exponent of this motion over this span, not of an attractor. NaN of fewer than five
-            samples [1/s].
-        believed: From when on, to the end, doubt is more than the asked share of the largest so far; infinity
-            if it is not at the end [s].
+        key: Key of the parameter.
+        largest: Largest change of velocities per scale of it [m/s] ([rad/s]).
+        when: Time of the largest change [s].
+        exponent: Rate of growth as exp(exponent t), by a straight line through the logarithm over all
+            samples: the exponent of this motion over this span, not of an attractor. NaN for fewer than five
+                samples
+            [1/s].
+        believed: Time from which on, to the end, the error estimate exceeds the given share of the largest
+            derivative so far; infinity if it does not at the end [s].
     """
 
     key: str
@@ -100,8 +101,8 @@ class Sensitivities:
     Attributes:
         run: The run itself.
         parameters: The numbers, in the order of ``parameter``.
-        data: By the names of the result's variables, at the times that were asked for: ``NAME``, its
-            derivatives ``d_NAME`` over (..., parameter), and ``doubt_NAME``, by how much these are uncertain.
+        data: By the names of the result's variables, at the requested times: ``NAME``, its derivatives
+            ``d_NAME`` over (..., parameter), and their error estimates ``doubt_NAME``.
     """
 
     run: Trajectory
@@ -112,9 +113,6 @@ class Sensitivities:
 
     def derivative(self, variable: str) -> Array:
         """Return the derivatives of a variable of the result, (time, ..., parameter), in SI units.
-
-        Args:
-            variable: Its name, as in the result.
 
         Raises:
             UnknownNameError: The result has no such number.
@@ -133,13 +131,10 @@ class Sensitivities:
         return np.asarray(self.derivative(variable) * np.array([one.scale for one in self.parameters]))
 
     def growth(self, share: float = 0.01) -> tuple[Growth, ...]:
-        """Return the growth of velocities' derivatives over the samples: how far derivatives hold.
-
-        Args:
-            share: Of doubt over a derivative, up to which it is believed [-].
+        """Return the growth of velocities' derivatives over the samples, up to a relative error [-].
 
         Raises:
-            InvalidParameterError: There is no such share.
+            InvalidParameterError: The share is out of range.
         """
         if not 0.0 < share < 1.0:
             raise InvalidParameterError("sensitivities", "share", "above 0 and below 1", share)
@@ -151,14 +146,14 @@ class Sensitivities:
     def of(self, quantity: Callable[[xr.Dataset], Any]) -> tuple[Array, Array]:
         """Return the derivatives of a function of samples, such as a pointing index, with errors.
 
-        Samples are perturbed by their derivatives, whatever made these, and the quantity is differentiated
-        along: it is to be smooth but for what does not switch near by, as a largest value does.
+        Samples are perturbed by their derivatives, from any method, and the quantity is differentiated along
+        them: it must be smooth, except for switches that stay where they are, as those of a largest value.
 
         Args:
-            quantity: Of a dataset as the result has it, at the times that were asked for: numbers, (...).
+            quantity: Function of a dataset like the result's, at the requested times: numbers, (...).
 
         Returns:
-            (..., parameter) each; doubts are those of the samples, all on one side.
+            (..., parameter) each; error estimates are those of the samples, all on one side.
         """
         names = [str(one)[2:] for one in self.data.data_vars if str(one).startswith("d_")]
         here = self.data[names]
@@ -190,14 +185,7 @@ class Sensitivities:
 def dataset_of(
     here: xr.Dataset, slopes: dict[str, Array], doubts: dict[str, Array], parameters: tuple[Parameter, ...]
 ) -> xr.Dataset:
-    """Return variables with their derivatives and error estimates.
-
-    Args:
-        here: The variables.
-        slopes: Derivatives by variable, (..., parameter).
-        doubts: Likewise.
-        parameters: The parameters.
-    """
+    """Return variables with their derivatives and error estimates, (..., parameter) each."""
     found: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {}
     for name, slope in slopes.items():
         dims = (*map(str, here[name].dims), "parameter")
@@ -247,11 +235,11 @@ class Changed(NamedTuple):
     """Number of a result, with its changes over parameters.
 
     Attributes:
-        result: What it is.
+        result: Name of the number.
         unit: Its unit.
         value: The number.
         slopes: Its change per scale of each parameter, (parameters,).
-        doubts: Of these.
+        doubts: Error estimates of the changes.
     """
 
     result: str
@@ -271,18 +259,18 @@ class Changed(NamedTuple):
 def results_of(found: Sensitivities) -> list[Changed]:
     """Return the numbers of a result that change significantly, the largest changes first.
 
-    Of contacts it is what they come to together: the largest force and depth, all impulses and losses, when
-    the last one begins; of events and changes of mode likewise, of all of one name. Series are none of them.
+    Contacts are combined: the largest force and depth, all impulses and losses, the last onset; events and
+    changes of mode likewise, of all of one name. Series are left out.
     """
     rows = [row for row in _rows(found) if bool((np.abs(row.slopes) > row.doubts).any())]
     return sorted(rows, key=lambda row: -row.most)
 
 
-def _rows(found: Sensitivities) -> Iterator[Changed]:
-    scales = np.array([one.scale for one in found.parameters])
-    for name in sorted(str(one)[2:] for one in found.data.data_vars if str(one).startswith("d_")):
-        here = found.data[name]
-        values, slopes, doubts = here.values, found.relative(name), found.doubt(name) * scales
+def _rows(result: Sensitivities) -> Iterator[Changed]:
+    scales = np.array([one.scale for one in result.parameters])
+    for name in sorted(str(one)[2:] for one in result.data.data_vars if str(one).startswith("d_")):
+        here = result.data[name]
+        values, slopes, doubts = here.values, result.relative(name), result.doubt(name) * scales
         unit = str(here.attrs.get("units", ""))
         if "time" in here.dims:
             continue
@@ -335,14 +323,14 @@ def sensitivity_table(found: Sensitivities, scenario: Scenario | None = None) ->
 
     Args:
         found: The sensitivities.
-        scenario: What was run.
+        scenario: Scenario of the run.
 
     Returns:
         Over ``result``, those of :func:`results_of`: ``value``, ``unit``; over ``result`` and ``parameter``:
         ``change`` per ``scale`` of a parameter and its ``doubt``. Over ``parameter``: ``at``, ``scale``,
         ``parameter_unit``, ``exponent`` [1/s] and ``believed`` [s] (:meth:`Sensitivities.growth`). Over
         ``time``, ``curve`` and ``parameter``: ``curve_change`` and ``curve_doubt``, of motions.
-        ``refused``, among the attributes, tells of pieces without derivatives.
+        The attribute ``refused`` lists pieces without derivatives.
     """
     rows, growth, names = results_of(found), found.growth(), [one.key for one in found.parameters]
     nothing = np.zeros((0, len(names)))
@@ -375,12 +363,12 @@ def sensitivity_table(found: Sensitivities, scenario: Scenario | None = None) ->
     )
 
 
-def _curves(found: Sensitivities) -> tuple[tuple[Array, Array], list[str], list[str]]:
+def _curves(result: Sensitivities) -> tuple[tuple[Array, Array], list[str], list[str]]:
     """Return scaled changes and errors of curves, (time, curve, parameter), with names and units."""
-    scales = np.array([one.scale for one in found.parameters])
+    scales = np.array([one.scale for one in result.parameters])
     changes, doubts, labels, units = [], [], [], []
-    for name in (one for one in _CURVES if f"d_{one}" in found.data):
-        here, slopes, rest = found.data[name], found.relative(name), found.doubt(name) * scales
+    for name in (one for one in _CURVES if f"d_{one}" in result.data):
+        here, slopes, rest = result.data[name], result.relative(name), result.doubt(name) * scales
         for index in np.ndindex(here.shape[1:]):
             at = (slice(None), *index)
             if not np.nanmax(np.abs(slopes[at]), initial=0.0) > np.nanmax(rest[at], initial=0.0):
@@ -388,8 +376,8 @@ def _curves(found: Sensitivities) -> tuple[tuple[Array, Array], list[str], list[
             changes.append(slopes[at])
             doubts.append(rest[at])
             labels.append(f"{name} {_labels(here, index, 'time')}".strip())
-            units.append(_unit(found.run.data, str(here.attrs.get("units", "")), labels[-1]))
-    shape = (found.data.sizes["time"], 0, len(scales))
+            units.append(_unit(result.run.data, str(here.attrs.get("units", "")), labels[-1]))
+    shape = (result.data.sizes["time"], 0, len(scales))
     both = tuple(np.stack(one, axis=1) if one else np.zeros(shape) for one in (changes, doubts))
     return (both[0], both[1]), labels, units
 
@@ -407,12 +395,7 @@ def _unit(run: xr.Dataset, unit: str, label: str) -> str:
 
 @takes()
 def growth_said(found: Sensitivities, share: float = 0.01) -> str:
-    """Return one line on the validity of derivatives along the run.
-
-    Args:
-        found: The sensitivities.
-        share: Of doubt over a derivative, up to which it is believed [-].
-    """
+    """Return one line on the validity of derivatives, up to a relative error [-]."""
     every = [one for one in found.growth(share) if one.largest > 0.0]
     if not every:
         return "no velocity changes with these"
@@ -432,19 +415,16 @@ def growth_said(found: Sensitivities, share: float = 0.01) -> str:
 
 @takes()
 def refused_in(found: Sensitivities) -> list[dict[str, float | str]]:
-    """Return the pieces that have no derivatives: begin, end and reason."""
+    """Return the pieces without derivatives: begin, end and reason."""
     told: list[dict[str, float | str]] = json.loads(str(found.data.attrs.get("refused", "[]")))
     return told
 
 
 @takes()
 def open_sensitivities(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return sensitivities from their file, as ``antenna-pin sensitivity --out`` writes it.
-
-    Returns:
-        See :func:`sensitivity_table`.
+    """Return a :func:`sensitivity_table` from a file of ``antenna-pin sensitivity --out``.
 
     Raises:
-        FileFormatError: It is none, or damaged.
+        FileFormatError: The file is of another kind, or damaged.
     """
     return open_table(path, "sensitivity")

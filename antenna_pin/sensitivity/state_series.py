@@ -2,7 +2,7 @@
 
 A state y follows its flow f(t, y), so that the rate of any function g of it is the derivative of ``g(t + s, y
 + s f)`` over s, along a straight line. A perturbed state's rate is that of its own flow; the derivative of
-both over a parameter is the mixed one, by which largest values come later.
+both over a parameter is the mixed one, which gives the delay of largest values.
 """
 
 from __future__ import annotations
@@ -55,11 +55,7 @@ class _Shift(NamedTuple):
 
 
 class _SeriesTable:
-    """Series in columns, one row for each sample.
-
-    Args:
-        here: The series, by name, (n, ...); those that are differentiated are taken.
-    """
+    """Differentiable series in columns, one row for each sample."""
 
     def __init__(self, here: Mapping[str, Array]) -> None:
         taken = {name: one for name, one in here.items() if one.dtype.kind == "f" and name != "time"}
@@ -109,43 +105,35 @@ class StateSeries:
     """Series of a result at states of a run, and their derivatives over parameters.
 
     Args:
-        beside: What stands for perturbed runs of the run's system.
-        displacer: Makes their states.
-        settings: Of the run.
-        first: Its first state.
-        scales: Of the parameters, (parameters,).
+        parameters: Perturbed parameters of the run's system.
+        displacer: Perturbation of states.
+        settings: Settings of the run.
+        start: First state of the run.
+        scales: Scales of the parameters, (parameters,).
     """
 
     def __init__(
         self,
-        beside: PerturbedParameters,
+        parameters: PerturbedParameters,
         displacer: StatePerturbation,
         settings: RunSettings,
-        first: State,
+        start: State,
         scales: Array,
     ) -> None:
         """Store the arguments."""
-        self.beside, self._displacer, self._settings, self._first = beside, displacer, settings, first
+        self.beside, self._displacer, self._settings, self._first = parameters, displacer, settings, start
         self.scales = scales
         self._shown: Run | None = None
 
     def series_at(self, chunk: Chunk) -> dict[str, Array]:
         """Return the series at states of the system, by name."""
         with self.beside.at(0, 0.0) as near:
-            return self._told(near.system, chunk)
+            return self._series_of(near.system, chunk)
 
     def perturbed(
         self, displaced: PerturbedSamples, wanted: Sequence[_Shift]
     ) -> Iterator[tuple[Sequence[int], PerturbedSystem, list[Chunk]]]:
-        """Yield perturbed states, together where one system serves them.
-
-        Args:
-            displaced: The states.
-            wanted: The perturbed runs.
-
-        Yields:
-            Numbers of perturbed runs, what evaluates them, and the states of each.
-        """
+        """Yield indices of perturbed runs, their system and their states, for runs of one system."""
         together = [i for i, one in enumerate(wanted) if self.beside.by_program[one.parameter]]
         for part in _batches(together, _AT_ONCE // len(displaced.chunk.times)):
             with self.beside.at(0, 0.0) as near:
@@ -157,7 +145,7 @@ class StateSeries:
     def series(self, displaced: PerturbedSamples) -> dict[str, tuple[Array, Array]]:
         """Return derivatives of the series at samples, with error estimates, (n, ..., parameters).
 
-        The first sample is where the integrals along the run counts from.
+        Integrals along the run count from the first sample.
         """
         here = self.series_at(displaced.chunk)
         table, count = _SeriesTable(here), len(self.scales)
@@ -193,14 +181,14 @@ class StateSeries:
         wanted = [_Shift(k, far) for k in left for far in (_SIDES * step).tolist()]
         rows = np.zeros((len(wanted), len(displaced.chunk.times), len(table.owner)))
         for numbers, near, chunks in self.perturbed(displaced, wanted):
-            found = table.flat(self._told(near.system, _interleaved(chunks)))
+            found = table.flat(self._series_of(near.system, _interleaved(chunks)))
             found = found.reshape(len(displaced.chunk.times), len(chunks), -1)
             found[:, :, table.since] -= found[:1, :, table.since]
             rows[numbers] = np.swapaxes(found, 0, 1)
         ahead, behind = np.split(rows.reshape(len(left), len(_SIDES), *rows.shape[1:]), 2, axis=1)
         return ahead - behind
 
-    def _told(self, system: System, chunk: Chunk) -> dict[str, Array]:
+    def _series_of(self, system: System, chunk: Chunk) -> dict[str, Array]:
         if self._shown is None or self._shown.system is not system:
             first = self._first
             self._shown = Run(system, first, first.reached + 1.0, self._settings, ())
@@ -239,37 +227,28 @@ _TIME_ROUND_OFF = 1e-15
 
 
 class _ForceCurvature(NamedTuple):
-    """Contact forces with their derivatives over time and parameters, at samples.
+    """Contact forces with their derivatives over time and parameters, at samples."""
 
-    Attributes:
-        force: Of each [N].
-        rate: Of it [N/s].
-        bend: Of that [N/s^2].
-        over: Of the rate over each parameter, in its scale, at equal times.
-        bend_doubt: By how much it is uncertain.
-        over_doubt: Likewise.
-    """
-
-    force: Array
-    rate: Array
-    bend: Array
-    over: Array
-    bend_doubt: Array
-    over_doubt: Array
+    force: Array  # [N]
+    rate: Array  # of the force [N/s]
+    bend: Array  # of the rate [N/s^2]
+    over: Array  # of the rate over each parameter, in its scale, at equal times
+    bend_doubt: Array  # error estimate
+    over_doubt: Array  # error estimate
 
     def of(self, n: int) -> _ForceCurvature:
         """Return the data of one sample, (1,)."""
         return _ForceCurvature(*(one[n : n + 1] for one in self))
 
-    def is_maximum(self, found: float) -> bool:
+    def is_maximum(self, tolerance: float) -> bool:
         """Return whether a force has its maximum here, within a share of its time scale."""
         force, rate, bend = (float(one[0]) for one in self[:3])
-        return bend < 0.0 and rate**2 < found**2 * force * -bend
+        return bend < 0.0 and rate**2 < tolerance**2 * force * -bend
 
     def delay(self, known: Array) -> tuple[Array, Array, Array]:
         """Return the delay of a force's maximum [s], its error, and the force's correction.
 
-        The correction is what the force changes more where it is largest than here, where that was found.
+        The correction is the additional change of the force at its maximum, relative to this sample.
         """
         (force,), (rate,), (bend,), (over,), (rough,), (rest,) = self
         late, off = -over / bend, -rate / bend
@@ -279,39 +258,34 @@ class _ForceCurvature(NamedTuple):
 
 
 class TimeDerivatives:
-    """Derivatives over time of series at perturbed samples.
+    """Derivatives over time of series at perturbed samples."""
 
-    Args:
-        told: What is said of states.
-        perturbed: The samples.
-    """
-
-    def __init__(self, told: StateSeries, displaced: PerturbedSamples) -> None:
+    def __init__(self, source: StateSeries, displaced: PerturbedSamples) -> None:
         """Store the samples."""
-        self._told, self._all = told, displaced
+        self._told, self._all = source, displaced
         self._rates: dict[tuple[int, float], dict[str, tuple[Array, Array]]] = {}
 
     def forces(self, places: NDArray[np.int_], contacts: NDArray[np.int_], long: Array) -> _ForceCurvature:
         """Return normal forces of contacts with their derivatives.
 
         Args:
-            places: Which samples, (n,).
-            contacts: The contact at each, (n,).
-            long: How long each contact lasts [s].
+            places: Indices of samples, (n,).
+            contacts: Contact at each, (n,).
+            long: Duration of each contact [s].
         """
         told, part, n = self._told, self._part(places), len(places)
 
-        def force(chunk: Chunk, near: PerturbedSystem) -> Array:
-            """Return forces in states that stand sample by sample, (n, states of each)."""
-            seen = observed(near.system, chunk.times, chunk.states, chunk.memories, chunk.programs)
+        def force(chunk: Chunk, evaluator: PerturbedSystem) -> Array:
+            """Return forces in states sample by sample, (n, states of each)."""
+            seen = observed(evaluator.system, chunk.times, chunk.states, chunk.memories, chunk.programs)
             found = np.asarray(seen.contact["normal_force"]).reshape(n, -1, seen.contact.shape[-1])
             return found[np.arange(n), :, contacts]
 
-        def rate(chunk: Chunk, near: PerturbedSystem) -> Array:
-            """Return rates of forces likewise, by the steps that are best for the run's own."""
-            lines, count = _lines(chunk, near), len(chunk.times) // n
+        def rate(chunk: Chunk, evaluator: PerturbedSystem) -> Array:
+            """Return rates of forces likewise, by the best steps of the run's own rates."""
+            lines, count = _lines(chunk, evaluator), len(chunk.times) // n
             far = np.repeat(step, count)
-            ahead_and_behind = force(lines(far[:, None] * _SIDES), near).reshape(n, count, len(_SIDES))
+            ahead_and_behind = force(lines(far[:, None] * _SIDES), evaluator).reshape(n, count, len(_SIDES))
             return _orders(ahead_and_behind)[0] / step[:, None]
 
         with told.beside.at(0, 0.0) as own:
@@ -332,12 +306,7 @@ class TimeDerivatives:
         return _ForceCurvature(most, here, bend, over, off, rest)
 
     def series(self, place: int, long: float) -> dict[str, tuple[Array, Array]]:
-        """Return the rates of all series at a sample and their error estimates, by name.
-
-        Args:
-            place: Which.
-            long: How long what passes there takes [s].
-        """
+        """Return the rates of all series at a sample in an event, with errors."""
         if (place, long) not in self._rates:
             self._rates[place, long] = self._series(place, long)
         return self._rates[place, long]
@@ -368,23 +337,23 @@ class TimeDerivatives:
         return PerturbedSamples(chunk, *(one[places] for one in every[1:]))
 
 
-def _lines(chunk: Chunk, near: PerturbedSystem) -> Callable[[Array], Chunk]:
+def _lines(chunk: Chunk, evaluator: PerturbedSystem) -> Callable[[Array], Chunk]:
     """Return a function for states along straight lines in time, (n, of each) [s]."""
-    system = near.system
+    system = evaluator.system
     nq, nv = system.model.nq, system.model.nv
     flows = []
     for time, state, memory, program in zip(
         chunk.times.tolist(), chunk.states, chunk.memories, chunk.programs, strict=True
     ):
-        near.workspace.memory[:], near.workspace.program[:] = memory, program
-        flows.append(near.rates(time, np.ascontiguousarray(state)).copy())
+        evaluator.workspace.memory[:], evaluator.workspace.program[:] = memory, program
+        flows.append(evaluator.rates(time, np.ascontiguousarray(state)).copy())
 
     def line(h: Array) -> Chunk:
         count = h.shape[1]
         states = np.repeat(chunk.states, count, axis=0)
         for i, (y, s) in enumerate(zip(states, h.reshape(-1).tolist(), strict=True)):
             way = s * y[nq : nq + nv]
-            near.workspace.retract(y, way)
+            evaluator.workspace.retract(y, way)
             y[nq:] += s * flows[i // count]
             system.turn_on(y)
         times = np.repeat(chunk.times, count) + h.reshape(-1)

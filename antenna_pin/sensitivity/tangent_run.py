@@ -1,8 +1,8 @@
-"""A run with its tangents: samples, events, contacts, element transitions and their integrals.
+"""Run with tangents: samples, events, contacts, element transitions and integrals.
 
 The loss of an impact is a function of the state before it, at the perturbed time; the integrals between
-events is propagated with the tangents (:mod:`antenna_pin.nonlinear.variational`). An event at which g passes
-zero comes later by ``-(dg w) / g'``. Its energy is what is stored behind it, at the perturbed time, less what
+events are propagated with the tangents (:mod:`antenna_pin.nonlinear.variational`). An event at which g passes
+zero comes later by ``-(dg w) / g'``. Its energy is what is stored after it, at the perturbed time, less what
 was stored before, and the losses of impacts. An element reports its integrals since its last change: a loss,
 an impulse. Perturbed integrals are those at the perturbed times, ``B + L dt`` of the integrals at a rate
 L and perturbed by B at equal times.
@@ -47,11 +47,7 @@ Array = NDArray[np.float64]
 
 
 class _ElementIntegrals:
-    """Derivatives of the integrals that elements report at changes.
-
-    Args:
-        system: The system.
-    """
+    """Derivatives of the integrals that elements report at changes."""
 
     def __init__(self, system: System) -> None:
         self._first = {
@@ -89,28 +85,16 @@ class _ElementIntegrals:
 
 
 class _EventSensitivity(NamedTuple):
-    """Derivatives of an event.
-
-    Attributes:
-        name: Of the event.
-        time: When [s].
-        late: By how much later it comes, (parameters,) [s].
-        energy: By how much more it brings in, (parameters,) [J].
-    """
+    """Derivatives of an event."""
 
     name: str
-    time: float
-    late: Array
-    energy: Array
+    time: float  # of the event [s]
+    late: Array  # delay, (parameters,) [s]
+    energy: Array  # change of the energy added, (parameters,) [J]
 
 
 class _EventDerivatives:
-    """Differentiation of event times and energies.
-
-    Args:
-        field: The system's rates; its contacts and program are those before an event.
-        replay: Does to states what elements did.
-    """
+    """Differentiation of event times and energies, with contacts and program before an event."""
 
     def __init__(self, field: VectorField, replay: ElementReplay) -> None:
         self._field, self._replay, self._moment = field, replay, Moment(field.workspace)
@@ -175,18 +159,15 @@ def _stored_energy(workspace: Workspace, y: Array) -> float:
 
 
 class _DepthMaxima:
-    """Search for maxima of contact depths.
-
-    Args:
-        within: States within the steps that are looked at, with the contacts that touch in them.
+    """Search for maxima of contact depths within steps.
 
     Attributes:
-        found: Contacts and when their depth is largest [s], in order.
+        found: Contacts and times of their largest depths [s], in order.
     """
 
-    def __init__(self, within: StepStates) -> None:
-        self._within = within
-        self._table = np.zeros(len(within.workspace.table), CONTACT)
+    def __init__(self, states: StepStates) -> None:
+        self._within = states
+        self._table = np.zeros(len(states.workspace.table), CONTACT)
         self.found: list[tuple[int, float]] = []
 
     def look(self, steps: Sequence[LoggedStep]) -> list[float]:
@@ -217,74 +198,43 @@ class _DepthMaxima:
 
 
 class PerturbedSamples(NamedTuple):
-    """Samples of a run with their perturbations by each parameter.
+    """Samples of a run with their perturbations by each parameter."""
 
-    Attributes:
-        chunk: The states, and what held there besides.
-        ways: Perturbations, (n, perturbation, parameters).
-        integrals: Of the integrals, (n, nx, parameters).
-        doubts: Of perturbations, over their sizes, (n, parameters).
-        words: Derivatives of the program there, (n, parameters, words).
-    """
-
-    chunk: Chunk
-    perturbations: Array
-    integrals: Array
-    doubts: Array
-    program_slopes: Array
+    chunk: Chunk  # states, with discrete states
+    perturbations: Array  # (n, perturbation, parameters)
+    integrals: Array  # derivatives of the integrals, (n, nx, parameters)
+    doubts: Array  # error estimates of perturbations over their sizes, (n, parameters)
+    program_slopes: Array  # derivatives of the program, (n, parameters, words)
 
 
 class _TransitionShift(NamedTuple):
-    """Derivatives of an element's change of mode.
+    """Derivatives of an element's change of mode."""
 
-    Attributes:
-        place: Of the element.
-        time: When [s].
-        angle: Of the joint [rad] ([m]).
-        late: By how much later it comes, (parameters,) [s].
-        slopes: Of angle, rate before and after, loss, impulse and energy, (6, parameters).
-    """
-
-    place: str
-    time: float
-    angle: float
-    late: Array
-    slopes: Array
+    place: str  # of the element
+    time: float  # of the change [s]
+    angle: float  # of the joint [rad] ([m])
+    late: Array  # delay, (parameters,) [s]
+    slopes: Array  # of angle, rate before and after, loss, impulse and energy, (6, parameters)
 
 
 class ContactShift(NamedTuple):
-    """Derivatives of a contact from onset to release.
+    """Derivatives of a contact from onset to release."""
 
-    Attributes:
-        contact: Number of it.
-        onset: When it begins; minus infinity if it touched at the start [s].
-        late: By how much later it begins, and ends, (parameters,) each [s].
-        memory: Of logarithms of its approach speed and of its effective mass, (parameters,) each.
-        integrals: Integrals when it began, and when it ended, (nx, parameters) each; the latter None
-            while it lasts.
-    """
-
-    contact: int
-    onset: float
-    late: tuple[Array, Array]
-    memory: tuple[Array, Array]
+    contact: int  # index of the contact
+    onset: float  # time; minus infinity if it touched at the start [s]
+    late: tuple[Array, Array]  # delays of onset and release, (parameters,) each [s]
+    memory: tuple[Array, Array]  # of logarithms of approach speed and effective mass, (parameters,) each
+    # at onset and release, (nx, parameters) each; the latter None while it lasts
     integrals: tuple[Array, Array | None]
 
 
 class _BeforeChange(NamedTuple):
-    """Perturbations before a change.
+    """Perturbations before a change."""
 
-    Attributes:
-        time: When [s].
-        y: The state.
-        ways: Perturbations, (perturbation, parameters).
-        integrals: Of the integrals, (nx, parameters).
-    """
-
-    time: float
+    time: float  # of the change [s]
     y: Array
-    ways: Array
-    integrals: Array
+    ways: Array  # perturbations, (perturbation, parameters)
+    integrals: Array  # derivatives of the integrals, (nx, parameters)
 
 
 class TangentRecord:
@@ -292,15 +242,15 @@ class TangentRecord:
 
     Args:
         run: The run.
-        carrier: Propagates its tangents.
+        carrier: Propagation of its tangents.
         numbers: Parameters of the system.
-        begin: From when on perturbations are looked at where contacts are deepest [s].
-        count: How many parameters there are.
+        begin: Time from which depth maxima are recorded [s].
+        count: Number of parameters.
 
     Attributes:
         carrier: The argument.
-        transitions: How elements have met their joints.
-        events: How events are perturbed, in their order.
+        transitions: Derivatives of element transitions.
+        events: Derivatives of events, in order.
         contacts: Contacts from onset to release.
     """
 
@@ -457,7 +407,7 @@ class TangentRecord:
     # --- at changes -----------------------------------------------------------------------------------------
 
     def _meet_all(
-        self, mark: _BeforeChange, passages: list[EventEffect], new: list[EventShift], words: Array | None
+        self, mark: _BeforeChange, effects: list[EventEffect], new: list[EventShift], words: Array | None
     ) -> None:
         """Record the events and transitions at a time."""
         time, y, ways, books = mark
@@ -467,7 +417,7 @@ class TangentRecord:
         if field.numbers is not None and words is not None:
             field.numbers.program[:] = words
         there = ways + np.outer(field.flow(time, y), late)
-        for one in passages:
+        for one in effects:
             own = (p.late for p in new if p.what == "event" and p.name == one.event.name)
             self.events.append(self._happenings.of(one, time, y, ways, next(own, late)))
             if one.acts and one.done:

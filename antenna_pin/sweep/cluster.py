@@ -19,6 +19,7 @@ import tempfile
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from types import ModuleType
@@ -47,7 +48,7 @@ _ENDED = re.compile(r"Worker process \d+ (?:was killed by signal (\d+)|exited wi
 
 
 class _Ends(logging.Handler):
-    """Takes how processes have ended from what Dask logs of them."""
+    """Handler that records exit codes of processes from Dask's log."""
 
     def __init__(self) -> None:
         super().__init__(logging.INFO)
@@ -107,12 +108,7 @@ def silence(package: ModuleType) -> None:
 
 
 def said_of_start(codes: list[int], error: str) -> str:
-    """Return in words why processes did not start, and what to do.
-
-    Args:
-        codes: Of those that have ended, by :func:`exit_codes`.
-        error: What Dask says.
-    """
+    """Return the reason for a failed start as text, from exit codes and Dask's message."""
     if not codes:
         return error
     if codes[0] < 0:
@@ -166,25 +162,25 @@ _QUIET = {  # what processes of this machine look at between the runs: their cor
 
 
 class Cluster:
-    """Processes that make runs, with Dask between.
+    """Processes that make runs, connected by Dask.
 
-    Nothing is started or reached before there is something to do (:meth:`start`).
+    Nothing is started or connected before the first runs (:meth:`start`).
 
     Args:
-        workers: How many processes of this machine; one for each core if left out.
-        scheduler: Address of a scheduler that runs elsewhere, ``tcp://host:8786`` or ``tls://...``; its
-            workers need this package in the same version, and nothing else.
-        tls: Files for a scheduler that is reached by TLS: ``ca``, ``cert`` and ``key``.
+        workers: Number of processes of this machine; one for each core by default.
+        scheduler: Address of an external scheduler, ``tcp://host:8786`` or ``tls://...``; its workers need
+            this package in the same version, and nothing else.
+        tls: Files for a scheduler reached by TLS: ``ca``, ``cert`` and ``key``.
 
     Raises:
         MissingToolError: Dask is not installed.
-        ClusterLostError: The address is none, or the files are not what they must be.
+        ClusterLostError: Address or files are not valid.
     """
 
     def __init__(
         self, workers: int | None = None, scheduler: str | None = None, tls: dict[str, str] | None = None
     ) -> None:
-        """Look at what is given."""
+        """Check the arguments."""
         take_back("dask")  # the command goes without it, for a quick start
         try:
             distributed: Any = importlib.import_module("distributed")
@@ -208,10 +204,10 @@ class Cluster:
         self._folder: tempfile.TemporaryDirectory[str] | None = None
 
     def start(self) -> None:
-        """Start the processes, or reach the scheduler, and have loaded what runs need; once.
+        """Start the processes, or connect to the scheduler, and load the code of runs; once.
 
         Raises:
-            ClusterLostError: They do not start, or no scheduler answers.
+            ClusterLostError: The processes do not start, or no scheduler answers.
         """
         if self._client is not None:
             return
@@ -300,7 +296,7 @@ class Cluster:
         """Yield each batch with its answer, in order of completion.
 
         Raises:
-            ClusterLostError: The scheduler, or all its workers, cannot be reached any more.
+            ClusterLostError: The scheduler, or all its workers, became unreachable.
         """
         self.start()
         under_way: dict[Any, tuple[list[T], Any]] = {}
@@ -315,7 +311,7 @@ class Cluster:
                         break
                     with held_back():  # interrupted, Dask leaves unknown batches and tracebacks
                         data = self._data(shared)
-                        future = _asked(self._client.submit, call, data, batch, pure=False)
+                        future = _call_client(self._client.submit, call, data, batch, pure=False)
                         under_way[future] = batch, data
                         future.add_done_callback(ready.put)
                 if not under_way:
@@ -324,7 +320,7 @@ class Cluster:
                 batch, data = under_way.pop(future)
                 try:
                     answer = self._answer(future)
-                except self._cancelled():
+                except CancelledError:
                     # All who had what the runs share have gone, and it with them; or the scheduler has.
                     lost += 1
                     if self._client.status != "running" or lost > _LOSSES * _AHEAD * self.width:
@@ -337,8 +333,8 @@ class Cluster:
                 yield batch, answer
         except AntennaPinError:
             raise
-        except (OSError, TimeoutError, self._cancelled()) as error:
-            why = "the connection is gone" if isinstance(error, self._cancelled()) else words_of(error)
+        except (OSError, TimeoutError, CancelledError) as error:
+            why = "the connection is gone" if isinstance(error, CancelledError) else words_of(error)
             raise ClusterLostError(
                 f"scheduler {self._scheduler or 'this machine'}: was lost: {why}; finished runs are kept: "
                 "give the same command again"
@@ -350,27 +346,23 @@ class Cluster:
     def _data(self, shared: Any) -> Any:
         """Return the data of all runs, scattered to every worker.
 
-        It is kept: given anew under the same name while the old one is let go of, it would be lost.
+        The data are kept: scattered again under the same name while the old ones are released, they would be
+        lost.
         """
         if self._shared is None or self._shared[0] is not shared:
-            (data,) = _asked(self._client.scatter, [shared], broadcast=True, hash=False)
+            (data,) = _call_client(self._client.scatter, [shared], broadcast=True, hash=False)
             self._shared = shared, data
         return self._shared[1]
 
-    def _cancelled(self) -> type[BaseException]:
-        from concurrent.futures import CancelledError
-
-        return CancelledError
-
     def _finished(self, ready: queue.SimpleQueue[Any]) -> Any:
-        """Wait for one; where all workers are gone for long, raise."""
+        """Wait for a finished batch; raise after a long time without workers."""
         waited = 0.0
         while True:
             with contextlib.suppress(queue.Empty):
                 return ready.get(timeout=_LOOK_EVERY)
             if self._client.status != "running":
                 raise OSError("the connection is closed")
-            waited = 0.0 if _asked(self._client.nthreads) else waited + _LOOK_EVERY
+            waited = 0.0 if _call_client(self._client.nthreads) else waited + _LOOK_EVERY
             if waited > _PATIENCE:
                 raise OSError(f"it has had no workers for {_PATIENCE:g} s")
 
@@ -379,19 +371,15 @@ class Cluster:
 
         try:
             return future.result()
-        except MissingToolError:
+        except (MissingToolError, OSError, CancelledError):
             raise
         except KilledWorker:
             return Lost("the process that made it was lost")
-        except self._cancelled():
-            raise
-        except OSError:
-            raise
         except Exception as error:
             return Lost(f"it did not come back: {words_of(error)}")
 
     def close(self) -> None:
-        """End the processes, or leave the scheduler to others."""
+        """End the processes, or disconnect from the scheduler."""
         self._shared = None
         with held_back():  # half closed, its processes would outlive it
             for name in ("_client", "_local"):
@@ -405,7 +393,7 @@ class Cluster:
             self._folder.cleanup()
 
 
-def _asked(call: Callable[..., Any], *arguments: Any, **more: Any) -> Any:
+def _call_client(call: Callable[..., Any], *arguments: Any, **more: Any) -> Any:
     """Return a client's answer; raise its failure for a closed connection."""
     try:
         return call(*arguments, **more)

@@ -1,10 +1,9 @@
-"""The design of a study: a grid of lists and ranges, times random samples."""
+"""Design of a study: a grid of lists and ranges, times random samples."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,21 +27,13 @@ _INDEXED = re.compile(r"(.*)\[([0-9]{1,9})\]")
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """The values of one parameter along a dimension of the design.
+    """Values of one parameter along a dimension of the design."""
 
-    Attributes:
-        name: Of the parameter.
-        keys: Of the scenario.
-        dim: Dimension along which its values run.
-        settings: The values.
-        title: What it is called.
-    """
-
-    name: str
-    keys: tuple[str, ...]
-    dim: str
-    settings: Settings
-    title: str
+    name: str  # of the parameter
+    keys: tuple[str, ...]  # of the scenario
+    dim: str  # dimension along which the values run
+    settings: Settings  # the values
+    title: str  # in figures
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,11 +41,11 @@ class Design:
     """All runs of a study, numbered through its dimensions, the last one fastest.
 
     Attributes:
-        sizes: Of the dimensions, by name: those of the grid, then ``sample``.
+        sizes: Sizes of the dimensions, by name: those of the grid, then ``sample``.
         columns: The parameters.
-        probability: Of samples: where each stands in its distribution, (sample, factor) [-]; or None.
-        factors: Names of the parameters that are sampled.
-        seeds: One for each run, (runs,) [-].
+        probability: Cumulative probability of each sample in its distribution, (sample, factor) [-]; or None.
+        factors: Names of the sampled parameters.
+        seeds: Seed of each run, (runs,) [-].
     """
 
     sizes: dict[str, int]
@@ -65,7 +56,7 @@ class Design:
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """The sizes of the dimensions."""
+        """Sizes of the dimensions."""
         return tuple(self.sizes.values())
 
     @property
@@ -74,22 +65,16 @@ class Design:
         return int(np.prod(self.shape, dtype=np.int64))
 
     def place(self, run: int) -> dict[str, int]:
-        """Return where a run stands, by dimension."""
+        """Return the indices of a run, by dimension."""
         return dict(zip(self.sizes, map(int, np.unravel_index(run, self.shape)), strict=True))
 
     def values(self, run: int) -> dict[str, Any]:
-        """Return what each parameter is set to in a run, by its name."""
+        """Return the settings of a run, by parameter."""
         place = self.place(run)
         return {column.name: column.settings.values[place[column.dim]].set for column in self.columns}
 
     def overrides(self, run: int, base: Scenario, only: tuple[str, ...] | None = None) -> dict[str, Any]:
-        """Return what a run sets over the scenario.
-
-        Args:
-            run: Its number.
-            base: The scenario, of which numbers of an array are taken that are not set.
-            only: The parameters that count; all if left out.
-        """
+        """Return the overrides of a run over the scenario, of all parameters or ``only`` some."""
         values, found = self.values(run), dict[str, Any]()
         for column in self.columns:
             if only is None or column.name in only:
@@ -98,7 +83,7 @@ class Design:
         return found
 
     def label(self, run: int) -> str:
-        """Return a run's number and its values in words."""
+        """Return a run's number and its values as text."""
         place = self.place(run)
         texts = [f"{c.name} = {_short(c.settings.values[place[c.dim]].text)}" for c in self.columns]
         return f"run {run} ({', '.join(texts)})"
@@ -108,24 +93,18 @@ def _short(text: str) -> str:
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}..."
 
 
-def put_value(found: dict[str, Any], key: str, value: Any, base: Scenario) -> None:
-    """Enter a key's value among a scenario's overrides, in place.
-
-    Args:
-        found: What is set so far, by key.
-        key: With dots; ``name[2]`` for one number of an array.
-        value: Its.
-        base: The scenario, of which numbers of an array are taken that are not set.
+def put_value(overrides: dict[str, Any], key: str, value: Any, base: Scenario) -> None:
+    """Enter the value of a key, as ``name`` or ``name[2]``, among a scenario's overrides.
 
     Raises:
-        ScenarioError: There is no such array, or it has no such number.
+        ScenarioError: The scenario has no such array, or the array no such number.
     """
     indexed = _INDEXED.fullmatch(key)
     if indexed is None:
-        found[key] = value
+        overrides[key] = value
         return
     name, index = indexed[1], int(indexed[2])
-    array = found.get(name)
+    array = overrides.get(name)
     if array is None:
         below: Any = base.model_dump()
         for part in name.split("."):
@@ -135,7 +114,7 @@ def put_value(found: dict[str, Any], key: str, value: Any, base: Scenario) -> No
         raise ScenarioError(f"{key}: must be a number of an array of the scenario, got {shown(array)}")
     if index >= len(array):
         raise ScenarioError(f"{key}: must be one of {len(array)} numbers, from [0] on, got [{index}]")
-    found[name] = [value if i == index else old for i, old in enumerate(array)]
+    overrides[name] = [value if i == index else old for i, old in enumerate(array)]
 
 
 @takes()
@@ -143,7 +122,7 @@ def design_of(study: Study) -> Design:
     """Return the runs of a study.
 
     Raises:
-        ScenarioError: There are too many, or samples that are not finite.
+        ScenarioError: The runs are too many, or samples are not finite.
     """
     _check_count(study)
     sizes: dict[str, int] = {}
@@ -190,15 +169,9 @@ def _too_many(study: Study, count: int) -> ScenarioError:
 
 def _seeds(seed: int, count: int) -> NDArray[np.int64]:
     """Return a seed for each run, from streams that do not overlap."""
-    return np.fromiter(
-        (int(child.generate_state(1, np.uint64)[0]) >> 1 for child in _children(seed, count)),
-        dtype=np.int64,
-        count=count,
-    )
-
-
-def _children(seed: int, count: int) -> Iterator[np.random.SeedSequence]:
-    return iter(np.random.SeedSequence([seed, 1]).spawn(count))
+    children = np.random.SeedSequence([seed, 1]).spawn(count)
+    seeds = (int(child.generate_state(1, np.uint64)[0]) >> 1 for child in children)
+    return np.fromiter(seeds, dtype=np.int64, count=count)
 
 
 def _probabilities(sampling: SamplingSpec, names: list[str], seed: int) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""The driver of a study: submits runs, and alone writes the store."""
+"""Driver of a study: submits runs, and alone writes the store."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import xarray as xr
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import OutputError, ScenarioError
 from antenna_pin.sweep.executor import Executor, Here, Lost
-from antenna_pin.sweep.jobs import Done, Job, check_jobs, do_jobs
+from antenna_pin.sweep.jobs import Done, Job, check_jobs, do_jobs, failed_entry
 from antenna_pin.sweep.preparation import Prepared, prepare, trial
 from antenna_pin.sweep.store import LOST, SUFFIX, Store, identity_of, open_study
 from antenna_pin.sweep.study import Study
@@ -36,10 +36,10 @@ class StudyProgress:
     """Progress of a study.
 
     Attributes:
-        stage: ``check`` of what is to be run, or ``run``.
-        done: Runs made or checked, of an earlier command too.
-        count: Runs in all.
-        failed: Those of them that did not reach their end, or do not balance.
+        stage: ``check`` of the runs, or ``run``.
+        done: Runs made or checked, including those of an earlier command.
+        count: Number of all runs.
+        failed: Runs that did not complete, or do not balance.
     """
 
     stage: str
@@ -60,22 +60,22 @@ def run_study(
 ) -> xr.Dataset:
     """Make a study's missing runs, and return its dataset.
 
-    Everything is checked before anything is run: each combination is built. What is interrupted or killed
-    goes on with the same call.
+    Everything is checked before anything is run: each combination is built. An interrupted or killed study
+    continues with the same call.
 
     Args:
         study: The study.
-        out: Folder of the store, whose name ends in ``.study``; ``NAME.study`` here if left out.
-        executor: Who makes the runs: :class:`Here`, this process, if left out, or
+        out: Folder of the store, whose name ends in ``.study``; ``NAME.study`` here by default.
+        executor: Executor of the runs: :class:`Here`, this process, by default, or
             :class:`~antenna_pin.sweep.cluster.Cluster`.
-        apart: Whether a study, or a version, that is not the store's gets a store of its own beside it,
+        apart: True to give another study or version a store of its own beside an existing one,
             ``NAME-2.study``; else it is refused.
         progress: Called after each batch.
-        say: Called with what is to be noted, in one line each.
+        say: Called with each note, one line.
 
     Raises:
-        OutputError: The store is that of another study, or cannot be written; what was made is kept.
-        ScenarioError: A combination cannot be built, or something else of the study is not valid.
+        OutputError: The store is that of another study, or cannot be written; finished runs are kept.
+        ScenarioError: A combination cannot be built, or the study is not valid.
     """
     prepared = prepare(study)
     identity = identity_of(study, prepared.design, prepared.work)
@@ -83,8 +83,9 @@ def run_study(
     if path.suffix != SUFFIX:
         raise OutputError(f"{path}: the name of a store must end in {SUFFIX}; try {path.name}{SUFFIX}")
     store = _store(path, prepared, identity, apart)
+    note_to = say or (lambda line: None)
     for note in store.notes:
-        (say or _nothing)(note)
+        note_to(note)
     by = executor or Here()
     missing = store.missing()
     seconds = 0.0
@@ -93,7 +94,7 @@ def run_study(
         shown = trial(prepared, missing[0])
         seconds = shown.seconds
         for note in shown.notes:
-            (say or _nothing)(note)
+            note_to(note)
         _check(prepared, missing, by, progress)
     with closing(store):
         store.begin()
@@ -104,16 +105,12 @@ def run_study(
     return open_study(store.path)
 
 
-def _nothing(line: str) -> None:
-    pass
-
-
-def _store(path: Path, prepared: Prepared, identity: Any, apart: bool) -> Store:
+def _store(path: Path, plan: Prepared, identity: Any, apart: bool) -> Store:
     number = 1
     while True:
         target = path if number == 1 else path.with_name(f"{path.stem}-{number}{SUFFIX}")
         try:
-            return Store(target, prepared.study, prepared.design, identity)
+            return Store(target, plan.study, plan.design, identity)
         except OutputError:
             if not (apart and target.is_dir()) or number >= 1000:
                 raise
@@ -121,16 +118,14 @@ def _store(path: Path, prepared: Prepared, identity: Any, apart: bool) -> Store:
 
 
 def _check(
-    prepared: Prepared, runs: list[int], by: Executor, progress: Callable[[StudyProgress], None] | None
+    plan: Prepared, runs: list[int], by: Executor, progress: Callable[[StudyProgress], None] | None
 ) -> None:
     """Refuse a study of which a run cannot be built, with the first such run."""
     refused: list[tuple[int, str]] = []
     done = 0
     size = max(1, min(_CHECKED_AT_ONCE, -(-len(runs) // by.width)))
-    batches = (
-        [_job(prepared, run) for run in runs[first : first + size]] for first in range(0, len(runs), size)
-    )
-    for batch, answer in by.each(check_jobs, prepared.work, batches):
+    batches = ([_job(plan, run) for run in runs[first : first + size]] for first in range(0, len(runs), size))
+    for batch, answer in by.each(check_jobs, plan.work, batches):
         if isinstance(answer, Lost):
             refused.append((batch[0].run, str(answer)))
         else:
@@ -141,14 +136,14 @@ def _check(
     if refused:
         run, reason = min(refused)
         more = f" ({len(refused)} of {len(runs)} runs are refused)" if len(refused) > 1 else ""
-        raise ScenarioError(f"{prepared.place}: {prepared.design.label(run)}: {reason}{more}")
+        raise ScenarioError(f"{plan.place}: {plan.design.label(run)}: {reason}{more}")
 
 
-def _job(prepared: Prepared, run: int) -> Job:
+def _job(plan: Prepared, run: int) -> Job:
     try:
-        return prepared.job(run)
+        return plan.job(run)
     except ScenarioError as error:
-        raise ScenarioError(f"{prepared.place}: {prepared.design.label(run)}: {error}") from None
+        raise ScenarioError(f"{plan.place}: {plan.design.label(run)}: {error}") from None
 
 
 class _Driver:
@@ -156,13 +151,13 @@ class _Driver:
 
     def __init__(
         self,
-        prepared: Prepared,
+        plan: Prepared,
         store: Store,
         by: Executor,
         seconds: float,
         progress: Callable[[StudyProgress], None] | None,
     ) -> None:
-        self.prepared, self.store, self.by, self.progress = prepared, store, by, progress
+        self.prepared, self.store, self.by, self.progress = plan, store, by, progress
         self.seconds = max(seconds, 1e-4)  # of a run, as far as is known
         self.waiting: deque[int] = deque()
         self.again: deque[Job] = deque()
@@ -209,10 +204,8 @@ class _Driver:
             if tries < _TRIES:
                 self.again.append(job)
                 continue
-            numbers = dict.fromkeys(("end_time", "simulated", "cpu", "wall_time"), 0.0)
-            counts = dict.fromkeys(("steps", "rejected", "relocated", "evaluations"), 0)
-            entry = {"run": job.run, "seed": job.seed, "values": {}, "outcome": LOST, **numbers, **counts}
-            self._keep(Done(entry | {"message": f"{reason}, {tries} times", "worker": ""}))
+            entry = {"run": job.run, "seed": job.seed, "values": {}, "wall_time": 0.0, "worker": ""}
+            self._keep(Done(entry | failed_entry(LOST, f"{reason}, {tries} times")))
 
     def _tell(self) -> None:
         if self.progress is not None:

@@ -16,10 +16,10 @@ class Lost(Exception):  # noqa: N818 - an answer, not an error
 
 
 class Executor(Protocol):
-    """An executor of runs."""
+    """Executor of runs."""
 
     def start(self) -> None:
-        """Get ready; called before anything is given out, and not where nothing will be."""
+        """Get ready; called before the first batch, if there is one."""
 
     @property
     def width(self) -> int:
@@ -28,19 +28,19 @@ class Executor(Protocol):
     def each(
         self, call: Callable[[Any, list[T]], Any], shared: Any, batches: Iterator[list[T]]
     ) -> Iterator[tuple[list[T], Any]]:
-        """Yield each batch with ``call(shared, batch)``, or with :class:`Lost`, as they come."""
+        """Yield each batch with ``call(shared, batch)`` or :class:`Lost`, in order of completion."""
 
     def close(self) -> None:
-        """Let go of all."""
+        """Release all resources."""
 
 
 class Here:
-    """This process."""
+    """Executor in this process."""
 
     width = 1
 
     def start(self) -> None:
-        """Return True: the executor is always available."""
+        """Do nothing."""
 
     def each(
         self, call: Callable[[Any, list[T]], Any], shared: Any, batches: Iterator[list[T]]
@@ -50,4 +50,4 @@ class Here:
             yield batch, call(shared, batch)
 
     def close(self) -> None:
-        """Nothing is to be let go of."""
+        """Do nothing."""

@@ -23,60 +23,38 @@ from antenna_pin.simulation.inputs import check_scenario
 from antenna_pin.sweep.responses import ResponseSpec, evaluate
 from antenna_pin.trajectory import Trajectory, library_versions
 
-__all__ = ["Done", "Job", "Work", "check_jobs", "do_jobs"]
+__all__ = ["Done", "Job", "Work", "check_jobs", "do_jobs", "failed_entry"]
 
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """Run of a study: its number, its overrides, its seed.
+    """Run of a study as plain data."""
 
-    Attributes:
-        run: Its number.
-        overrides: What it sets over the scenario.
-        seed: Its own [-].
-        follows: What the reference takes of it.
-        scenario: The whole scenario as JSON where files that it names must travel along; else "".
-    """
-
-    run: int
-    overrides: dict[str, Any]
-    seed: int
-    follows: dict[str, Any] = field(default_factory=dict)
-    scenario: str = ""
+    run: int  # number of the run
+    overrides: dict[str, Any]  # of the scenario
+    seed: int  # of the run [-]
+    follows: dict[str, Any] = field(default_factory=dict)  # overrides that the reference shares
+    scenario: str = ""  # as JSON if it names files, which must travel along; else ""
 
 
 @dataclass(frozen=True, slots=True)
 class Work:
-    """Data that all runs of a study share.
+    """Data that all runs of a study share."""
 
-    Attributes:
-        base: The scenario, as JSON with all files that it names.
-        reference: That of the reference; "" if there is none.
-        responses: What is kept, by name.
-        sources: Texts of the files of functions, by response.
-        results: Whose full results are kept: ``none``, ``failed``, ``all``.
-        versions: Of the package and its libraries, which must be the worker's.
-    """
-
-    base: str
-    reference: str
-    responses: dict[str, ResponseSpec]
-    sources: dict[str, str]
-    results: str
-    versions: dict[str, str]
+    base: str  # scenario as JSON, with all files that it names
+    reference: str  # scenario of the reference as JSON; "" without one
+    responses: dict[str, ResponseSpec]  # by name
+    sources: dict[str, str]  # texts of the files of functions, by response
+    results: str  # full results to keep: ``none``, ``failed``, ``all``
+    versions: dict[str, str]  # required versions of the package and its libraries
 
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """Finished run of a study.
+    """Finished run of a study."""
 
-    Attributes:
-        entry: What is kept of it, as JSON takes it.
-        result: Its full result file, or b"".
-    """
-
-    entry: dict[str, Any]
-    result: bytes = b""
+    entry: dict[str, Any]  # line of the journal, as JSON types
+    result: bytes = b""  # full result file, or b""
 
 
 @lru_cache(maxsize=8)
@@ -97,11 +75,7 @@ def scenario_of(work: Work, job: Job) -> Scenario:
 
 
 def check_jobs(work: Work, jobs: Sequence[Job]) -> list[tuple[int, str]]:
-    """Return the numbers of the runs that cannot be built, each with the reason.
-
-    Raises:
-        MissingToolError: Versions of this process are not those of the study.
-    """
+    """Return the numbers of the runs that cannot be built, each with the reason."""
     _check_versions(work)
     found = []
     for job in jobs:
@@ -125,11 +99,7 @@ def _check_versions(work: Work) -> None:
 
 
 def do_jobs(work: Work, jobs: Sequence[Job]) -> list[Done]:
-    """Make runs, one after the other.
-
-    Raises:
-        MissingToolError: Versions of this process are not those of the study.
-    """
+    """Make runs, one after the other; refuse versions other than the study's."""
     _check_versions(work)
     return [_do(work, job) for job in jobs]
 
@@ -142,9 +112,9 @@ def _do(work: Work, job: Job) -> Done:
         with _told_of(job):
             run = simulate(scenario_of(work, job))
     except AntennaPinError as error:  # only what the check before the start could not see
-        entry |= _failed("REFUSED", str(error))
+        entry |= failed_entry("REFUSED", str(error))
     except Exception as error:  # a bug must not end a study of a week
-        entry |= _failed("FAILED", f"{type(error).__name__}: {error}")
+        entry |= failed_entry("FAILED", f"{type(error).__name__}: {error}")
     else:
         simulated, cpu = time.perf_counter() - began, time.thread_time() - busy
         counts = run.counts
@@ -175,7 +145,10 @@ def _do(work: Work, job: Job) -> Done:
             "cpu": cpu,
         }
         keep = work.results == "all" or (work.results == "failed" and not run.completed)
-        result = _file(run) if keep else b""
+        result = b""
+        if keep:
+            with tempfile.TemporaryDirectory() as folder:
+                result = run.save(Path(folder, "run.nc")).read_bytes()
         return Done(entry | {"wall_time": time.perf_counter() - began, "worker": platform.node()}, result)
     return Done(entry | {"wall_time": time.perf_counter() - began, "worker": platform.node()})
 
@@ -195,19 +168,8 @@ def _told_of(job: Job) -> Iterator[None]:
         yield
 
 
-def _failed(outcome: str, message: str) -> dict[str, Any]:
-    numbers = {
-        "end_time": 0.0,
-        "steps": 0,
-        "rejected": 0,
-        "relocated": 0,
-        "evaluations": 0,
-        "simulated": 0.0,
-        "cpu": 0.0,
-    }
-    return {"outcome": outcome, "message": " ".join(message.split()), **numbers}
-
-
-def _file(run: Trajectory) -> bytes:
-    with tempfile.TemporaryDirectory() as folder:
-        return run.save(Path(folder, "run.nc")).read_bytes()
+def failed_entry(outcome: str, message: str) -> dict[str, Any]:
+    """Return the entry of a run without a result."""
+    counts = dict.fromkeys(("steps", "rejected", "relocated", "evaluations"), 0)
+    seconds = dict.fromkeys(("end_time", "simulated", "cpu"), 0.0)
+    return {"outcome": outcome, "message": " ".join(message.split()), **counts, **seconds}

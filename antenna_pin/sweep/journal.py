@@ -1,7 +1,7 @@
-"""The journal of a study: one line for each finished run, append-only.
+"""Journal of a study: one line for each finished run, append-only.
 
 Each line starts with a digest of itself, keyed by the digest of the study: a torn, damaged or foreign line is
-not taken for a result. The journal is what a study is resumed from; all else in its folder follows from it.
+no result. A study is resumed from its journal; all else in its folder follows from it.
 """
 
 from __future__ import annotations
@@ -26,17 +26,11 @@ _SYNC_EVERY = 1.0  # [s]
 
 
 class ReadJournal(NamedTuple):
-    """Contents of a journal.
+    """Contents of a journal."""
 
-    Attributes:
-        entries: Of the runs, by number.
-        damaged: Lines in its midst that are not what was written.
-        torn: Whether its end is part of a line.
-    """
-
-    entries: dict[int, dict[str, Any]]
-    damaged: int
-    torn: bool
+    entries: dict[int, dict[str, Any]]  # of the runs, by number
+    damaged: int  # number of damaged lines
+    torn: bool  # incomplete last line
 
 
 def _line(key: bytes, entry: dict[str, Any]) -> bytes:
@@ -49,15 +43,7 @@ def _signed(key: bytes, text: bytes) -> bytes:
 
 
 def read_journal(path: Path, key: bytes) -> ReadJournal:
-    """Return the entries of a journal that are as they were written.
-
-    Args:
-        path: The journal; one that is not there is empty.
-        key: Digest of the study.
-
-    Raises:
-        OSError: It cannot be read.
-    """
+    """Return the undamaged entries of a journal; a missing one is empty."""
     try:
         content = path.read_bytes()
     except FileNotFoundError:
@@ -76,7 +62,7 @@ def read_journal(path: Path, key: bytes) -> ReadJournal:
 
 
 def deleted(path: Path, what: str = "study") -> OutputError:
-    """Return what is to be raised where a journal has been deleted."""
+    """Return the error for a deleted journal."""
     return OutputError(
         f"{path}: must stay while the {what} runs, got deleted or replaced, and its finished runs with it; "
         "give the same command again, with --out elsewhere if something clears it"
@@ -84,16 +70,16 @@ def deleted(path: Path, what: str = "study") -> OutputError:
 
 
 class Journal:
-    """A journal that is written to; one process at a time has it.
+    """Journal open for writing; one process at a time has it.
 
     Args:
         path: The journal, made if missing.
         key: Digest of the study.
-        keep: Entries to start from, where it has to be written anew for damage; None to go on behind its end.
-        what: What it is a part of, a word for messages.
+        keep: Entries of a journal rewritten after damage; None to append.
+        what: Kind of the whole, for messages.
 
     Raises:
-        OutputError: It cannot be written, or another process has it.
+        OutputError: The journal cannot be written, or is in use.
     """
 
     def __init__(
@@ -126,11 +112,7 @@ class Journal:
         self._synced = time.monotonic()
 
     def check(self) -> None:
-        """Refuse to continue with a deleted journal: its lines would be lost.
-
-        Raises:
-            OutputError: It has been.
-        """
+        """Refuse to continue with a deleted journal: its lines would be lost."""
         if not is_there(self.path, self._file):
             raise deleted(self.path, self._what)
 
@@ -138,7 +120,7 @@ class Journal:
         """Write the line of a finished run.
 
         Raises:
-            OutputError: It cannot be written; the journal is left as it was. Or it has been deleted.
+            OutputError: The line cannot be written, and the journal is unchanged; or the journal was deleted.
         """
         self.check()
         line = _line(self._key, entry)
@@ -157,12 +139,12 @@ class Journal:
         self._end += len(line)
 
     def sync(self) -> None:
-        """Have all lines put on the disk."""
+        """Write all lines to the disk."""
         os.fsync(self._file)
         self._synced = time.monotonic()
 
     def close(self) -> None:
-        """Put all lines on the disk and let others have the journal."""
+        """Write all lines to the disk and release the journal."""
         try:
             os.fsync(self._file)
         finally:
@@ -176,15 +158,15 @@ def open_journal(
     """Begin a journal in its own folder, or continue it.
 
     Args:
-        folder: The folder, made if it is not there.
-        about: What it is of, as JSON takes it: a journal of anything else is refused.
-        what: What it is a part of, a word for messages and the file that says so: "diagram".
+        folder: The folder, made if missing.
+        about: Identity as JSON types; a journal of another identity is refused.
+        what: Kind of the whole, for messages and the name of the identity's file: "diagram".
 
     Returns:
-        The entries that there are by their number, and the journal to add to.
+        The entries by their number, and the open journal.
 
     Raises:
-        OutputError: The folder is of another, or cannot be written, or another process has it.
+        OutputError: The folder belongs to another, cannot be written, or is in use.
     """
     text = json.dumps(about, sort_keys=True)
     key = hashlib.sha256(text.encode()).digest()

@@ -17,12 +17,12 @@ from antenna_pin.trajectory import Trajectory, blow_numbers, contact_joints, nam
 from antenna_pin.trajectory.columns import Variable
 from antenna_pin.trajectory.quantities import CONTACTS, RUN, SUMMARIES, reduced
 
-__all__ = ["MEASURES", "Asked", "Measure"]
+__all__ = ["MEASURES", "MeasureArguments", "Measure"]
 
 Array = NDArray[np.float64]
 
 
-class Asked(Protocol):
+class MeasureArguments(Protocol):
     """Arguments of a response's measure; a table of a study file."""
 
     measure: str | None
@@ -41,65 +41,49 @@ Found = Callable[[Trajectory, Any, Trajectory | None], float]
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """One number of a run.
-
-    Attributes:
-        name: Of the measure.
-        units: Of the number.
-        meaning: In words.
-        of: What ``of`` names: ``contact`` (or a joint with play), or another dimension of a result; "" for
-            what is of the whole run.
-        find: Returns it.
-        series: Whether it needs the series that a lean result leaves out.
-        compares: Whether it needs the study's reference.
-        sliding: Whether its unit is another where what it belongs to slides.
-    """
+    """Definition of a number of a run."""
 
     name: str
     units: str
-    meaning: str
-    of: str
+    meaning: str  # as text
+    of: str  # dimension of ``of``: ``contact`` (or a joint with play), or another; "" for the whole run
     find: Found
-    series: bool = False
-    compares: bool = False
-    sliding: bool = False
+    series: bool = False  # needs series, which a lean result leaves out
+    compares: bool = False  # needs the study's reference
+    sliding: bool = False  # has another unit for sliding joints
 
 
 def _of_episodes(of: Variable) -> Found:
-    def find(run: Trajectory, spec: Asked, _: Trajectory | None) -> float:
-        if "contact" not in run.data.sizes:
-            raise UnknownNameError(spec.measure or "", "contact", spec.of or "any", ())
+    def find(run: Trajectory, spec: MeasureArguments, _: Trajectory | None) -> float:
+        mine = _episodes(run, spec)
         # Without labels, which cost more than the sum: a response is asked of many runs.
         data = run.data.variables
-        mine = (
-            slice(None) if spec.of is None else np.isin(data["episode_contact"].values, _contacts(run, spec))
-        )
         return float(reduced(of, data, mine, float(run.data.attrs["end_time"])))
 
     return find
 
 
-def _blows(run: Trajectory, spec: Asked, _: Trajectory | None) -> float:
+def _blows(run: Trajectory, spec: MeasureArguments, _: Trajectory | None) -> float:
+    return float(len(np.unique(blow_numbers(run.data)[_episodes(run, spec)])))
+
+
+def _episodes(run: Trajectory, spec: MeasureArguments) -> slice | NDArray[np.bool_]:
+    """Return the selection of a response's contact episodes."""
     if "contact" not in run.data.sizes:
         raise UnknownNameError(spec.measure or "", "contact", spec.of or "any", ())
-    numbers = blow_numbers(run.data)
-    if spec.of is not None:
-        numbers = numbers[np.isin(run.data["episode_contact"].values, _contacts(run, spec))]
-    return float(len(np.unique(numbers)))
-
-
-def _contacts(run: Trajectory, spec: Asked) -> list[int]:
+    if spec.of is None:
+        return slice(None)
     names = names_along(run.data, "contact")
     joints = contact_joints(run.data)
     chosen = [i for i, name in enumerate(names) if spec.of in (name, joints[name])]
     if not chosen:
         known = {*names, *joints.values()}
         raise UnknownNameError(spec.measure or "", "contact or joint with play", spec.of or "any", known)
-    return chosen
+    return np.isin(run.data.variables["episode_contact"].values, chosen)
 
 
 def _of_labels(name: str, dim: str) -> Found:
-    def find(run: Trajectory, spec: Asked, _: Trajectory | None) -> float:
+    def find(run: Trajectory, spec: MeasureArguments, _: Trajectory | None) -> float:
         names = names_along(run.data, dim)
         values = (
             dict(zip(names, np.asarray(run.data[name].values, dtype=float), strict=True)) if names else {}
@@ -121,7 +105,7 @@ def _of_labels(name: str, dim: str) -> Found:
 
 
 def _conserved(name: str) -> Found:
-    def find(run: Trajectory, spec: Asked, _: Trajectory | None) -> float:
+    def find(run: Trajectory, spec: MeasureArguments, _: Trajectory | None) -> float:
         found: Mapping[str, Any] = json.loads(run.data.attrs["conservation"])
         if found.get(name) is None:
             raise UnknownNameError(spec.measure or "", "ledger", name, found)
@@ -140,7 +124,7 @@ def _pointing_error(run: Trajectory, reference: Trajectory | None) -> xr.Dataset
     return _last[0][2]
 
 
-def _pointing(run: Trajectory, spec: Asked, reference: Trajectory | None) -> float:
+def _pointing(run: Trajectory, spec: MeasureArguments, reference: Trajectory | None) -> float:
     errors = _pointing_error(run, reference)
     components = error_components(errors)
     if spec.component not in components:
@@ -163,7 +147,7 @@ def _pointing(run: Trajectory, spec: Asked, reference: Trajectory | None) -> flo
 
 
 def _deviation(which: str) -> Found:
-    def find(run: Trajectory, spec: Asked, reference: Trajectory | None) -> float:
+    def find(run: Trajectory, spec: MeasureArguments, reference: Trajectory | None) -> float:
         assert reference is not None
         if spec.of is None:
             known = [measures.of for measures in deviation(run, reference).measures]
@@ -174,7 +158,7 @@ def _deviation(which: str) -> Found:
     return find
 
 
-def _base_turn(run: Trajectory, spec: Asked, _: Trajectory | None) -> float:
+def _base_turn(run: Trajectory, spec: MeasureArguments, _: Trajectory | None) -> float:
     from scipy.spatial.transform import Rotation
 
     attitude = Rotation.from_quat(base_motion(run)["attitude"].values)

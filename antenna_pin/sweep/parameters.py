@@ -14,30 +14,39 @@ from antenna_pin.base.units import any_quantity, shown
 from antenna_pin.scenario.merge import toml_value
 from antenna_pin.scenario.spec import Count, Spec, refuse, refuse_name
 
-__all__ = ["ParameterSpec", "Settings", "ToleranceSpec", "Value"]
+__all__ = ["AnyQuantity", "KeysSpec", "ParameterSpec", "Settings", "ToleranceSpec", "Value"]
 
 Array = NDArray[np.float64]
 
 
 class Value(NamedTuple):
-    """Value of a parameter.
+    """Value of a parameter."""
 
-    Attributes:
-        set: What the scenario's key is set to, as in a file.
-        number: In SI units; NaN for what is no quantity.
-        text: As a person would write it.
-    """
-
-    set: Any
-    number: float
-    text: str
+    set: Any  # in the scenario, as in a file
+    number: float  # in SI units; NaN for no quantity
+    text: str  # as a person would write it
 
 
 class Settings(NamedTuple):
-    """The values of a parameter, and the SI unit of their texts, or ""."""
+    """Values of a parameter, and the SI unit of their texts, or ""."""
 
     values: tuple[Value, ...]
     unit: str
+
+
+class KeysSpec(Spec):
+    """Table with keys of a scenario that get one value.
+
+    Attributes:
+        key: Key of the scenario, or several keys.
+    """
+
+    key: str | tuple[str, ...]
+
+    @property
+    def keys_set(self) -> tuple[str, ...]:
+        """Keys of the scenario that are set."""
+        return (self.key,) if isinstance(self.key, str) else self.key
 
 
 def _quantity(value: object) -> object:
@@ -61,15 +70,15 @@ Spacing = Literal["linear", "log"]
 
 
 class ToleranceSpec(Spec):
-    """A dimension as a drawing has it; parts outside its limits are rejected at inspection.
+    """Dimension as in a drawing; parts outside its limits are rejected at inspection.
 
     Attributes:
-        nominal: The dimension.
-        plus: Upper deviation from it; it may be negative, as the zone may lie below the nominal.
-        minus: Lower deviation; with its sign, so mostly negative or zero.
-        distribution: Of the parts between the limits: ``normal`` about the zone's middle, cut off at its
+        nominal: Nominal dimension.
+        plus: Upper deviation; it may be negative, as the zone may lie below the nominal.
+        minus: Lower deviation with its sign, so mostly negative or zero.
+        distribution: Distribution between the limits: ``normal`` about the zone's middle, cut off at its
             ends; ``uniform``; ``triangular``.
-        sigmas: Of ``normal``: standard deviations from the middle to a limit [-].
+        sigmas: Standard deviations of ``normal`` from the middle to a limit [-].
     """
 
     nominal: AnyQuantity
@@ -89,23 +98,23 @@ class ToleranceSpec(Spec):
         return self
 
 
-class ParameterSpec(Spec):
+class ParameterSpec(KeysSpec):
     """Parameter of a study: exactly one of values, start, between, distribution, tolerance.
 
     Attributes:
         key: Key of the scenario with dots, as in ``--set``; ``mechanism.gravity[2]`` for one number of an
             array; several keys get the same value.
-        values: The values, one after the other.
+        values: List of values.
         start: First value of a range.
-        stop: Its last value.
-        count: How many values it has, both ends among them [-].
-        spacing: Of the range or of ``between``: ``linear`` or ``log``.
-        between: Two limits, between which samples are spread evenly.
-        distribution: A distribution of scipy.stats by ``name``, with its own parameters (``loc``, ``scale``
-            and shapes).
-        tolerance: A dimension with its deviations.
-        zip: Parameters of one name here go through their values together.
-        title: What it is called in figures; its name if left out.
+        stop: Last value of the range.
+        count: Number of values of the range, both ends included [-].
+        spacing: Spacing of the range or of ``between``: ``linear`` or ``log``.
+        between: Two limits of evenly distributed samples.
+        distribution: Distribution of scipy.stats by ``name``, with its own parameters (``loc``, ``scale`` and
+            shapes).
+        tolerance: Dimension with its deviations.
+        zip: Name of a group of parameters that go through their values together.
+        title: Title in figures; the name by default.
     """
 
     key: Annotated[str | tuple[str, ...], BeforeValidator(_keys)]
@@ -119,11 +128,6 @@ class ParameterSpec(Spec):
     tolerance: ToleranceSpec | None = None
     zip: str | None = None
     title: str = Field(default="")
-
-    @property
-    def keys_set(self) -> tuple[str, ...]:
-        """The keys that it sets."""
-        return (self.key,) if isinstance(self.key, str) else self.key
 
     @property
     def sampled(self) -> bool:
@@ -192,7 +196,7 @@ class ParameterSpec(Spec):
         return self._of(space(low, high, self.count), unit)
 
     def drawn(self, probability: ArrayLike) -> Settings:
-        """Return the values at which the distribution's cumulative probability is that given, (n,) [-]."""
+        """Return the values at cumulative probabilities of the distribution, (n,) [-]."""
         distribution, unit = self.frozen()
         return self._of(np.asarray(distribution.ppf(np.asarray(probability, dtype=float)), dtype=float), unit)
 
@@ -206,7 +210,7 @@ class ParameterSpec(Spec):
         return Settings(tuple(made), unit)
 
     def frozen(self) -> tuple[Any, str]:
-        """Return the distribution, frozen as scipy.stats has it, in SI units, and the unit."""
+        """Return the distribution in SI units, frozen as in scipy.stats, and the unit."""
         from scipy import stats
 
         if self.between is not None:
@@ -263,13 +267,7 @@ def _tolerance(spec: ToleranceSpec) -> tuple[Any, str]:
 def numbers_of(
     table: Mapping[str, Any], *place: str, pure: tuple[str, ...] = ()
 ) -> tuple[dict[str, float], str]:
-    """Return quantities of one kind in SI units, and their common unit.
-
-    Args:
-        table: The quantities by name.
-        *place: Where the table stands, for messages.
-        pure: Names of pure numbers.
-    """
+    """Return quantities of one kind in SI units, by name, and their common unit."""
     numbers, units = {}, {}
     for name, value in table.items():
         found = any_quantity(value)

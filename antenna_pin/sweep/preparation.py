@@ -30,13 +30,13 @@ _LONG_ENOUGH = 1.0  # [s] for a trial to tell the pace of a run
 
 @dataclass(frozen=True, slots=True)
 class Prepared:
-    """A study ready to be run.
+    """Study ready to be run.
 
     Attributes:
         study: The study.
         design: Its runs.
-        base: The scenario that parameters are laid over.
-        work: What all runs share.
+        base: Scenario before the overrides of parameters.
+        work: Data that all runs share.
     """
 
     study: Study
@@ -68,8 +68,8 @@ class Trial:
     """Findings of a short part of the first run.
 
     Attributes:
-        seconds: Estimate of the time that a whole run takes on this machine [s].
-        notes: What is to be said.
+        seconds: Estimated time of a whole run on this machine [s].
+        notes: Notes, a line each.
     """
 
     seconds: float
@@ -81,7 +81,7 @@ def prepare(study: Study) -> Prepared:
     """Return a study ready to be run: scenario, runs and functions read and checked.
 
     Raises:
-        AntennaPinError: Something of it is not valid.
+        AntennaPinError: The study is not valid.
     """
     design = design_of(study)
     base = study.base()
@@ -159,10 +159,10 @@ def trial(prepared: Prepared, run: int = 0) -> Trial:
 
 
 class RunTime(NamedTuple):
-    """Estimates of the time that a run takes [s].
+    """Estimates of the time of a run [s].
 
     Attributes:
-        least: At the greatest pace that was seen.
+        least: At the greatest pace measured.
         mean: At the last pace.
         most: At the least pace.
     """
@@ -176,19 +176,19 @@ class RunTime(NamedTuple):
 def run_seconds(prepared: Prepared) -> RunTime:
     """Return estimates of a run's time on this machine [s], means over three runs.
 
-    Of the first, the middle and the last run, longer and longer parts are made, up to the whole or until one
-    has taken a second; what is left is taken to go on at a pace of these parts.
+    Parts of the first, the middle and the last run are made, longer and longer, up to the whole or to a part
+    of one second; the rest is extrapolated at a pace of these parts.
 
     Raises:
-        AntennaPinError: One of them cannot be built.
+        AntennaPinError: A run cannot be built.
     """
     last = prepared.design.count - 1
     every = np.mean([_seconds(prepared, run) for run in sorted({0, last // 2, last})], axis=0)
     return RunTime(*map(float, every))
 
 
-def _seconds(prepared: Prepared, run: int) -> RunTime:
-    scenario = scenario_of(prepared.work, prepared.job(run))
+def _seconds(plan: Prepared, run: int) -> RunTime:
+    scenario = scenario_of(plan.work, plan.job(run))
     share, before, paces = _TRIAL_SHARE, (0.0, 0.0), list[float]()
     while True:
         began = time.perf_counter()
@@ -201,8 +201,8 @@ def _seconds(prepared: Prepared, run: int) -> RunTime:
         before, share = (share, stepping), min(2.0 * share, 1.0)
 
 
-def _reference(prepared: Prepared, job: Job, span: float) -> Trajectory | None:
-    text = prepared.work.reference
+def _reference(plan: Prepared, job: Job, span: float) -> Trajectory | None:
+    text = plan.work.reference
     if not text:
         return None
     values: dict[str, Any] = job.follows
@@ -212,4 +212,4 @@ def _reference(prepared: Prepared, job: Job, span: float) -> Trajectory | None:
             raise ScenarioError('output.form must be "full" for runs to be compared with it, got "lean"')
         return uninterrupted(simulate(scenario, duration=span))
     except AntennaPinError as error:
-        raise ScenarioError(f"{prepared.place}: reference: {error}") from None
+        raise ScenarioError(f"{plan.place}: reference: {error}") from None

@@ -1,4 +1,4 @@
-"""The responses of a study: the numbers kept of each run, by measures or functions of the user's own."""
+"""Responses of a study: numbers of each run, by measures or users' functions."""
 
 from __future__ import annotations
 
@@ -26,23 +26,23 @@ def _share(value: object) -> float:
 
 
 class ResponseSpec(Spec):
-    """One number of each run: by a measure, or a function; a text alone stands for either.
+    """Number of each run by a measure or a function; a text alone names either.
 
     Attributes:
         measure: Name of a measure.
         function: ``FILE.py:NAME``, from the study file's folder, or ``MODULE:NAME``; called with the run, a
-            Trajectory, and if it has an argument ``seed`` with the run's; returns a number.
-        of: What the measure is of: a contact, a joint, a drive, a quantity as ``elevation angle``; all if
-            left out, where that makes sense.
-        index: Of ``pointing``: index of ECSS-E-ST-60-10C.
-        component: Of ``pointing``: ``half-cone``, ``boresight``, ``cross`` or ``up``.
-        value: Of ``pointing``: the ``largest`` one, or the ``level`` of the confidence.
-        window: Of ``pointing``: length of the windows.
-        drift_spacing: Of ``pointing``: from one window of the PDE to the other.
-        period: Of ``pointing``: length of the observation periods.
-        confidence: Of ``pointing``'s level [-].
-        units: Of a function's number; of a measure of what turns or slides, where it slides.
-        title: What it is called in figures; its name if left out.
+            Trajectory, and with the run's seed for an argument ``seed``; returns a number.
+        of: Object of the measure: a contact, a joint, a drive, a quantity as ``elevation angle``; all by
+            default, where that makes sense.
+        index: ``pointing``: index of ECSS-E-ST-60-10C.
+        component: ``pointing``: ``half-cone``, ``boresight``, ``cross`` or ``up``.
+        value: ``pointing``: the ``largest`` value, or the ``level`` of the confidence.
+        window: ``pointing``: length of the windows.
+        drift_spacing: ``pointing``: time between the windows of the PDE.
+        period: ``pointing``: length of the observation periods.
+        confidence: ``pointing``: confidence of the level [-].
+        units: Unit of a function's number, or of a measure at a sliding joint.
+        title: Title in figures; the name by default.
     """
 
     measure: str | None = None
@@ -64,7 +64,7 @@ class ResponseSpec(Spec):
     @model_validator(mode="before")
     @classmethod
     def _read_text(cls, data: Any) -> Any:
-        """Let a text stand for a measure, or, with a colon, for a function."""
+        """Accept a text for a measure, or, with a colon, for a function."""
         if isinstance(data, str):
             return {"function" if ":" in data else "measure": data}
         if isinstance(data, Mapping) and ":" in str(data.get("measure", "")) and "function" not in data:
@@ -73,7 +73,7 @@ class ResponseSpec(Spec):
 
     @property
     def compares(self) -> bool:
-        """Whether it compares with the study's reference."""
+        """True for a comparison with the study's reference."""
         return self.measure is not None and MEASURES[self.measure].compares
 
     @model_validator(mode="after")
@@ -103,7 +103,7 @@ class ResponseSpec(Spec):
 
     @property
     def unit(self) -> str:
-        """The unit of the number, as text."""
+        """Unit of the number, as text."""
         if self.measure is None:
             return self.units
         if MEASURES[self.measure].of == "quantity":
@@ -113,7 +113,7 @@ class ResponseSpec(Spec):
 
     @property
     def meaning(self) -> str:
-        """What the number is, in words."""
+        """Description of the number."""
         if self.title:
             return self.title
         if self.measure is None:
@@ -129,11 +129,7 @@ _UNITS = {"angle": "rad", "rate": "rad/s", "acceleration": "rad/s^2"}
 
 
 def source_of(response: ResponseSpec, folder: Path, name: str) -> str:
-    """Return the text of the file that a response's function stands in; "" for a module's or a measure.
-
-    Raises:
-        ScenarioError: There is no such file or module, or no such function in it.
-    """
+    """Return the text of a response's function file, or ""."""
     return "" if response.function is None else own_source(response.function, folder, f"responses.{name}")
 
 
@@ -145,20 +141,7 @@ def evaluate(
     reference: Trajectory | None,
     seed: int,
 ) -> float:
-    """Return a response of a run.
-
-    Args:
-        name: Of the response.
-        response: The response.
-        source: The text of its function's file, or "".
-        run: The run.
-        reference: What it is compared with.
-        seed: Of the run.
-
-    Raises:
-        AntennaPinError: The measure does not exist for this run.
-        Exception: Whatever a function of the user's own raises.
-    """
+    """Return a response of a run; exceptions of a user's function pass through."""
     if response.measure is not None:
         return MEASURES[response.measure].find(run, response, reference if response.compares else None)
     assert response.function is not None

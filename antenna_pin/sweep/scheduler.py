@@ -1,7 +1,7 @@
 """Reachability of a Dask scheduler at an address, within a bounded time.
 
-Dask's own client waits for ever for a peer that takes the connection and keeps silent, and asks on the
-terminal for the passphrase of a key. So its scheduler is spoken to here first.
+Dask's own client waits forever for a peer that accepts the connection and stays silent, and prompts on the
+terminal for the passphrase of a key. So the scheduler is contacted here first.
 """
 
 from __future__ import annotations
@@ -31,15 +31,11 @@ ANSWERS_WITHIN = 20.0  # [s]
 
 
 class ClusterLostError(AntennaPinError, RuntimeError):
-    """The scheduler, or all its workers, cannot be reached, or not any more."""
+    """Scheduler or workers that cannot be reached."""
 
 
 def check_address(address: str, tls: dict[str, str]) -> None:
-    """Refuse a malformed address, or one that contradicts the files for TLS.
-
-    Raises:
-        ClusterLostError: With the rule in one line.
-    """
+    """Refuse a malformed address, or one that contradicts the files for TLS."""
     try:
         parts = urlsplit(address)
         whole = parts.scheme in ("tcp", "tls") and bool(parts.hostname) and parts.port is not None
@@ -64,11 +60,7 @@ def check_address(address: str, tls: dict[str, str]) -> None:
 
 
 def security_of(tls: dict[str, str]) -> Any:
-    """Return Dask's security for files ``ca``, ``cert`` and ``key``; None without files.
-
-    Raises:
-        ClusterLostError: One of them is not what it must be.
-    """
+    """Return Dask's security for files ``ca``, ``cert`` and ``key``; None without files."""
     if not tls:
         return None
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
@@ -97,8 +89,8 @@ def security_of(tls: dict[str, str]) -> Any:
 def own_security() -> Any:
     """Return Dask's security for local processes: a certificate of this run's own.
 
-    A port of the loopback is open to every user of the machine, and what is sent to a worker is run by it.
-    The certificate is made anew each time, and stands in a file only while it is loaded from there.
+    A port of the loopback is open to every user of the machine, and a worker executes what is sent to it. The
+    certificate is made anew each time, and is stored in a file only while it is loaded from there.
 
     Raises:
         MissingToolError: The library that makes certificates is not installed.
@@ -114,11 +106,7 @@ def own_security() -> Any:
 
 
 def check_scheduler(address: str, security: Any) -> None:
-    """Ask what answers at an address, and return if it is a scheduler.
-
-    Raises:
-        ClusterLostError: It is none, or nothing answers within :data:`ANSWERS_WITHIN`.
-    """
+    """Refuse an address without a scheduler, or without an answer within :data:`ANSWERS_WITHIN`."""
     problem = _problem(address, security)
     # Connections that are given up half-way are closed when they are let go of, which is now.
     with warnings.catch_warnings():
@@ -132,7 +120,7 @@ def _problem(address: str, security: Any) -> str:
     """Return the fault of a scheduler's address, in words, or ""."""
     secure = address.startswith("tls://")
     try:
-        kind = asyncio.run(_asked(address, security))
+        kind = asyncio.run(_process_type(address, security))
     except TimeoutError:
         return (
             f"must answer within {ANSWERS_WITHIN:g} s, got silence; is it running, is the address right, and "
@@ -143,12 +131,12 @@ def _problem(address: str, security: Any) -> str:
     return "" if kind == "Scheduler" else f"must be the address of a scheduler, got that of a {kind}"
 
 
-async def _asked(address: str, security: Any) -> str:
-    """Return what a process of Dask says it is."""
+async def _process_type(address: str, security: Any) -> str:
+    """Return the type of a Dask process at an address."""
     core = importlib.import_module("distributed.comm.core")
     more = {} if security is None else security.get_connection_args("client")
 
-    async def asked() -> str:
+    async def query() -> str:
         comm = await core.connect(address, timeout=ANSWERS_WITHIN, **more)
         try:
             await comm.write({"op": "identity", "reply": True})
@@ -157,11 +145,11 @@ async def _asked(address: str, security: Any) -> str:
         finally:
             comm.abort()
 
-    return await asyncio.wait_for(asked(), ANSWERS_WITHIN + 1.0)
+    return await asyncio.wait_for(query(), ANSWERS_WITHIN + 1.0)
 
 
 def _why(error: BaseException, secure: bool) -> str:
-    """Return what must hold, what was found and a way out."""
+    """Return the fault of a connection as rule, value and way out."""
     chain: list[BaseException] = []
     now: BaseException | None = error
     while now is not None and now not in chain:
@@ -193,5 +181,5 @@ def _why(error: BaseException, secure: bool) -> str:
 
 
 def words_of(error: BaseException) -> str:
-    """Return an error in words, on one line."""
+    """Return the message of an error on one line."""
     return " ".join(str(error).split())[:200] or type(error).__name__

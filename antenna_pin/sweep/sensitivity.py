@@ -1,7 +1,7 @@
 """Global sensitivity of responses: elementary effects of Morris, variance shares of Sobol'.
 
-Both are SALib's, on the unit cube of where samples stand in their distributions. So an effect of Morris's is
-that of going through the whole distribution of a parameter, in the unit of the response.
+Both are SALib's, on the unit cube of cumulative probabilities. So an elementary effect of Morris is that of
+the whole distribution of a parameter, in the unit of the response.
 """
 
 from __future__ import annotations
@@ -43,7 +43,10 @@ def morris_points(names: list[str], count: int, levels: int, seed: int) -> Array
 
 
 def saltelli_points(names: list[str], count: int, second_order: bool, seed: int) -> Array:
-    """Return Saltelli's design in the unit cube, (count (factors + 2), factors) [-]; twice with pairs."""
+    """Return Saltelli's design in the unit cube, (count (factors + 2), factors) [-].
+
+    With second order it has count (2 factors + 2) points.
+    """
     made = _salib("sample.sobol").sample(
         _problem(names), count, calc_second_order=second_order, scramble=True, seed=seed
     )
@@ -52,12 +55,12 @@ def saltelli_points(names: list[str], count: int, second_order: bool, seed: int)
 
 @takes()
 def sensitivities(study: xr.Dataset, response: str, confidence: float = 0.95) -> xr.Dataset:
-    """Return how a response depends on the parameters that were sampled for that.
+    """Return the sensitivity of a response to the sampled parameters.
 
     Args:
-        study: What :func:`antenna_pin.open_study` returns, of method ``morris`` or ``saltelli``.
+        study: Dataset of :func:`antenna_pin.open_study`, of method ``morris`` or ``saltelli``.
         response: Name of the response.
-        confidence: Of the intervals, by bootstrap [-].
+        confidence: Confidence level of the intervals, by bootstrap [-].
 
     Returns:
         Over ``factor``, of Morris: ``mu``, ``mu_star`` (mean effect, mean size of the effect) and ``sigma``
@@ -66,7 +69,7 @@ def sensitivities(study: xr.Dataset, response: str, confidence: float = 0.95) ->
         With half the width of their intervals: ``mu_star_conf``, ``first_conf``, ``total_conf``.
 
     Raises:
-        InvalidParameterError: The study was not sampled so, or a run of it has no response.
+        InvalidParameterError: The study has another method, or a run of it has no response.
     """
     method = study.attrs.get("method")
     if method not in ("morris", "saltelli"):

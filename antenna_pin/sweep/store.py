@@ -1,8 +1,8 @@
-"""A study on disk: its identity, the journal of runs, dataset, full results.
+"""Study on disk: its identity, the journal of runs, dataset, full results.
 
-``study.json`` says what the study is, ``journal`` has a line for each finished run, ``runs.nc`` is the
-dataset made of them, ``runs/`` holds full results. The driver alone writes. Every file tells damage by a
-digest.
+``study.json`` holds the identity of the study, ``journal`` has a line for each finished run, ``runs.nc`` is
+the dataset made of them, ``runs/`` holds full results. The driver alone writes. Every file reveals damage by
+a digest.
 """
 
 from __future__ import annotations
@@ -50,13 +50,7 @@ _COLUMNS: dict[str, tuple[str, str, type]] = {
 
 
 def empty_table(study: Study, design: Design, about: Mapping[str, str]) -> xr.Dataset:
-    """Return the dataset of a study of which no run has been made.
-
-    Args:
-        study: The study.
-        design: Its runs.
-        about: Further attributes.
-    """
+    """Return the dataset of a study without finished runs, with further attributes ``about``."""
     dims = tuple(design.sizes)
     coordinates: dict[str, Any] = {}
     for column in design.columns:
@@ -113,15 +107,6 @@ def add_entries(table: xr.Dataset, entries: Iterable[Mapping[str, Any]]) -> None
             arrays[name][place] = entry[name]
 
 
-def table_of(
-    study: Study, design: Design, about: Mapping[str, str], entries: Iterable[Mapping[str, Any]]
-) -> xr.Dataset:
-    """Return the dataset of a study with its finished runs, in any order."""
-    table = empty_table(study, design, about)
-    add_entries(table, entries)
-    return table
-
-
 #: How the name of a store ends.
 SUFFIX = ".study"
 
@@ -133,17 +118,11 @@ _ABOUT, _JOURNAL, _TABLE, _RESULTS = "study.json", "journal", "runs.nc", "runs"
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Identity:
-    """Identity of a study: its runs, responses, and the computing code.
+    """Identity of a study: its runs, responses, and the computing code."""
 
-    Attributes:
-        digest: Of all, as hexadecimal text.
-        parts: Digests of its parts, by name: what differs between two studies can be told.
-        versions: Of the package and its libraries.
-    """
-
-    digest: str
-    parts: dict[str, str]
-    versions: dict[str, str]
+    digest: str  # of all, as hexadecimal text
+    parts: dict[str, str]  # digests of the parts, by name, to report differences of two studies
+    versions: dict[str, str]  # of the package and its libraries
 
     @property
     def key(self) -> bytes:
@@ -167,7 +146,7 @@ def identity_of(study: Study, design: Design, work: Work) -> Identity:
 
 
 def _content(text: str) -> Any:
-    """Return a scenario without where it came from."""
+    """Return a scenario without its origin."""
     data = json.loads(text) if text else {}
     return {name: value for name, value in data.items() if name not in ("folder", "overrides", "description")}
 
@@ -178,20 +157,14 @@ def _digest(value: Any) -> str:
 
 
 class Store:
-    """The folder of a study that is being run.
-
-    Args:
-        path: The folder, whose name ends in ``.study``.
-        study: The study.
-        design: Its runs.
-        identity: What it is.
+    """Folder of a running study.
 
     Raises:
-        OutputError: It is the store of another study, or cannot be written.
+        OutputError: The store belongs to another study, or cannot be written.
     """
 
     def __init__(self, path: Path, study: Study, design: Design, identity: Identity) -> None:
-        """Look at the folder, if it is there; nothing is written yet."""
+        """Read the folder, if it exists; nothing is written yet."""
         self.path, self.study, self.design, self.identity = path, study, design, identity
         self.notes: list[str] = []
         self._journal: Journal | None = None
@@ -220,11 +193,10 @@ class Store:
             self.notes.append(f"{path / _TABLE}: is damaged, and is made again from the journal")
 
     def begin(self) -> None:
-        """Make the folder, or go on in it, with a dataset that others may open.
+        """Make the folder, or continue in it, with a dataset that others may open.
 
         Raises:
-            OutputError: It cannot be written, or another process has it; or it has been deleted since it was
-                read.
+            OutputError: The folder cannot be written, is in use, or was deleted since it was read.
         """
         if self.entries and not (self.path / _JOURNAL).is_file():
             raise deleted(self.path / _JOURNAL)
@@ -238,7 +210,7 @@ class Store:
         self.write_table()
 
     def _own(self) -> ReadJournal:
-        """Return the journal of a folder that is there, if it is this study's."""
+        """Return the journal of an existing folder of this study."""
         path = self.path
         about = _read_about(path)
         if about is not None and about["digest"] != self.identity.digest:
@@ -284,11 +256,7 @@ class Store:
         return not name or has_seal(self.path / _RESULTS / str(name)) is True
 
     def add(self, entry: dict[str, Any], result: bytes) -> None:
-        """Keep a finished run: its full result first, then its line.
-
-        Raises:
-            OutputError: It cannot be written; all before it is kept.
-        """
+        """Store a finished run: its full result first, then its line."""
         if result:
             name = f"{entry['run']:06d}.nc"
             try:
@@ -306,20 +274,18 @@ class Store:
         self.entries[int(entry["run"])] = entry
 
     def missing(self) -> list[int]:
-        """Return the numbers of the runs that are still to be made."""
+        """Return the numbers of the missing runs."""
         return [run for run in range(self.design.count) if run not in self.entries]
 
     def table(self) -> xr.Dataset:
         """Return the dataset of the runs made so far."""
         about = {"digest": self.identity.digest, "versions": json.dumps(self.identity.versions)}
-        return table_of(self.study, self.design, about, self.entries.values())
+        table = empty_table(self.study, self.design, about)
+        add_entries(table, self.entries.values())
+        return table
 
     def write_table(self) -> None:
-        """Write the dataset of the runs made so far.
-
-        Raises:
-            OutputError: It cannot be written; the one before is kept. Or the store has been deleted.
-        """
+        """Write the dataset of the runs made so far; a failure leaves the one before."""
         if self._journal is not None:
             self._journal.check()
         table = self.table()
@@ -334,7 +300,7 @@ class Store:
             ) from None
 
     def close(self) -> None:
-        """Put all on the disk."""
+        """Write all to the disk."""
         if self._journal is not None:
             self._journal.close()
             self._journal = None
@@ -351,7 +317,7 @@ def has_seal(path: Path) -> bool | None:
 
 
 def _read_about(path: Path) -> dict[str, Any] | None:
-    """Return a store's description of itself; None if it is missing or damaged."""
+    """Return a store's description; None if missing or damaged."""
     target = path / _ABOUT
     if not has_seal(target):
         return None
@@ -371,12 +337,12 @@ def open_study(path: str | os.PathLike[str]) -> xr.Dataset:
 
     Returns:
         Over the parameters of a grid, and ``sample`` if any is sampled, labelled by the parameters' values:
-        each response; ``outcome`` (``PENDING`` for what is still to be made) and ``message``; ``end_time``
-        [s], ``steps``, ``rejected``, ``relocated``, ``evaluations`` [-]; ``wall_time`` [s] and ``worker``;
+        each response; ``outcome`` (``PENDING`` for a missing run) and ``message``; ``end_time`` [s],
+        ``steps``, ``rejected``, ``relocated``, ``evaluations`` [-]; ``wall_time`` [s] and ``worker``;
         ``seed``; ``run``, the number of each.
 
     Raises:
-        FileFormatError: It is no store of a study, or damaged.
+        FileFormatError: The folder is no store of a study, or damaged.
     """
     folder = Path(path)
     target = folder / _TABLE

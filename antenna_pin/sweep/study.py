@@ -1,4 +1,4 @@
-"""The study file: its scenario, parameters and responses."""
+"""Study file: scenario, parameters and responses."""
 
 from __future__ import annotations
 
@@ -46,9 +46,9 @@ class SamplingSpec(Spec):
     Attributes:
         method: ``random``; ``latin-hypercube``; ``sobol``, a scrambled sequence of low discrepancy;
             ``morris`` and ``saltelli``, designs for sensitivities.
-        count: Samples [-]; of Sobol' and Saltelli's a power of two; of Morris's the trajectories.
-        levels: Of Morris's grid [-].
-        second_order: Whether Saltelli's design is for interactions too.
+        count: Number of samples, a power of two for Sobol' and Saltelli; of trajectories for Morris [-].
+        levels: Levels of Morris's grid [-].
+        second_order: True for interactions in Saltelli's design.
     """
 
     method: Literal["random", "latin-hypercube", "sobol", "morris", "saltelli"] = "latin-hypercube"
@@ -68,12 +68,12 @@ class SamplingSpec(Spec):
 
 
 class ReferenceSpec(Spec):
-    """The run that others are compared with: mostly the mechanism with ideal joints.
+    """Reference of comparisons, mostly the mechanism with ideal joints.
 
     Attributes:
         case: Case of the scenario.
-        set: What is set over it, as the study's ``set``, which it does not take.
-        follows: Parameters of the study that it takes too; there is one such run for each of their values.
+        set: Overrides instead of the study's ``set``.
+        follows: Parameters of the study that the reference shares, with a run for each of their values.
     """
 
     case: str | None = None
@@ -82,20 +82,20 @@ class ReferenceSpec(Spec):
 
 
 class Study(RunsFile):
-    """A parameter study.
+    """Parameter study.
 
     Attributes:
-        seed: Of the samples and of the runs' own seeds [-].
-        parameters: What is varied, by name.
-        sampling: How parameters with distributions are sampled.
-        reference: What some responses compare a run with.
-        responses: The numbers that are kept of each run, by name; or a list of measures and functions.
-        results: Whose full result files are kept: ``none``, those that ``failed`` (ended early or with
-            an open ledger), or ``all``.
-        name: Of the study: that of its file.
-        folder: Of the study file.
+        seed: Seed of the samples and of the runs' own seeds [-].
+        parameters: Varied parameters, by name.
+        sampling: Sampling of parameters with distributions.
+        reference: Reference of compared responses.
+        responses: Numbers of each run, by name; or a list of measures and functions.
+        results: Full result files to keep: ``none``, those that ``failed`` (ended early or with an open
+            ledger), or ``all``.
+        name: Name of the study: that of its file.
+        folder: Folder of the study file.
 
-    When it has been run it shows itself: ``study.plot(name)`` and ``study.report("report.html")``.
+    After its runs it has figures and a report: ``study.plot(name)`` and ``study.report("report.html")``.
     """
 
     __repr__ = __str__ = brief
@@ -122,7 +122,7 @@ class Study(RunsFile):
     @model_validator(mode="before")
     @classmethod
     def _name_responses(cls, data: Any) -> Any:
-        """Let a list of measures and functions stand for responses of their names."""
+        """Accept a list of measures and functions for responses of their names."""
         if not (isinstance(data, Mapping) and isinstance(data.get("responses"), list | tuple)):
             return data
         named: dict[str, str] = {}
@@ -172,7 +172,7 @@ class Study(RunsFile):
                 for other, owner in owners.items():
                     if other == key:
                         refuse(f"must be a key of its own, got that of {owner}", "parameters", name, "key")
-                    if _within(key, other) or _within(other, key):
+                    if _is_within(key, other) or _is_within(other, key):
                         rule = (
                             f"must not be within {owner}'s {other}, nor hold it, or one would undo the other"
                         )
@@ -203,7 +203,7 @@ class Study(RunsFile):
         return self.scenario_with(self.reference.case, merge(lasts, nested(self.reference.set)))
 
 
-def _within(key: str, table: str) -> bool:
+def _is_within(key: str, table: str) -> bool:
     """Return true for a key of a table, or of an array's numbers."""
     return key.startswith((f"{table}.", f"{table}["))
 
@@ -218,11 +218,11 @@ def load_study(path: str | os.PathLike[str], settings: Mapping[str, Any] | Seque
     """Return a study, complete and checked; its scenario is not read yet.
 
     Args:
-        path: Of a study file, or the name of a shipped one, as ``bai2020/clearances``.
-        settings: What is set over the study's keys: ``["sampling.count=64", "set.duration=0.5 s"]``.
+        path: Path of a study file, or the name of a shipped one, as ``bai2020/clearances``.
+        settings: Overrides of the study's keys: ``["sampling.count=64", "set.duration=0.5 s"]``.
 
     Raises:
-        ScenarioError: With one line that gives file, place, rule, the value seen and a way out.
-        UnknownNameError: There is no such study.
+        ScenarioError: With one line that gives file, place, rule, value and a way out.
+        UnknownNameError: No such study exists.
     """
     return Study.loaded("load_study", path, settings)

@@ -1,9 +1,12 @@
 """Fits to an oscillator in closed form: a bar without weight on a spring and a damper."""
 
+import contextlib
+
+import h5py
 import numpy as np
 import pytest
 
-from antenna_pin.fit import load_fit
+from antenna_pin.fit import Problem, load_fit
 
 INERTIA = 0.0251004 + 1.872 * 0.2**2  # of the bar about the hinge [kg m^2]
 STIFFNESS, DAMPING, FIRST = 40.0, 0.2, 0.1
@@ -35,11 +38,49 @@ sd = "1e-4 rad"
 """
 
 
+DAMPER = """
+[parameters.damping]
+key = "springs.hinge.damping"
+start = "0.5 N*m*s/rad"
+"""
+
+
 def closed_form(time, stiffness=STIFFNESS, damping=DAMPING, first=FIRST):
     """Return the angle of the oscillator let go at rest [rad]."""
     decay = damping / (2.0 * INERTIA)
     omega = np.sqrt(stiffness / INERTIA - decay**2)
     return first * np.exp(-decay * time) * (np.cos(omega * time) + decay / omega * np.sin(omega * time))
+
+
+TIME = np.linspace(0.0, 1.0, 201)
+ANGLE = closed_form(TIME)  # [rad]
+
+
+def problem_of(folder, content=None, name="swing.csv", encoding="utf-8", **parts):
+    """Return the problem of a record that is there, or that a text or a function that writes a file is."""
+    if callable(content):
+        content(folder / name)
+    elif content is not None:
+        (folder / name).write_text(content, encoding=encoding)
+    filled = {"more": "", "parameters": "", "record": "", "column": ""} | parts
+    text = FIT.replace("swing.csv", name).format(**filled)
+    (folder / "a.fit.toml").write_text(text, encoding="utf-8")
+    return Problem(load_fit(folder / "a.fit.toml"))
+
+
+def data_of(problem):
+    """Return times and data of a record."""
+    seen = problem.predictions(problem.start)
+    return seen["at"].values, seen["data"].values
+
+
+@contextlib.contextmanager
+def matlab_7_3(path):
+    """Open a MAT file of version 7.3: HDF5 with a row of user's bytes in front."""
+    with h5py.File(path, "w", userblock_size=512) as file:
+        yield file
+    with path.open("r+b") as stream:
+        stream.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
 
 
 @pytest.fixture

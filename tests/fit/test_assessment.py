@@ -23,13 +23,8 @@ from antenna_pin.plot import table_figures
 from antenna_pin.report import report
 from antenna_pin.trajectory import save_table
 
-from .conftest import FIT, closed_form
+from .conftest import DAMPER, FIT, closed_form
 
-DAMPER = """
-[parameters.damping]
-key = "springs.hinge.damping"
-start = "0.5 N*m*s/rad"
-"""
 CLOCK = """
 [parameters.shift]
 key = "records.swing.clock_shift"

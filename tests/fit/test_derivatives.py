@@ -9,8 +9,7 @@ from antenna_pin.fit.problem import DerivativeLog
 from antenna_pin.fit.sensors import compared_numbers, compared_slopes
 from antenna_pin.fit.specs import ColumnSpec
 
-from .conftest import DAMPING, STIFFNESS, closed_form
-from .test_run_fit import DAMPER
+from .conftest import DAMPER, DAMPING, STIFFNESS, closed_form
 
 EQUATION = 'jacobian = "equation"'
 CLOCK = """
@@ -27,9 +26,9 @@ start = "0.01 rad"
 """
 
 
-def slope(function, value):
+def slope(function, value, step=None):
     """Return a derivative of fourth order."""
-    h = 1e-3 * value
+    h = 1e-3 * value if step is None else step
     ends = [function(value + k * h) for k in (1, -1, 2, -2)]
     return (8.0 * (ends[0] - ends[1]) - (ends[2] - ends[3])) / (12.0 * h)
 
@@ -157,9 +156,9 @@ def test_slopes_of_statistics_are_those_of_differences(more):
     values, ways = draws.standard_normal(401), draws.standard_normal((401, 2))
     found = compared_slopes(column, time, values, ways)
     for k, way in enumerate(ways.T):
-        h = 1e-4
-        ends = [compared_numbers(column, "rad", time, values + s * h * way) for s in (1, -1, 2, -2)]
-        expected = (8.0 * (ends[0] - ends[1]) - (ends[2] - ends[3])) / (12.0 * h)
+        expected = slope(
+            lambda s, way=way: compared_numbers(column, "rad", time, values + s * way), 0.0, 1e-4
+        )
         # Fourth order at 1e-4 errs by 1e-16 of fifth derivatives, and by round-off over the step.
         np.testing.assert_allclose(found[:, k], expected, rtol=1e-9, atol=1e-10)
 

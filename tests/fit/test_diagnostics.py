@@ -11,9 +11,8 @@ from antenna_pin.errors import AntennaPinError
 from antenna_pin.fit import Problem, load_fit, open_fit, run_fit
 from antenna_pin.fit.diagnostics import DifferenceGrowth
 
-from .conftest import closed_form
+from .conftest import TIME, closed_form
 
-TIME = np.linspace(0.0, 1.0, 201)
 NOISE = 1e-4  # as the column's sd [rad]
 
 

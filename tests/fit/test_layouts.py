@@ -2,35 +2,13 @@
 
 import datetime
 
-import h5py
 import numpy as np
 import pytest
 import xarray as xr
 
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.fit import Problem, load_fit
 
-from .conftest import FIT, closed_form
-
-TIME = np.linspace(0.0, 1.0, 201)
-ANGLE = closed_form(TIME)  # [rad]
-PLAIN = {"more": "", "parameters": "", "record": "", "column": ""}
-
-
-def problem_of(folder, content, name="swing.csv", encoding="utf-8", **parts):
-    """Return the problem of a record that a text, or a function that writes a file, is."""
-    if callable(content):
-        content(folder / name)
-    else:
-        (folder / name).write_text(content, encoding=encoding)
-    text = FIT.replace("swing.csv", name).format(**(PLAIN | parts))
-    (folder / "a.fit.toml").write_text(text, encoding="utf-8")
-    return Problem(load_fit(folder / "a.fit.toml"))
-
-
-def data_of(problem):
-    seen = problem.predictions(problem.start)
-    return seen["at"].values, seen["data"].values
+from .conftest import ANGLE, TIME, data_of, matlab_7_3, problem_of
 
 
 def comma(number, digits=12):
@@ -112,7 +90,7 @@ def test_matlab_files_of_version_7_3_are_read(tmp_path):
     """HDF5 with a row of user's bytes in front; vectors have two dimensions, structures are groups."""
 
     def write(path):
-        with h5py.File(path, "w", userblock_size=512) as file:
+        with matlab_7_3(path) as file:
             rig = file.create_group("rig")
             rig.attrs["MATLAB_class"] = np.bytes_("struct")
             rig["t"], rig["angle"] = TIME[None, :] * 1e3, ANGLE[:, None]
@@ -120,8 +98,6 @@ def test_matlab_files_of_version_7_3_are_read(tmp_path):
             for name, of in (("rig/t", "double"), ("rig/angle", "double"), ("title", "char")):
                 file[name].attrs["MATLAB_class"] = np.bytes_(of)
             file.create_group("#refs#")
-        with path.open("r+b") as stream:
-            stream.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
 
     record = 'time = "rig.t"\ntime_unit = "ms"'
     problem = problem_of(tmp_path, write, "swing.mat", record=record, column='column = "rig.angle"')

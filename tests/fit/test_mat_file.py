@@ -14,6 +14,8 @@ from antenna_pin.fit.record_file import BadMatFileError, Mat73Error, read_column
 from antenna_pin.fit.specs import LayoutSpec
 from antenna_pin.trajectory.file import open_hdf5
 
+from .conftest import matlab_7_3
+
 ANGLE = np.linspace(0.0, 1.0, 50)
 
 
@@ -94,10 +96,8 @@ def unwritten(file):
 )
 def test_hdf5_files_that_have_no_end_are_refused(tmp_path, make, said):
     """Version 7.3 of MAT files."""
-    with h5py.File(tmp_path / "a.mat", "w", userblock_size=512) as file:
+    with matlab_7_3(tmp_path / "a.mat") as file:
         make(file)
-    with (tmp_path / "a.mat").open("r+b") as file:
-        file.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
     with pytest.raises(AntennaPinError, match=said):
         read_columns(tmp_path / "a.mat", ["angle"], LayoutSpec(), "records.a")
 

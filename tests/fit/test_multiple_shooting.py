@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hinge_record import FIT, TIMES, TRUTH, write_record
 from planar_joint import record
 
 from antenna_pin.base.state import State
@@ -11,8 +12,6 @@ from antenna_pin.contact.onset import NO_APPROACH
 from antenna_pin.fit import Problem, load_fit
 from antenna_pin.fit.problem import central_differences
 from antenna_pin.fit.runs import difference_from_origin, piece_start, prepared_scenario
-
-from .joint import FIT, TIMES, TRUTH, write_record
 
 EXAMPLES = Path(__file__).parents[2] / "scripts" / "examples"
 

@@ -1,6 +1,5 @@
 """Records as they come off a bench: what is wrong with them is one line, with file, place, value, way out."""
 
-import h5py
 import numpy as np
 import pytest
 import xarray as xr
@@ -9,11 +8,7 @@ from scipy.io import savemat
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.fit import Problem, run_fit
 
-from .conftest import closed_form
-from .test_layouts import problem_of
-
-TIME = np.linspace(0.0, 1.0, 201)
-ANGLE = closed_form(TIME)  # [rad]
+from .conftest import ANGLE, TIME, matlab_7_3, problem_of
 
 
 def text(time=TIME, angle=ANGLE, head="time,angle"):
@@ -55,11 +50,6 @@ def emptied(*rows):
             "with another delimiter",
         ),
         (
-            text(TIME[::-1]),
-            {},
-            "swing.csv: time must rise from row to row, got 0.995 s after 1 s in row 2",
-        ),
-        (
             text(1e3 * TIME),
             {},
             "must end with the run, at 1 s, or before, got a row at 1000 s; give a window, a clock_shift or "
@@ -72,24 +62,14 @@ def emptied(*rows):
             "give time_unit or rate as they are, or a shorter duration, or a window",
         ),
         (
-            text(angle=emptied(7)),
-            {},
-            "angle must be a number in each row, got none in row 8, at 0.035 s; give a window",
-        ),
-        (
             text(angle=emptied(*range(7, 20), 30)),
             {},
             "got none in row 8, at 0.035 s and 13 others up to row 31; give a window, or",
         ),
-        (
-            text(1.7e9 + TIME),
-            {},
-            "must end with the run, at 1 s, or before, got a row at 1.7e+09 s; give a window, a clock_shift",
-        ),
     ],
     ids=[
-        "name twice", "empty", "nothing but a mark", "header only", "one row", "decimal commas", "backwards",
-        "ms as s", "s as ms", "one hole", "holes", "another clock",
+        "name twice", "empty", "nothing but a mark", "header only", "one row", "decimal commas",
+        "ms as s", "s as ms", "holes",
     ],
 )  # fmt: skip
 def test_what_is_wrong_with_a_text_is_one_line(tmp_path, content, parts, words):
@@ -133,11 +113,9 @@ def test_structures_within_structures_are_read(tmp_path, of_7_3):
         if not of_7_3:
             savemat(path, {"test": {"rig": {"t": TIME, "angle": ANGLE}, "note": "first"}})
             return
-        with h5py.File(path, "w", userblock_size=512) as file:
+        with matlab_7_3(path) as file:
             rig = file.create_group("test/rig")
             rig["t"], rig["angle"] = TIME[None, :], ANGLE[:, None]
-        with path.open("r+b") as stream:
-            stream.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
 
     parts = {"record": 'time = "test.rig.t"', "column": 'column = "test.rig.angle"'}
     problem = problem_of(tmp_path, write, "swing.mat", **parts)

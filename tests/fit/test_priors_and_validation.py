@@ -8,9 +8,8 @@ from antenna_pin.fit import Problem, load_fit, run_fit
 from antenna_pin.fit.diagnostics import residual_tests as judged
 from antenna_pin.fit.specs import evaluate, names_in
 
-from .conftest import DAMPING, STIFFNESS, closed_form
+from .conftest import DAMPING, STIFFNESS, TIME, closed_form
 
-TIME = np.linspace(0.0, 1.0, 201)
 NOISE = 1e-4
 DAMPER = """
 [parameters.damping]

@@ -8,36 +8,20 @@ from scipy.io import savemat
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
 from antenna_pin.fit import Problem, load_fit
 
-from .conftest import FIT, closed_form
-
-TIME = np.linspace(0.0, 1.0, 201)
-
-
-def problem_of(folder, **parts):
-    (folder / "fit.fit.toml").write_text(
-        FIT.format(**({"more": "", "parameters": "", "record": "", "column": ""} | parts))
-    )
-    return Problem(load_fit(folder / "fit.fit.toml"))
+from .conftest import ANGLE, TIME, closed_form, problem_of
 
 
 def test_files_of_all_kinds_are_one_record(write, tmp_path):
     from_text = Problem(write())
-    xr.Dataset({"angle": ("time", closed_form(TIME))}, {"time": TIME}).to_netcdf(
-        tmp_path / "swing.nc", engine="h5netcdf"
+    xr.Dataset({"angle": ("time", ANGLE)}, {"time": TIME}).to_netcdf(tmp_path / "swing.nc", engine="h5netcdf")
+    savemat(tmp_path / "swing.mat", {"rig": {"t": TIME * 1e3, "angle": np.degrees(ANGLE)}})
+    from_netcdf = problem_of(tmp_path, name="swing.nc")
+    from_mat = problem_of(
+        tmp_path,
+        name="swing.mat",
+        record='time = "rig.t"\ntime_unit = "ms"',
+        column='column = "rig.angle"\nunit = "deg"',
     )
-    savemat(tmp_path / "swing.mat", {"rig": {"t": TIME * 1e3, "angle": np.degrees(closed_form(TIME))}})
-    text = FIT.replace('file = "swing.csv"', 'file = "{name}"')
-    (tmp_path / "a.fit.toml").write_text(
-        text.format(more="", parameters="", record="", column="", name="swing.nc")
-    )
-    from_netcdf = Problem(load_fit(tmp_path / "a.fit.toml"))
-    (tmp_path / "b.fit.toml").write_text(
-        text.format(
-            more="", parameters="", record='time = "rig.t"\ntime_unit = "ms"',
-            column='column = "rig.angle"\nunit = "deg"', name="swing.mat",
-        )
-    )  # fmt: skip
-    from_mat = Problem(load_fit(tmp_path / "b.fit.toml"))
     first = from_text.residuals(from_text.start)
     np.testing.assert_array_equal(from_netcdf.residuals(first[:0].tolist() + [30.0]), first)
     # Degrees and milliseconds there and back: round-off of 1 over a noise of 1e-4.
@@ -45,7 +29,7 @@ def test_files_of_all_kinds_are_one_record(write, tmp_path):
 
 
 def test_a_window_and_skipped_rows_are_left_out(write):
-    columns = {"angle": closed_form(TIME)}
+    columns = {"angle": ANGLE.copy()}
     columns["angle"][50] = np.nan
     problem = Problem(write(columns=columns, record='window = ["0.1 s", "0.5 s"]\ngaps = "skip"'))
     seen = problem.predictions(problem.start)
@@ -54,7 +38,7 @@ def test_a_window_and_skipped_rows_are_left_out(write):
 
 
 def spoilt(index, value):
-    angle = closed_form(TIME)
+    angle = ANGLE.copy()
     angle[index] = value
     return {"angle": angle}
 

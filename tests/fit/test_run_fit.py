@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from hinge_record import FIT, TIMES, TRUTH, write_record
 from planar_joint import record
 from scipy.signal import lfilter
 
@@ -12,15 +13,8 @@ from antenna_pin.fit import Problem, load_fit, open_fit, run_fit
 from antenna_pin.fit.assessment import certain
 from antenna_pin.fit.run_service import RunService, RunStore
 
-from .conftest import DAMPING, FIRST, STIFFNESS, closed_form
+from .conftest import DAMPER, DAMPING, FIRST, STIFFNESS, closed_form
 from .conftest import FIT as FIT_OF_PENDULUM
-from .joint import FIT, TIMES, TRUTH, write_record
-
-DAMPER = """
-[parameters.damping]
-key = "springs.hinge.damping"
-start = "0.5 N*m*s/rad"
-"""
 
 
 def test_spring_and_damper_of_a_pendulum_are_those_of_the_closed_form(write):

@@ -5,8 +5,7 @@ import pytest
 
 from antenna_pin.errors import AntennaPinError
 
-from .conftest import closed_form
-from .test_layouts import data_of, problem_of
+from .conftest import closed_form, data_of, problem_of
 
 pyuff = pytest.importorskip("pyuff")
 

@@ -11,9 +11,10 @@ from tests.sensitivity.test_closed_forms import (
     PLACE,
     PULL,
     STIFFNESS,
+    mass,
     oscillation,
+    stepped_numbers,
 )
-from tests.sensitivity.test_integrals import mass
 
 KEYS = {
     "springs.coil.stiffness": STIFFNESS,
@@ -58,8 +59,8 @@ def slopes_at(place, about):
     rate = oscillation(about, *numbers)[1]
     slowing = PULL * -1.0 - (STIFFNESS * place + DAMPING * rate) / MASS
     found = []
-    for k in range(len(numbers)):
-        x, v = oscillation(about, *(one + 1e-30j * (i == k) for i, one in enumerate(numbers)))
+    for _, _, stepped in stepped_numbers(KEYS):
+        x, v = oscillation(about, *stepped)
         late = -(x.imag / 1e-30) / rate
         found.append((late, v.imag / 1e-30 + slowing * late))
     return rate, np.array(found).T

@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 
 from antenna_pin import load_scenario
 from antenna_pin.sensitivity import GrazeError, sensitivities
-from tests.sensitivity.test_closed_forms import BASE, MASS, PLACE, PULL, URDF
+from tests.sensitivity.test_closed_forms import MASS, PLACE, PULL, mass
 
 CEILING, BACK = 1.5, 0.8
 SPRING = 2e3  # [N/m]
@@ -31,10 +31,8 @@ SOFT = f'stiffness = "{SPRING} N/m"\nexponent = 1.0\nlaw = "elastic"'
 
 def thrown(folder, ceiling, speed):
     """A mass thrown up to a ceiling."""
-    (folder / "mass.urdf").write_text(URDF)
     stop = f'\n[stops.ceiling]\njoint = "way"\nlower = "-9 m"\nupper = "{CEILING} m"\n{ceiling}\n'
-    (folder / "mass.toml").write_text(BASE + stop)
-    return load_scenario(str(folder / "mass.toml"), overrides={"integrator.engine": "compiled", KEY: speed})
+    return mass(folder, stop, **{KEY: speed})
 
 
 def slope(ceiling, speed):

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from antenna_pin import RunSettings, load_scenario, simulate
+from antenna_pin import RunSettings, simulate
 from antenna_pin.sensitivity import sensitivities
-from tests.sensitivity.test_closed_forms import BASE, MASS, PLACE, SPEED, URDF, oscillation
+from tests.sensitivity.test_closed_forms import BASE, MASS, PLACE, SPEED, mass, oscillation, stepped_numbers
 
 PUSH, KP, KD, SWING, FREQUENCY = -0.9, 60.0, 1.5, 0.2, 1.3
 TIMES = np.array([0.2, 0.7, 1.4])
@@ -90,14 +90,12 @@ def gross(kind, time, numbers):
 
 def scenario(folder, kind):
     """A mass without gravity, and what drives it."""
-    (folder / "mass.urdf").write_text(URDF)
     head, _, initial = BASE.partition("[initial")
     initial = "[initial" + initial
     if kind == "motion":  # that of the start is its own
         initial = "[output]" + initial.partition("[output]")[2]
-    (folder / "mass.toml").write_text(head + initial + DRIVES[kind][0] + "\n")
-    changes = {"integrator.engine": "compiled", "mechanism.gravity": [0.0, 0.0, 0.0]}
-    return load_scenario(str(folder / "mass.toml"), overrides=changes)
+    changes = {"mechanism.gravity": [0.0, 0.0, 0.0]}
+    return mass(folder, DRIVES[kind][0] + "\n", head + initial, **changes)
 
 
 @pytest.mark.parametrize("kind", DRIVES)
@@ -121,8 +119,7 @@ def test_derivatives_of_gross_works(tmp_path, kind, method):
     family = "force" if kind == "force" else "drive"
     total = "total_force_gross_work" if kind == "force" else "total_gross_work"
     values = list(keys.values())
-    for k, value in enumerate(values):
-        stepped = [one + 1e-30j * (i == k) for i, one in enumerate(values)]
+    for k, value, stepped in stepped_numbers(keys):
         exact = np.array([complex(gross(kind, t, stepped)).imag for t in TIMES]) / 1e-30
         size = max(gross(kind, TIMES[-1], values), np.abs(exact * value).max())
         # Runs: their tolerance of 1e-12 over a step of 1e-3; the equation: of a number of a run's own error.

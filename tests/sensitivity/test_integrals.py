@@ -8,7 +8,6 @@ from antenna_pin.analysis import pointing_indices
 from antenna_pin.sensitivity import sensitivities
 from tests.sensitivity.test_closed_forms import (
     BALL,
-    BASE,
     COIL,
     DAMPING,
     FLOOR,
@@ -18,19 +17,13 @@ from tests.sensitivity.test_closed_forms import (
     SCALES,
     SPEED,
     STIFFNESS,
-    URDF,
     bounces,
+    mass,
     oscillation,
+    stepped_numbers,
 )
 
 PLAIN = {"clearance.bore.geometry": "closed-form", "integrator.engine": "compiled"}
-
-
-def mass(folder, more):
-    """A mass that slides, with more tables."""
-    (folder / "mass.urdf").write_text(URDF)
-    (folder / "mass.toml").write_text(BASE + more)
-    return load_scenario(str(folder / "mass.toml"), overrides={"integrator.engine": "compiled"})
 
 
 def blows(restitution, floor, speed, pull):
@@ -48,9 +41,8 @@ def blows(restitution, floor, speed, pull):
 def test_what_blows_take(tmp_path):
     """Of each its instant, loss (1 - e^2) m v^2 / 2 and impulse m (1 + e) v; and the sum of losses."""
     found = sensitivities(mass(tmp_path, FLOOR), SCALES, [0.7, 1.4], method="equation")
-    for k, (key, value) in enumerate(BALL.items()):
-        sign = -1.0 if key.startswith("mechanism") else 1.0
-        stepped = [one + 1e-30j * (i == k) for i, one in enumerate(BALL.values())]
+    for k, value, stepped in stepped_numbers(BALL):
+        sign = -1.0 if value == PULL else 1.0
         for name, exact in zip(
             ("change_time", "change_loss", "change_impulse"), blows(*stepped), strict=True
         ):
@@ -84,9 +76,8 @@ def test_what_a_damper_takes(tmp_path):
         return energy(place, SPEED) - energy(x, v)
 
     found = sensitivities(mass(tmp_path, COIL), list(keys), times, method="equation")
-    values = list(keys.values())
-    for k, value in enumerate(values):
-        exact = loss(*(one + 1e-30j * (i == k) for i, one in enumerate(values))).imag / 1e-30
+    for k, value, stepped in stepped_numbers(keys):
+        exact = loss(*stepped).imag / 1e-30
         ours = found.derivative("dissipation_damper")[:, 0, k]
         # A hundred of the run's tolerances of energies of some 20 J.
         assert np.abs(ours - exact).max() * abs(value) < 2e-9
@@ -136,13 +127,13 @@ damping = "{CUSHION} N*s/m"
         "initial.joints.way.velocity": SPEED,
     }
     found = sensitivities(mass(tmp_path, floor), list(keys), [0.7], method="equation")
-    data, values = found.run.data, list(keys.values())
+    data = found.run.data
     off = data["change"].values.tolist().index("stop floor: lower: off")
     names = ("change_loss", "change_impulse")
-    for name, exact in zip(names, cushioned(*values), strict=True):
+    for name, exact in zip(names, cushioned(*keys.values()), strict=True):
         assert data[name].values[off] == pytest.approx(exact.real, rel=1e-10)
-    for k, value in enumerate(values):
-        exact = cushioned(*(one + 1e-30j * (i == k) for i, one in enumerate(values)))
+    for k, value, stepped in stepped_numbers(keys):
+        exact = cushioned(*stepped)
         for name, place, one in zip(
             (*names, "total_element_loss"), (off, off, 0), (*exact, exact[0]), strict=True
         ):

@@ -193,18 +193,7 @@ def certificate(tmp_path):
 
     def made(name):
         cert, key = str(tmp_path / f"{name}.pem"), str(tmp_path / f"{name}.key")
-        make = [
-            "openssl",
-            "req",
-            "-x509",
-            "-newkey",
-            "rsa:2048",
-            "-nodes",
-            "-days",
-            "2",
-            "-subj",
-            f"/CN={name}",
-        ]
+        make = ["openssl", *"req -x509 -newkey rsa:2048 -nodes -days 2 -subj".split(), f"/CN={name}"]
         make += ["-addext", "subjectAltName=IP:127.0.0.1", "-keyout", key, "-out", cert]
         subprocess.run(make, check=True, capture_output=True)
         return {"ca": cert, "cert": cert, "key": key}
