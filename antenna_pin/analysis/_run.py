@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import xarray as xr
@@ -14,11 +15,13 @@ from antenna_pin.errors import FileFormatError, UnknownNameError
 from antenna_pin.trajectory import Trajectory, series
 
 __all__ = [
+    "AXES",
     "Array",
     "beside",
     "blocks",
     "choose",
     "data_of",
+    "entries_in",
     "label_of",
     "LONG",
     "ROWS",
@@ -28,6 +31,8 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+#: Components of a vector.
+AXES = ("x", "y", "z")
 RunLike: TypeAlias = Trajectory | xr.Dataset
 
 
@@ -39,6 +44,12 @@ def data_of(run: RunLike) -> xr.Dataset:
 def label_of(data: xr.Dataset) -> str:
     """Return what a run is called in a message."""
     return str(data.attrs.get("case") or "a run without a case name")
+
+
+def entries_in(run: RunLike, attribute: str) -> dict[str, dict[str, Any]]:
+    """Return an attribute that is a table of entries by name, as JSON; {} if the run does not have it."""
+    found: dict[str, dict[str, Any]] = json.loads(data_of(run).attrs.get(attribute, "{}"))
+    return found
 
 
 def variable(data: xr.Dataset, name: str, place: str) -> xr.DataArray:

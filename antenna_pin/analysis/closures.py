@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
+from antenna_pin.analysis._run import Array, RunLike, data_of, entries_in, sample_times
 from antenna_pin.analysis.sampled import time_rms
 from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import names_along
@@ -28,26 +27,23 @@ __all__ = [
 
 @takes()
 def closures_of(run: RunLike) -> dict[str, dict[str, Any]]:
-    """Return the closures of a run by name: kind, links and placements, as a result carries them."""
-    found: dict[str, dict[str, Any]] = json.loads(data_of(run).attrs.get("closures", "{}"))
-    return found
+    """Return the closures of a run by name: kind, links and placements."""
+    return entries_in(run, "closures")
 
 
 @takes()
 def couplings_of(run: RunLike) -> dict[str, dict[str, Any]]:
-    """Return the couplings of a run by name: joints, multiplier and offset, as a result carries them."""
-    found: dict[str, dict[str, Any]] = json.loads(data_of(run).attrs.get("couplings", "{}"))
-    return found
+    """Return the couplings of a run by name: joints, multiplier and offset."""
+    return entries_in(run, "couplings")
 
 
 @takes()
 def drives_of(run: RunLike) -> dict[str, dict[str, Any]]:
-    """Return the drives of a run by name: joint, whether it slides, and whether its motion is prescribed.
+    """Return the drives of a run by name: ``joint``, ``slides``, and ``motion`` if it is prescribed.
 
-    Results of versions that knew no closed loops do not tell.
+    Results of versions without closed loops contain none.
     """
-    found: dict[str, dict[str, Any]] = json.loads(data_of(run).attrs.get("drives", "{}"))
-    return found
+    return entries_in(run, "drives")
 
 
 @takes()

@@ -22,7 +22,7 @@ from antenna_pin.analysis._run import (
     variable,
 )
 from antenna_pin.analysis.body_motion import base_motion, motion_deviation
-from antenna_pin.analysis.sampled import Mean, resampled
+from antenna_pin.analysis.sampled import Mean, resampled, straight_line
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import names_along
@@ -196,8 +196,8 @@ class _Envelope:
         if t[last] - t[first] < _LEAST_SHARE * (t[-1] - t[0]):
             return _nothing("it grows for less than a fifth of the run", t)
         logarithm = np.log(self._held)
-        exponent, power = _line(np.log(self._points), logarithm)
-        rate, exponential = _line(self._points, logarithm)
+        exponent, power = straight_line(np.log(self._points), logarithm)
+        rate, exponential = straight_line(self._points, logarithm)
         better = max(power, exponential)
         poor = better < _LEAST_FIT
         return Growth(
@@ -225,14 +225,6 @@ def _nothing(note: str, time: Array) -> Growth:
         end=end,
         note=note,
     )
-
-
-def _line(x: Array, y: Array) -> tuple[float, float]:
-    """Return slope and coefficient of determination of a straight line."""
-    dx, dy = x - x.mean(), y - y.mean()
-    slope = float(dx @ dy / (dx @ dx))
-    left = dy - slope * dx
-    return slope, float(1.0 - left @ left / (dy @ dy))
 
 
 # --- deviation from the ideal run ---------------------------------------------------------------------------

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times, variable
+from antenna_pin.analysis._run import Array, RunLike, data_of, entries_in, sample_times, variable
 from antenna_pin.analysis.sampled import time_rms
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number, readable
@@ -29,8 +28,7 @@ def elastic_parts_of(run: RunLike) -> dict[str, dict[str, Any]]:
     Each has its ``hub`` and its ``body`` (links), whether it ``slides``, its ``frequency`` [Hz] and
     ``damping_ratio`` [-] with the hub held, and the mass [kg] or moment of inertia [kg m^2] ``moved``.
     """
-    found: dict[str, dict[str, Any]] = json.loads(data_of(run).attrs.get("elastic_parts", "{}"))
-    return found
+    return entries_in(run, "elastic_parts")
 
 
 @takes()

@@ -17,16 +17,17 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import Array, RunLike, blocks, choose, data_of, label_of, variable
+from antenna_pin.analysis._run import AXES, Array, RunLike, blocks, choose, data_of, label_of, variable
 from antenna_pin.analysis.bodies import body_poses
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.directions import unit
 from antenna_pin.errors import FileFormatError, InvalidParameterError
 from antenna_pin.geometry import LOOKS
 from antenna_pin.trajectory import contact_ends, contacts_of, names_along, series
+from antenna_pin.trajectory.quantities import dataset_of
 
 __all__ = [
     "bearing_up",
@@ -36,8 +37,6 @@ __all__ = [
     "STEADY",
     "steady_up",
 ]
-
-_AXES = ["x", "y", "z"]
 
 
 @takes()
@@ -86,10 +85,7 @@ def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
         UnknownNameError: There is no such joint, or its kind is not known here.
     """
     data = data_of(run)
-    known = names_along(data, "clearance_joint")
-    if not known:
-        raise InvalidParameterError("journal_motion", "run", "one with a clearance joint", label_of(data))
-    joint = choose("journal_motion", "clearance joint", joint or known[0], known)[0]
+    joint = _joint(data, joint, "journal_motion")
     kind, size = _kind(data, joint, "journal_motion")
     p, attitude = (
         np.asarray(variable(data, name, "journal_motion").sel(clearance_joint=joint).values, dtype=float)
@@ -99,29 +95,13 @@ def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
     seen = LOOKS[kind].across(size, p, Rotation.from_quat(attitude).apply([0.0, 0.0, 1.0]))
     twist = 2.0 * np.arctan2(attitude[:, 2], attitude[:, 3])
     twist -= 2.0 * np.pi * np.round(twist / (2.0 * np.pi))
-    return xr.Dataset(
+    columns = {"offset": seen.offset, "eccentricity": seen.eccentricity, "eccentricity_ratio": seen.ratio}
+    columns |= {"tilt": tilt, "twist": twist, "axial": p[:, 2]}
+    return dataset_of(
+        "journal motion",
+        columns,
+        {"time": data["time"], "place": list(seen.places), "axis": list(AXES)},
         {
-            "offset": (
-                ("time", "place", "axis"),
-                seen.offset,
-                {"units": "m", "long_name": "journal's axis from the bearing's, bearing axes"},
-            ),
-            "eccentricity": (
-                ("time", "place"),
-                seen.eccentricity,
-                {"units": "m", "long_name": "its distance from the bearing's axis or centre"},
-            ),
-            "eccentricity_ratio": (
-                ("time", "place"),
-                seen.ratio,
-                {"units": "1", "long_name": "eccentricity over clearance"},
-            ),
-            "tilt": ("time", tilt, {"units": "rad", "long_name": "angle between the axes"}),
-            "twist": ("time", twist, {"units": "rad", "long_name": "turn about the bearing's axis"}),
-            "axial": ("time", p[:, 2], {"units": "m", "long_name": "journal's centre along the axis"}),
-        },
-        coords={"time": data["time"], "place": list(seen.places), "axis": _AXES},
-        attrs={
             "joint": joint,
             "kind": kind,
             "spatial": LOOKS[kind].spatial,
@@ -133,6 +113,14 @@ def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
             "twist_limit": seen.twist,
         },
     )
+
+
+def _joint(data: xr.Dataset, joint: str | None, place: str) -> str:
+    """Return a clearance joint by name, or the first one."""
+    known = names_along(data, "clearance_joint")
+    if not known:
+        raise InvalidParameterError(place, "run", "one with a clearance joint", label_of(data))
+    return choose(place, "clearance joint", joint or known[0], known)[0]
 
 
 def _kind(data: xr.Dataset, joint: str, place: str) -> tuple[str, dict[str, float]]:
@@ -162,53 +150,33 @@ def bore_load(run: RunLike, joint: str | None = None, sectors: int = 36) -> xr.D
     if sectors < 1:
         raise InvalidParameterError("bore_load", "sectors", "at least 1", sectors)
     data = data_of(run)
-    known = names_along(data, "clearance_joint")
-    if not known:
-        raise InvalidParameterError("bore_load", "run", "one with a clearance joint", label_of(data))
-    joint = choose("bore_load", "clearance joint", joint or known[0], known)[0]
+    joint = _joint(data, joint, "bore_load")
     contacts = contacts_of(data, joint, flanges=False)
-    faces = _faces(data, joint, contacts)
+    kind, size = _kind(data, joint, "bore_load")
+    faces, ends = LOOKS[kind].faces, contact_ends(data)
+    # Directions of the contacts as complex numbers, where the shape fixes them.
+    fixed = None if faces is None else np.array([faces(size, ends[name]) for name in contacts])
     width = 2.0 * np.pi / sectors
     taken = np.zeros((len(contacts), sectors))
     for part in blocks(data.sel(contact=contacts), overlap=1):
-        sector, gained = _taken(part, faces, width)
+        sector, gained = _sector_impulses(part, fixed, width)
         for row, (where, more) in enumerate(zip(sector.T % sectors, gained.T, strict=True)):
             np.add.at(taken[row], where, more)
-    return xr.Dataset(
-        {
-            "impulse": (
-                ("contact", "sector"),
-                taken,
-                {"units": "N s", "long_name": "integral of normal force"},
-            )
-        },
-        coords={
-            "contact": contacts,
-            "angle": ("sector", width * (np.arange(sectors) + 0.5), {"units": "rad"}),
-        },
-        attrs={"joint": joint},
+    angle = ("sector", width * (np.arange(sectors) + 0.5), {"units": "rad"})
+    return dataset_of(
+        "bore load", {"impulse": taken}, {"contact": contacts, "angle": angle}, {"joint": joint}
     )
 
 
-def _faces(data: xr.Dataset, joint: str, contacts: list[str]) -> Array | None:
-    """Return the directions of contacts that keep theirs, (contacts,) as complex numbers; None of others."""
-    kind, size = _kind(data, joint, "bore_load")
-    faces = LOOKS[kind].faces
-    if faces is None:
-        return None
-    ends = contact_ends(data)
-    return np.array([faces(size, ends[name]) for name in contacts])
-
-
-def _taken(part: xr.Dataset, faces: Array | None, width: float) -> tuple[Array, Array]:
-    """Return the sector that each contact's impulse between two samples belongs to, and the impulse [N s]."""
+def _sector_impulses(part: xr.Dataset, fixed: Array | None, width: float) -> tuple[Array, Array]:
+    """Return sector and impulse [N s] of each contact between two samples."""
     point, force, impulse = (
         np.asarray(variable(part, name, "bore_load").values, dtype=float)
         for name in ("contact_point", "normal_force", "normal_impulse")
     )
     direction = point[..., 0] + 1j * point[..., 1]
-    if faces is not None:
-        direction[:] = faces
+    if fixed is not None:
+        direction[:] = fixed
     direction = direction / np.where(direction == 0.0, 1.0, np.abs(direction))
     loaded = force[:-1] + force[1:] > 0.0
     first, second = (np.where(loaded, weight, 1.0) for weight in (force[:-1], force[1:]))
@@ -224,7 +192,7 @@ _LOOKED_AT = 200  # samples
 
 
 @takes()
-def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> NDArray[np.float64] | None:
+def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> Array | None:
     """Return the unit vectors against gravity in a bearing's axes, (n, 3) [-], or None without gravity.
 
     Args:
@@ -251,7 +219,7 @@ def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> NDAr
 
 
 @takes()
-def steady_up(run: RunLike, joint: str) -> NDArray[np.float64] | None:
+def steady_up(run: RunLike, joint: str) -> Array | None:
     """Return the mean direction against gravity in a bearing's axes, (3,) [-], for pictures of the bearing.
 
     Args:

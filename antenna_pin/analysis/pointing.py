@@ -27,15 +27,16 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import Array, RunLike, beside, blocks, data_of, label_of
+from antenna_pin.analysis._run import AXES, Array, RunLike, beside, blocks, data_of, label_of
 from antenna_pin.analysis.bodies import body_poses, body_twists, mechanism_of
 from antenna_pin.analysis.body_motion import interpolate_attitude, interpolation_error
-from antenna_pin.analysis.orbit import Orbit
+from antenna_pin.analysis.orbit import Orbit, Vector3
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.directions import unit
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import PointingSpec
 from antenna_pin.trajectory import Trajectory
+from antenna_pin.trajectory.quantities import dataset_of
 
 __all__ = ["Antenna", "Command", "boresight", "pointing_error", "pointing_spec"]
 
@@ -79,9 +80,7 @@ def _knots(data: xr.Dataset, body: str) -> tuple[Array, Rotation, Array]:
     return np.asarray(data["time"].values, dtype=float), attitude, np.asarray(spin.values, dtype=float)
 
 
-Vector3 = tuple[float, float, float]
-
-POINTING_AXES = ("boresight", "cross", "up")
+_POINTING_AXES = ("boresight", "cross", "up")
 
 _ALONG = 0.9  # cosine of the angle from which on a boresight counts as lying along z
 
@@ -195,8 +194,8 @@ def boresight(
         found,
         coords={
             "time": ("time", time, _about("s", "time")),
-            "axis": ["x", "y", "z"],
-            "quaternion": ["x", "y", "z", "w"],
+            "axis": list(AXES),
+            "quaternion": [*AXES, "w"],
         },
         attrs={"body": antenna.body},
     )
@@ -243,7 +242,12 @@ def pointing_error(
     if ideal is None and command is None:
         command = _command_of(run)
     if command is not None and command.frame == "orbit":
-        orbit = _needed_orbit(run, orbit)
+        orbit = _orbit_of(run) if orbit is None else orbit
+        if orbit is None:
+            raise FileFormatError(
+                "run: a direction in orbit axes must come with an orbit, got none; give one or set "
+                "pointing.orbit"
+            )
     if ideal is None and command is None:
         raise FileFormatError(
             "run: there must be something to compare with, got neither an ideal run nor a commanded "
@@ -255,7 +259,7 @@ def pointing_error(
     time = np.asarray(data_of(run)["time"].values, dtype=float)
     estimate = 0.0 if ideal is None else ideal_doubt(data_of(ideal), antenna.body, time)
     known = command is None or command.up is not None
-    axes = POINTING_AXES if known else POINTING_AXES[1:]
+    axes = _POINTING_AXES if known else _POINTING_AXES[1:]
     error, swing, half_cone = np.empty((time.size, len(axes))), np.empty((time.size, 2)), np.empty(time.size)
     begin = 0
     for part in blocks(data_of(run)):
@@ -265,18 +269,15 @@ def pointing_error(
         swing[some], half_cone[some] = _swing(relative)
         error[some] = relative.as_rotvec() if known else swing[some]
     versus = "ideal run" if command is None else f"direction in {command.frame} axes"
-    return xr.Dataset(
+    return dataset_of(
+        "pointing error",
+        {"error": error, "boresight_error": swing, "half_cone": half_cone},
         {
-            "error": (("time", "pointing_axis"), error, _about("rad", "pointing error about")),
-            "boresight_error": (("time", "cross_axis"), swing, _about("rad", "turn of the boresight about")),
-            "half_cone": (("time",), half_cone, _about("rad", "angle between both boresights")),
-        },
-        coords={
             "time": ("time", time, _about("s", "time")),
             "pointing_axis": list(axes),
-            "cross_axis": list(POINTING_AXES[1:]),
+            "cross_axis": list(_POINTING_AXES[1:]),
         },
-        attrs={"body": antenna.body, "against": versus, "interpolation_error": estimate},
+        {"body": antenna.body, "against": versus, "interpolation_error": estimate},
     )
 
 
@@ -362,15 +363,6 @@ def pointing_spec(run: RunLike) -> PointingSpec | None:
 def _orbit_of(run: RunLike) -> Orbit | None:
     spec = pointing_spec(run)
     return None if spec is None or spec.orbit is None else Orbit.from_spec(spec.orbit)
-
-
-def _needed_orbit(run: RunLike, orbit: Orbit | None) -> Orbit:
-    found = _orbit_of(run) if orbit is None else orbit
-    if found is None:
-        raise FileFormatError(
-            "run: a direction in orbit axes must come with an orbit, got none; give one or set pointing.orbit"
-        )
-    return found
 
 
 def _command_of(run: RunLike) -> Command | None:

@@ -38,7 +38,7 @@ import numpy as np
 import xarray as xr
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import Array, RunLike, blocks, data_of, label_of, sample_times, variable
+from antenna_pin.analysis._run import AXES, Array, RunLike, blocks, data_of, label_of, sample_times, variable
 from antenna_pin.analysis.bodies import mechanism_of
 from antenna_pin.analysis.journal import clearance_shapes
 from antenna_pin.analysis.own import is_own, own_series
@@ -63,9 +63,6 @@ __all__ = ["Quantity", "QuantityName", "quantities", "quantity"]
 #     - \boldsymbol{\omega}_B \times (\mathbf{p}_J - \mathbf{p}_B)],
 #
 # the rate of ``journal_position``, in the same axes.
-
-#: Components of every one.
-AXES = ("x", "y", "z")
 
 
 class Derived(NamedTuple):

@@ -156,27 +156,6 @@ def _correlations(x: Array, angles: Array) -> Array:
 
 
 # --- recurrence ---------------------------------------------------------------------------------------------
-#
-# **Period n.** The points return: the root mean square of :math:`|z_{k+n} - z_k|`, each coordinate by its
-# scale, is within a tolerance, and over half the series, a multiple of n, too: a slow drift is no return. The
-# least such n counts.
-#
-# **Not periodic.** Two tests of independent kinds have to agree: the 0-1 test of Gottwald and Melbourne
-# (:mod:`antenna_pin.analysis.recurrence`), and whether the spectrum is one of lines or is continuous. For
-# the latter the points are averaged with :math:`e^{-2 \pi i f k}` under the weight
-# :math:`\exp(-1/(s(1-s)))`, s from 0 to 1 along the series. Such averages vanish faster than any power of
-# 1/n at every f that is no line of a quasi-periodic motion, and as :math:`n^{-1/2}` in chaos (weighted
-# Birkhoff averages: Das, Saiki, Sander and Yorke 2017, Nonlinearity 30, 4111; Sander and Meiss 2020,
-# Physica D 411, 132569). The **floor** is the median of their sizes over frequencies, 1 for white noise:
-# below 0.1 the motion is quasi-periodic, above 0.2 chaotic. Where the points go round m bands in turn, the
-# means of the bands are taken off first.
-#
-# Where the tests are at odds, the points too few for them, or not settled
-# (:mod:`antenna_pin.analysis.transients`), the answer is "too short to say". Noise cannot be told from
-# chaos by either.
-#
-# **Confidence** is the share of seven windows of half the length, evenly spaced along the series, in which
-# the same rules come to the same kind and period. A verdict that less than half of them share is not given.
 
 _WINDOWS = 7
 _LEAST = 200  # points for the tests of what is not periodic

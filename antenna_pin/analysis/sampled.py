@@ -60,6 +60,14 @@ def resampled(
     return np.asarray(spline(wanted), dtype=float)
 
 
+def straight_line(x: Array, y: Array) -> tuple[float, float]:
+    """Return slope and coefficient of determination of a straight line, by least squares."""
+    dx, dy = x - x.mean(), y - y.mean()
+    slope = float(dx @ dy / (dx @ dx))
+    left = dy - slope * dx
+    return slope, float(1.0 - left @ left / (dy @ dy))
+
+
 class Mean:
     """Mean over time by the trapezoidal rule, of samples that come part by part; of one instant, its value.
 

@@ -108,8 +108,6 @@ class TiltRange:
 
 
 # --- poses --------------------------------------------------------------------------------------------------
-#
-# Formulas and reasons stand in :mod:`antenna_pin.analysis.scenarios`.
 
 _RADIAL_WORDS = {
     RadialScenario.NONE: "a bore without contact",
@@ -311,23 +309,6 @@ class AssembledJoint:
 
 
 # --- scenarios that a shape allows --------------------------------------------------------------------------
-#
-# At a given tilt :math:`\theta` of the journal the bore's gaps depend on the two coordinates of the
-# journal's axis across itself only, the flanges' gaps on the one coordinate along it only. So bore and
-# flanges choose their scenarios independently of each other but for the tilt, and a pair is possible where
-# the tilts of its two scenarios have a value in common. The tilts of each are intervals, whose ends are in
-# closed form (but for one):
-#
-# .. math::
-#     G(\theta) = R_i \cos\theta - \tfrac{L_i}{2} \sin\theta - R_j, \qquad
-#     A(\theta) = \tfrac{L_j}{2} - \tfrac{L_i}{2} \cos\theta - \rho \sin\theta
-#
-# G is the gap at both ends of the bore with the journal centred: it bounds the mean of the two gaps in any
-# other place, since the distance to the rim of a convex section, the bore seen along the journal, is
-# concave. A is the gap at both flanges with the journal centred, :math:`A \pm u` if it is moved by u; rho
-# is the radius of the edge that counts, the smaller of bearing and flange, and where that is the flange's
-# :math:`A = \tfrac{L_j}{2} \cos\theta - \tfrac{L_i}{2} - \rho \sin\theta`. docs/theory/scenarios.md has the
-# derivation.
 
 #: Headings of :func:`scenario_rows`.
 SCENARIO_COLUMNS = ("radial", "axial", "tilt [mrad]", "pose: centre [um], tilt [mrad]", "why not")

@@ -19,9 +19,11 @@ import xarray as xr
 from antenna_pin.analysis._run import Array, RunLike, choose, data_of, sample_times, variable
 from antenna_pin.analysis.closures import drives_of
 from antenna_pin.analysis.impacts import impacts
+from antenna_pin.analysis.sampled import straight_line
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import contacts_of, names_along
+from antenna_pin.trajectory.quantities import dataset_of
 
 __all__ = ["Settling", "settling", "touching_intervals"]
 
@@ -167,11 +169,8 @@ def _settling(
     elif long.size and long[-1, 1] == end:
         settled, note = None, f"it is apart for {1e3 * (end - long[-1, 0]):.3g} ms when the run ends"
     elif settled is not None and end - settled < least:
-        left = 1e3 * (end - settled)
-        settled, note = (
-            None,
-            f"only {left:.3g} ms of {1e3 * least:.3g} ms to tell remain after {settled:.4g} s",
-        )
+        left = f"only {1e3 * (end - settled):.3g} ms of {1e3 * least:.3g} ms to tell"
+        settled, note = None, f"{left} remain after {settled:.4g} s"
     table = impacts(data, joint)
     table = table.isel(impact=np.flatnonzero(np.isin(table["contact"].values, contacts)))
     rate, fit = _decay(table)
@@ -207,10 +206,8 @@ def _decay(table: xr.Dataset) -> tuple[float, float]:
     x, y = table["onset"].values[counted], np.log(speed[counted])
     if x.size < _LEAST_IMPACTS or np.ptp(x) == 0.0 or np.ptp(y) == 0.0:
         return float("nan"), float("nan")
-    dx, dy = x - x.mean(), y - y.mean()
-    slope = float(dx @ dy / (dx @ dx))
-    left = dy - slope * dx
-    return -slope, float(1.0 - left @ left / (dy @ dy))
+    slope, fit = straight_line(x, y)
+    return -slope, fit
 
 
 def _curve(table: xr.Dataset, touching: Array, edges: Array) -> xr.Dataset:
@@ -222,26 +219,8 @@ def _curve(table: xr.Dataset, touching: Array, edges: Array) -> xr.Dataset:
     for k in np.unique(where):
         speed = table["approach_speed"].values[where == k]
         largest[k], mean[k] = speed.max(), speed.mean()
-    return xr.Dataset(
-        {
-            "contact_share": ("window", share, {"units": "1", "long_name": "share of the window in contact"}),
-            "impacts": ("window", begun, {"units": "1", "long_name": "contacts begun in the window"}),
-            "largest_approach_speed": (
-                "window",
-                largest,
-                {"units": "m/s", "long_name": "largest approach speed of the window"},
-            ),
-            "mean_approach_speed": (
-                "window",
-                mean,
-                {"units": "m/s", "long_name": "mean approach speed of the window"},
-            ),
-        },
-        coords={
-            "time": (
-                "window",
-                0.5 * (edges[1:] + edges[:-1]),
-                {"units": "s", "long_name": "middle of the window"},
-            )
-        },
-    )
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    columns = {"contact_share": share, "impacts": begun}
+    columns |= {"largest_approach_speed": largest, "mean_approach_speed": mean}
+    coords = {"time": ("window", middle, {"units": "s", "long_name": "middle of the window"})}
+    return dataset_of("settling curve", columns, coords)

@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, label_of, sample_times
+from antenna_pin.analysis._run import AXES, Array, RunLike, data_of, label_of, sample_times
 from antenna_pin.analysis.bodies import joint_loads, mechanism_of
 from antenna_pin.analysis.closures import drives_of
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import WORLD, link_motion
+from antenna_pin.trajectory.quantities import dataset_of
 
 __all__ = [
     "base_loads",
@@ -23,8 +24,6 @@ __all__ = [
     "shakes_of",
     "way_of",
 ]
-
-_AXES = ("x", "y", "z")
 
 
 @takes()
@@ -111,14 +110,9 @@ def base_loads(run: RunLike) -> xr.Dataset:
     """
     data = data_of(run)
     wrench = base_wrench(data)
-    return xr.Dataset(
-        {
-            "force": (("time", "axis"), wrench[:, :3], {"units": "N", "long_name": "force on the base"}),
-            "moment": (("time", "axis"), wrench[:, 3:], {"units": "N m", "long_name": "moment on the base"}),
-        },
-        coords={"time": sample_times(data, "base_loads"), "axis": list(_AXES)},
-        attrs={"base": shaken_link(data)},
-    )
+    columns = {"force": wrench[:, :3], "moment": wrench[:, 3:]}
+    coords = {"time": sample_times(data, "base_loads"), "axis": list(AXES)}
+    return dataset_of("base loads", columns, coords, {"base": shaken_link(data)})
 
 
 # --- links that respond -------------------------------------------------------------------------------------
@@ -155,4 +149,4 @@ def _axis(data: RunLike, shake: str | None) -> str:
     if shake is None and not any(one["slides"] for one in shakes_of(data).values()):
         return "z"
     _, way = way_of(data, shake)
-    return _AXES[int(np.argmax(np.abs(way)))]
+    return AXES[int(np.argmax(np.abs(way)))]

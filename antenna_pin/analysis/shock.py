@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike
 from antenna_pin.analysis._run import Array
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.trajectory.quantities import dataset_of
 
 __all__ = ["shock_spectrum"]
 
@@ -81,27 +82,15 @@ def shock_spectrum(
     largest, least, far = (np.array([one[k] for one in found]) for k in range(3))
     after = _after(np.array([one[3:] for one in found]).T, f, quality)
     high, low = np.maximum(largest, after[0]), np.minimum(least, after[1])
-    residual = np.maximum(after[0], -after[1])
-    about = (
-        ("positive", high, units, "largest absolute acceleration, positive sense"),
-        ("negative", -low, units, "largest absolute acceleration, negative sense"),
-        ("maximum", np.maximum(high, -low), units, "largest absolute acceleration"),
-        ("residual", residual, units, "largest absolute acceleration after the signal"),
-        (
-            "pseudo_velocity",
-            2.0 * np.pi * f * np.maximum(far, after[2]),
-            f"{units} s",
-            "omega times the largest relative displacement",
-        ),
-    )
-    return xr.Dataset(
-        {
-            name: ("frequency", column, {"units": unit, "long_name": words})
-            for name, column, unit, words in about
-        },
-        coords={"frequency": ("frequency", f, {"units": "Hz", "long_name": "natural frequency"})},
-        attrs={"quality": quality},
-    )
+    columns = {
+        "positive": high,
+        "negative": -low,
+        "maximum": np.maximum(high, -low),
+        "residual": np.maximum(after[0], -after[1]),
+        "pseudo_velocity": 2.0 * np.pi * f * np.maximum(far, after[2]),
+    }
+    coords = {"frequency": ("frequency", f, {"units": "Hz", "long_name": "natural frequency"})}
+    return dataset_of("shock", columns, coords, {"quality": quality}, units=units)
 
 
 def _frequencies(t: Array) -> Array:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, blocks, data_of, sample_times
+from antenna_pin.analysis._run import AXES, Array, RunLike, blocks, data_of, sample_times
 from antenna_pin.analysis.body_motion import base_motion
 from antenna_pin.analysis.elastic import elastic_parts_of
 from antenna_pin.analysis.even import Read
@@ -17,8 +17,7 @@ from antenna_pin.trajectory import names_along
 
 __all__ = ["RunSignal", "scales_of", "signals"]
 
-_AXES = ("x", "y", "z")
-_BASE = {f"base {kind}acceleration {axis}" for kind in ("", "angular ") for axis in _AXES}
+_BASE = {f"base {kind}acceleration {axis}" for kind in ("", "angular ") for axis in AXES}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,9 +95,9 @@ def _units(data: xr.Dataset) -> dict[str, str]:
     found |= {f"{name} deflection": "m" if part["slides"] else "rad" for name, part in parts}
     if "base_position" in data:
         for name, unit in (("acceleration", "m/s^2"), ("angular acceleration", "rad/s^2")):
-            found |= {f"base {name} {axis}": unit for axis in _AXES}
+            found |= {f"base {name} {axis}": unit for axis in AXES}
     for name in names_along(data, "clearance_joint"):
-        found |= {f"{name} force {axis}": "N" for axis in _AXES}
+        found |= {f"{name} force {axis}": "N" for axis in AXES}
     return found
 
 
@@ -115,9 +114,9 @@ def _columns(data: xr.Dataset, only: str = "") -> dict[str, Array]:
         motion = base_motion(data)
         for kind in ("acceleration", "angular_acceleration"):
             values = np.asarray(motion[kind].values, dtype=float)
-            found |= {f"base {kind.replace('_', ' ')} {axis}": values[:, k] for k, axis in enumerate(_AXES)}
+            found |= {f"base {kind.replace('_', ' ')} {axis}": values[:, k] for k, axis in enumerate(AXES)}
     for name in names_along(data, "clearance_joint"):
-        for k, axis in enumerate(_AXES):
+        for k, axis in enumerate(AXES):
             if only in ("", key := f"{name} force {axis}"):
                 force = data["joint_force"].sel(clearance_joint=name)
                 found[key] = np.asarray(force[:, k].values, dtype=float)
