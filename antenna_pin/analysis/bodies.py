@@ -1,4 +1,4 @@
-"""Where the bodies of a finished run were, and what its joints carried."""
+"""Poses and velocities of links, and loads of joints."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ _CONNECTIONS: dict[str, tuple[str, tuple[str, ...], tuple[str, ...], str]] = {
 
 
 def connection_loads(data: xr.Dataset, mechanism: Mechanism, attribute: str) -> list[ConnectionLoad]:
-    """Return the loads of closures, of springs between points or of forces on links, in world axes.
+    """Return the loads of closures, point springs or forces on links, in world axes.
 
     A closure that holds a joint of the tree is left out: it is that joint's own load.
     """
@@ -82,7 +82,7 @@ def connection_loads(data: xr.Dataset, mechanism: Mechanism, attribute: str) -> 
 
 
 def applied_wrenches(mechanism: Mechanism, loads: list[ConnectionLoad]) -> Iterator[tuple[str, Array]]:
-    """Yield links with force [N] and moment about the world's origin [N m], (n, 6), world axes."""
+    """Yield links with force and moment about the world's origin, (n, 6)."""
     links = {link.name for link in mechanism.urdf.robot.links}
     for one in loads:
         wrench = np.hstack([one.force, one.moment + np.cross(one.point, one.force)])
@@ -92,7 +92,7 @@ def applied_wrenches(mechanism: Mechanism, loads: list[ConnectionLoad]) -> Itera
 
 
 def _frames(data: xr.Dataset, mechanism: Mechanism) -> Callable[[str, Array], tuple[Array, Rotation]]:
-    """Return a function of link and placement for origin (n, 3) and attitude of a frame at all samples."""
+    """Return a function for origin and attitude of a frame on a link."""
     links = [link.name for link in mechanism.urdf.robot.links]
     positions, attitudes = link_poses(mechanism, np.asarray(data["q"].values, dtype=float))
 
@@ -143,7 +143,7 @@ def _array(data: xr.Dataset, name: str) -> Array:
 def body_poses(
     run: RunLike, times: ArrayLike | None = None, bodies: Sequence[str] | None = None
 ) -> xr.Dataset:
-    """Return the pose of every link's frame in the world, or of those that are named.
+    """Return the poses of link frames in the world.
 
     Args:
         run: A run, or its data.
@@ -172,7 +172,7 @@ def _inputs(
 def body_twists(
     run: RunLike, times: ArrayLike | None = None, bodies: Sequence[str] | None = None
 ) -> xr.Dataset:
-    """Return the velocity of every link's frame relative to the world, in the link's own axes.
+    """Return the velocities of link frames relative to the world, in link axes.
 
     Args:
         run: A run, or its data.
@@ -190,7 +190,7 @@ def body_twists(
 
 @takes()
 def joint_loads(run: RunLike, times: ArrayLike | None = None) -> xr.Dataset:
-    """Return what each moving joint passes from parent to child, by inverse dynamics of the recorded motion.
+    """Return the loads of moving joints, by inverse dynamics of the recorded motion.
 
     It holds for ideal joints and joints with play alike, in closed loops and beside springs between points
     too: constraint or contact forces and motor torques. Behind the joints of the tree stand the closures of

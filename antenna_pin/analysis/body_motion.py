@@ -1,4 +1,4 @@
-"""Motion of bodies of a run in world axes: attitudes between samples, free-floating base, any link."""
+"""Motion of base and links in world axes, and attitudes between samples."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from antenna_pin.analysis.sampled import resampled
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism import link_motion, quaternions
+from antenna_pin.trajectory import names_along
 from antenna_pin.trajectory.quantities import TABLES, dataset_of
 
 __all__ = [
@@ -116,7 +117,7 @@ _DERIVATIVES = {
 
 
 def motion_dataset(data: xr.Dataset, whose: str, attitude: Array, **columns: Array) -> xr.Dataset:
-    """Return the motion of a frame in world axes, with its rotation since the first sample.
+    """Return the motion of a frame, with its rotation since the start.
 
     Args:
         data: Data of the run.
@@ -130,6 +131,29 @@ def motion_dataset(data: xr.Dataset, whose: str, attitude: Array, **columns: Arr
     coords = {name: data.coords[name] for name in ("time", "axis", "quaternion") if name in data.coords}
     columns = {name: columns[name] for name in TABLES["frame motion"]}
     return dataset_of("frame motion", columns, coords, {"case": data.attrs.get("case", "")}, whose=whose)
+
+
+def common_samples(data: xr.Dataset, reference: xr.Dataset, place: str) -> slice:
+    """Return the samples of a run while the ideal run lasts.
+
+    Args:
+        data: Data of the run.
+        reference: Data of the ideal run.
+        place: Name of the caller, for messages.
+    """
+    if reference.sizes.get("contact", 0):
+        touching = ", ".join(names_along(reference, "clearance_joint"))
+        rule = "a run without contacts (a case whose joints are all ideal)"
+        raise InvalidParameterError(place, "ideal", rule, f"{label_of(reference)} with play in {touching}")
+    time, own = sample_times(data, place), sample_times(reference, place)
+    if own.size < 2:
+        rule = "a run of two samples or more"
+        raise InvalidParameterError(place, "ideal", rule, f"{label_of(reference)} with {own.size}")
+    first, last = np.searchsorted(time, own[0], "left"), np.searchsorted(time, own[-1], "right")
+    if last - first < 2:
+        span = f"{label_of(data)} with {last - first} samples from {own[0]:g} to {own[-1]:g} s"
+        raise InvalidParameterError(place, "run", "of two samples or more while the ideal lasts", span)
+    return slice(int(first), int(last))
 
 
 def motion_deviation(run: xr.Dataset, ideal: xr.Dataset, whose: str) -> dict[str, xr.Variable]:
@@ -259,7 +283,7 @@ def body_motion(run: RunLike, body: str) -> xr.Dataset:
 
 @takes()
 def body_deviation(run: RunLike, ideal: RunLike, body: str) -> xr.Dataset:
-    """Return how far a body is from where it would be in the ideal run, at the run's own samples.
+    """Return the deviation of a body from the ideal run, at the run's samples.
 
     The ideal run is smooth and is interpolated, by derivatives where there are any; the run is not.
 
@@ -277,15 +301,7 @@ def body_deviation(run: RunLike, ideal: RunLike, body: str) -> xr.Dataset:
         InvalidParameterError: The ideal run has contacts, or the runs share less than two samples' time.
     """
     data, reference = data_of(run), data_of(ideal)
-    if reference.sizes.get("contact", 0):
-        rule = "a run without contacts (a case whose joints are all ideal)"
-        raise InvalidParameterError("body_deviation", "ideal", rule, label_of(reference))
-    time, own = sample_times(data, "body_deviation"), sample_times(reference, "body_deviation")
-    common = (time >= own[0]) & (time <= own[-1])
-    if own.size < 2 or np.count_nonzero(common) < 2:
-        rule = "of two samples or more while the ideal lasts"
-        raise InvalidParameterError("body_deviation", "run", rule, label_of(data))
-    motion = body_motion(data.isel(time=common), body)
+    motion = body_motion(data.isel(time=common_samples(data, reference, "body_deviation")), body)
     apart = motion_deviation(motion, body_motion(reference, body), body)
     coords = {name: motion.coords[name] for name in ("time", "axis") if name in motion.coords}
     about = {"case": str(data.attrs.get("case", "")), "ideal": str(reference.attrs.get("case", ""))}

@@ -1,4 +1,4 @@
-"""What a branch of periodic solutions comes to: where along it they are stable."""
+"""Stability along a branch of periodic solutions."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class StabilitySpan(NamedTuple):
 
 @takes()
 def said_of_multiplier(multiplier: complex, digits: int = 4, places: int | None = None) -> str:
-    """Return a multiplier in words: a real one with its sign, one of a pair by its size and its angle.
+    """Return a multiplier as text: a signed number, or size and angle.
 
     Args:
         multiplier: [-].
@@ -50,7 +50,7 @@ def said_of_multiplier(multiplier: complex, digits: int = 4, places: int | None 
 
 @takes()
 def stability_spans(branch: xr.Dataset) -> list[StabilitySpan]:
-    """Return where along a branch orbits are stable, in order.
+    """Return the spans of equal stability along a branch.
 
     Args:
         branch: Of :func:`antenna_pin.nonlinear.branch_table`.
@@ -72,7 +72,7 @@ def stability_spans(branch: xr.Dataset) -> list[StabilitySpan]:
 
 @takes()
 def unexplained_changes(branch: xr.Dataset) -> list[tuple[float, float]]:
-    """Return the values of the parameter about each change of stability without a bifurcation that was found.
+    """Return the parameter values about each change of stability without a located bifurcation.
 
     A multiplier passes 1 there, and no fold is: another branch crosses this one, as where a symmetry breaks.
 

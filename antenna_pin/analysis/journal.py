@@ -1,4 +1,4 @@
-r"""How the journal moves in its bearing, and where it loads it.
+r"""Motion of the journal in its bearing, and the load around the bore.
 
 At a place on the bearing's axis the journal's axis pierces the bearing's cross section in the point
 
@@ -41,10 +41,7 @@ __all__ = [
 
 @takes()
 def clearance_shapes(run: RunLike) -> dict[str, dict[str, Any]]:
-    """Return kind, dimensions and places of every clearance joint of a run, as it carries them.
-
-    Args:
-        run: A run, or its data.
+    """Return kind, dimensions and placements of every clearance joint of a run.
 
     Returns:
         By joint: ``kind`` (revolute, planar, spherical or prismatic), ``dimensions`` [m], ``bearing_body``,
@@ -63,7 +60,7 @@ def clearance_shapes(run: RunLike) -> dict[str, dict[str, Any]]:
 
 @takes()
 def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
-    """Return how the journal (or ball) moves in its bearing (or socket), in bearing axes.
+    """Return the motion of journal (or ball) in bearing (or socket), bearing axes.
 
     Args:
         run: A run with a clearance joint, or its data.
@@ -124,14 +121,14 @@ def _joint(data: xr.Dataset, joint: str | None, place: str) -> str:
 
 
 def _kind(data: xr.Dataset, joint: str, place: str) -> tuple[str, dict[str, float]]:
-    """Return a joint's kind, which must be one known here, and its dimensions."""
+    """Return kind and dimensions of a joint."""
     shape = clearance_shapes(data)[joint]
     return choose(place, "kind of joint", shape["kind"], list(LOOKS))[0], shape["dimensions"]
 
 
 @takes()
 def bore_load(run: RunLike, joint: str | None = None, sectors: int = 36) -> xr.Dataset:
-    """Return how much load each sector of the bore took: the integral of the normal force over time.
+    """Return the impulse of the normal force on each sector of the bore.
 
     Between two samples the impulse of a contact belongs to the direction of its contact point, the mean of
     both samples' weighted by their normal forces. Impacts shorter than the output step are in it whole, for a
@@ -193,7 +190,7 @@ _LOOKED_AT = 200  # samples
 
 @takes()
 def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> Array | None:
-    """Return the unit vectors against gravity in a bearing's axes, (n, 3) [-], or None without gravity.
+    """Return unit vectors against gravity in bearing axes, (n, 3) [-], or None.
 
     Args:
         run: A run with a clearance joint, or its data.
@@ -220,7 +217,7 @@ def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> Arra
 
 @takes()
 def steady_up(run: RunLike, joint: str) -> Array | None:
-    """Return the mean direction against gravity in a bearing's axes, (3,) [-], for pictures of the bearing.
+    """Return the mean direction against gravity in bearing axes, (3,) [-], or None.
 
     Args:
         run: A run with a clearance joint, or its data.

@@ -1,4 +1,4 @@
-"""All that ``antenna-pin analyse`` says of a run: rows of plain numbers, None where there is none."""
+"""Rows of plain numbers for ``antenna-pin analyse``, None for missing ones."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _SETTLING = (
 def numbers_of(
     run: Trajectory, ideal: Trajectory | None = None, *, longest_gap: float | str = 1e-3
 ) -> dict[str, Any]:
-    """Return what a run shows: deviation, impacts, loads, settling, closed loops, dominant frequencies.
+    """Return deviation, impacts, loads, settling, loops and dominant frequencies of a run.
 
     Args:
         run: The run.
@@ -144,7 +144,7 @@ def _frequencies(run: Trajectory, notes: list[str]) -> list[dict[str, Any]]:
 
 
 def _loops(run: Trajectory) -> dict[str, Any]:
-    """Return how closures, couplings and motions were held, and what these and drives carried."""
+    """Return residuals and loads of closures, couplings, motions and drives."""
     about, couplings = drives_of(run), couplings_of(run)
     return {
         "constraints": run.constraints,
@@ -161,7 +161,7 @@ def _loops(run: Trajectory) -> dict[str, Any]:
 
 
 def _records(table: xr.Dataset, dim: str) -> list[dict[str, Any]]:
-    """Return the rows of a table in plain numbers; None where there is none."""
+    """Return the rows of a table in plain numbers, None for NaN."""
     return [
         {"of": str(name)}
         | {

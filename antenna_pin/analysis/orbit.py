@@ -84,7 +84,7 @@ class Orbit:
         return 2.0 * math.pi / self.rate
 
     def axes(self, times: ArrayLike) -> Rotation:
-        """Return the orbit-fixed axes in the world at times (n,) [s]: turns from orbit to world."""
+        """Return the orbit-fixed axes in the world at times (n,) [s]."""
         normal, z = unit(self.normal), unit(self.nadir)
         x = unit(np.cross(z, normal))
         start = Rotation.from_matrix(np.column_stack([x, -normal, np.cross(x, -normal)]))

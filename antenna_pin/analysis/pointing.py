@@ -1,4 +1,4 @@
-r"""Where an antenna looks, and how far that is from where it should.
+r"""Boresight of an antenna, and its pointing error.
 
 The antenna's axes are the boresight, the part of ``up`` that is perpendicular to it, and ``cross``, which
 completes them: boresight x cross = up. With :math:`R_i` the commanded or ideal attitude of these axes and
@@ -73,7 +73,7 @@ def ideal_doubt(ideal: xr.Dataset, body: str, time: Array) -> float:
 
 
 def _knots(data: xr.Dataset, body: str) -> tuple[Array, Rotation, Array]:
-    """Return times of samples, a link's attitudes, and its angular velocities in its own axes [rad/s]."""
+    """Return sample times, attitudes and angular velocities [rad/s] of a link, own axes."""
     poses = body_poses(data, bodies=[body]).sel(body=body)
     spin = body_twists(data, bodies=[body])["angular_velocity"].sel(body=body)
     attitude = Rotation.from_quat(poses["attitude"].values)
@@ -87,7 +87,7 @@ _ALONG = 0.9  # cosine of the angle from which on a boresight counts as lying al
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Antenna:
-    """The body that looks, and its axes.
+    """Antenna: the link that carries it, and its axes.
 
     Attributes:
         body: Link that looks.
@@ -121,7 +121,7 @@ class Antenna:
 
     @property
     def axes(self) -> Rotation:
-        """Axes boresight, cross, up in the link's frame; it turns vectors from these axes to the link's."""
+        """Rotation from the axes boresight, cross, up to the link's frame."""
         return _frame(self.boresight, self.up)
 
 
@@ -152,7 +152,7 @@ class Command:
 def boresight(
     run: RunLike, antenna: Antenna | None = None, orbit: Orbit | None = None, times: ArrayLike | None = None
 ) -> xr.Dataset:
-    """Return where an antenna looks.
+    """Return the boresight of an antenna.
 
     Azimuth is the angle of the direction's projection on the x-y plane from x, about z; elevation the angle
     from that plane towards z. In orbit-fixed axes z is nadir and x along the velocity. At an elevation of
@@ -210,7 +210,7 @@ def pointing_error(
     command: Command | None = None,
     orbit: Orbit | None = None,
 ) -> xr.Dataset:
-    """Return how far an antenna looks from where it should, at the run's samples.
+    """Return the pointing error of an antenna at the run's samples.
 
     The ideal run's attitude is interpolated to them (:mod:`antenna_pin.analysis.body_motion`).
 
@@ -291,7 +291,7 @@ def _attitude(data: xr.Dataset, antenna: Antenna) -> Rotation:
 def _wanted(
     time: Array, ideal: RunLike | None, command: Command | None, orbit: Orbit | None, antenna: Antenna
 ) -> Rotation:
-    """Return where the antenna's axes should be at some times."""
+    """Return the wanted attitude of the antenna's axes at some times."""
     if ideal is not None:
         return ideal_attitude(data_of(ideal), antenna.body, time) * antenna.axes
     assert command is not None
@@ -303,7 +303,7 @@ def _wanted(
 
 
 def _swing(relative: Rotation) -> tuple[Array, Array]:
-    """Return the smallest turns of the first axis, about the other two, (n, 2), and their angles, (n,)."""
+    """Return the smallest rotations of the first axis, (n, 2), and their angles, (n,)."""
     x, y, z, w = relative.as_quat().T
     half_cone = 2.0 * np.arctan2(np.hypot(y, z), np.hypot(x, w))
     # The first axis goes to (., 2 (x y + w z), 2 (x z - w y)); the turn's axis is square to both.
@@ -313,9 +313,9 @@ def _swing(relative: Rotation) -> tuple[Array, Array]:
     return about * scale[:, None], half_cone
 
 
-def _frame(first: Vector3, second: Vector3 | None) -> Rotation:
-    """Return axes whose x is the first direction and whose z is the perpendicular part of the second."""
-    x = unit(first)
+def _frame(direction: Vector3, second: Vector3 | None) -> Rotation:
+    """Return axes with x along one direction and z towards another."""
+    x = unit(direction)
     up = unit(second if second is not None else (1, 0, 0) if abs(x[2]) > _ALONG else (0, 0, 1))
     y = unit(np.cross(up, x))
     return Rotation.from_matrix(np.column_stack([x, y, np.cross(x, y)]))
@@ -344,7 +344,7 @@ def _link(run: RunLike, antenna: Antenna) -> str:
 
 @takes()
 def pointing_spec(run: RunLike) -> PointingSpec | None:
-    """Return what the run's scenario says of pointing, if it does; nothing else of it is read, for speed.
+    """Return the table ``pointing`` of the run's scenario, or None.
 
     Raises:
         FileFormatError: What the run carries is no scenario.

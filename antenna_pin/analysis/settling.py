@@ -1,4 +1,4 @@
-r"""When impacts turn into lasting contact.
+r"""Transition of a joint from impacts to lasting contact.
 
 A joint has *settled* at the instant from which on its bore's contacts (a socket's, of a ball joint) are never
 all apart for longer than a given time: :math:`t_s` is the onset of contact that ends the last such interval
@@ -34,7 +34,7 @@ _LEAST_R2 = 0.5  # of an exponential, for approach speeds to decay
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Settling:
-    """Whether and when a joint came to lasting contact.
+    """Transition of a joint to lasting contact.
 
     Attributes:
         joint: The clearance joint.
@@ -68,7 +68,7 @@ class Settling:
 
     @property
     def decays(self) -> bool | None:
-        """Whether approach speeds fall, by a line that explains half of what they do; None: too few."""
+        """True if approach speeds decay, with R2 of a half or more; None: too few."""
         if not np.isfinite(self.decay_r2):
             return None
         return self.decay_rate > 0.0 and self.decay_r2 >= _LEAST_R2
@@ -76,7 +76,7 @@ class Settling:
 
 @takes()
 def touching_intervals(run: RunLike, contacts: Sequence[str]) -> Array:
-    """Return when any of some contacts touches, as intervals that do not overlap.
+    """Return the disjoint intervals in which any of some contacts touches.
 
     Args:
         run: A run, or its data.
@@ -114,7 +114,7 @@ def settling(
     windows: int = 50,
     contacts: Kind = "bore",
 ) -> tuple[Settling, ...]:
-    """Return whether and when each clearance joint came to lasting contact; the module's text defines it.
+    """Return the transition of each clearance joint to lasting contact.
 
     Args:
         run: A run, or its data.

@@ -1,4 +1,4 @@
-"""When a run was in each contact scenario, and for how long."""
+"""Contact scenarios of a run over time, and their shares of the time."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _KINDS = ("prismatic", "cylindrical")
 
 @takes()
 def slider_scenarios(run: RunLike, joint: str | None = None) -> xr.Dataset:
-    """Return how a slider presses on each wall of its guide over time, and for how long.
+    """Return the contact scenarios of a slider at the walls of its guide.
 
     Of a rectangular one, of each of four walls: one corner (or mouth's edge) is a point, two at one end or
     along one edge a line, three or four a surface. Of a round one, whose one wall is ``bore``: one end is a
@@ -86,7 +86,7 @@ def slider_scenarios(run: RunLike, joint: str | None = None) -> xr.Dataset:
 
 
 def _flat(gaps: Array, ends: list[str], wall: str) -> NDArray[np.int_]:
-    """Return the scenario at a flat wall: of its four corners two on a diagonal are two points."""
+    """Return the scenario at a flat wall from its four corners."""
     own = [k for k, end in enumerate(ends) if end.startswith(wall)]
     signs = np.array([[1 if ends[k][n] == "+" else -1 for n in (2, 4)] for k in own])
     pressed = gaps[:, own] < 0.0
@@ -97,7 +97,7 @@ def _flat(gaps: Array, ends: list[str], wall: str) -> NDArray[np.int_]:
 
 
 def _round(data: xr.Dataset, joint: str, size: dict[str, float], gaps: Array) -> NDArray[np.int_]:
-    """Return the scenario in a round guide, from its two ends and the middle between them."""
+    """Return the scenario in a round guide from both ends and the middle."""
     pressed = gaps[:, :2] < 0.0
     offset = journal_motion(data, joint)["offset"].values
     middle = np.linalg.norm(offset.mean(axis=1)[:, :2], axis=1)
@@ -110,16 +110,13 @@ def _round(data: xr.Dataset, joint: str, size: dict[str, float], gaps: Array) ->
 
 @takes()
 def scenario_shares(run: RunLike) -> xr.DataArray:
-    """Return the share of the time that each clearance joint spent in each pair of contact scenarios.
+    """Return each clearance joint's shares of the time in pairs of contact scenarios.
 
     Contacts begin and end at samples, and each has a sample between: the file has one at every change and at
     every largest force. So the time between two samples belongs to the scenario seen at its ends; half to
     each where they differ; and not to that of an end at which the joint's contacts of the kind have just
     changed, where gaps are zero but for round-off. Where both ends are such, the number of touching contacts
     tells none, one and two points.
-
-    Args:
-        run: A run with clearance joints, or its data.
 
     Returns:
         Shares [-], (clearance_joint, radial, axial), labelled by the scenarios' names in lower case; they sum
@@ -143,7 +140,7 @@ def scenario_shares(run: RunLike) -> xr.DataArray:
 
 @takes()
 def scenario_spans(run: RunLike, joint: str | None = None) -> xr.Dataset:
-    """Return the spans of time that a clearance joint spent in one pair of contact scenarios each.
+    """Return the time spans of a clearance joint in single pairs of contact scenarios.
 
     The time between two samples is shared as in :func:`scenario_shares`, its first half to the scenario at
     its start, and neighbours of the same pair are one span.
@@ -233,22 +230,22 @@ def _scenarios(data: xr.Dataset, joint: str) -> Iterator[tuple[Array, list[_Ends
         yield np.asarray(part["time"].values, dtype=float)[begin:], ends
 
 
-def _ends(seen: NDArray[np.int_], touching: NDArray[np.int_], most: int) -> _Ends:
+def _ends(scenario: NDArray[np.int_], touching: NDArray[np.int_], most: int) -> _Ends:
     """Return the scenarios at the start and at the end of every interval between samples.
 
     Args:
-        seen: Scenario at every sample, (n,).
+        scenario: At every sample, (n,).
         touching: Whether each contact of the kind touches from a sample on, (n, contacts).
-        most: Points of contact that are told apart.
+        most: Largest number of points of contact.
     """
     count = np.minimum(touching.sum(axis=1), most)
-    if seen.size < 2:
-        return seen, seen
+    if scenario.size < 2:
+        return scenario, scenario
     change = np.any(touching[1:] != touching[:-1], axis=1)
     # A contact that starts with a gap of zero changes at the first sample, too.
-    starts = np.concatenate([[(count[0] > 0) and seen[0] == 0], change[:-1]])
-    start = np.where(starts, np.where(change, count[:-1], seen[1:]), seen[:-1])
-    end = np.where(change, np.where(starts, count[:-1], seen[:-1]), seen[1:])
+    starts = np.concatenate([[(count[0] > 0) and scenario[0] == 0], change[:-1]])
+    start = np.where(starts, np.where(change, count[:-1], scenario[1:]), scenario[:-1])
+    end = np.where(change, np.where(starts, count[:-1], scenario[:-1]), scenario[1:])
     # No contact touches: none, whatever a gap of round-off at an end says.
     start[count[:-1] == 0] = 0
     end[count[:-1] == 0] = 0

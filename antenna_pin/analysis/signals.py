@@ -1,4 +1,4 @@
-"""The signals of a run whose spectra tell something: accelerations and joint forces."""
+"""Signals of a run for spectra: accelerations, deflections and joint forces."""
 
 from __future__ import annotations
 
@@ -22,19 +22,12 @@ _BASE = {f"base {kind}acceleration {axis}" for kind in ("", "angular ") for axis
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RunSignal:
-    """A sampled quantity of a run.
+    """A sampled quantity of a run."""
 
-    Attributes:
-        time: Of the samples, uneven, (n,) [s].
-        units: Of the values.
-        read: Returns the samples from one number up to another, (m,).
-        largest: Largest size of those that are finite.
-    """
-
-    time: Array
-    units: str
-    read: Read
-    largest: float
+    time: Array  # of the samples, uneven, (n,) [s]
+    units: str  # of the values
+    read: Read  # returns the samples from one number up to another, (m,)
+    largest: float  # largest size of those that are finite
 
     @property
     def values(self) -> Array:
@@ -44,7 +37,7 @@ class RunSignal:
 
 @takes()
 def scales_of(signals: Iterable[RunSignal]) -> dict[str, float]:
-    """Return the largest size of the signals of each unit: what round-off in any of them is judged by."""
+    """Return the largest size of signals in each unit, as scale of round-off."""
     found: dict[str, float] = {}
     for one in signals:
         found[one.units] = max(found.get(one.units, 0.0), one.largest)
@@ -53,10 +46,7 @@ def scales_of(signals: Iterable[RunSignal]) -> dict[str, float]:
 
 @takes()
 def signals(run: RunLike) -> dict[str, RunSignal]:
-    """Return accelerations of a run's joints and base, deflections, and forces in clearance joints, by name.
-
-    Args:
-        run: A run, or its data.
+    """Return accelerations, deflections and forces in clearance joints, by name.
 
     Returns:
         "JOINT acceleration" about the joint's axis, "PART deflection" of elastic parts, "base acceleration x"
@@ -82,10 +72,10 @@ def signals(run: RunLike) -> dict[str, RunSignal]:
     }
 
 
-def _reader(data: xr.Dataset, name: str, held: dict[str, Array]) -> Read:
-    if name in held:
-        return lambda first, last: held[name][first:last]
-    return lambda first, last: _columns(data.isel(time=slice(first, last)), name)[name]
+def _reader(data: xr.Dataset, name: str, columns: dict[str, Array]) -> Read:
+    if name in columns:
+        return lambda begin, end: columns[name][begin:end]
+    return lambda begin, end: _columns(data.isel(time=slice(begin, end)), name)[name]
 
 
 def _units(data: xr.Dataset) -> dict[str, str]:

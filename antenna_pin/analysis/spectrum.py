@@ -1,4 +1,4 @@
-r"""What frequencies a sampled signal holds: spectra, their peaks, and how they change with time.
+r"""Spectra of sampled signals, their peaks, and spectrograms.
 
 Samples of a run are uneven: the output rate, and more of them at events. A spectrum needs an even grid, and
 laying a signal with impacts on one naively folds what is faster than half the grid's rate back into the
@@ -228,7 +228,7 @@ def _reader(values: ArrayLike) -> Read:
     held = np.asarray(values, dtype=float)
     if held.ndim != 1:
         raise InvalidParameterError("dominant_frequencies", "values", "one signal, (n,)", held.shape)
-    return lambda first, last: held[first:last]
+    return lambda begin, end: held[begin:end]
 
 
 def _segment(even: UniformSignal, segment: float | None) -> int:

@@ -31,7 +31,7 @@ _LEAST_SAMPLES = 12
 
 @takes()
 def following(time: ArrayLike, values: ArrayLike, phase: ArrayLike, periods: float = 10.0) -> xr.Dataset:
-    """Return the part of a signal that follows a phase, in windows that overlap by half.
+    """Return the part of a signal at a phase, in overlapping windows.
 
     Args:
         time: Sample times, not decreasing, (n,) [s].
@@ -72,7 +72,7 @@ def following(time: ArrayLike, values: ArrayLike, phase: ArrayLike, periods: flo
 
 
 def _fitted(t: Array, y: Array, turned: Array, weight: Array, middle: float, half: float) -> list[complex]:
-    """Return the time of a window's middle, what follows, and the root mean square of the rest."""
+    """Return time of the window's middle, synchronous part, and root mean square of the rest."""
     off = (turned - middle) / half
     own = np.maximum(weight, 0.0) * np.cos(0.5 * np.pi * off) ** 2
     at = float(np.interp(middle, turned, t))
@@ -87,7 +87,7 @@ def _fitted(t: Array, y: Array, turned: Array, weight: Array, middle: float, hal
 
 @takes()
 def base_acceleration(run: RunLike, shake: str) -> Array:
-    """Return the acceleration of the base by one of its motions, at the samples, (n,) [m/s^2] ([rad/s^2])."""
+    """Return the acceleration of the base by one motion, (n,) [m/s^2] ([rad/s^2])."""
     data = data_of(run)
     known = shakes_of(data)
     if shake not in known:
@@ -100,7 +100,7 @@ def base_acceleration(run: RunLike, shake: str) -> Array:
 def swept_response(
     run: RunLike, target: str, *, shake: str | None = None, periods: float = 10.0
 ) -> xr.Dataset:
-    """Return how a quantity of a run answers to a swept or plain sine of its base, over the frequency.
+    """Return the response of a quantity to a swept or plain sine of the base.
 
     Args:
         run: A run whose base is shaken by a sine or a sweep, or its data.

@@ -82,7 +82,7 @@ def power_density(
 
 @takes()
 def band_rms(found: xr.Dataset, bands: Sequence[Sequence[float]] | None = None) -> xr.Dataset:
-    """Return the root mean square of a signal in bands of frequency, with its standard error.
+    """Return root mean squares in frequency bands, with standard errors.
 
     Args:
         found: What :func:`power_density` returned for the signal.

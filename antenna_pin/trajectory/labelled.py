@@ -1,4 +1,4 @@
-"""Numbers with labels by the schema of results: as what a file is written from, and as a dataset."""
+"""Labelled numbers by the schema of results, for files and datasets."""
 
 from __future__ import annotations
 
@@ -19,21 +19,15 @@ __all__ = ["Column", "Content", "Unlabelled"]
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A variable as who writes it asks for it, in xarray's words.
+    """Variable with the attributes of xarray's that a writer reads."""
 
-    Attributes:
-        dims: Its dimensions.
-        values: Its numbers.
-        attrs: Its attributes.
-    """
-
-    dims: tuple[str, ...]
-    values: NDArray[Any]
-    attrs: Mapping[str, Any]
+    dims: tuple[str, ...]  # its dimensions
+    values: NDArray[Any]  # its numbers
+    attrs: Mapping[str, Any]  # its attributes
 
     @property
     def dtype(self) -> np.dtype[Any]:
-        """Of what kind its numbers are."""
+        """Type of the values."""
         return self.values.dtype
 
     @property
@@ -43,17 +37,17 @@ class Column:
 
     @property
     def ndim(self) -> int:
-        """How many dimensions it has."""
+        """Number of dimensions."""
         return self.values.ndim
 
     @property
     def size(self) -> int:
-        """How many numbers it has."""
+        """Number of values."""
         return self.values.size
 
     @property
     def nbytes(self) -> int:
-        """How much they take [bytes]."""
+        """Size of the values [bytes]."""
         return self.values.nbytes
 
     def __getitem__(self, rows: slice) -> Column:
@@ -63,17 +57,11 @@ class Column:
 
 @dataclass(slots=True)
 class Content:
-    """What a dataset holds, without xarray, which takes longer to load than a short run.
+    """Content of a dataset without xarray, which loads slower than a short run."""
 
-    Attributes:
-        coords: Coordinates by name.
-        data: The other variables.
-        attrs: Of all.
-    """
-
-    coords: dict[str, Column]
-    data: dict[str, Column]
-    attrs: dict[str, Any]
+    coords: dict[str, Column]  # coordinates by name
+    data: dict[str, Column]  # the other variables
+    attrs: dict[str, Any]  # of all
 
     @property
     def variables(self) -> dict[str, Column]:
@@ -90,7 +78,7 @@ class Content:
         }
 
     def dataset(self) -> xr.Dataset:
-        """Return the same as xarray has it."""
+        """Return the content as a dataset."""
         import xarray as xr
 
         coordinates, variables = (
@@ -103,7 +91,7 @@ class Content:
 
 @dataclass(slots=True)
 class Unlabelled:
-    """All that the data of a result are made of. They are made where they are read.
+    """Parts of a result, from which its data are made when read.
 
     Attributes:
         values: Of each variable, by name.
@@ -132,7 +120,7 @@ class Unlabelled:
         return self.content().dataset()
 
     def content(self) -> Content:
-        """Return the same without xarray."""
+        """Return the content without xarray."""
         coordinates, variables = self.columns()
         return Content(coordinates, variables, {**self.attributes, **self.of_system(), **self.more})
 

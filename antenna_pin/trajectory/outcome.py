@@ -1,4 +1,4 @@
-"""Why a run ended, and what it took."""
+"""Outcome and step counts of a run."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ __all__ = ["ENDED_WELL", "REACHED_END", "Counts", "Outcome"]
 
 
 class Outcome(Enum):
-    """Why a run ended."""
+    """Reason why a run ended."""
 
     COMPLETED = "reached the end of the time span"
     STOPPED = "stopped by an event that was to end it"
@@ -61,18 +61,18 @@ class Outcome(Enum):
 
     @property
     def may_go_on(self) -> bool:
-        """Whether the run was stopped on its way, and its checkpoint is kept to go on from."""
+        """True if the run may be resumed from its checkpoint."""
         return self in (Outcome.INTERRUPTED, Outcome.TIME_LIMIT)
 
     @property
     def verdict(self) -> str:
-        """How a run is to be introduced that has no whole result: ``ended early`` or ``does not balance``."""
+        """Description of an incomplete result: ``ended early`` or ``does not balance``."""
         return "does not balance" if self is Outcome.LEDGER_OPEN else "ended early"
 
 
 @dataclass(frozen=True, slots=True)
 class Counts:
-    """What a run took.
+    """Steps and times of a run.
 
     Attributes:
         accepted: Steps accepted.

@@ -1,4 +1,4 @@
-"""Catalogue of the quantities of a whole run: recorded ones, and those of tables that follow from a result.
+"""Catalogue of the quantities of a run, and of tables derived from it.
 
 Result files, summaries, tables, reports, cards, responses of studies and sensitivities render the rows here.
 A row with a reduction is computed from the series or the episodes that it names wherever it is needed.
@@ -522,7 +522,7 @@ def slides_along(data: xr.Dataset, dim: str) -> dict[str, bool]:
 
 
 def entries_of(data: xr.Dataset, dim: str) -> dict[str, dict[str, float]]:
-    """Return what the result has recorded along a dimension as a summary has it, by label and entry."""
+    """Return the recorded numbers along a dimension, by label and summary key."""
     variables = [one for one in SUMMARIES if one.dims[:1] == (dim,) and one.key() and one.name in data]
     values = {one.name: np.asarray(data[one.name].values, dtype=float) for one in variables}
     return {

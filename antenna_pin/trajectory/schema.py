@@ -1,8 +1,8 @@
-"""What a result holds: one table of its dimensions and variables, from which all that deal with them take it.
+"""Schema of results: the table of dimensions and variables.
 
-The recorder fills it, the file keeps it, ``Trajectory.load`` checks against it, and docs/trajectory.md
-prints it. A variable is there if all its dimensions are: what a mechanism does not have (contacts, drives,
-springs) has no dimension. A *lean* result has no ``time``, and so none of the series.
+Recorder, files, ``Trajectory.load`` and docs/trajectory.md use it. A variable is there if all its dimensions
+are: contacts, drives or springs that a mechanism does not have, have no dimension. A *lean* result has no
+``time``, and so none of the series.
 """
 
 from __future__ import annotations
