@@ -16,21 +16,13 @@ __all__ = ["StabilitySpan", "said_of_multiplier", "stability_spans", "unexplaine
 
 
 class StabilitySpan(NamedTuple):
-    """Orbits next to one another along a branch that are alike stable.
+    """Consecutive orbits of equal stability along a branch."""
 
-    Attributes:
-        stability: stable, unstable or neutral.
-        first: Value of the parameter of the first of them.
-        last: Of the last.
-        orbits: How many they are.
-        largest: Of their largest multipliers that of least and that of greatest size [-].
-    """
-
-    stability: str
-    first: float
-    last: float
-    orbits: int
-    largest: tuple[complex, complex]
+    stability: str  # stable, unstable or neutral
+    first: float  # value of the parameter at the first of them
+    last: float  # at the last
+    orbits: int  # their number
+    largest: tuple[complex, complex]  # least and greatest of their largest multipliers, by size [-]
 
 
 @takes()

@@ -59,27 +59,16 @@ _LEAST_FIT = 0.9
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Growth:
-    """Fits to the envelope of a deviation.
+    """Fits to the envelope of a deviation; numbers are NaN where nothing is fitted."""
 
-    Attributes:
-        kind: Law that fits better, or "none" where neither says anything (see ``note``).
-        exponent: p of the power of time [-]; NaN where nothing is fitted.
-        power_r2: Coefficient of determination of ln E for the power [-].
-        rate: lambda of the exponential [1/s]; NaN where nothing is fitted.
-        exponential_r2: The same for the exponential [-].
-        start: Where the fit begins [s].
-        end: Where the fit ends [s].
-        note: Why neither law says anything; empty if one does.
-    """
-
-    kind: Literal["power", "exponential", "none"]
-    exponent: float
-    power_r2: float
-    rate: float
-    exponential_r2: float
-    start: float
-    end: float
-    note: str = ""
+    kind: Literal["power", "exponential", "none"]  # law that fits better
+    exponent: float  # p of the power of time [-]
+    power_r2: float  # coefficient of determination of ln E for the power [-]
+    rate: float  # lambda of the exponential [1/s]
+    exponential_r2: float  # coefficient of determination of ln E for the exponential [-]
+    start: float  # begin of the fit [s]
+    end: float  # end of the fit [s]
+    note: str = ""  # reason why neither law fits
 
     def __str__(self) -> str:
         """Return the better law in words."""

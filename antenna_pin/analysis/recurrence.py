@@ -177,34 +177,20 @@ class RecurrenceKind(Enum):
 class Recurrence:
     """Recurrence of section points.
 
-    Attributes:
-        kind: Periodic, quasi-periodic, chaotic or too short to say.
-        period: In iterations, if it is periodic; None else.
-        confidence: Share of windows of half the length that say the same, in [0, 1] [-]; 0 where the answer
-            is "too short to say".
-        closeness: Root mean square distance of returns after the period, or of the closest ones that were
-            looked for, as a share of the scale [-].
-        longest: The longest period that was looked for [iterations].
-        bands: Into how many sets the points of a motion that is not periodic fall in turn; 1 if it is one.
-        chaos: Outcome of the 0-1 test; None where it was not asked.
-        floor: Of the spectrum, see the module's text [-]; NaN where it was not asked for.
-        frequency: Strongest lines of the spectrum, (k,), the strongest first [cycles per iteration]; of
-            points that go round a closed curve the first is the rotation number, up to sign and whole ones.
-        amplitude: Of these lines, (k,), by the scale [-].
-        points: How many points there are.
+    Of points around a closed curve the first frequency is the rotation number, up to sign and whole turns.
     """
 
     kind: RecurrenceKind
-    period: int | None
-    confidence: float
-    closeness: float
-    longest: int
-    bands: int
-    chaos: ChaosTest | None
-    floor: float
-    frequency: Array
-    amplitude: Array
-    points: int
+    period: int | None  # [iterations]; None if it is not periodic
+    confidence: float  # share of windows of half the length with the same verdict [-]; 0 if too short
+    closeness: float  # root mean square distance of the closest returns, as a share of the scale [-]
+    longest: int  # longest period of the search [iterations]
+    bands: int  # number of sets between which the points of a motion without period alternate
+    chaos: ChaosTest | None  # outcome of the 0-1 test; None if it was not needed
+    floor: float  # of the spectrum, see the module's text [-]; NaN if it was not needed
+    frequency: Array  # strongest lines of the spectrum, (k,), the strongest first [cycles per iteration]
+    amplitude: Array  # of these lines, (k,), by the scale [-]
+    points: int  # number of points
 
     @property
     def words(self) -> str:

@@ -36,34 +36,21 @@ _LEAST_R2 = 0.5  # of an exponential, for approach speeds to decay
 class Settling:
     """Transition of a joint to lasting contact.
 
-    Attributes:
-        joint: The clearance joint.
-        contacts: Its contacts that count, any of which is contact.
-        time: When it settled [s]; None if it did not.
-        note: Why it did not; empty if it did.
-        longest_gap: Longest time without contact that counts as lasting contact [s].
-        share_before: Share of the time in contact before it settled (of the whole run if it did not) [-].
-        share_after: The same from then on [-]; NaN if it did not settle.
-        last_gap: End of the last interval without contact, however short [s]; NaN if there was none.
-        decay_rate: Rate at which approach speeds fall, of the straight line through ln speed over time [1/s];
-            NaN for fewer than 5 impacts above the law's floor.
-        decay_r2: Coefficient of determination of that line [-].
-        driven: Whether a drive acts on the joint; it may turn the load, and part what had settled.
-        curve: Over ``window`` (labelled by its middle, ``time``): ``contact_share`` [-], ``impacts`` begun,
-            and their ``largest_approach_speed`` and ``mean_approach_speed`` [m/s] (NaN: no impact).
+    ``curve`` has over ``window`` (with its middle, ``time``): ``contact_share`` [-], ``impacts`` begun, and
+    their ``largest_approach_speed`` and ``mean_approach_speed`` [m/s] (NaN: no impact).
     """
 
-    joint: str
-    contacts: tuple[str, ...]
-    time: float | None
-    note: str
-    longest_gap: float
-    share_before: float
-    share_after: float
-    last_gap: float
-    decay_rate: float
-    decay_r2: float
-    driven: bool
+    joint: str  # name of the clearance joint
+    contacts: tuple[str, ...]  # its contacts that count
+    time: float | None  # of settling [s]; None without it
+    note: str  # reason why it did not settle; empty if it did
+    longest_gap: float  # longest time without contact that counts as lasting contact [s]
+    share_before: float  # share of the time in contact before settling, or of the whole run [-]
+    share_after: float  # the same after settling [-]; NaN without it
+    last_gap: float  # end of the last interval without contact, however short [s]; NaN without one
+    decay_rate: float  # of ln speed at impacts over time [1/s]; NaN for fewer than 5 above the law's floor
+    decay_r2: float  # coefficient of determination of that line [-]
+    driven: bool  # true if a drive acts on the joint; it may turn the load, and end the contact
     curve: xr.Dataset
 
     @property

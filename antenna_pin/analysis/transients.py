@@ -48,20 +48,12 @@ _MONOTONE = 26  # Kendall's S of eight values, 28 at most
 
 @dataclass(frozen=True, slots=True)
 class Settled:
-    """Settled part of a series of points.
+    """Settled part of a series of points; the drift is NaN for too few points."""
 
-    Attributes:
-        start: Index of the first settled point; None if there is none in the first half, or too few points.
-        drift: Largest drift of a statistic behind the start (or behind the middle if there is none), as a
-            share of the scale [-]; NaN for too few points.
-        tolerance: Drift that does not count, as a share of the scale [-].
-        points: How many there are.
-    """
-
-    start: int | None
-    drift: float
-    tolerance: float
-    points: int
+    start: int | None  # index of the first settled point; None without one in the first half
+    drift: float  # largest drift of a statistic behind the start, else the middle, by the scale [-]
+    tolerance: float  # drift that does not count, by the scale [-]
+    points: int  # number of points
 
     @property
     def words(self) -> str:

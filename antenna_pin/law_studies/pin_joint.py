@@ -91,20 +91,12 @@ LIU_2013_STEEL = Material(
 
 @dataclass(frozen=True, slots=True)
 class ExperimentFit:
-    """Law, or printed column, compared with the measured loads.
+    """Law, or printed column, compared with the measured loads."""
 
-    Attributes:
-        law: Name of the law.
-        contacts: Over how many equal contacts in series the displacement is shared: 1 or 2; None for a column
-            as printed.
-        loads: By the law, one for each point [N]; NaN where the law says nothing at such a depth.
-        errors: Of the loads over the measured ones, one for each point [-].
-    """
-
-    law: str
-    contacts: int | None
-    loads: tuple[float, ...]
-    errors: tuple[float, ...]
+    law: str  # its name
+    contacts: int | None  # equal contacts in series that share the displacement, 1 or 2; None as printed
+    loads: tuple[float, ...]  # by the law at each point [N]; NaN out of its range
+    errors: tuple[float, ...]  # of the loads over the measured ones, at each point [-]
 
     @property
     def in_range(self) -> int:

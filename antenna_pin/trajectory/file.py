@@ -116,15 +116,8 @@ _SHORT = 1_000_000
 _TEXT = h5py.string_dtype()
 # What belongs to the file, not to the data.
 _OWN = {
-    "CLASS",
-    "NAME",
-    "DIMENSION_LIST",
-    "REFERENCE_LIST",
-    "_Netcdf4Dimid",
-    "_Netcdf4Coordinates",
-    "_NCProperties",
-    "_FillValue",
-    "coordinates",
+    *("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "_Netcdf4Dimid", "_Netcdf4Coordinates"),
+    *("_NCProperties", "_FillValue", "coordinates"),
 }
 _CHANGED = (
     "{}: must be as antenna-pin wrote it, got another checksum: it was damaged, or edited in place; take "

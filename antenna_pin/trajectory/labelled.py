@@ -91,25 +91,15 @@ class Content:
 
 @dataclass(slots=True)
 class Unlabelled:
-    """Parts of a result, from which its data are made when read.
+    """Parts of a result, from which its data are made when read."""
 
-    Attributes:
-        values: Of each variable, by name.
-        labels: Of each dimension and coordinate, by name; of ``episode`` and ``tick`` how many there are.
-        attributes: The first of the dataset.
-        of_system: What tells those that follow, of what was run.
-        more: The last ones; to be added to.
-        free_base: Whether the base is free.
-        lean: Whether the series are left out.
-    """
-
-    values: Mapping[str, Any]
-    labels: Mapping[str, Any]
-    attributes: Mapping[str, Any]
-    of_system: Callable[[], Mapping[str, Any]]
-    more: dict[str, Any]
+    values: Mapping[str, Any]  # by variable
+    labels: Mapping[str, Any]  # by dimension and coordinate; of ``episode`` and ``tick`` their number
+    attributes: Mapping[str, Any]  # the first of the dataset
+    of_system: Callable[[], Mapping[str, Any]]  # returns those that follow, of the system
+    more: dict[str, Any]  # the last ones; may be added to
     free_base: bool
-    lean: bool = False
+    lean: bool = False  # without series
 
     def labelled(self) -> xr.Dataset:
         """Return a dataset by the schema.
@@ -121,8 +111,7 @@ class Unlabelled:
 
     def content(self) -> Content:
         """Return the content without xarray."""
-        coordinates, variables = self.columns()
-        return Content(coordinates, variables, {**self.attributes, **self.of_system(), **self.more})
+        return Content(*self.columns(), {**self.attributes, **self.of_system(), **self.more})
 
     def columns(self) -> tuple[dict[str, Column], dict[str, Column]]:
         """Return its coordinates and its other variables, by name."""
@@ -148,5 +137,5 @@ class Unlabelled:
 
 
 def _text(labels: Any) -> Any:
-    # Text of a fixed width: of objects xarray asks what they are, for longer than all the rest takes.
+    # Text of a fixed width: xarray inspects objects one by one, for longer than all the rest takes.
     return np.array(labels, dtype=str)

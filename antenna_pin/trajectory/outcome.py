@@ -72,23 +72,14 @@ class Outcome(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Counts:
-    """Steps and times of a run.
+    """Steps and times of a run."""
 
-    Attributes:
-        accepted: Steps accepted.
-        rejected: Trial steps rejected by their error.
-        relocated: Trial steps cut back to end at a change of contact.
-        evaluations: Evaluations of the equations of motion.
-        wall_seconds: Time of the run, recording included, without compiling [s].
-        compile_seconds: Time in which kernels were compiled for it, which the next run finds compiled [s].
-    """
-
-    accepted: int = 0
-    rejected: int = 0
-    relocated: int = 0
-    evaluations: int = 0
-    wall_seconds: float = 0.0
-    compile_seconds: float = 0.0
+    accepted: int = 0  # steps
+    rejected: int = 0  # trial steps, by their error
+    relocated: int = 0  # trial steps cut back to a change of contact
+    evaluations: int = 0  # of the equations of motion
+    wall_seconds: float = 0.0  # with recording, without compiling [s]
+    compile_seconds: float = 0.0  # of kernels for this run, which the next run need not compile [s]
 
 
 #: Those of a run that came to its end, and whose numbers can be relied on.

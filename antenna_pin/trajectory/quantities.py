@@ -223,6 +223,7 @@ CONTACTS: tuple[Variable, ...] = rows(
 )
 
 _TIMES = (("onset", "s", "first touch"), ("release", "s", "release; NaN: still touching"))
+_DENSITY = (("density", "{density}", "amplitude density"), ("power", "{power}", "power density"))
 #: Columns of tables that follow from a result, by table.
 TABLES: dict[str, dict[str, Variable]] = {}
 for _one in rows(
@@ -412,13 +413,8 @@ for _one in rows(
     ("impacts", "1", "contacts begun in the window"),
     ("largest_approach_speed", "m/s", "largest approach speed of the window"),
     ("mean_approach_speed", "m/s", "mean approach speed of the window"),
-    *(
-        row
-        for dims in ("spectrum: frequency", "spectra: frequency component", "spectrogram: frequency time")
-        for row in (
-            dims, ("density", "{density}", "amplitude density"), ("power", "{power}", "power density")
-        )
-    ),
+    *("spectrum: frequency", *_DENSITY, "spectra: frequency component", *_DENSITY),
+    *("spectrogram: frequency time", *_DENSITY),
     "peaks: peak",
     ("frequency", "Hz", "frequency"),
     ("amplitude", "{units}", "amplitude"),
