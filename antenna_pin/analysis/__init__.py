@@ -1,4 +1,4 @@
-"""What a run shows, and what a joint's shape allows: readers of trajectories and geometries."""
+"""Analyses of runs, and of the contact scenarios of a joint's shape."""
 
 from antenna_pin.base.lazy import exported
 

@@ -37,19 +37,12 @@ Indices = NDArray[np.intp]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Quadratics:
-    """Functions ``c0 + c1 x + c2 x^2`` on ``0 <= x <= h``, vector-valued.
+    """Functions ``c0 + c1 x + c2 x^2`` on ``0 <= x <= h``, vector-valued."""
 
-    Attributes:
-        c0: (pieces, k).
-        c1: (pieces, k).
-        c2: (pieces, k).
-        h: (pieces,).
-    """
-
-    c0: Array
-    c1: Array
-    c2: Array
-    h: Array
+    c0: Array  # (pieces, k)
+    c1: Array  # (pieces, k)
+    c2: Array  # (pieces, k)
+    h: Array  # (pieces,)
 
     def __sub__(self, other: Quadratics) -> Quadratics:
         return Quadratics(self.c0 - other.c0, self.c1 - other.c1, self.c2 - other.c2, self.h)
@@ -165,17 +158,17 @@ class Polygon:
 
 
 class RangeMaximum:
-    """Largest of consecutive numbers, for many ranges at once (a table of maxima over powers of two).
+    """Largest numbers of many index ranges, from a table of maxima over powers of two.
 
     Args:
-        first: First index of each range, (m,).
+        begin: First index of each range, (m,).
         last: Last index of each range, (m,); a range whose last is before its first is empty.
     """
 
-    def __init__(self, first: Indices, last: Indices) -> None:
-        self._first, self._last = first, last
-        self._empty = last < first
-        length = np.where(self._empty, 1, last - first + 1)
+    def __init__(self, begin: Indices, last: Indices) -> None:
+        self._first, self._last = begin, last
+        self._empty = last < begin
+        length = np.where(self._empty, 1, last - begin + 1)
         self._level = np.floor(np.log2(length)).astype(int)
 
     def of(self, numbers: Array) -> Array:
@@ -271,7 +264,7 @@ class Relative:
 
 
 class Drift:
-    """Difference of the means over two windows a spacing apart, both in one of the periods."""
+    """Difference of the means over two windows at a given spacing within one period."""
 
     def __init__(self, signal: Polygon, window: float, spacing: float, periods: Sequence[Period]) -> None:
         self._signal, self._window, self._spacing = signal, window, spacing
@@ -324,7 +317,7 @@ def _places(low: float, high: float, count: int) -> Array:
 
 
 def extremes(index: Index, size: int) -> tuple[float, float]:
-    """Return the lowest and highest value of a number; 0 and the greatest length of a vector."""
+    """Return the extremes of a number, or 0 and the greatest length of a vector."""
     if size == 1:
         return -index.highest(np.array([-1.0])), index.highest(np.array([1.0]))
 

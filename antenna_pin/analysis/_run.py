@@ -1,9 +1,10 @@
-"""What the analyses need to know of a run: its samples, names and times."""
+"""Access to a run's samples, names and times, and its division into parts."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import xarray as xr
@@ -14,11 +15,13 @@ from antenna_pin.errors import FileFormatError, UnknownNameError
 from antenna_pin.trajectory import Trajectory, series
 
 __all__ = [
+    "AXES",
     "Array",
     "beside",
     "blocks",
     "choose",
     "data_of",
+    "entries_in",
     "label_of",
     "LONG",
     "ROWS",
@@ -28,6 +31,8 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
+#: Components of a vector.
+AXES = ("x", "y", "z")
 RunLike: TypeAlias = Trajectory | xr.Dataset
 
 
@@ -37,12 +42,18 @@ def data_of(run: RunLike) -> xr.Dataset:
 
 
 def label_of(data: xr.Dataset) -> str:
-    """Return what a run is called in a message."""
+    """Return the name of a run for messages."""
     return str(data.attrs.get("case") or "a run without a case name")
 
 
+def entries_in(run: RunLike, attribute: str) -> dict[str, dict[str, Any]]:
+    """Return the entries of an attribute that is a JSON table; {} without it."""
+    found: dict[str, dict[str, Any]] = json.loads(data_of(run).attrs.get(attribute, "{}"))
+    return found
+
+
 def variable(data: xr.Dataset, name: str, place: str) -> xr.DataArray:
-    """Return a variable, or say that it is missing."""
+    """Return a variable, or refuse a run without it."""
     if name not in data:
         series(data, place)
         raise FileFormatError(f"{place}: the run has no variable {name!r}; is it an antenna_pin result?")
@@ -76,7 +87,7 @@ _MARGIN = 64
 
 @takes()
 def blocks(data: xr.Dataset, rows: int | None = None, overlap: int = 0) -> Iterator[xr.Dataset]:
-    """Yield a run in parts, one after another along time; a run that is not long is one part.
+    """Yield the parts of a long run along time, or a short run.
 
     Args:
         data: Of the run.
@@ -95,7 +106,7 @@ def blocks(data: xr.Dataset, rows: int | None = None, overlap: int = 0) -> Itera
 
 @takes()
 def beside(data: xr.Dataset, times: Array, rows: int | None = None) -> Iterator[tuple[slice, xr.Dataset]]:
-    """Yield which of some times, and the samples of a run that its interpolation there takes.
+    """Yield slices of times with the samples of a run for interpolation there.
 
     Of a run that is not long these are all times, and all samples.
 

@@ -1,4 +1,4 @@
-"""What a run has come to, in as many lines as one sees at a glance."""
+"""Result of a run in at most nine lines."""
 
 from __future__ import annotations
 
@@ -35,37 +35,26 @@ _SCALES = {"rad": 1.0, "m": 1.0}
 
 
 class Line(NamedTuple):
-    """One thing that is said of a run.
+    """Line about one part of a run."""
 
-    Attributes:
-        about: What it is about, such as the name of a joint.
-        text: What is said of it: parts with "; " between them, those that matter most first.
-    """
-
-    about: str
-    text: str
+    about: str  # subject, such as the name of a joint
+    text: str  # parts with "; " between them, the most important ones first
 
 
 class Answer(NamedTuple):
-    """A run at a glance.
+    """Result of a run in a few lines."""
 
-    Attributes:
-        title: What was run.
-        ended: How it ended.
-        lines: What has happened, at most nine.
-    """
-
-    title: str
-    ended: str
-    lines: tuple[Line, ...]
+    title: str  # of the scenario
+    ended: str  # outcome, times and steps
+    lines: tuple[Line, ...]  # at most nine
 
 
 @takes()
 def answer(run: Trajectory) -> Answer:
-    """Return what a run has come to: blows, peaks, losses, pointing, and how well its books close.
+    """Return blows, peaks, losses, pointing errors and balances of a run.
 
     Args:
-        run: The run. Of a lean one there is nothing on how far its journals went.
+        run: The run. The displacements of journals are not in a lean one.
     """
     data, summary = run.data, run.summary()
     case = f"case {summary['case']}" if summary["case"] else ""
@@ -77,7 +66,7 @@ def answer(run: Trajectory) -> Answer:
     outcome = summary["outcome"].lower().replace("_", " ")
     ended = f"{outcome}, {simulated} simulated in {took}, {counts.accepted:,} steps"
     hits = [_Hit.of(data, summary, name) for name in names_along(data, "clearance_joint")]
-    others = [*_elements(summary), *_held(summary), *_carried(summary), *_pointing(run)]
+    others = [*_elements(summary), *_closures(summary), *_carried(summary), *_pointing(run)]
     if not hits:  # else the blows are what happened
         others = [*_moved(summary), *others]
     others = [*others[: _LINES - 1 - min(len(hits), 1)], _books(data, summary)]
@@ -86,7 +75,7 @@ def answer(run: Trajectory) -> Answer:
 
 
 def _of_hits(hits: Sequence[_Hit], most: int = _JOINTS) -> Iterator[Line]:
-    """Yield what the joints with play took, the hardest hit first: so many alone, the others as one."""
+    """Yield lines on joints with play, the largest force first, the last ones together."""
     told = sorted(hits, key=lambda hit: -hit.force)
     own = most if len(told) > most + 1 else len(told)
     for hit in told[:own]:
@@ -98,7 +87,7 @@ def _of_hits(hits: Sequence[_Hit], most: int = _JOINTS) -> Iterator[Line]:
 
 
 class _Hit(NamedTuple):
-    """What a joint with play took."""
+    """Blows, largest force and loss of a joint with play."""
 
     joint: str
     blows: int
@@ -108,7 +97,7 @@ class _Hit(NamedTuple):
 
     @classmethod
     def of(cls, data: xr.Dataset, summary: Mapping[str, Any], joint: str) -> _Hit:
-        """Return that of a joint by name."""
+        """Return the blows of a joint."""
         owners = list(contact_joints(data).values())
         contacts = [k for k, owner in enumerate(owners) if owner == joint]
         counts = summary["blows"].items()  # by surface, as ``joint.kind``
@@ -130,7 +119,7 @@ class _Hit(NamedTuple):
 
 @np.errstate(over="ignore")  # of a journal that has flown off
 def _apart(data: xr.Dataset, joint: str) -> str:
-    """Return how far a journal was from where an ideal joint has it."""
+    """Return the displacement of a journal from the ideal joint, as text."""
     if is_lean(data) or "journal_position" not in data:
         return ""
     place = names_along(data, "clearance_joint").index(joint)
@@ -153,13 +142,13 @@ def _is_nothing(size: float, unit: str) -> bool:
 
 
 def _judged(value: float, unit: str, scales: Mapping[str, float] = _SCALES) -> str:
-    """Return a quantity, or that it is zero but for round-off."""
+    """Return a quantity as text, ≈ 0 where it is round-off."""
     nearly = is_round_off(value, unit, scales)
     return f"≈\N{NO-BREAK SPACE}0\N{NO-BREAK SPACE}{unit}" if nearly else readable(value, unit)
 
 
 def _elements(summary: Mapping[str, Any]) -> Iterator[Line]:
-    """Yield what stops, latches and gears met, and how often controllers were asked."""
+    """Yield lines on stops, latches, gears and controllers."""
     stops = summary.get("stops", {})
     if stops:
         touches = sum(one["touches"] for one in stops.values())
@@ -206,8 +195,8 @@ def _elements(summary: Mapping[str, Any]) -> Iterator[Line]:
         yield Line("controllers", text)
 
 
-def _held(summary: Mapping[str, Any]) -> Iterator[Line]:
-    """Yield what closures carried, and how well they were held."""
+def _closures(summary: Mapping[str, Any]) -> Iterator[Line]:
+    """Yield a line on the loads and residuals of closures."""
     closures = summary.get("closures", {})
     if closures:
         name = max(closures, key=lambda one: closures[one]["peak_force"])
@@ -217,7 +206,7 @@ def _held(summary: Mapping[str, Any]) -> Iterator[Line]:
 
 
 def _carried(summary: Mapping[str, Any]) -> Iterator[Line]:
-    """Yield what motions, bearings and forces from outside came to, and how far flexible parts bent."""
+    """Yield lines on motions, bearings, flexible parts and external forces."""
     for key, about, units in (
         ("motions", "motions", {"peak_force": "N", "peak_torque": "N m"}),
         ("bearings", "bearings", {"peak_force": "N", "peak_moment": "N m"}),
@@ -236,7 +225,7 @@ def _carried(summary: Mapping[str, Any]) -> Iterator[Line]:
 
 
 def _moved(summary: Mapping[str, Any]) -> Iterator[Line]:
-    """Yield where joints ended, and the largest acceleration of one."""
+    """Yield lines on final positions and the largest acceleration of joints."""
     for key, place, unit, peak, of_peak in (
         ("motion", "angle", "rad", "peak_acceleration", "rad/s^2"),
         ("slides", "position", "m", "peak_slide_acceleration", "m/s^2"),
@@ -255,7 +244,7 @@ def _moved(summary: Mapping[str, Any]) -> Iterator[Line]:
 
 
 def _pointing(run: Trajectory) -> Iterator[Line]:
-    """Yield how far off an antenna looked, where its scenario commands a direction."""
+    """Yield a line on pointing errors, where the scenario commands a direction."""
     data = run.data
     if is_lean(data) or not _is_commanded(run):
         return
@@ -270,7 +259,7 @@ def _pointing(run: Trajectory) -> Iterator[Line]:
 
 
 def _is_commanded(run: Trajectory) -> bool:
-    """Whether the scenario says where something is to look; of one in a file nothing else is read."""
+    """Return whether the scenario commands a pointing direction."""
     if run.scenario is not None:
         return run.scenario.pointing is not None and run.scenario.pointing.commanded != "ideal"
     text = str(run.data.attrs.get("scenario") or "{}")
@@ -278,7 +267,7 @@ def _is_commanded(run: Trajectory) -> bool:
 
 
 def _books(data: xr.Dataset, summary: Mapping[str, Any]) -> Line:
-    """Return what drives and forces did, and how well energy and momentum are kept."""
+    """Return a line on works and the balances of energy and momentum."""
     kept = summary["conservation"]
     done, gross = "", kept["gross_work"]
     if gross:
@@ -301,12 +290,12 @@ def _books(data: xr.Dataset, summary: Mapping[str, Any]) -> Line:
     return Line("energy", text)
 
 
-def _is_open(kept: Mapping[str, Any], what: str, of: str) -> bool:
-    """Whether an error is larger than explained; in a result that does not say what is, than a thousandth."""
-    tolerance, relative = kept.get(f"{what}_tolerance"), kept[f"{what}_{of}_relative"]
+def _is_open(balance: Mapping[str, Any], what: str, of: str) -> bool:
+    """Return whether an error exceeds its tolerance, or a thousandth without one."""
+    tolerance, relative = balance.get(f"{what}_tolerance"), balance[f"{what}_{of}_relative"]
     if tolerance is None:
         return relative is not None and not relative <= _CLOSED
-    return not kept[f"{what}_{of}"] <= tolerance
+    return not balance[f"{what}_{of}"] <= tolerance
 
 
 def _counted(count: int, one: str, many: str = "") -> str:

@@ -1,4 +1,4 @@
-r"""A joint with play between the samples of its run: the journal's path, not chords of it.
+r"""Interpolation of a joint with play between the samples of its run.
 
 Where the journal is in its bearing is known at a sample together with how fast it moves there, from the
 velocities of both links. Between two samples its place, and the numbers of its quaternion, are the cubic
@@ -37,7 +37,7 @@ _MOST = 16  # pieces of an interval
 
 @takes()
 def between_samples(run: RunLike, joint: str, within: float = 1e-3) -> xr.Dataset:
-    """Return journal and contacts of a joint with play at the samples, and between them where they bend.
+    """Return journal and contacts of a joint, with extra samples where they curve.
 
     Args:
         run: A run, or its data.
@@ -70,7 +70,7 @@ def between_samples(run: RunLike, joint: str, within: float = 1e-3) -> xr.Datase
 
 
 def _bend(values: Array) -> Array:
-    """Return how far quarters of each interval are from its chord, at most, (intervals,)."""
+    """Return the largest distance of each interval from its chord, (intervals,)."""
     flat = values.reshape(len(values), -1)
     ends = flat[::_QUARTERS]
     bend = np.zeros(len(ends) - 1)
@@ -120,7 +120,7 @@ class _Curves:
         }
 
     def at(self, pieces: NDArray[np.int_]) -> xr.Dataset:
-        """Return values at the ends of equal pieces of every interval, how many of each: (n - 1,)."""
+        """Return values at the ends of equal pieces, (n - 1,), of every interval."""
         start = np.repeat(np.cumsum(pieces) - pieces, pieces)
         part = (np.arange(int(pieces.sum())) - start) / np.repeat(pieces, pieces)
         begin, step = np.repeat(self._time[:-1], pieces), np.repeat(np.diff(self._time), pieces)
@@ -145,7 +145,7 @@ class _Curves:
 
 
 def _rates(data: xr.Dataset, joint: str) -> tuple[Array, Array]:
-    """Return how fast the journal moves in its bearing.
+    """Return velocity and angular velocity of the journal in its bearing.
 
     Its centre's velocity, bearing axes (n, 3) [m/s]; its angular velocity, journal axes (n, 3) [rad/s].
     """

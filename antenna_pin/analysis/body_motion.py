@@ -1,4 +1,4 @@
-"""Motion of bodies of a run in world axes: attitudes between samples, free-floating base, any link."""
+"""Motion of base and links in world axes, and attitudes between samples."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from antenna_pin.analysis.sampled import resampled
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism import link_motion, quaternions
+from antenna_pin.trajectory import names_along
+from antenna_pin.trajectory.quantities import TABLES, dataset_of
 
 __all__ = [
     "base_motion",
@@ -114,67 +116,53 @@ _DERIVATIVES = {
 }
 
 
-def motion_dataset(
-    data: xr.Dataset,
-    whose: str,
-    attitude: Array,
-    position: Array,
-    velocity: Array,
-    angular_velocity: Array,
-    acceleration: Array,
-    angular_acceleration: Array,
-) -> xr.Dataset:
-    """Return the motion of a frame, all in world axes.
+def motion_dataset(data: xr.Dataset, whose: str, attitude: Array, **columns: Array) -> xr.Dataset:
+    """Return the motion of a frame, with its rotation since the start.
 
     Args:
-        data: The run it is of.
-        whose: Whose frame, for the long names: "base".
+        data: Data of the run.
+        whose: Owner of the frame, for the long names: "base".
         attitude: Quaternions xyzw, (n, 4) [-].
-        position: Of its origin [m], (n, 3) as all that follow.
-        velocity: [m/s].
-        angular_velocity: [rad/s].
-        acceleration: Of its origin as seen from the world [m/s^2].
-        angular_acceleration: [rad/s^2].
-
-    Returns:
-        Over time and axis: ``position`` [m], ``rotation`` since the first sample as a rotation vector [rad]
-        (unwrapped beyond pi), ``velocity`` [m/s], ``angular_velocity`` [rad/s], ``acceleration`` [m/s^2],
-        ``angular_acceleration`` [rad/s^2]; and ``attitude`` (time, quaternion), xyzw.
+        **columns: ``position``, ``velocity``, ``acceleration`` of its origin, ``angular_velocity`` and
+            ``angular_acceleration``, (n, 3) each.
     """
     turn = Rotation.from_quat(attitude)
-    since_start = _unwrapped((turn * turn[0].inv()).as_rotvec())
-    columns = {
-        "position": (position, "m", f"{whose}'s origin"),
-        "rotation": (
-            since_start,
-            "rad",
-            f"{whose}'s rotation since the start",
-        ),
-        "velocity": (velocity, "m/s", f"velocity of the {whose}'s origin"),
-        "angular_velocity": (angular_velocity, "rad/s", f"{whose}'s angular velocity"),
-        "acceleration": (acceleration, "m/s^2", f"acceleration of the {whose}'s origin"),
-        "angular_acceleration": (angular_acceleration, "rad/s^2", f"{whose}'s angular acceleration"),
-    }
-    variables = {
-        name: (("time", "axis"), values, {"units": units, "long_name": f"{meaning}, world axes"})
-        for name, (values, units, meaning) in columns.items()
-    }
-    variables["attitude"] = (
-        ("time", "quaternion"),
-        attitude,
-        {"units": "1", "long_name": f"{whose} in the world, quaternion"},
-    )
+    columns |= {"rotation": _unwrapped((turn * turn[0].inv()).as_rotvec()), "attitude": attitude}
     coords = {name: data.coords[name] for name in ("time", "axis", "quaternion") if name in data.coords}
-    return xr.Dataset(variables, coords=coords, attrs={"case": data.attrs.get("case", "")})
+    columns = {name: columns[name] for name in TABLES["frame motion"]}
+    return dataset_of("frame motion", columns, coords, {"case": data.attrs.get("case", "")}, whose=whose)
+
+
+def common_samples(data: xr.Dataset, reference: xr.Dataset, place: str) -> slice:
+    """Return the samples of a run while the ideal run lasts.
+
+    Args:
+        data: Data of the run.
+        reference: Data of the ideal run.
+        place: Name of the caller, for messages.
+    """
+    if reference.sizes.get("contact", 0):
+        touching = ", ".join(names_along(reference, "clearance_joint"))
+        rule = "a run without contacts (a case whose joints are all ideal)"
+        raise InvalidParameterError(place, "ideal", rule, f"{label_of(reference)} with play in {touching}")
+    time, own = sample_times(data, place), sample_times(reference, place)
+    if own.size < 2:
+        rule = "a run of two samples or more"
+        raise InvalidParameterError(place, "ideal", rule, f"{label_of(reference)} with {own.size}")
+    first, last = np.searchsorted(time, own[0], "left"), np.searchsorted(time, own[-1], "right")
+    if last - first < 2:
+        span = f"{label_of(data)} with {last - first} samples from {own[0]:g} to {own[-1]:g} s"
+        raise InvalidParameterError(place, "run", "of two samples or more while the ideal lasts", span)
+    return slice(int(first), int(last))
 
 
 def motion_deviation(run: xr.Dataset, ideal: xr.Dataset, whose: str) -> dict[str, xr.Variable]:
-    """Return how far one motion is from another, at its own samples, in world axes.
+    """Return the deviation of one motion from another at its own samples, in world axes.
 
     Args:
-        run: The motion to judge, of :func:`motion_dataset`.
-        ideal: The motion to judge it by; it is interpolated and must cover the run's time.
-        whose: Whose they are, for the long names.
+        run: Motion of :func:`motion_dataset`.
+        ideal: Reference motion; it is interpolated and must cover the run's time.
+        whose: Owner of the frames, for the long names.
 
     Returns:
         ``position`` [m], ``attitude`` (rotation vector from the ideal to the run's) [rad], and the rates.
@@ -220,8 +208,6 @@ def _unwrapped(vectors: Array) -> Array:
 
 # --- free-floating base -------------------------------------------------------------------------------------
 
-_RATES = ("vx", "vy", "vz", "wx", "wy", "wz")
-
 
 @takes()
 def base_motion(run: RunLike) -> xr.Dataset:
@@ -244,14 +230,11 @@ def base_motion(run: RunLike) -> xr.Dataset:
         raise InvalidParameterError("base_motion", "run", "one with a free base", label_of(data))
     attitude = np.asarray(variable(data, "base_attitude", "base_motion").values, dtype=float)
     turn = Rotation.from_quat(attitude)
+    names = [f"base.{part}" for part in ("vx", "vy", "vz", "wx", "wy", "wz")]
     v, a = (
-        np.asarray(
-            variable(data, name, "base_motion").sel(coordinate=[f"base.{part}" for part in _RATES]).values,
-            dtype=float,
-        )
+        np.asarray(variable(data, name, "base_motion").sel(coordinate=names).values, dtype=float)
         for name in ("v", "a")
     )
-    linear = a[:, :3] + np.cross(v[:, 3:], v[:, :3])
     return motion_dataset(
         data,
         "base",
@@ -259,7 +242,7 @@ def base_motion(run: RunLike) -> xr.Dataset:
         position=np.asarray(data["base_position"].values, dtype=float),
         velocity=turn.apply(v[:, :3]),
         angular_velocity=turn.apply(v[:, 3:]),
-        acceleration=turn.apply(linear),
+        acceleration=turn.apply(a[:, :3] + np.cross(v[:, 3:], v[:, :3])),
         angular_acceleration=turn.apply(a[:, 3:]),
     )
 
@@ -288,29 +271,19 @@ def body_motion(run: RunLike, body: str) -> xr.Dataset:
         body: Name of the link.
 
     Returns:
-        Over time and axis: ``position`` [m], ``rotation`` since the first sample as a rotation vector [rad]
-        (unwrapped beyond pi), ``velocity`` [m/s], ``angular_velocity`` [rad/s], ``acceleration`` of the
-        origin [m/s^2], ``angular_acceleration`` [rad/s^2]; and ``attitude`` (time, quaternion), xyzw.
+        The variables of :func:`base_motion`.
     """
     data = data_of(run)
     q, v, a = (np.asarray(variable(data, name, "body_motion").values, dtype=float) for name in "qva")
     attitudes, motion = link_motion(mechanism_of(data), body, q, v, a)
-    position, velocity, angular_velocity, acceleration, angular_acceleration = np.moveaxis(motion, 1, 0)
-    return motion_dataset(
-        data,
-        body,
-        quaternions(attitudes),
-        position=position,
-        velocity=velocity,
-        angular_velocity=angular_velocity,
-        acceleration=acceleration,
-        angular_acceleration=angular_acceleration,
-    )
+    names = ("position", "velocity", "angular_velocity", "acceleration", "angular_acceleration")
+    columns = dict(zip(names, np.moveaxis(motion, 1, 0), strict=True))
+    return motion_dataset(data, body, quaternions(attitudes), **columns)
 
 
 @takes()
 def body_deviation(run: RunLike, ideal: RunLike, body: str) -> xr.Dataset:
-    """Return how far a body is from where it would be in the ideal run, at the run's own samples.
+    """Return the deviation of a body from the ideal run, at the run's samples.
 
     The ideal run is smooth and is interpolated, by derivatives where there are any; the run is not.
 
@@ -328,15 +301,7 @@ def body_deviation(run: RunLike, ideal: RunLike, body: str) -> xr.Dataset:
         InvalidParameterError: The ideal run has contacts, or the runs share less than two samples' time.
     """
     data, reference = data_of(run), data_of(ideal)
-    if reference.sizes.get("contact", 0):
-        rule = "a run without contacts (a case whose joints are all ideal)"
-        raise InvalidParameterError("body_deviation", "ideal", rule, label_of(reference))
-    time, own = sample_times(data, "body_deviation"), sample_times(reference, "body_deviation")
-    common = (time >= own[0]) & (time <= own[-1])
-    if own.size < 2 or np.count_nonzero(common) < 2:
-        rule = "of two samples or more while the ideal lasts"
-        raise InvalidParameterError("body_deviation", "run", rule, label_of(data))
-    motion = body_motion(data.isel(time=common), body)
+    motion = body_motion(data.isel(time=common_samples(data, reference, "body_deviation")), body)
     apart = motion_deviation(motion, body_motion(reference, body), body)
     coords = {name: motion.coords[name] for name in ("time", "axis") if name in motion.coords}
     about = {"case": str(data.attrs.get("case", "")), "ideal": str(reference.attrs.get("case", ""))}

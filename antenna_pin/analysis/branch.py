@@ -1,4 +1,4 @@
-"""What a branch of periodic solutions comes to: where along it they are stable."""
+"""Stability along a branch of periodic solutions."""
 
 from __future__ import annotations
 
@@ -16,26 +16,18 @@ __all__ = ["StabilitySpan", "said_of_multiplier", "stability_spans", "unexplaine
 
 
 class StabilitySpan(NamedTuple):
-    """Orbits next to one another along a branch that are alike stable.
+    """Consecutive orbits of equal stability along a branch."""
 
-    Attributes:
-        stability: stable, unstable or neutral.
-        first: Value of the parameter of the first of them.
-        last: Of the last.
-        orbits: How many they are.
-        largest: Of their largest multipliers that of least and that of greatest size [-].
-    """
-
-    stability: str
-    first: float
-    last: float
-    orbits: int
-    largest: tuple[complex, complex]
+    stability: str  # stable, unstable or neutral
+    first: float  # value of the parameter at the first of them
+    last: float  # at the last
+    orbits: int  # their number
+    largest: tuple[complex, complex]  # least and greatest of their largest multipliers, by size [-]
 
 
 @takes()
 def said_of_multiplier(multiplier: complex, digits: int = 4, places: int | None = None) -> str:
-    """Return a multiplier in words: a real one with its sign, one of a pair by its size and its angle.
+    """Return a multiplier as text: a signed number, or size and angle.
 
     Args:
         multiplier: [-].
@@ -50,7 +42,7 @@ def said_of_multiplier(multiplier: complex, digits: int = 4, places: int | None 
 
 @takes()
 def stability_spans(branch: xr.Dataset) -> list[StabilitySpan]:
-    """Return where along a branch orbits are stable, in order.
+    """Return the spans of equal stability along a branch.
 
     Args:
         branch: Of :func:`antenna_pin.nonlinear.branch_table`.
@@ -72,7 +64,7 @@ def stability_spans(branch: xr.Dataset) -> list[StabilitySpan]:
 
 @takes()
 def unexplained_changes(branch: xr.Dataset) -> list[tuple[float, float]]:
-    """Return the values of the parameter about each change of stability without a bifurcation that was found.
+    """Return the parameter values about each change of stability without a located bifurcation.
 
     A multiplier passes 1 there, and no fold is: another branch crosses this one, as where a symmetry breaks.
 

@@ -17,7 +17,7 @@ _NAMED = 5  # singular positions, and joints, that are said
 
 @takes()
 def said_of_constraints(counts: Mapping[str, Any]) -> str:
-    """Return in a sentence how many equations closures, couplings and motions are, and what they leave free.
+    """Return a sentence on the equations of closures and couplings, and the mobility.
 
     Mobility is everywhere what the closures leave, prescribed motions not counted.
 
@@ -63,7 +63,7 @@ def said_of_coupling(one: Mapping[str, Any]) -> str:
 
 @takes()
 def said_of_singular(counts: Mapping[str, Any]) -> str:
-    """Return in words when a run passed singular positions; nothing if it did not.
+    """Return a sentence on the singular positions of a run; empty without any.
 
     Args:
         counts: As of ``Trajectory.constraints``.
@@ -81,7 +81,7 @@ def said_of_singular(counts: Mapping[str, Any]) -> str:
 
 @takes()
 def said_of_moving(counts: Mapping[str, Any], scenario: Scenario) -> str:
-    """Return a sentence on the joints that move at the start without a given rate; empty if none do.
+    """Return a sentence on initial rates that follow from others; empty without any.
 
     Args:
         counts: As of ``Trajectory.constraints``, at the start of a scenario.
@@ -103,7 +103,7 @@ def _many(count: int, noun: str) -> str:
 
 
 def _redundant(counts: Mapping[str, Any]) -> str:
-    """Return how many equations others imply, and of which closures they are."""
+    """Return the number of redundant equations, and their closures."""
     found = counts["closure_equations"] - counts["closure_rank"]
     closures = counts.get("redundant", {})
     shared = sum(one["equations"] for one in closures.values()) > found

@@ -1,14 +1,13 @@
-"""What closures of loops, couplings and prescribed motions of a run carried, and how many they are."""
+"""Loads of closures, couplings and drives."""
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
+from antenna_pin.analysis._run import Array, RunLike, data_of, entries_in, sample_times
 from antenna_pin.analysis.sampled import time_rms
 from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import names_along
@@ -28,40 +27,34 @@ __all__ = [
 
 @takes()
 def closures_of(run: RunLike) -> dict[str, dict[str, Any]]:
-    """Return the closures of a run by name: kind, links and placements, as a result carries them."""
-    found: dict[str, dict[str, Any]] = json.loads(data_of(run).attrs.get("closures", "{}"))
-    return found
+    """Return the closures of a run by name: kind, links and placements."""
+    return entries_in(run, "closures")
 
 
 @takes()
 def couplings_of(run: RunLike) -> dict[str, dict[str, Any]]:
-    """Return the couplings of a run by name: joints, multiplier and offset, as a result carries them."""
-    found: dict[str, dict[str, Any]] = json.loads(data_of(run).attrs.get("couplings", "{}"))
-    return found
+    """Return the couplings of a run by name: joints, multiplier and offset."""
+    return entries_in(run, "couplings")
 
 
 @takes()
 def drives_of(run: RunLike) -> dict[str, dict[str, Any]]:
-    """Return the drives of a run by name: joint, whether it slides, and whether its motion is prescribed.
+    """Return the drives of a run by name: ``joint``, ``slides`` and ``motion`` (prescribed).
 
-    Results of versions that knew no closed loops do not tell.
+    Results of versions without closed loops contain none.
     """
-    found: dict[str, dict[str, Any]] = json.loads(data_of(run).attrs.get("drives", "{}"))
-    return found
+    return entries_in(run, "drives")
 
 
 @takes()
 def effort_unit(run: RunLike, drive: str) -> str:
-    """Return the unit of a drive's effort: N at a joint that slides, N m at one that turns."""
+    """Return the unit of a drive's effort: N at a sliding joint, else N m."""
     return "N" if slides_along(data_of(run), "drive").get(drive) else "N m"
 
 
 @takes()
 def closure_loads(run: RunLike) -> xr.Dataset:
-    """Return what each closure of a run carried: sizes of its force and its moment about its point.
-
-    Args:
-        run: A run, or its data.
+    """Return sizes of each closure's force and of its moment about its point.
 
     Returns:
         Over ``closure``: ``peak_force`` [N], ``time_of_peak_force`` [s], ``rms_force`` [N], ``peak_moment``,
@@ -76,20 +69,16 @@ def closure_loads(run: RunLike) -> xr.Dataset:
             np.linalg.norm(np.asarray(data[f"closure_{what}"].sel(closure=name).values, dtype=float), axis=1)
             for what in ("force", "moment")
         )
-        at = float(time[int(np.argmax(force))])
-        rms = float(time_rms(time, force)), float(time_rms(time, moment))
-        rows.append([float(force.max()), at, rms[0], float(moment.max()), rms[1]])
+        (peak, at, rms), (largest, _, rms_moment) = (_peak(time, size) for size in (force, moment))
+        rows.append([peak, at, rms, largest, rms_moment])
     return _table("closure loads", names_along(data, "closure"), rows)
 
 
 @takes()
 def coupling_loads(run: RunLike) -> xr.Dataset:
-    """Return what each coupling of a run carried: the torque on its follower.
+    """Return the torque of each coupling on its follower.
 
     That on its leader is the same times minus the multiplier.
-
-    Args:
-        run: A run, or its data.
 
     Returns:
         Over ``coupling``: ``peak_torque`` [N m] ([N] if the follower slides), ``time_of_peak_torque`` [s],
@@ -97,20 +86,16 @@ def coupling_loads(run: RunLike) -> xr.Dataset:
     """
     data = data_of(run)
     time = sample_times(data, "coupling_loads")
-    rows = []
+    rows: list[list[float]] = []
     for name in names_along(data, "coupling"):
         torque = np.asarray(data["coupling_torque"].sel(coupling=name).values, dtype=float)
-        at = int(np.argmax(np.abs(torque)))
-        rows.append([abs(float(torque[at])), float(time[at]), float(time_rms(time, torque))])
+        rows.append(_peak(time, torque))
     return _table("coupling loads", names_along(data, "coupling"), rows)
 
 
 @takes()
 def drive_loads(run: RunLike) -> xr.Dataset:
-    """Return what each drive of a run exerted; of a prescribed motion, what it took to hold it.
-
-    Args:
-        run: A run, or its data.
+    """Return effort, power and work of each drive or prescribed motion.
 
     Returns:
         Over ``drive``: ``peak_effort`` [N m] ([N] if it slides), ``time_of_peak_effort`` [s],
@@ -125,21 +110,19 @@ def drive_loads(run: RunLike) -> xr.Dataset:
     rows = []
     for name in names_along(data, "drive"):
         effort = np.asarray(data["drive_torque"].sel(drive=name).values, dtype=float)
-        size = np.abs(effort)
         totals = [float(data[f"total_{what}"].sel(drive=name)) for what in ("work", "gross_work")]
-        at = float(time[int(np.argmax(size))])
         power = drive_power(data, name)
         most = float("nan") if power is None else float(np.abs(power).max())
-        peak = float(size.max())
+        peak, at, rms = _peak(time, effort)
         if name in located:
             peak, at = (float(data[what].sel({dimension: name})) for what in (measure, f"time_of_{measure}"))
-        rows.append([peak, at, float(time_rms(time, effort)), most, *totals])
+        rows.append([peak, at, rms, most, *totals])
     return _table("drive loads", names_along(data, "drive"), rows)
 
 
 @takes()
 def drive_power(run: RunLike, drive: str) -> Array | None:
-    """Return the power of a drive [W] at the samples; None where the result does not say of which joint."""
+    """Return the power of a drive at the samples [W]; None without its joint."""
     data = data_of(run)
     about = drives_of(run).get(drive)
     if about is None:
@@ -149,6 +132,12 @@ def drive_power(run: RunLike, drive: str) -> Array | None:
         return None
     effort = np.asarray(data["drive_torque"].sel(drive=drive).values, dtype=float)
     return np.asarray(effort * data[rate].sel({dimension: about["joint"]}).values)
+
+
+def _peak(time: Array, values: Array) -> list[float]:
+    """Return the largest size of a series, its time [s], and the root mean square."""
+    at = int(np.argmax(np.abs(values)))
+    return [abs(float(values[at])), float(time[at]), float(time_rms(time, values))]
 
 
 def _table(name: str, labels: list[str], rows: list[list[float]]) -> xr.Dataset:

@@ -1,4 +1,4 @@
-"""How far a run is from the ideal one: of each joint's motion and of the base."""
+"""Deviation of a run's joints and base from the ideal run."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ from antenna_pin.analysis._run import (
     sample_times,
     variable,
 )
-from antenna_pin.analysis.body_motion import base_motion, motion_deviation
-from antenna_pin.analysis.sampled import Mean, resampled
+from antenna_pin.analysis.body_motion import base_motion, common_samples, motion_deviation
+from antenna_pin.analysis.sampled import Mean, resampled, straight_line
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import names_along
@@ -59,27 +59,16 @@ _LEAST_FIT = 0.9
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Growth:
-    """Fits to the envelope of a deviation.
+    """Fits to the envelope of a deviation; numbers are NaN where nothing is fitted."""
 
-    Attributes:
-        kind: Law that fits better, or "none" where neither says anything (see ``note``).
-        exponent: p of the power of time [-]; NaN where nothing is fitted.
-        power_r2: Coefficient of determination of ln E for the power [-].
-        rate: lambda of the exponential [1/s]; NaN where nothing is fitted.
-        exponential_r2: The same for the exponential [-].
-        start: Where the fit begins [s].
-        end: Where the fit ends [s].
-        note: Why neither law says anything; empty if one does.
-    """
-
-    kind: Literal["power", "exponential", "none"]
-    exponent: float
-    power_r2: float
-    rate: float
-    exponential_r2: float
-    start: float
-    end: float
-    note: str = ""
+    kind: Literal["power", "exponential", "none"]  # law that fits better
+    exponent: float  # p of the power of time [-]
+    power_r2: float  # coefficient of determination of ln E for the power [-]
+    rate: float  # lambda of the exponential [1/s]
+    exponential_r2: float  # coefficient of determination of ln E for the exponential [-]
+    start: float  # begin of the fit [s]
+    end: float  # end of the fit [s]
+    note: str = ""  # reason why neither law fits
 
     def __str__(self) -> str:
         """Return the better law in words."""
@@ -92,7 +81,7 @@ class Growth:
 
 @takes()
 def growth_of(time: ArrayLike, deviation: ArrayLike) -> Growth:
-    """Return how a deviation grows; the module's text says what is fitted.
+    """Return fits of a power and an exponential to a growing deviation.
 
     The fit means nothing, and ``kind`` is "none", if the envelope rises in fewer than 8 samples (one or two
     jumps are not a law), by less than a factor of 3 (then it is level), for less than a fifth of the run
@@ -109,11 +98,11 @@ def growth_of(time: ArrayLike, deviation: ArrayLike) -> Growth:
 
 
 def growths_of(time: Array, parts: Callable[[], Iterable[Array]]) -> list[Growth]:
-    """Return how deviations grow that are too long for memory: those of :func:`growth_of`, to the last digit.
+    """Return :func:`growth_of` deviations that are too long for memory.
 
     Args:
         time: Sample times, not decreasing, (n,) [s].
-        parts: Returns the samples part by part, (m, k) of k deviations; it is asked twice.
+        parts: Returns the samples part by part, (m, k) of k deviations; called twice.
     """
     tops: list[_Top] = []
     begin = 0
@@ -135,19 +124,19 @@ def growths_of(time: Array, parts: Callable[[], Iterable[Array]]) -> list[Growth
 
 
 class _Top:
-    """The largest of a size, and where it is first."""
+    """Largest size, and its first place."""
 
     def __init__(self) -> None:
         self.size, self.place = 0.0, 0
 
     def rise(self, size: Array, begin: int) -> None:
-        """Take the next samples, the first of which is ``begin`` of all; what is not a number stays so."""
+        """Add samples, the first of which is number ``begin``; NaN remains."""
         if size.size and not size.max() <= self.size:
             self.place, self.size = begin + int(np.argmax(size)), float(size.max())
 
 
 class _Envelope:
-    """What is fitted of an envelope, gathered as it goes on."""
+    """Points of an envelope for the fits, gathered part by part."""
 
     def __init__(self, time: Array, top: _Top) -> None:
         self._time, self._top = time, top
@@ -155,11 +144,11 @@ class _Envelope:
         self._first: int | None = None
         self._rises = 0
         self._points, self._places = np.zeros(0), np.zeros(0, dtype=int)
-        self._held = np.zeros(0)
+        self._values = np.zeros(0)
         self._at_first = 0.0
 
     def go_on(self, size: Array, begin: int) -> None:
-        """Take the next samples, the first of which is ``begin`` of all."""
+        """Add samples, the first of which is number ``begin``."""
         if not self._top.size > 0.0 or not size.size:
             return
         all_of_it = np.maximum.accumulate(np.concatenate([[self._so_far], size]))
@@ -173,7 +162,7 @@ class _Envelope:
         first, last = max(self._first + 1 - begin, 0), self._top.place + 1 - begin
         self._rises += int(np.count_nonzero(np.diff(all_of_it)[first : max(last, 0)]))
         here = (self._places >= begin) & (self._places < begin + size.size)
-        self._held[here] = envelope[self._places[here] - begin]
+        self._values[here] = envelope[self._places[here] - begin]
 
     def _start(self, risen: int) -> None:
         time, last = self._time, self._top.place
@@ -182,10 +171,10 @@ class _Envelope:
         self._points = np.linspace(time[first] - time[0], time[last] - time[0], _POINTS)
         places = np.searchsorted(time - time[0], self._points, side="right") - 1
         self._places = np.clip(places, first, max(last, first))
-        self._held = np.zeros(_POINTS)
+        self._values = np.zeros(_POINTS)
 
     def fitted(self) -> Growth:
-        """Return the fits to what has been gathered."""
+        """Return the fits."""
         t, first, last = self._time, self._first, self._top.place
         if t.size < 2 or not self._top.size > 0.0 or first is None:
             return _nothing("it does not deviate", t)
@@ -195,9 +184,9 @@ class _Envelope:
             return _nothing("it is level", t)
         if t[last] - t[first] < _LEAST_SHARE * (t[-1] - t[0]):
             return _nothing("it grows for less than a fifth of the run", t)
-        logarithm = np.log(self._held)
-        exponent, power = _line(np.log(self._points), logarithm)
-        rate, exponential = _line(self._points, logarithm)
+        logarithm = np.log(self._values)
+        exponent, power = straight_line(np.log(self._points), logarithm)
+        rate, exponential = straight_line(self._points, logarithm)
         better = max(power, exponential)
         poor = better < _LEAST_FIT
         return Growth(
@@ -215,24 +204,8 @@ class _Envelope:
 def _nothing(note: str, time: Array) -> Growth:
     nan = float("nan")
     start, end = (float(time[0]), float(time[-1])) if time.size else (nan, nan)
-    return Growth(
-        kind="none",
-        exponent=nan,
-        power_r2=nan,
-        rate=nan,
-        exponential_r2=nan,
-        start=start,
-        end=end,
-        note=note,
-    )
-
-
-def _line(x: Array, y: Array) -> tuple[float, float]:
-    """Return slope and coefficient of determination of a straight line."""
-    dx, dy = x - x.mean(), y - y.mean()
-    slope = float(dx @ dy / (dx @ dx))
-    left = dy - slope * dx
-    return slope, float(1.0 - left @ left / (dy @ dy))
+    fits = dict.fromkeys(("exponent", "power_r2", "rate", "exponential_r2"), nan)
+    return Growth(kind="none", **fits, start=start, end=end, note=note)
 
 
 # --- deviation from the ideal run ---------------------------------------------------------------------------
@@ -257,25 +230,15 @@ _JOINTS: dict[str, tuple[tuple[str, str, str, str | None], ...]] = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DeviationMeasures:
-    """What a deviation comes to; of a vector, its length counts.
+    """Measures of a deviation; of a vector, those of its length."""
 
-    Attributes:
-        of: Joint and quantity, "elevation angle", or "base position".
-        units: Of all but times and growth.
-        maximum: Largest size.
-        time_of_maximum: [s].
-        rms: Root mean square over time.
-        end: Value at the last sample, with its sign if it is a joint's.
-        growth: How its envelope grows.
-    """
-
-    of: str
-    units: str
-    maximum: float
-    time_of_maximum: float
-    rms: float
-    end: float
-    growth: Growth
+    of: str  # joint and quantity, "elevation angle", or "base position"
+    units: str  # of all but times and growth
+    maximum: float  # largest size
+    time_of_maximum: float  # [s]
+    rms: float  # root mean square over time
+    end: float  # value at the last sample, with its sign if it is a joint's
+    growth: Growth  # how its envelope grows
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -303,7 +266,7 @@ class Deviation:
 
 @takes()
 def deviation(run: RunLike, ideal: RunLike, joint: str | None = None) -> Deviation:
-    """Return how far a run is from the ideal one, at the run's own samples.
+    """Return the deviation of a run from the ideal one, at the run's samples.
 
     The ideal run is smooth and is interpolated: a cubic Hermite spline where the derivative is recorded
     (angle by rate, rate by acceleration, position by velocity), else a cubic spline. At 1 kHz its error is
@@ -319,55 +282,33 @@ def deviation(run: RunLike, ideal: RunLike, joint: str | None = None) -> Deviati
         InvalidParameterError: If the ideal run has contacts, or the runs share less than two samples' time.
     """
     found = deviation_over_time(run, ideal, joint)
-    return Deviation(found, _measured(found["time"].values, lambda: [found]))
+    return Deviation(found, _measures(found["time"].values, lambda: [found]))
 
 
 @takes()
 def deviation_measures(
     run: RunLike, ideal: RunLike, joint: str | None = None
 ) -> tuple[DeviationMeasures, ...]:
-    """Return what deviations come to, of runs of any length: the ``measures`` of :func:`deviation`.
+    """Return the ``measures`` of :func:`deviation`, for runs of any length.
 
     Long runs are looked at part by part. Arguments and errors are those of :func:`deviation`.
     """
     pair = _Pair(data_of(run), data_of(ideal), joint)
-    return _measured(pair.at, lambda: (pair.apart(part) for part in blocks(pair.data)))
+    return _measures(pair.at, lambda: (pair.apart(part) for part in blocks(pair.data)))
 
 
 @takes()
 def deviation_over_time(run: RunLike, ideal: RunLike, joint: str | None = None) -> xr.Dataset:
-    """Return how far a run is from the ideal one: the ``data`` of :func:`deviation`, without its measures."""
+    """Return the ``data`` of :func:`deviation` without its measures."""
     pair = _Pair(data_of(run), data_of(ideal), joint)
     return pair.apart(pair.data)
 
 
 class _Pair:
-    """A run and the ideal one, checked, while both last.
-
-    Attributes:
-        data: Of the run.
-        at: Its sample times, (n,) [s].
-    """
+    """Run and ideal run, with ``data`` and sample times ``at`` of the common span."""
 
     def __init__(self, data: xr.Dataset, reference: xr.Dataset, joint: str | None) -> None:
-        if reference.sizes.get("contact", 0):
-            touching = ", ".join(names_along(reference, "clearance_joint"))
-            raise InvalidParameterError(
-                "deviation",
-                "ideal",
-                "a run without contacts (a case whose joints are all ideal)",
-                f"{label_of(reference)} with play in {touching}",
-            )
-        time, own = sample_times(data, "deviation"), sample_times(reference, "deviation")
-        if own.size < 2:
-            raise InvalidParameterError(
-                "deviation", "ideal", "a run of two samples or more", f"{label_of(reference)} with {own.size}"
-            )
-        first, last = np.searchsorted(time, own[0], "left"), np.searchsorted(time, own[-1], "right")
-        if last - first < 2:
-            span = f"{label_of(data)} with {last - first} samples from {own[0]:g} to {own[-1]:g} s"
-            rule = "of two samples or more while the ideal lasts"
-            raise InvalidParameterError("deviation", "run", rule, span)
+        common = common_samples(data, reference, "deviation")
         shared = {
             dim: [name for name in names_along(data, dim) if name in names_along(reference, dim)]
             for dim in _JOINTS
@@ -383,11 +324,11 @@ class _Pair:
                 f"{label_of(reference)} with joints {', '.join(names_along(reference, 'joint')) or 'none'}",
             )
         self._joints = {dim: [name for name in names if name in chosen] for dim, names in shared.items()}
-        self.data = data.isel(time=slice(int(first), int(last)))
-        self.at, self._reference = time[first:last], reference
+        self.data, self._reference = data.isel(time=common), reference
+        self.at = sample_times(self.data, "deviation")
 
     def apart(self, part: xr.Dataset) -> xr.Dataset:
-        """Return how far a part of the run is from the ideal one."""
+        """Return the deviation of a part of the run."""
         at = sample_times(part, "deviation")
         near = [
             self._variables(part.isel(time=some), at[some], smooth)
@@ -432,18 +373,18 @@ def _attributes(like: xr.DataArray, long_name: str) -> dict[str, str]:
     return {"units": str(like.attrs.get("units", "")), "long_name": long_name}
 
 
-def _measured(time: Array, parts: Callable[[], Iterable[xr.Dataset]]) -> tuple[DeviationMeasures, ...]:
-    """Return what deviations come to.
+def _measures(time: Array, parts: Callable[[], Iterable[xr.Dataset]]) -> tuple[DeviationMeasures, ...]:
+    """Return the measures of deviations.
 
     Args:
         time: Sample times, (n,) [s].
-        parts: Returns the deviations part by part; it is asked three times.
+        parts: Returns the deviations part by part; called three times.
     """
-    told: dict[str, str] = {}
+    units: dict[str, str] = {}
     sums: list[_Sums] = []
     for part in parts():
         columns = _columns(part)
-        told = {of: units for of, (units, _) in columns.items()}
+        units = {of: unit for of, (unit, _) in columns.items()}
         sums = sums or [_Sums() for _ in columns]
         for one, (_, values) in zip(sums, columns.values(), strict=True):
             one.add(part["time"].values, values)
@@ -451,21 +392,13 @@ def _measured(time: Array, parts: Callable[[], Iterable[xr.Dataset]]) -> tuple[D
         time, lambda: (np.stack([values for _, values in _columns(part).values()], 1) for part in parts())
     )
     return tuple(
-        DeviationMeasures(
-            of=of,
-            units=units,
-            maximum=one.maximum,
-            time_of_maximum=one.time_of_maximum,
-            rms=one.rms,
-            end=one.end,
-            growth=growth,
-        )
-        for (of, units), one, growth in zip(told.items(), sums, growths, strict=True)
+        DeviationMeasures(of=of, units=unit, growth=growth, **one.measures())
+        for (of, unit), one, growth in zip(units.items(), sums, growths, strict=True)
     )
 
 
 def _columns(part: xr.Dataset) -> dict[str, tuple[str, Array]]:
-    """Return units and values over time, (m,), of each quantity of each joint and of the base."""
+    """Return units and values over time, (m,), of each quantity."""
     found = {}
     for dim, quantities in _JOINTS.items():
         for k, name in enumerate(names_along(part, dim)):
@@ -485,13 +418,13 @@ class _Sums:
         self.maximum, self.time_of_maximum, self.end = float("nan"), float("nan"), float("nan")
         self._mean = Mean()
 
-    @property
-    def rms(self) -> float:
-        """Root mean square over time."""
-        return float(np.sqrt(self._mean.value))
+    def measures(self) -> dict[str, float]:
+        """Return the measures by name."""
+        sums = {"maximum": self.maximum, "time_of_maximum": self.time_of_maximum, "end": self.end}
+        return sums | {"rms": float(np.sqrt(self._mean.value))}
 
     def add(self, time: Array, values: Array) -> None:
-        """Take the next samples."""
+        """Add samples."""
         size = np.abs(values)
         largest = int(np.argmax(np.nan_to_num(size)))
         if not size[largest] <= self.maximum:

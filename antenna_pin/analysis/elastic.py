@@ -1,15 +1,14 @@
-"""What the elastic parts of flexible links did, and where their model stops to hold."""
+"""Motion of the elastic parts of flexible links, and the limit of their model."""
 
 from __future__ import annotations
 
-import json
 import math
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times, variable
+from antenna_pin.analysis._run import Array, RunLike, data_of, entries_in, sample_times, variable
 from antenna_pin.analysis.sampled import time_rms
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number, readable
@@ -24,18 +23,17 @@ SPIN_WITHIN = 0.3
 
 @takes()
 def elastic_parts_of(run: RunLike) -> dict[str, dict[str, Any]]:
-    """Return what the elastic parts of a run are, by name; {} if it has none.
+    """Return the elastic parts of a run by name.
 
     Each has its ``hub`` and its ``body`` (links), whether it ``slides``, its ``frequency`` [Hz] and
     ``damping_ratio`` [-] with the hub held, and the mass [kg] or moment of inertia [kg m^2] ``moved``.
     """
-    found: dict[str, dict[str, Any]] = json.loads(data_of(run).attrs.get("elastic_parts", "{}"))
-    return found
+    return entries_in(run, "elastic_parts")
 
 
 @takes()
 def modal_energy(run: RunLike) -> Array:
-    r"""Return the energy of each elastic part against its hub at all samples, (n, parts) [J].
+    r"""Return the energy of each elastic part against its hub, (n, parts) [J].
 
     :math:`\tfrac12 k x^2 + \tfrac12 D \dot x^2`, with the mass or moment of inertia D that its joint moves:
     with the hub held it only decreases.
@@ -49,9 +47,6 @@ def modal_energy(run: RunLike) -> Array:
 @takes()
 def elastic_motion(run: RunLike) -> xr.Dataset:
     """Return key numbers of the elastic parts of a run.
-
-    Args:
-        run: A run, or its data.
 
     Returns:
         Over ``elastic_part``: ``peak_deflection`` and ``rms_deflection`` [rad], of parts that slide [m],
@@ -78,7 +73,7 @@ def elastic_motion(run: RunLike) -> xr.Dataset:
 
 @takes()
 def said_of_spin(run: RunLike) -> str:
-    """Return in words whether hubs span so fast that their elastic parts soften; nothing if they did not.
+    """Return a warning of elastic parts that soften by spin; empty without any.
 
     A mass on a spring that spins with its hub feels the spring less the centrifugal force: its frequency
     falls, and above a spin of its own angular frequency it runs away. A real structure stiffens.

@@ -50,7 +50,7 @@ class UniformSignal(NamedTuple):
 
 @takes(rate="Hz")
 def uniform(time: ArrayLike, values: ArrayLike, rate: float | None = None) -> UniformSignal:
-    """Return a signal on an even grid, without folding; the module's text says how.
+    """Return a signal on an even grid, without folding.
 
     A signal that lies on an even grid of the rate already is returned as it is.
 
@@ -106,7 +106,7 @@ def _grid(time: Array, rate: float | None) -> tuple[float, int]:
 
 
 def _usual_step(time: Array) -> float:
-    """Return the commonest spacing of samples [s]; of a long run that of its first ones.
+    """Return the commonest spacing of samples [s], of a long run of its start.
 
     Half of the steps or more are the output step, whatever events lie between.
     """
@@ -124,10 +124,10 @@ def _thinned(t: Array, x: Array, grid: Array, step: float) -> Array:
     curve: Any = None
     primitive: Any = None
 
-    def averages(first: int, last: int) -> Array:
-        """Return those over some of the cells."""
+    def averages(begin: int, last: int) -> Array:
+        """Return averages over some of the cells."""
         nonlocal curve, primitive
-        edges = grid[0] + fine * (np.arange(first, last + 1) - 0.5)  # centred on the fine grid
+        edges = grid[0] + fine * (np.arange(begin, last + 1) - 0.5)  # centred on the fine grid
         inside = np.clip(edges, t[0], t[-1])
         if curve is None or t.size > LONG:
             # The cubic is local: of a long signal the one through the samples around is enough.
@@ -163,7 +163,7 @@ def _thinned(t: Array, x: Array, grid: Array, step: float) -> Array:
 
 
 class EvenSignal:
-    """A signal on an even grid that is too long for memory: that of :func:`uniform`, any stretch by itself.
+    """Signal on an even grid that is too long for memory, as :func:`uniform`.
 
     Args:
         time: Sample times, not decreasing, (n,) [s].
@@ -175,7 +175,7 @@ class EvenSignal:
     """
 
     def __init__(self, time: Array, read: Read, rate: float | None = None) -> None:
-        """Lay the grid."""
+        """Set up the grid."""
         if time.size < LEAST_SAMPLES or not time[LEAST_SAMPLES - 1] > time[0]:
             raise InvalidParameterError("spectrum", "time", f"{LEAST_SAMPLES} instants or more", time.size)
         self._time, self._read = time, read
@@ -190,32 +190,32 @@ class EvenSignal:
         """Points of the grid per time [Hz]."""
         return 1.0 / self._step
 
-    def times(self, first: int, last: int) -> Array:
+    def times(self, begin: int, last: int) -> Array:
         """Return the instants of some points [s]."""
-        return np.asarray(self._time[0] + self._step * np.arange(first, last))
+        return np.asarray(self._time[0] + self._step * np.arange(begin, last))
 
-    def values(self, first: int, last: int) -> Array:
+    def values(self, begin: int, last: int) -> Array:
         """Return the signal at some points, (m,) or (m, k).
 
         Raises:
             InvalidParameterError: A value that is not finite.
         """
         if self._is_even:
-            found = self._read(first, last)
+            found = self._read(begin, last)
             _check_finite(found)
             return found
         parts = []
-        for begin in range(first, last, ROWS):
-            end = min(begin + ROWS, last)
-            # Near its ends a stretch differs from the whole signal: it is cut out of a longer one.
-            low, high = max(begin - 2 * _PAD, 0), min(end + 2 * _PAD, self.size)
+        for start in range(begin, last, ROWS):
+            end = min(start + ROWS, last)
+            # Near its ends a part differs from the whole signal: it is cut out of a longer one.
+            low, high = max(start - 2 * _PAD, 0), min(end + 2 * _PAD, self.size)
             grid = self.times(low, high)
             sample = max(int(np.searchsorted(self._time, grid[0])) - 2 * _AROUND, 0)
             beyond = int(np.searchsorted(self._time, grid[-1], side="right")) + 2 * _AROUND
             beyond = self._time.size if high == self.size else beyond
             time, values = self._time[sample:beyond], self._read(sample, beyond)
             _check_finite(values)
-            parts.append(_thinned(*_single(time, values), grid, self._step)[begin - low : end - low])
+            parts.append(_thinned(*_single(time, values), grid, self._step)[start - low : end - low])
         return np.concatenate(parts)
 
 
@@ -310,7 +310,7 @@ def long_spectrogram(time: Array, read: Read) -> xr.Dataset:
 def long_amplitudes(
     even: EvenSignal, trend: Literal["constant", "linear"]
 ) -> tuple[Array, int, float, float]:
-    """Return the magnitudes of the transform of a long signal under a Hann window, over the window's sum.
+    """Return scaled magnitudes of the transform of a long signal under a Hann window.
 
     Args:
         even: The signal, of one component.

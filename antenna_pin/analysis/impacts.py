@@ -94,7 +94,7 @@ def _rates(data: xr.Dataset, samples: np.ndarray, contacts: np.ndarray) -> Array
 
 
 def _sample_at(time: Array, moments: Array) -> np.ndarray:
-    """Return the samples at given instants, the last of each: what holds from the event on."""
+    """Return the last sample at each of some times: the state after the event."""
     if not moments.size:
         return np.zeros(0, dtype=int)
     tolerance = 1e-12 * max(1.0, max(abs(float(time[0])), abs(float(time[-1]))))
@@ -117,7 +117,7 @@ def _table(values: dict[str, Array], contacts: list[str], data: xr.Dataset) -> x
 
 @takes()
 def impact_statistics(table: xr.Dataset) -> xr.Dataset:
-    """Return what the impacts of each contact come to.
+    """Return statistics of the impacts of each contact.
 
     Args:
         table: Of :func:`impacts`.
@@ -200,7 +200,7 @@ def blows(run: RunLike, joint: str | None = None) -> xr.Dataset:
 
 @takes()
 def blow_statistics(run: RunLike) -> xr.Dataset:
-    """Return how many ``blows`` each joint with play took, all surfaces, over ``clearance_joint``."""
+    """Return the number of ``blows`` of each clearance joint, all surfaces together."""
     data = data_of(run)
     joints = names_along(data, "clearance_joint")
     counts = blow_counts(data) if joints else {}

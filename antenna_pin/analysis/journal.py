@@ -1,4 +1,4 @@
-r"""How the journal moves in its bearing, and where it loads it.
+r"""Motion of the journal in its bearing, and the load around the bore.
 
 At a place on the bearing's axis the journal's axis pierces the bearing's cross section in the point
 
@@ -17,16 +17,17 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import Array, RunLike, blocks, choose, data_of, label_of, variable
+from antenna_pin.analysis._run import AXES, Array, RunLike, blocks, choose, data_of, label_of, variable
 from antenna_pin.analysis.bodies import body_poses
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.directions import unit
 from antenna_pin.errors import FileFormatError, InvalidParameterError
 from antenna_pin.geometry import LOOKS
 from antenna_pin.trajectory import contact_ends, contacts_of, names_along, series
+from antenna_pin.trajectory.quantities import dataset_of
 
 __all__ = [
     "bearing_up",
@@ -37,15 +38,10 @@ __all__ = [
     "steady_up",
 ]
 
-_AXES = ["x", "y", "z"]
-
 
 @takes()
 def clearance_shapes(run: RunLike) -> dict[str, dict[str, Any]]:
-    """Return kind, dimensions and places of every clearance joint of a run, as it carries them.
-
-    Args:
-        run: A run, or its data.
+    """Return kind, dimensions and placements of every clearance joint of a run.
 
     Returns:
         By joint: ``kind`` (revolute, planar, spherical or prismatic), ``dimensions`` [m], ``bearing_body``,
@@ -64,7 +60,7 @@ def clearance_shapes(run: RunLike) -> dict[str, dict[str, Any]]:
 
 @takes()
 def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
-    """Return how the journal (or ball) moves in its bearing (or socket), in bearing axes.
+    """Return the motion of journal (or ball) in bearing (or socket), bearing axes.
 
     Args:
         run: A run with a clearance joint, or its data.
@@ -86,10 +82,7 @@ def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
         UnknownNameError: There is no such joint, or its kind is not known here.
     """
     data = data_of(run)
-    known = names_along(data, "clearance_joint")
-    if not known:
-        raise InvalidParameterError("journal_motion", "run", "one with a clearance joint", label_of(data))
-    joint = choose("journal_motion", "clearance joint", joint or known[0], known)[0]
+    joint = _joint(data, joint, "journal_motion")
     kind, size = _kind(data, joint, "journal_motion")
     p, attitude = (
         np.asarray(variable(data, name, "journal_motion").sel(clearance_joint=joint).values, dtype=float)
@@ -99,29 +92,13 @@ def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
     seen = LOOKS[kind].across(size, p, Rotation.from_quat(attitude).apply([0.0, 0.0, 1.0]))
     twist = 2.0 * np.arctan2(attitude[:, 2], attitude[:, 3])
     twist -= 2.0 * np.pi * np.round(twist / (2.0 * np.pi))
-    return xr.Dataset(
+    columns = {"offset": seen.offset, "eccentricity": seen.eccentricity, "eccentricity_ratio": seen.ratio}
+    columns |= {"tilt": tilt, "twist": twist, "axial": p[:, 2]}
+    return dataset_of(
+        "journal motion",
+        columns,
+        {"time": data["time"], "place": list(seen.places), "axis": list(AXES)},
         {
-            "offset": (
-                ("time", "place", "axis"),
-                seen.offset,
-                {"units": "m", "long_name": "journal's axis from the bearing's, bearing axes"},
-            ),
-            "eccentricity": (
-                ("time", "place"),
-                seen.eccentricity,
-                {"units": "m", "long_name": "its distance from the bearing's axis or centre"},
-            ),
-            "eccentricity_ratio": (
-                ("time", "place"),
-                seen.ratio,
-                {"units": "1", "long_name": "eccentricity over clearance"},
-            ),
-            "tilt": ("time", tilt, {"units": "rad", "long_name": "angle between the axes"}),
-            "twist": ("time", twist, {"units": "rad", "long_name": "turn about the bearing's axis"}),
-            "axial": ("time", p[:, 2], {"units": "m", "long_name": "journal's centre along the axis"}),
-        },
-        coords={"time": data["time"], "place": list(seen.places), "axis": _AXES},
-        attrs={
             "joint": joint,
             "kind": kind,
             "spatial": LOOKS[kind].spatial,
@@ -135,15 +112,23 @@ def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
     )
 
 
+def _joint(data: xr.Dataset, joint: str | None, place: str) -> str:
+    """Return a clearance joint by name, or the first one."""
+    known = names_along(data, "clearance_joint")
+    if not known:
+        raise InvalidParameterError(place, "run", "one with a clearance joint", label_of(data))
+    return choose(place, "clearance joint", joint or known[0], known)[0]
+
+
 def _kind(data: xr.Dataset, joint: str, place: str) -> tuple[str, dict[str, float]]:
-    """Return a joint's kind, which must be one known here, and its dimensions."""
+    """Return kind and dimensions of a joint."""
     shape = clearance_shapes(data)[joint]
     return choose(place, "kind of joint", shape["kind"], list(LOOKS))[0], shape["dimensions"]
 
 
 @takes()
 def bore_load(run: RunLike, joint: str | None = None, sectors: int = 36) -> xr.Dataset:
-    """Return how much load each sector of the bore took: the integral of the normal force over time.
+    """Return the impulse of the normal force on each sector of the bore.
 
     Between two samples the impulse of a contact belongs to the direction of its contact point, the mean of
     both samples' weighted by their normal forces. Impacts shorter than the output step are in it whole, for a
@@ -162,53 +147,33 @@ def bore_load(run: RunLike, joint: str | None = None, sectors: int = 36) -> xr.D
     if sectors < 1:
         raise InvalidParameterError("bore_load", "sectors", "at least 1", sectors)
     data = data_of(run)
-    known = names_along(data, "clearance_joint")
-    if not known:
-        raise InvalidParameterError("bore_load", "run", "one with a clearance joint", label_of(data))
-    joint = choose("bore_load", "clearance joint", joint or known[0], known)[0]
+    joint = _joint(data, joint, "bore_load")
     contacts = contacts_of(data, joint, flanges=False)
-    faces = _faces(data, joint, contacts)
+    kind, size = _kind(data, joint, "bore_load")
+    faces, ends = LOOKS[kind].faces, contact_ends(data)
+    # Directions of the contacts as complex numbers, where the shape fixes them.
+    fixed = None if faces is None else np.array([faces(size, ends[name]) for name in contacts])
     width = 2.0 * np.pi / sectors
     taken = np.zeros((len(contacts), sectors))
     for part in blocks(data.sel(contact=contacts), overlap=1):
-        sector, gained = _taken(part, faces, width)
+        sector, gained = _sector_impulses(part, fixed, width)
         for row, (where, more) in enumerate(zip(sector.T % sectors, gained.T, strict=True)):
             np.add.at(taken[row], where, more)
-    return xr.Dataset(
-        {
-            "impulse": (
-                ("contact", "sector"),
-                taken,
-                {"units": "N s", "long_name": "integral of normal force"},
-            )
-        },
-        coords={
-            "contact": contacts,
-            "angle": ("sector", width * (np.arange(sectors) + 0.5), {"units": "rad"}),
-        },
-        attrs={"joint": joint},
+    angle = ("sector", width * (np.arange(sectors) + 0.5), {"units": "rad"})
+    return dataset_of(
+        "bore load", {"impulse": taken}, {"contact": contacts, "angle": angle}, {"joint": joint}
     )
 
 
-def _faces(data: xr.Dataset, joint: str, contacts: list[str]) -> Array | None:
-    """Return the directions of contacts that keep theirs, (contacts,) as complex numbers; None of others."""
-    kind, size = _kind(data, joint, "bore_load")
-    faces = LOOKS[kind].faces
-    if faces is None:
-        return None
-    ends = contact_ends(data)
-    return np.array([faces(size, ends[name]) for name in contacts])
-
-
-def _taken(part: xr.Dataset, faces: Array | None, width: float) -> tuple[Array, Array]:
-    """Return the sector that each contact's impulse between two samples belongs to, and the impulse [N s]."""
+def _sector_impulses(part: xr.Dataset, fixed: Array | None, width: float) -> tuple[Array, Array]:
+    """Return sector and impulse [N s] of each contact between two samples."""
     point, force, impulse = (
         np.asarray(variable(part, name, "bore_load").values, dtype=float)
         for name in ("contact_point", "normal_force", "normal_impulse")
     )
     direction = point[..., 0] + 1j * point[..., 1]
-    if faces is not None:
-        direction[:] = faces
+    if fixed is not None:
+        direction[:] = fixed
     direction = direction / np.where(direction == 0.0, 1.0, np.abs(direction))
     loaded = force[:-1] + force[1:] > 0.0
     first, second = (np.where(loaded, weight, 1.0) for weight in (force[:-1], force[1:]))
@@ -224,8 +189,8 @@ _LOOKED_AT = 200  # samples
 
 
 @takes()
-def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> NDArray[np.float64] | None:
-    """Return the unit vectors against gravity in a bearing's axes, (n, 3) [-], or None without gravity.
+def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> Array | None:
+    """Return unit vectors against gravity in bearing axes, (n, 3) [-], or None.
 
     Args:
         run: A run with a clearance joint, or its data.
@@ -251,8 +216,8 @@ def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> NDAr
 
 
 @takes()
-def steady_up(run: RunLike, joint: str) -> NDArray[np.float64] | None:
-    """Return the mean direction against gravity in a bearing's axes, (3,) [-], for pictures of the bearing.
+def steady_up(run: RunLike, joint: str) -> Array | None:
+    """Return the mean direction against gravity in bearing axes, (3,) [-], or None.
 
     Args:
         run: A run with a clearance joint, or its data.

@@ -1,4 +1,4 @@
-"""Position limits of a URDF's joints, which no force holds: whether a run has passed them."""
+"""Joint positions of a run beyond the limits of its URDF."""
 
 from __future__ import annotations
 
@@ -22,14 +22,11 @@ _KINDS = (
 
 @takes()
 def said_of_limits(run: RunLike) -> tuple[str, ...]:
-    """Return a line for each joint that a run has taken past a ``<limit>`` of its URDF, continuous ones too.
+    """Return a line for each joint beyond a ``<limit>`` of the URDF.
 
     By how much at most, and since when, are those of samples. A joint with play has no limits, for it is free
     in the URDF that is simulated; one with an end stop is held by that. A lean result knows where its joints
     end only: of a limit that was passed on the way nothing is said there, nor of a result without a URDF.
-
-    Args:
-        run: A run, or its data.
     """
     data = data_of(run)
     urdf = str(data.attrs.get("urdf", ""))
@@ -67,7 +64,7 @@ def said_of_limits(run: RunLike) -> tuple[str, ...]:
 def _beyond(
     data: xr.Dataset, variable: str, place: dict[str, str], lower: float, upper: float
 ) -> tuple[float, float, float] | None:
-    """Return since when [s], where at first, and by how much at most a joint is past a limit, if it is.
+    """Return time [s] and position of first passing a limit, and the largest excess.
 
     Of a lean result the time means nothing.
     """

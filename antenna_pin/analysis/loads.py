@@ -1,4 +1,4 @@
-"""What contacts and joints carried: statistics of their forces over time."""
+"""Statistics of the forces of contacts and joints over time."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def _joint(data: xr.Dataset, joint: str, time: Array, percent: Array) -> tuple[l
 
 
 def _gained(data: xr.Dataset, name: str, contacts: list[str]) -> float:
-    """Return by how much integrals of contacts have grown since the first sample."""
+    """Return the growth of integrals of contacts since the first sample."""
     values = variable(data, name, "load_statistics").sel(contact=contacts)
     first, last = (np.asarray(values[k].values, dtype=float) for k in (0, -1))
     return float((last - first).sum())

@@ -1,4 +1,4 @@
-"""All that ``antenna-pin analyse`` says of a run: rows of plain numbers, None where there is none."""
+"""Rows of plain numbers for ``antenna-pin analyse``, None for missing ones."""
 
 from __future__ import annotations
 
@@ -31,13 +31,18 @@ from antenna_pin.trajectory import Trajectory
 __all__ = ["numbers_of"]
 
 _PEAKS = 3  # of a spectrum
+# Fields of a settling, in the order of a row.
+_SETTLING = (
+    *("joint", "time", "note", "longest_gap", "share_before", "share_after", "decay_rate", "decay_r2"),
+    *("decays", "driven"),
+)
 
 
 @takes(longest_gap="s")
 def numbers_of(
     run: Trajectory, ideal: Trajectory | None = None, *, longest_gap: float | str = 1e-3
 ) -> dict[str, Any]:
-    """Return what a run shows: deviation, impacts, loads, settling, closed loops, dominant frequencies.
+    """Return deviation, impacts, loads, settling, loops and dominant frequencies of a run.
 
     Args:
         run: The run.
@@ -101,18 +106,7 @@ def _contact(run: Trajectory, longest_gap: float) -> dict[str, Any]:
         "loads": _records(joints, "clearance_joint")
         + _records(loads.drop_dims("clearance_joint"), "contact"),
         "settling": [
-            {
-                "joint": one.joint,
-                "time": one.time,
-                "note": one.note,
-                "longest_gap": one.longest_gap,
-                "share_before": _plain(one.share_before),
-                "share_after": _plain(one.share_after),
-                "decay_rate": _plain(one.decay_rate),
-                "decay_r2": _plain(one.decay_r2),
-                "decays": one.decays,
-                "driven": one.driven,
-            }
+            {name: _plain(getattr(one, name)) for name in _SETTLING}
             for one in settling(run, longest_gap=longest_gap)
         ],
     }
@@ -150,7 +144,7 @@ def _frequencies(run: Trajectory, notes: list[str]) -> list[dict[str, Any]]:
 
 
 def _loops(run: Trajectory) -> dict[str, Any]:
-    """Return how closures, couplings and motions were held, and what these and drives carried."""
+    """Return residuals and loads of closures, couplings, motions and drives."""
     about, couplings = drives_of(run), couplings_of(run)
     return {
         "constraints": run.constraints,
@@ -167,7 +161,7 @@ def _loops(run: Trajectory) -> dict[str, Any]:
 
 
 def _records(table: xr.Dataset, dim: str) -> list[dict[str, Any]]:
-    """Return the rows of a table in plain numbers; None where there is none."""
+    """Return the rows of a table in plain numbers, None for NaN."""
     return [
         {"of": str(name)}
         | {
@@ -183,5 +177,7 @@ def _records(table: xr.Dataset, dim: str) -> list[dict[str, Any]]:
     ]
 
 
-def _plain(value: Any) -> float | int | None:
-    return None if math.isnan(value) else value.item() if hasattr(value, "item") else value
+def _plain(value: Any) -> Any:
+    """Return a value of Python's own types; None for NaN."""
+    value = value.item() if hasattr(value, "item") else value
+    return None if isinstance(value, float) and math.isnan(value) else value

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import dataclass
 
@@ -11,12 +10,13 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import RunLike, data_of, sample_times
+from antenna_pin.analysis._run import AXES, RunLike, data_of, entries_in, sample_times
 from antenna_pin.analysis.bodies import body_poses
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.directions import unit
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario import OrbitSpec
+from antenna_pin.trajectory.quantities import dataset_of
 
 __all__ = [
     "EARTH_MU",
@@ -84,7 +84,7 @@ class Orbit:
         return 2.0 * math.pi / self.rate
 
     def axes(self, times: ArrayLike) -> Rotation:
-        """Return the orbit-fixed axes in the world at times (n,) [s]: turns from orbit to world."""
+        """Return the orbit-fixed axes in the world at times (n,) [s]."""
         normal, z = unit(self.normal), unit(self.nadir)
         x = unit(np.cross(z, normal))
         start = Rotation.from_matrix(np.column_stack([x, -normal, np.cross(x, -normal)]))
@@ -129,23 +129,15 @@ def orbit_angles(run: RunLike, body: str | None = None, orbit: Orbit | None = No
     poses = body_poses(data, bodies=None if body is None else [body])
     attitude = Rotation.from_quat(poses["attitude"].isel(body=0).values)
     angles = (found.axes(time).inv() * attitude).as_euler("YXZ")
-    pitch, roll, yaw = np.unwrap(angles[:, 0]), angles[:, 1], np.unwrap(angles[:, 2])
-    columns = {"pitch": pitch, "roll": roll, "yaw": yaw}
-    said = "of the link from orbit-fixed axes"
-    return xr.Dataset(
-        {
-            name: (("time",), values, {"units": "rad", "long_name": f"{name} {said}"})
-            for name, values in columns.items()
-        },
-        coords={"time": data["time"]},
-    )
+    columns = {"pitch": np.unwrap(angles[:, 0]), "roll": angles[:, 1], "yaw": np.unwrap(angles[:, 2])}
+    return dataset_of("orbit angles", columns, {"time": data["time"]})
 
 
 def orbit_of(data: xr.Dataset) -> Orbit | None:
     """Return the orbit of a run's gravity gradient; None if it has none."""
-    for one in json.loads(data.attrs.get("forces", "{}")).values():
+    for one in entries_in(data, "forces").values():
         if one["kind"] == "GravityGradient":
-            told = one["numbers"]
-            normal, nadir = (tuple(told[f"{name}_{axis}"] for axis in "xyz") for name in ("normal", "nadir"))
-            return Orbit(rate=told["rate"], normal=normal, nadir=nadir)
+            numbers = one["numbers"]
+            normal, nadir = (tuple(numbers[f"{key}_{axis}"] for axis in AXES) for key in ("normal", "nadir"))
+            return Orbit(rate=numbers["rate"], normal=normal, nadir=nadir)
     return None

@@ -74,7 +74,7 @@ def own_source(name: str, folder: Path, place: str) -> str:
         raise ScenarioError(
             f"{place}: function must name a file that can be read from {folder}, got {file}: {words}"
         ) from None
-    _made(text, file, function, place)
+    _executed(text, file, function, place)
     return text
 
 
@@ -161,7 +161,7 @@ def _value(name: str, source: str, place: str, run: RunLike, seed: int) -> Any:
 
 def _function_of(name: str, source: str, place: str) -> Callable[..., Any]:
     file, _, function = name.rpartition(":")
-    return _made(source, file, function, place) if source else _imported(file, function, place)
+    return _executed(source, file, function, place) if source else _imported(file, function, place)
 
 
 def _imported(module: str, function: str, place: str) -> Callable[..., Any]:
@@ -173,7 +173,7 @@ def _imported(module: str, function: str, place: str) -> Callable[..., Any]:
 
 
 @lru_cache(maxsize=64)
-def _made(text: str, file: str, function: str, place: str) -> Callable[..., Any]:
+def _executed(text: str, file: str, function: str, place: str) -> Callable[..., Any]:
     module = types.ModuleType(Path(file).stem)
     try:
         exec(compile(text, file, "exec"), vars(module))
@@ -198,7 +198,7 @@ def _checked(names: dict[str, Any], function: str, file: str, place: str) -> Cal
 
 
 def _besides(function: Callable[..., Any]) -> tuple[str, ...]:
-    """Return the arguments of a function besides the run: the run's seed, if it takes one."""
+    """Return the further arguments of a function: the seed, if it has one."""
     try:
         return tuple(one for one in ("seed",) if one in inspect.signature(function).parameters)
     except (TypeError, ValueError):  # some of those in C do not say
@@ -206,7 +206,7 @@ def _besides(function: Callable[..., Any]) -> tuple[str, ...]:
 
 
 def _for_reading(run: RunLike) -> Any:
-    """Return a run that looks like another and cannot change it: the next quantity is of the same numbers."""
+    """Return a read-only view of a run, which the function cannot change."""
     data = (run.data if isinstance(run, Trajectory) else run).copy(deep=False)
     for variable in data.variables.values():
         values = variable._data  # a part of a large file is read anew each time

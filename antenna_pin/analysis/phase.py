@@ -1,4 +1,4 @@
-"""Phase portraits: two or three quantities of a run over each other, its transient cut by a stated rule."""
+"""Phase portraits: two or three quantities of a run, without its transient."""
 
 from __future__ import annotations
 
@@ -24,15 +24,10 @@ _JUDGED = 4096  # even samples that the judge sees
 
 @dataclass(frozen=True, slots=True)
 class Periods:
-    """A transient of so many periods.
+    """A transient of so many periods."""
 
-    Attributes:
-        count: How many, zero or more [-].
-        period: Of what, positive [s].
-    """
-
-    count: float
-    period: float
+    count: float  # how many, zero or more [-]
+    period: float  # of what, positive [s]
 
     def __post_init__(self) -> None:
         if not self.count >= 0.0:
@@ -43,19 +38,12 @@ class Periods:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PhasePortrait:
-    """Quantities of a run over each other.
+    """Quantities of a run over each other."""
 
-    Attributes:
-        run: What the run is called.
-        quantities: Two or three of them, behind the transient.
-        start: When the transient ends [s].
-        rule: How that was decided, in words.
-    """
-
-    run: str
-    quantities: tuple[Quantity, ...]
-    start: float
-    rule: str
+    run: str  # what the run is called
+    quantities: tuple[Quantity, ...]  # two or three of them, behind the transient
+    start: float  # when the transient ends [s]
+    rule: str  # how that was decided, in words
 
     @property
     def time(self) -> Array:

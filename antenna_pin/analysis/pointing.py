@@ -1,4 +1,4 @@
-r"""Where an antenna looks, and how far that is from where it should.
+r"""Boresight of an antenna, and its pointing error.
 
 The antenna's axes are the boresight, the part of ``up`` that is perpendicular to it, and ``cross``, which
 completes them: boresight x cross = up. With :math:`R_i` the commanded or ideal attitude of these axes and
@@ -27,15 +27,16 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import Array, RunLike, beside, blocks, data_of, label_of
+from antenna_pin.analysis._run import AXES, Array, RunLike, beside, blocks, data_of, label_of
 from antenna_pin.analysis.bodies import body_poses, body_twists, mechanism_of
 from antenna_pin.analysis.body_motion import interpolate_attitude, interpolation_error
-from antenna_pin.analysis.orbit import Orbit
+from antenna_pin.analysis.orbit import Orbit, Vector3
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.directions import unit
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import PointingSpec
 from antenna_pin.trajectory import Trajectory
+from antenna_pin.trajectory.quantities import dataset_of
 
 __all__ = ["Antenna", "Command", "boresight", "pointing_error", "pointing_spec"]
 
@@ -72,23 +73,21 @@ def ideal_doubt(ideal: xr.Dataset, body: str, time: Array) -> float:
 
 
 def _knots(data: xr.Dataset, body: str) -> tuple[Array, Rotation, Array]:
-    """Return times of samples, a link's attitudes, and its angular velocities in its own axes [rad/s]."""
+    """Return sample times, attitudes and angular velocities [rad/s] of a link, own axes."""
     poses = body_poses(data, bodies=[body]).sel(body=body)
     spin = body_twists(data, bodies=[body])["angular_velocity"].sel(body=body)
     attitude = Rotation.from_quat(poses["attitude"].values)
     return np.asarray(data["time"].values, dtype=float), attitude, np.asarray(spin.values, dtype=float)
 
 
-Vector3 = tuple[float, float, float]
-
-POINTING_AXES = ("boresight", "cross", "up")
+_POINTING_AXES = ("boresight", "cross", "up")
 
 _ALONG = 0.9  # cosine of the angle from which on a boresight counts as lying along z
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Antenna:
-    """The body that looks, and its axes.
+    """Antenna: the link that carries it, and its axes.
 
     Attributes:
         body: Link that looks.
@@ -122,7 +121,7 @@ class Antenna:
 
     @property
     def axes(self) -> Rotation:
-        """Axes boresight, cross, up in the link's frame; it turns vectors from these axes to the link's."""
+        """Rotation from the axes boresight, cross, up to the link's frame."""
         return _frame(self.boresight, self.up)
 
 
@@ -153,7 +152,7 @@ class Command:
 def boresight(
     run: RunLike, antenna: Antenna | None = None, orbit: Orbit | None = None, times: ArrayLike | None = None
 ) -> xr.Dataset:
-    """Return where an antenna looks.
+    """Return the boresight of an antenna.
 
     Azimuth is the angle of the direction's projection on the x-y plane from x, about z; elevation the angle
     from that plane towards z. In orbit-fixed axes z is nadir and x along the velocity. At an elevation of
@@ -195,8 +194,8 @@ def boresight(
         found,
         coords={
             "time": ("time", time, _about("s", "time")),
-            "axis": ["x", "y", "z"],
-            "quaternion": ["x", "y", "z", "w"],
+            "axis": list(AXES),
+            "quaternion": [*AXES, "w"],
         },
         attrs={"body": antenna.body},
     )
@@ -211,7 +210,7 @@ def pointing_error(
     command: Command | None = None,
     orbit: Orbit | None = None,
 ) -> xr.Dataset:
-    """Return how far an antenna looks from where it should, at the run's samples.
+    """Return the pointing error of an antenna at the run's samples.
 
     The ideal run's attitude is interpolated to them (:mod:`antenna_pin.analysis.body_motion`).
 
@@ -243,7 +242,12 @@ def pointing_error(
     if ideal is None and command is None:
         command = _command_of(run)
     if command is not None and command.frame == "orbit":
-        orbit = _needed_orbit(run, orbit)
+        orbit = _orbit_of(run) if orbit is None else orbit
+        if orbit is None:
+            raise FileFormatError(
+                "run: a direction in orbit axes must come with an orbit, got none; give one or set "
+                "pointing.orbit"
+            )
     if ideal is None and command is None:
         raise FileFormatError(
             "run: there must be something to compare with, got neither an ideal run nor a commanded "
@@ -255,7 +259,7 @@ def pointing_error(
     time = np.asarray(data_of(run)["time"].values, dtype=float)
     estimate = 0.0 if ideal is None else ideal_doubt(data_of(ideal), antenna.body, time)
     known = command is None or command.up is not None
-    axes = POINTING_AXES if known else POINTING_AXES[1:]
+    axes = _POINTING_AXES if known else _POINTING_AXES[1:]
     error, swing, half_cone = np.empty((time.size, len(axes))), np.empty((time.size, 2)), np.empty(time.size)
     begin = 0
     for part in blocks(data_of(run)):
@@ -265,18 +269,15 @@ def pointing_error(
         swing[some], half_cone[some] = _swing(relative)
         error[some] = relative.as_rotvec() if known else swing[some]
     versus = "ideal run" if command is None else f"direction in {command.frame} axes"
-    return xr.Dataset(
+    return dataset_of(
+        "pointing error",
+        {"error": error, "boresight_error": swing, "half_cone": half_cone},
         {
-            "error": (("time", "pointing_axis"), error, _about("rad", "pointing error about")),
-            "boresight_error": (("time", "cross_axis"), swing, _about("rad", "turn of the boresight about")),
-            "half_cone": (("time",), half_cone, _about("rad", "angle between both boresights")),
-        },
-        coords={
             "time": ("time", time, _about("s", "time")),
             "pointing_axis": list(axes),
-            "cross_axis": list(POINTING_AXES[1:]),
+            "cross_axis": list(_POINTING_AXES[1:]),
         },
-        attrs={"body": antenna.body, "against": versus, "interpolation_error": estimate},
+        {"body": antenna.body, "against": versus, "interpolation_error": estimate},
     )
 
 
@@ -290,7 +291,7 @@ def _attitude(data: xr.Dataset, antenna: Antenna) -> Rotation:
 def _wanted(
     time: Array, ideal: RunLike | None, command: Command | None, orbit: Orbit | None, antenna: Antenna
 ) -> Rotation:
-    """Return where the antenna's axes should be at some times."""
+    """Return the wanted attitude of the antenna's axes at some times."""
     if ideal is not None:
         return ideal_attitude(data_of(ideal), antenna.body, time) * antenna.axes
     assert command is not None
@@ -302,7 +303,7 @@ def _wanted(
 
 
 def _swing(relative: Rotation) -> tuple[Array, Array]:
-    """Return the smallest turns of the first axis, about the other two, (n, 2), and their angles, (n,)."""
+    """Return the smallest rotations of the first axis, (n, 2), and their angles, (n,)."""
     x, y, z, w = relative.as_quat().T
     half_cone = 2.0 * np.arctan2(np.hypot(y, z), np.hypot(x, w))
     # The first axis goes to (., 2 (x y + w z), 2 (x z - w y)); the turn's axis is square to both.
@@ -312,9 +313,9 @@ def _swing(relative: Rotation) -> tuple[Array, Array]:
     return about * scale[:, None], half_cone
 
 
-def _frame(first: Vector3, second: Vector3 | None) -> Rotation:
-    """Return axes whose x is the first direction and whose z is the perpendicular part of the second."""
-    x = unit(first)
+def _frame(direction: Vector3, second: Vector3 | None) -> Rotation:
+    """Return axes with x along one direction and z towards another."""
+    x = unit(direction)
     up = unit(second if second is not None else (1, 0, 0) if abs(x[2]) > _ALONG else (0, 0, 1))
     y = unit(np.cross(up, x))
     return Rotation.from_matrix(np.column_stack([x, y, np.cross(x, y)]))
@@ -343,7 +344,7 @@ def _link(run: RunLike, antenna: Antenna) -> str:
 
 @takes()
 def pointing_spec(run: RunLike) -> PointingSpec | None:
-    """Return what the run's scenario says of pointing, if it does; nothing else of it is read, for speed.
+    """Return the table ``pointing`` of the run's scenario, or None.
 
     Raises:
         FileFormatError: What the run carries is no scenario.
@@ -362,15 +363,6 @@ def pointing_spec(run: RunLike) -> PointingSpec | None:
 def _orbit_of(run: RunLike) -> Orbit | None:
     spec = pointing_spec(run)
     return None if spec is None or spec.orbit is None else Orbit.from_spec(spec.orbit)
-
-
-def _needed_orbit(run: RunLike, orbit: Orbit | None) -> Orbit:
-    found = _orbit_of(run) if orbit is None else orbit
-    if found is None:
-        raise FileFormatError(
-            "run: a direction in orbit axes must come with an orbit, got none; give one or set pointing.orbit"
-        )
-    return found
 
 
 def _command_of(run: RunLike) -> Command | None:

@@ -105,7 +105,7 @@ def pointing_indices(
     confidence: float = 0.997,
     resolution: int = 1000,
 ) -> xr.Dataset:
-    """Return the error indices of a signal, or of one signal from each of several runs.
+    """Return the error indices of a signal from one run or several.
 
     Args:
         time: Sample times, not decreasing, (n,) [s]; two samples at one time make a jump. A list of such
@@ -165,13 +165,13 @@ def pointing_indices(
             "definition": (("index",), [DEFINITIONS[kind] for kind in kinds]),
         },
         coords={"index": kinds, "component": names, "interpretation": list(INTERPRETATIONS)},
-        attrs={"confidence": confidence, "runs": len(runs), "resolution": resolution} | plan.told(),
+        attrs={"confidence": confidence, "runs": len(runs), "resolution": resolution} | plan.attributes(),
     )
 
 
 @dataclass(frozen=True, slots=True)
 class _Plan:
-    """Windows asked for, and the indices that they make of a signal."""
+    """Windows, and the indices of a signal with them."""
 
     window: float | None
     spacing: float | None
@@ -190,15 +190,13 @@ class _Plan:
                 _PLACE, "window", "given with drift_spacing or periods, which separate windows"
             )
 
-    def told(self) -> dict[str, Any]:
-        """Return what was asked for, as attributes."""
-        told: dict[str, Any] = {"window": self.window, "drift_spacing": self.spacing}
-        told["periods"] = (
-            np.ravel(np.array(self.periods, dtype=float)).tolist()
-            if isinstance(self.periods, Sequence)
-            else self.periods
-        )
-        return {name: value for name, value in told.items() if value is not None}
+    def attributes(self) -> dict[str, Any]:
+        """Return the given windows as attributes."""
+        periods: Any = self.periods
+        if isinstance(periods, Sequence):
+            periods = np.ravel(np.array(periods, dtype=float)).tolist()
+        found = {"window": self.window, "drift_spacing": self.spacing, "periods": periods}
+        return {name: value for name, value in found.items() if value is not None}
 
     def indices(self, signal: Polygon) -> dict[str, Index]:
         """Return the indices of a signal.
@@ -262,7 +260,7 @@ class _Plan:
 
 
 def _level(sizes: Sequence[Array], confidence: float) -> float:
-    """Return the least level that a share of all does not exceed; each set counts alike."""
+    """Return the level of a share of all values; each set has equal weight."""
     if all(size.size == sizes[0].size for size in sizes):
         pooled = np.concatenate(sizes)
         rank = max(1, math.ceil(confidence * pooled.size * (1.0 - 1e-12)))

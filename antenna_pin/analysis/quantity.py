@@ -1,4 +1,4 @@
-r"""Any quantity of a run by one line of text, as sections, phase portraits and figures name it.
+r"""Quantities of a run by their names in one line of text.
 
 The grammar::
 
@@ -38,7 +38,7 @@ import numpy as np
 import xarray as xr
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import Array, RunLike, blocks, data_of, label_of, sample_times, variable
+from antenna_pin.analysis._run import AXES, Array, RunLike, blocks, data_of, label_of, sample_times, variable
 from antenna_pin.analysis.bodies import mechanism_of
 from antenna_pin.analysis.journal import clearance_shapes
 from antenna_pin.analysis.own import is_own, own_series
@@ -64,24 +64,14 @@ __all__ = ["Quantity", "QuantityName", "quantities", "quantity"]
 #
 # the rate of ``journal_position``, in the same axes.
 
-#: Components of every one.
-AXES = ("x", "y", "z")
-
 
 class Derived(NamedTuple):
-    """A vector over time of each of several owners.
+    """Vector over time of each of several owners."""
 
-    Attributes:
-        dim: What the owners are: a dimension of the quantity beside time and axis.
-        units: Of its components.
-        meaning: What it is.
-        row: Of :func:`antenna_pin.mechanism.link_motion`; of a base's loads, force or moment.
-    """
-
-    dim: str
-    units: str
-    meaning: str
-    row: int
+    dim: str  # dimension of the owners, beside time and axis
+    units: str  # of its components
+    meaning: str  # long name
+    row: int  # of :func:`antenna_pin.mechanism.link_motion`; of a base's loads, force or moment
 
     def values(self, data: xr.Dataset, owner: str) -> Array:
         """Return the vector of one owner at the samples, (n, 3)."""
@@ -114,7 +104,7 @@ DERIVED: dict[str, Derived] = {
 
 
 def owners_of(data: xr.Dataset) -> dict[str, list[str]]:
-    """Return the names along the dimensions of derived vectors; no links if the run carries no mechanism."""
+    """Return the names along the dimensions of derived vectors."""
     links = [link.name for link in mechanism_of(data).urdf.robot.links] if "urdf" in data.attrs else []
     joints = list(clearance_shapes(data)) if "clearance_joints" in data.attrs else []
     base = [shaken_link(data)] if shakes_of(data) else []
@@ -132,7 +122,7 @@ def _motion(mechanism: Mechanism, data: xr.Dataset, link: str) -> tuple[Array, A
 
 
 def _in_bearing(mechanism: Mechanism, data: xr.Dataset, shape: dict[str, Any]) -> Array:
-    """Return the velocity of a journal's centre in its bearing, in bearing axes, (n, 3) [m/s]."""
+    """Return the velocity of a journal's centre in its bearing, (n, 3) [m/s]."""
     places, rates, turns = [], [], []
     for side in ("bearing", "journal"):
         placement = np.asarray(shape[f"{side}_placement"], dtype=float).ravel()
@@ -164,21 +154,15 @@ _SHORT = {
 
 @dataclass(frozen=True, slots=True)
 class QuantityName:
-    """What a name of a quantity says, by parts; whether a run has it is another matter.
+    """Parts of the name of a quantity, which a run may not have."""
 
-    Attributes:
-        variable: Name of the variable, or of a signal.
-        labels: Labels along its dimensions beside time, its component at last.
-        size: Whether it stands between bars.
-    """
-
-    variable: str
-    labels: tuple[str, ...] = ()
-    size: bool = False
+    variable: str  # name of the variable, or of a signal
+    labels: tuple[str, ...] = ()  # labels along its dimensions beside time, its component at last
+    size: bool = False  # whether it stands between bars
 
     @classmethod
     def parse(cls, text: str) -> QuantityName:
-        """Return the parts of a name; a text that is none is a variable without labels, which no run has."""
+        """Return the parts of a name; other text is a variable without labels."""
         name = text.strip()
         size = len(name) > 2 and name.startswith("|") and name.endswith("|")
         if size:
@@ -203,7 +187,7 @@ class Quantity(NamedTuple):
 
     @property
     def label(self) -> str:
-        """What an axis says that shows it: name and unit."""
+        """Name and unit, for an axis."""
         unit = printed_unit(self.units)
         return f"{self.name} [{unit}]" if unit else self.name
 
@@ -240,13 +224,13 @@ def quantity(run: RunLike, name: str) -> Quantity:
     labels = _found_labels(data, name, wanted, dims)
     values = np.asarray(array.sel(dict(zip(dims, labels, strict=False))).values, dtype=float)
     units = _units(data, wanted.variable, labels)
-    return _made(
+    return _quantity(
         time, values, wanted, dims, labels, units, str(array.attrs.get("long_name", wanted.variable))
     )
 
 
 def _in_full(data: xr.Dataset, name: str) -> QuantityName | None:
-    """Return what a short name stands for; None if it is none."""
+    """Return the full form of a short name, or None."""
     text = name.strip()
     size = len(text) > 2 and text.startswith("|") and text.endswith("|")
     owner, _, short = text.strip("|").strip().rpartition(".")
@@ -256,7 +240,7 @@ def _in_full(data: xr.Dataset, name: str) -> QuantityName | None:
     return None
 
 
-def _made(
+def _quantity(
     time: Array,
     values: Array,
     wanted: QuantityName,
@@ -265,7 +249,7 @@ def _made(
     units: str,
     meaning: str,
 ) -> Quantity:
-    """Return a quantity under its name in full; of a vector, (n, 3), or a number its size where wanted."""
+    """Return a quantity under its full name, or its size."""
     if wanted.size:
         values = np.abs(values) if values.ndim == 1 else np.linalg.norm(values, axis=1)
     words = ", ".join([meaning, *labels])
@@ -289,7 +273,7 @@ def _derived(data: xr.Dataset, name: str, wanted: QuantityName) -> Quantity:
     if len(labels) > 1:
         values = values[:, AXES.index(labels[1])]
     time = sample_times(data, "quantity")
-    return _made(time, values, wanted, dims, labels, one.units, one.meaning)
+    return _quantity(time, values, wanted, dims, labels, one.units, one.meaning)
 
 
 @takes()
@@ -298,9 +282,6 @@ def quantities(run: RunLike) -> dict[str, str]:
 
     Of a vector the length stands before its components. The sizes of numbers are left out, and signals that
     are zero throughout.
-
-    Args:
-        run: A run, or its data.
     """
     data = data_of(run)
     sample_times(data, "quantities")
@@ -338,7 +319,7 @@ def _recorded(data: xr.Dataset) -> list[str]:
 
 
 def _signal(data: xr.Dataset, name: str, wanted: QuantityName) -> Quantity:
-    """Return a derived signal, or say what comes near."""
+    """Return a signal of a run, or refuse an unknown name."""
     known = signals(data)
     inside = name.strip().strip("|").strip() if wanted.size else name.strip()
     if inside in known:
@@ -357,17 +338,17 @@ def _signal(data: xr.Dataset, name: str, wanted: QuantityName) -> Quantity:
     if "." in name and "[" not in name and (near := difflib.get_close_matches(name, shorts, n=_SHOWN)):
         raise UnknownNameError("quantity", "name", name, near)
     if wanted.labels:
-        raise UnknownNameError("quantity", "variable", wanted.variable, _near(wanted.variable, variables))
-    raise UnknownNameError("quantity", "name", inside, _near(inside, [*variables, *known]))
+        raise UnknownNameError("quantity", "variable", wanted.variable, _similar(wanted.variable, variables))
+    raise UnknownNameError("quantity", "name", inside, _similar(inside, [*variables, *known]))
 
 
-def _near(name: str, known: list[str]) -> list[str]:
-    """Return the names most like one: all of them would be no line any more."""
+def _similar(name: str, known: list[str]) -> list[str]:
+    """Return the most similar names."""
     return difflib.get_close_matches(name, known, n=_SHOWN, cutoff=0.0)
 
 
 def _found_labels(data: xr.Dataset, name: str, wanted: QuantityName, dims: list[str]) -> list[str]:
-    """Return a label for each dimension, but for the axis of a vector whose length is asked for."""
+    """Return a label for each dimension, without the axis for a length."""
     given = list(wanted.labels)
     found = None
     if wanted.size and dims[-1:] == ["axis"]:
@@ -389,17 +370,17 @@ def _found_labels(data: xr.Dataset, name: str, wanted: QuantityName, dims: list[
     raise InvalidParameterError("quantity", "name", rule, name)
 
 
-def _matched(data: xr.Dataset, dims: list[str], given: list[str]) -> list[str] | None:
-    """Return labels along dimensions, those given in order and the only ones of others; None if it fails."""
+def _matched(data: xr.Dataset, dims: list[str], labels: list[str]) -> list[str] | None:
+    """Return labels along dimensions, the only one where none is given; or None."""
     if not dims:
-        return None if given else []
+        return None if labels else []
     known = names_along(data, dims[0])
-    if given and given[0] in known:
-        rest = _matched(data, dims[1:], given[1:])
+    if labels and labels[0] in known:
+        rest = _matched(data, dims[1:], labels[1:])
         if rest is not None:
-            return [given[0], *rest]
+            return [labels[0], *rest]
     if len(known) == 1:
-        rest = _matched(data, dims[1:], given)
+        rest = _matched(data, dims[1:], labels)
         if rest is not None:
             return [known[0], *rest]
     return None
@@ -421,7 +402,7 @@ def _written(dims: Sequence[str], variable: str, labels: Sequence[str], size: bo
 
 
 def _units(data: xr.Dataset, variable: str, labels: Sequence[str]) -> str:
-    """Return the unit of a number; of one whose unit depends on what slides, the one that holds for it."""
+    """Return the unit of a number, which may depend on whether its joint slides."""
     units = str(data[variable].attrs.get("units", "1"))
     label = labels[0] if labels else ""
     if variable in _ORDER:
@@ -433,7 +414,7 @@ def _units(data: xr.Dataset, variable: str, labels: Sequence[str]) -> str:
 
 
 def _unit_of_coordinate(data: xr.Dataset, label: str, order: int) -> str:
-    """Return the unit of a number of q (order 0), v (1) or a (2); nothing where it cannot be told."""
+    """Return the unit of a coordinate, or of its rate by order; "" if unknown."""
     if label in names_along(data, "joint") or label in names_along(data, "sliding_joint"):
         way = "rad" if label in names_along(data, "joint") else "m"
         return way + _RATES[order]

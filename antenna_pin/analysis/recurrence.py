@@ -1,4 +1,4 @@
-r"""How a motion recurs, from its section points: with a period, quasi-periodically, chaotically.
+r"""Kind of a motion from its section points: periodic, quasi-periodic or chaotic.
 
 **Period n.** The points return: the root mean square of :math:`|z_{k+n} - z_k|`, each coordinate by its
 scale, is within a tolerance, and over half the series, a multiple of n, too: a slow drift is no return. The
@@ -74,7 +74,7 @@ _GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
 
 
 class Chaos(Enum):
-    """What the 0-1 test finds."""
+    """Verdict of the 0-1 test."""
 
     REGULAR = "regular"
     CHAOTIC = "chaotic"
@@ -94,7 +94,7 @@ class ChaosTest(NamedTuple):
 
 @takes()
 def chaos_test(values: ArrayLike, *, angles: int = 100, noise: float = 0.0) -> ChaosTest:
-    """Return what the 0-1 test says of a series.
+    """Return the outcome of the 0-1 test of a series.
 
     The series is of a map: points of a section, not the close samples of a smooth motion, for which the
     displacement grows at first whatever the motion is. The verdict is regular where the median K is below
@@ -134,7 +134,7 @@ def chaos_test(values: ArrayLike, *, angles: int = 100, noise: float = 0.0) -> C
 
 
 def _correlations(x: Array, angles: Array) -> Array:
-    """Return K of each angle: the correlation of n with the mean square displacement over n steps."""
+    """Return K of each angle: correlation of steps and mean square displacement."""
     spread = x - x.mean()  # so that the oscillating part of the displacement is zero
     spread = spread / (spread.std() or 1.0)
     most = x.size // 10
@@ -156,27 +156,6 @@ def _correlations(x: Array, angles: Array) -> Array:
 
 
 # --- recurrence ---------------------------------------------------------------------------------------------
-#
-# **Period n.** The points return: the root mean square of :math:`|z_{k+n} - z_k|`, each coordinate by its
-# scale, is within a tolerance, and over half the series, a multiple of n, too: a slow drift is no return. The
-# least such n counts.
-#
-# **Not periodic.** Two tests of independent kinds have to agree: the 0-1 test of Gottwald and Melbourne
-# (:mod:`antenna_pin.analysis.recurrence`), and whether the spectrum is one of lines or is continuous. For
-# the latter the points are averaged with :math:`e^{-2 \pi i f k}` under the weight
-# :math:`\exp(-1/(s(1-s)))`, s from 0 to 1 along the series. Such averages vanish faster than any power of
-# 1/n at every f that is no line of a quasi-periodic motion, and as :math:`n^{-1/2}` in chaos (weighted
-# Birkhoff averages: Das, Saiki, Sander and Yorke 2017, Nonlinearity 30, 4111; Sander and Meiss 2020,
-# Physica D 411, 132569). The **floor** is the median of their sizes over frequencies, 1 for white noise:
-# below 0.1 the motion is quasi-periodic, above 0.2 chaotic. Where the points go round m bands in turn, the
-# means of the bands are taken off first.
-#
-# Where the tests are at odds, the points too few for them, or not settled
-# (:mod:`antenna_pin.analysis.transients`), the answer is "too short to say". Noise cannot be told from
-# chaos by either.
-#
-# **Confidence** is the share of seven windows of half the length, evenly spaced along the series, in which
-# the same rules come to the same kind and period. A verdict that less than half of them share is not given.
 
 _WINDOWS = 7
 _LEAST = 200  # points for the tests of what is not periodic
@@ -186,7 +165,7 @@ _NAMED = 8  # lines of a spectrum
 
 
 class RecurrenceKind(Enum):
-    """How section points recur."""
+    """Kind of recurrence of section points."""
 
     PERIODIC = "periodic"
     QUASI_PERIODIC = "quasi-periodic"
@@ -196,40 +175,26 @@ class RecurrenceKind(Enum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recurrence:
-    """How section points recur.
+    """Recurrence of section points.
 
-    Attributes:
-        kind: Periodic, quasi-periodic, chaotic or too short to say.
-        period: In iterations, if it is periodic; None else.
-        confidence: Share of windows of half the length that say the same, in [0, 1] [-]; 0 where the answer
-            is "too short to say".
-        closeness: Root mean square distance of returns after the period, or of the closest ones that were
-            looked for, as a share of the scale [-].
-        longest: The longest period that was looked for [iterations].
-        bands: Into how many sets the points of a motion that is not periodic fall in turn; 1 if it is one.
-        chaos: Outcome of the 0-1 test; None where it was not asked.
-        floor: Of the spectrum, see the module's text [-]; NaN where it was not asked for.
-        frequency: Strongest lines of the spectrum, (k,), the strongest first [cycles per iteration]; of
-            points that go round a closed curve the first is the rotation number, up to sign and whole ones.
-        amplitude: Of these lines, (k,), by the scale [-].
-        points: How many points there are.
+    Of points around a closed curve the first frequency is the rotation number, up to sign and whole turns.
     """
 
     kind: RecurrenceKind
-    period: int | None
-    confidence: float
-    closeness: float
-    longest: int
-    bands: int
-    chaos: ChaosTest | None
-    floor: float
-    frequency: Array
-    amplitude: Array
-    points: int
+    period: int | None  # [iterations]; None if it is not periodic
+    confidence: float  # share of windows of half the length with the same verdict [-]; 0 if too short
+    closeness: float  # root mean square distance of the closest returns, as a share of the scale [-]
+    longest: int  # longest period of the search [iterations]
+    bands: int  # number of sets between which the points of a motion without period alternate
+    chaos: ChaosTest | None  # outcome of the 0-1 test; None if it was not needed
+    floor: float  # of the spectrum, see the module's text [-]; NaN if it was not needed
+    frequency: Array  # strongest lines of the spectrum, (k,), the strongest first [cycles per iteration]
+    amplitude: Array  # of these lines, (k,), by the scale [-]
+    points: int  # number of points
 
     @property
     def words(self) -> str:
-        """The verdict, as a line says it."""
+        """Verdict as text."""
         if self.kind is RecurrenceKind.PERIODIC:
             return f"period {self.period}"
         if self.kind is RecurrenceKind.TOO_SHORT and self.longest:
@@ -245,7 +210,7 @@ def recurrence(
     tolerance: float = 1e-4,
     longest: int = 32,
 ) -> Recurrence:
-    """Return how section points recur.
+    """Return the recurrence of section points.
 
     Args:
         points: Of a settled motion (:func:`antenna_pin.analysis.settled`), in order of time, (n,) or (n, d).
@@ -287,7 +252,7 @@ _Judged = tuple[RecurrenceKind, int | None, float, ChaosTest | None, float, int,
 
 
 def _judged(z: Array, tolerance: float, longest: int, window: bool = False, deep: bool = True) -> _Judged:
-    """Return kind, period, closeness, 0-1 test, floor, bands and the longest period that was looked for."""
+    """Return kind, period, closeness, 0-1 test, floor, bands and longest period."""
     looked = min(longest, len(z) // (2 if window else 4))
     closeness = np.inf
     for period in range(1, looked + 1):
@@ -317,20 +282,20 @@ def _judged(z: Array, tolerance: float, longest: int, window: bool = False, deep
 
 
 def _distance(z: Array, after: int) -> float:
-    """Return the root mean square distance of points that are so many iterations apart [-]."""
+    """Return the root mean square distance of points some iterations apart [-]."""
     if after >= len(z):
         return float("inf")
     return float(np.sqrt(((z[after:] - z[:-after]) ** 2).sum(axis=1).mean()))
 
 
 def _stationary(z: Array) -> bool:
-    """Return whether scaled points have settled from the start on, or nearly: the judge errs now and then."""
+    """Return whether scaled points have settled in their first quarter."""
     start = settled(z).start
     return start is not None and start <= len(z) // 4
 
 
 def _without_bands(z: Array) -> tuple[int, Array]:
-    """Return how many bands the points visit in turn, and the points without the means of their bands."""
+    """Return the number of bands, and the points less the means of their bands."""
     whole = z - z.mean(axis=0)
     total = float((whole**2).mean())
     found = {1: (1.0, whole)}
@@ -346,7 +311,7 @@ def _without_bands(z: Array) -> tuple[int, Array]:
 
 
 def _spectral_floor(z: Array) -> float:
-    """Return the median size of weighted averages at all frequencies, over that of white noise [-]."""
+    """Return the median of weighted averages over that of white noise [-]."""
     place = (np.arange(len(z)) + 0.5) / len(z)
     weights = np.exp(-1.0 / (place * (1.0 - place)))
     averages = np.fft.rfft((z - z.mean(axis=0)) * weights[:, None], axis=0)
@@ -412,7 +377,7 @@ def diagram_verdicts(
     vector: bool = False,
     tolerance: float = 1e-3,
 ) -> list[Verdict | None]:
-    """Return what the motion is at each value of a diagram; None where its points have not settled.
+    """Return the kind of motion at each value of a diagram; None if unsettled.
 
     Points are the same that differ by less than the tolerance, over the largest amount of the quantity in the
     diagram: less than a dot in a figure of it.
@@ -448,7 +413,7 @@ def diagram_verdicts(
 def said_of_verdicts(
     values: Sequence[float], verdicts: Sequence[Verdict | None], unit: str = ""
 ) -> list[str]:
-    """Return lines as "period 1 at 12 values: 0.01 to 0.09, 0.11 mm", the most frequent verdict first.
+    """Return lines as "period 1 at 9 values: 0.01 to 0.09 mm", by frequency.
 
     Args:
         values: Of the parameter, in order.

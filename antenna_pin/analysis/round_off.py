@@ -1,4 +1,4 @@
-"""What of a run is zero to round-off, by the run's own scales: one rule for figures, tables and reports.
+"""Numbers of a run that are zero to round-off, by the run's own scales.
 
 Sums of large numbers that cancel leave some 1e-16 of them, and a run carries that on: forces of piconewtons
 across a plane that nothing leaves, accelerations of picoradians per second squared. A number is zero to
@@ -33,7 +33,7 @@ _NO_SCALE = {"q", "v", "a", "energy_error"}
 
 @takes()
 def round_off_scales(*runs: RunLike) -> dict[str, float]:
-    """Return the scale of each unit in which a run, or any of several, has numbers.
+    """Return the largest size in each unit over several runs.
 
     Args:
         *runs: Runs, or their data.
@@ -47,7 +47,7 @@ def round_off_scales(*runs: RunLike) -> dict[str, float]:
 
 @takes()
 def is_round_off(size: float | None, unit: str, scales: Mapping[str, float]) -> bool:
-    """Whether a number is zero but for round-off; an exact zero is none of round-off.
+    """Return whether a number is zero to round-off, but not exactly.
 
     Args:
         size: The number; None and not-a-number are no such thing.
@@ -60,7 +60,7 @@ def is_round_off(size: float | None, unit: str, scales: Mapping[str, float]) -> 
 
 
 def _plain(unit: str) -> str:
-    """Return a unit as scales are named: ``rad/s**2``, ``rad/s^2`` and rad/s² are one."""
+    """Return a unit in one spelling: ``rad/s**2`` and rad/s² as ``rad/s^2``."""
     return unit.replace("**", "^").replace("*", " ").replace("²", "^2").replace("\N{NO-BREAK SPACE}", " ")
 
 
@@ -85,13 +85,13 @@ def _of_one(data: xr.Dataset) -> dict[str, float]:
     return found
 
 
-def _raise(found: dict[str, float], units: str, values: np.ndarray) -> None:
+def _raise(scales: dict[str, float], units: str, values: np.ndarray) -> None:
     sizes = np.abs(values[np.isfinite(values)])
-    found[_plain(units)] = max(found.get(_plain(units), 0.0), float(sizes.max(initial=0.0)))
+    scales[_plain(units)] = max(scales.get(_plain(units), 0.0), float(sizes.max(initial=0.0)))
 
 
 def _length(data: xr.Dataset) -> float:
-    """Return how far the joints and mass centres of a mechanism are apart at most, along the tree [m]."""
+    """Return the length of a mechanism along its tree [m]."""
     try:
         robot = ElementTree.fromstring(str(data.attrs.get("urdf", "<robot/>")))
     except ElementTree.ParseError:

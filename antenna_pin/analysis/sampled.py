@@ -60,8 +60,16 @@ def resampled(
     return np.asarray(spline(wanted), dtype=float)
 
 
+def straight_line(x: Array, y: Array) -> tuple[float, float]:
+    """Return slope and coefficient of determination of a straight line, by least squares."""
+    dx, dy = x - x.mean(), y - y.mean()
+    slope = float(dx @ dy / (dx @ dx))
+    left = dy - slope * dx
+    return slope, float(1.0 - left @ left / (dy @ dy))
+
+
 class Mean:
-    """Mean over time by the trapezoidal rule, of samples that come part by part; of one instant, its value.
+    """Mean over time by the trapezoidal rule, of samples added part by part.
 
     In one part it is that of the rule over all, in several it differs from that by round-off.
     """
@@ -75,7 +83,7 @@ class Mean:
         self._area: Any = 0.0
 
     def add(self, time: Array, values: Array) -> None:
-        """Take the next samples.
+        """Add samples.
 
         Args:
             time: Not decreasing, (m,) [s].
@@ -136,7 +144,7 @@ def time_rms(time: ArrayLike, values: ArrayLike) -> Array:
 
 @takes()
 def time_percentiles(time: ArrayLike, values: ArrayLike, percent: ArrayLike) -> Array:
-    """Return the values that a signal stays below for given shares of the time.
+    """Return the percentiles of a signal over time.
 
     Exact for the polygon through the samples. A signal that rests at a value for a share of the time has that
     value as a whole range of percentiles.
@@ -171,11 +179,11 @@ def time_percentiles(time: ArrayLike, values: ArrayLike, percent: ArrayLike) -> 
         if place == 0:
             return float(levels[0])
         first, last = int(few[place - 1]), int(few[place])
-        near = [_Segments.of(t[part], x[part]).near(levels[first], levels[last]) for part in parts]
+        near = [_Segments.of(t[part], x[part]).between(levels[first], levels[last]) for part in parts]
         under = sum(below for below, _ in near)
 
         def below(level: float, including: bool) -> float:
-            """Share of the time in which the polygon is below a level, or at it."""
+            """Return the share of the time below a level, or at it."""
             return (under + sum(one.below(level, including) for _, one in near)) / whole
 
         first += 1  # the least level that the polygon is not above for the share
@@ -204,21 +212,21 @@ class _Segments(NamedTuple):
 
     @classmethod
     def of(cls, t: Array, x: Array) -> Self:
-        """Return those between samples."""
+        """Return the segments between samples."""
         return cls(np.minimum(x[:-1], x[1:]), np.maximum(x[:-1], x[1:]), np.diff(t))
 
     def below(self, level: float, including: bool) -> float:
-        """Return for how long they are below a level, or at it [s]."""
+        """Return the time below a level, or at it [s]."""
         low, high, time = self
         rise = np.where(high > low, high - low, 1.0)
         rests = (low <= level) if including else (low < level)
         part = np.where(high > low, np.clip((level - low) / rise, 0.0, 1.0), rests)
         return float(part @ time)
 
-    def near(self, first: float, last: float) -> tuple[float, Self]:
-        """Return how long those are that lie below two levels [s], and those that do not lie above them."""
-        under = self.high <= first
-        mine = ~under & (self.low <= last)
+    def between(self, low: float, high: float) -> tuple[float, Self]:
+        """Return the time below two levels [s], and the segments between them."""
+        under = self.high <= low
+        mine = ~under & (self.low <= high)
         kept = type(self)(self.low[mine], self.high[mine], self.time[mine])
         return float(self.time[under].sum()), kept
 

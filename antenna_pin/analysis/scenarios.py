@@ -1,4 +1,4 @@
-r"""Which contact scenarios a joint's shape allows: the 16 pairs of radial and axial contact.
+r"""Contact scenarios of a revolute shape: the 16 pairs of radial and axial contact.
 
 At a given tilt :math:`\theta` of the journal the bore's gaps depend on the two coordinates of the journal's
 axis across itself only, the flanges' gaps on the one coordinate along it only. So bore and flanges choose
@@ -61,23 +61,16 @@ def milliradians(tilt: float) -> str:
 
 @dataclass(frozen=True, slots=True)
 class TiltRange:
-    """An interval of tilts between the axes of journal and bearing.
+    """An interval of tilts between the axes of journal and bearing."""
 
-    Attributes:
-        low: [rad].
-        high: [rad].
-        open_low: Whether ``low`` itself is left out.
-        open_high: Whether ``high`` itself is left out.
-    """
-
-    low: float
-    high: float
-    open_low: bool = False
-    open_high: bool = False
+    low: float  # [rad]
+    high: float  # [rad]
+    open_low: bool = False  # whether ``low`` itself is left out
+    open_high: bool = False  # whether ``high`` itself is left out
 
     @property
     def empty(self) -> bool:
-        """Whether it holds no tilt."""
+        """True if the interval contains no tilt."""
         return self.low > self.high or (self.low == self.high and (self.open_low or self.open_high))
 
     def intersection(self, other: TiltRange) -> TiltRange:
@@ -93,7 +86,7 @@ class TiltRange:
 
     @property
     def typical(self) -> float:
-        """A tilt inside: the lower end where it belongs to the interval, else the middle [rad]."""
+        """Lower end if it belongs to the interval, else the middle [rad]."""
         return 0.5 * (self.low + self.high) if self.open_low else self.low
 
     def __str__(self) -> str:
@@ -108,8 +101,6 @@ class TiltRange:
 
 
 # --- poses --------------------------------------------------------------------------------------------------
-#
-# Formulas and reasons stand in :mod:`antenna_pin.analysis.scenarios`.
 
 _RADIAL_WORDS = {
     RadialScenario.NONE: "a bore without contact",
@@ -126,14 +117,14 @@ _AXIAL_WORDS = {
 
 
 class JournalPose(NamedTuple):
-    """Where a journal is in its bearing."""
+    """Pose of a journal in its bearing."""
 
     p_HJ: NDArray[np.float64]  # journal centre from the bearing centre, bearing axes, (3,) [m]
     axis_J_H: NDArray[np.float64]  # direction of the journal's axis in bearing axes, (3,)
 
 
 class AssembledJoint:
-    """The tilts and poses of one shape at one largest penetration.
+    """Tilts and poses of a shape at a largest penetration.
 
     Poses lean by the tilt towards x: the journal's axis is z_J = (sin, 0, cos). Across it, b = (cos, 0, -sin)
     lies in the plane of the tilt and y square to it. The bore seen along z_J is an ellipse with the semi-axes
@@ -153,7 +144,7 @@ class AssembledJoint:
     # --- tilts ----------------------------------------------------------------------------------------------
 
     def bore_tilt(self, depth: float) -> float:
-        """Tilt at which the centred journal presses both ends of the bore by a depth, G = -depth [rad].
+        """Return the tilt of the centred journal at G = -depth [rad].
 
         With t the tangent of half the tilt, (2 R_i - x) t^2 + L_i t - x = 0, x = C_r + depth.
         """
@@ -162,7 +153,7 @@ class AssembledJoint:
         return 2.0 * math.atan(t)
 
     def flange_tilt(self, depth: float) -> float:
-        """Least tilt at which the centred journal presses both flanges by a depth, A = -depth [rad].
+        """Return the least tilt of the centred journal at A = -depth [rad].
 
         With t the tangent of half the tilt and x = C_a + depth, (L_i + x) t^2 - 2 rho t + x = 0 where the
         flanges cover the bearing, else ((L_j + L_i) / 2 - depth) t^2 + 2 rho t - x = 0. Infinite where no
@@ -178,7 +169,7 @@ class AssembledJoint:
         return 2.0 * math.atan(x / (self.edge + math.sqrt(square)))
 
     def line_tilt(self) -> float:
-        """Largest tilt at which both ends and the middle of the bore are pressed by at most the depth [rad].
+        """Return the largest tilt of a line contact within the depth [rad].
 
         The journal stands askew: aside along y, so that its axis crosses the bearing's at a distance. With a
         circle for the ellipse, ((L_i / 2) sin(tilt))^2 = 2 C_r depth + depth^2.
@@ -231,7 +222,7 @@ class AssembledJoint:
     def reason(
         self, radial: RadialScenario, turned: TiltRange, axial: AxialScenario, leaned: TiltRange
     ) -> str:
-        """Return why two scenarios do not go together."""
+        """Return the reason against a pair of scenarios."""
         if leaned.empty:
             if axial is AxialScenario.TWO_POINTS and self.shape.axial_clearance > 0.0:
                 return "the flanges are too far apart to touch both at any tilt"
@@ -247,7 +238,7 @@ class AssembledJoint:
     # --- poses ----------------------------------------------------------------------------------------------
 
     def bore_gap(self, tilt: float, aside: float, along: float) -> float:
-        """Gap of a bearing's circle whose centre is (aside, along) from the journal's axis, along y and b."""
+        """Return the gap of a bearing's circle at (aside, along) from the journal's axis."""
         major = self.shape.bearing_radius
         minor = major * math.cos(tilt)
         x, y = nearest_on_ellipse(major, minor, aside, along)
@@ -256,7 +247,7 @@ class AssembledJoint:
         return (distance if inside else -distance) - self.shape.journal_radius
 
     def aside(self, tilt: float, along: float, depth: float) -> float:
-        """Shift along y that presses the circle displaced by ``along`` by a depth [m]; 0 if it is deeper."""
+        """Return the shift along y at a depth of the displaced circle [m]."""
         if self.bore_gap(tilt, 0.0, along) <= -depth:
             return 0.0
         # The gap falls from the middle to -R_j on the rim, which is nowhere farther off than R_i.
@@ -268,7 +259,7 @@ class AssembledJoint:
         )
 
     def across(self, tilt: float, radial: RadialScenario) -> tuple[float, float]:
-        """Shift of the journal along y and b that shows a scenario of the bore [m]."""
+        """Return the shift of the journal along y and b in a bore scenario [m]."""
         apart = self.half * math.sin(tilt)
         centred = self.shape.bearing_radius * math.cos(tilt) - apart - self.shape.journal_radius  # G
         if radial is RadialScenario.NONE:
@@ -290,7 +281,7 @@ class AssembledJoint:
         return outer - inner * math.cos(tilt) - self.edge * math.sin(tilt)
 
     def along(self, tilt: float, axial: AxialScenario) -> float:
-        """Shift u of the journal that shows a scenario of the flanges, their gaps being A +- u [m]."""
+        """Return the shift u of the journal for flange gaps A +- u [m]."""
         gap = self.flange_gap(tilt)
         if axial in (AxialScenario.NONE, AxialScenario.TWO_POINTS):
             return 0.0
@@ -300,7 +291,7 @@ class AssembledJoint:
         return gap + 0.5 * (max(0.0, -2.0 * gap) + min(self.depth, whole))
 
     def pose(self, tilt: float, radial: RadialScenario, axial: AxialScenario) -> JournalPose:
-        """Return a pose that shows a pair at a tilt that both allow."""
+        """Return a pose of a pair at a common tilt."""
         aside, lean = self.across(tilt, radial)
         u = self.along(tilt, axial)
         sine, cosine = math.sin(tilt), math.cos(tilt)
@@ -311,23 +302,6 @@ class AssembledJoint:
 
 
 # --- scenarios that a shape allows --------------------------------------------------------------------------
-#
-# At a given tilt :math:`\theta` of the journal the bore's gaps depend on the two coordinates of the
-# journal's axis across itself only, the flanges' gaps on the one coordinate along it only. So bore and
-# flanges choose their scenarios independently of each other but for the tilt, and a pair is possible where
-# the tilts of its two scenarios have a value in common. The tilts of each are intervals, whose ends are in
-# closed form (but for one):
-#
-# .. math::
-#     G(\theta) = R_i \cos\theta - \tfrac{L_i}{2} \sin\theta - R_j, \qquad
-#     A(\theta) = \tfrac{L_j}{2} - \tfrac{L_i}{2} \cos\theta - \rho \sin\theta
-#
-# G is the gap at both ends of the bore with the journal centred: it bounds the mean of the two gaps in any
-# other place, since the distance to the rim of a convex section, the bore seen along the journal, is
-# concave. A is the gap at both flanges with the journal centred, :math:`A \pm u` if it is moved by u; rho
-# is the radius of the edge that counts, the smaller of bearing and flange, and where that is the flange's
-# :math:`A = \tfrac{L_j}{2} \cos\theta - \tfrac{L_i}{2} - \rho \sin\theta`. docs/theory/scenarios.md has the
-# derivation.
 
 #: Headings of :func:`scenario_rows`.
 SCENARIO_COLUMNS = ("radial", "axial", "tilt [mrad]", "pose: centre [um], tilt [mrad]", "why not")
@@ -335,25 +309,17 @@ SCENARIO_COLUMNS = ("radial", "axial", "tilt [mrad]", "pose: centre [um], tilt [
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ScenarioPair:
-    """A pair of radial and axial contact, with a pose that shows it or the reason why there is none.
+    """Pair of radial and axial contact, with a pose or the reason against it."""
 
-    Attributes:
-        radial: Contact in the bore.
-        axial: Contact at the flanges.
-        tilts: Tilts at which the pair occurs; empty if it is not possible.
-        pose: One pose that shows it; None if it is not possible.
-        reason: Why it is not possible; empty if it is.
-    """
-
-    radial: RadialScenario
-    axial: AxialScenario
-    tilts: TiltRange
-    pose: JournalPose | None
-    reason: str
+    radial: RadialScenario  # contact in the bore
+    axial: AxialScenario  # contact at the flanges
+    tilts: TiltRange  # tilts at which the pair occurs; empty if it is not possible
+    pose: JournalPose | None  # one pose that shows it; None if it is not possible
+    reason: str  # why it is not possible; empty if it is
 
     @property
     def possible(self) -> bool:
-        """Whether a pose shows it."""
+        """True if there is a pose."""
         return self.pose is not None
 
 
@@ -382,7 +348,7 @@ def scenario_of(
 
 @takes()
 def possible_scenarios(shape: RevoluteClearance, penetration: float = 0.0) -> tuple[ScenarioPair, ...]:
-    """Return all 16 pairs of contact scenarios, each with a pose or with the reason why there is none.
+    """Return all 16 pairs of contact scenarios, each with a pose or a reason.
 
     Contact is a gap of zero between rigid parts, a gap from ``-penetration`` to zero between parts that may
     penetrate; no gap may be less. Poses are those of an assembled joint: its tilts run from zero to where the

@@ -1,4 +1,4 @@
-r"""When impacts turn into lasting contact.
+r"""Transition of a joint from impacts to lasting contact.
 
 A joint has *settled* at the instant from which on its bore's contacts (a socket's, of a ball joint) are never
 all apart for longer than a given time: :math:`t_s` is the onset of contact that ends the last such interval
@@ -19,9 +19,11 @@ import xarray as xr
 from antenna_pin.analysis._run import Array, RunLike, choose, data_of, sample_times, variable
 from antenna_pin.analysis.closures import drives_of
 from antenna_pin.analysis.impacts import impacts
+from antenna_pin.analysis.sampled import straight_line
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import contacts_of, names_along
+from antenna_pin.trajectory.quantities import dataset_of
 
 __all__ = ["Settling", "settling", "touching_intervals"]
 
@@ -32,41 +34,28 @@ _LEAST_R2 = 0.5  # of an exponential, for approach speeds to decay
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Settling:
-    """Whether and when a joint came to lasting contact.
+    """Transition of a joint to lasting contact.
 
-    Attributes:
-        joint: The clearance joint.
-        contacts: Its contacts that count, any of which is contact.
-        time: When it settled [s]; None if it did not.
-        note: Why it did not; empty if it did.
-        longest_gap: Longest time without contact that counts as lasting contact [s].
-        share_before: Share of the time in contact before it settled (of the whole run if it did not) [-].
-        share_after: The same from then on [-]; NaN if it did not settle.
-        last_gap: End of the last interval without contact, however short [s]; NaN if there was none.
-        decay_rate: Rate at which approach speeds fall, of the straight line through ln speed over time [1/s];
-            NaN for fewer than 5 impacts above the law's floor.
-        decay_r2: Coefficient of determination of that line [-].
-        driven: Whether a drive acts on the joint; it may turn the load, and part what had settled.
-        curve: Over ``window`` (labelled by its middle, ``time``): ``contact_share`` [-], ``impacts`` begun,
-            and their ``largest_approach_speed`` and ``mean_approach_speed`` [m/s] (NaN: no impact).
+    ``curve`` has over ``window`` (with its middle, ``time``): ``contact_share`` [-], ``impacts`` begun, and
+    their ``largest_approach_speed`` and ``mean_approach_speed`` [m/s] (NaN: no impact).
     """
 
-    joint: str
-    contacts: tuple[str, ...]
-    time: float | None
-    note: str
-    longest_gap: float
-    share_before: float
-    share_after: float
-    last_gap: float
-    decay_rate: float
-    decay_r2: float
-    driven: bool
+    joint: str  # name of the clearance joint
+    contacts: tuple[str, ...]  # its contacts that count
+    time: float | None  # of settling [s]; None without it
+    note: str  # reason why it did not settle; empty if it did
+    longest_gap: float  # longest time without contact that counts as lasting contact [s]
+    share_before: float  # share of the time in contact before settling, or of the whole run [-]
+    share_after: float  # the same after settling [-]; NaN without it
+    last_gap: float  # end of the last interval without contact, however short [s]; NaN without one
+    decay_rate: float  # of ln speed at impacts over time [1/s]; NaN for fewer than 5 above the law's floor
+    decay_r2: float  # coefficient of determination of that line [-]
+    driven: bool  # true if a drive acts on the joint; it may turn the load, and end the contact
     curve: xr.Dataset
 
     @property
     def decays(self) -> bool | None:
-        """Whether approach speeds fall, by a line that explains half of what they do; None: too few."""
+        """True if approach speeds decay, with R2 of a half or more; None: too few."""
         if not np.isfinite(self.decay_r2):
             return None
         return self.decay_rate > 0.0 and self.decay_r2 >= _LEAST_R2
@@ -74,7 +63,7 @@ class Settling:
 
 @takes()
 def touching_intervals(run: RunLike, contacts: Sequence[str]) -> Array:
-    """Return when any of some contacts touches, as intervals that do not overlap.
+    """Return the disjoint intervals in which any of some contacts touches.
 
     Args:
         run: A run, or its data.
@@ -112,7 +101,7 @@ def settling(
     windows: int = 50,
     contacts: Kind = "bore",
 ) -> tuple[Settling, ...]:
-    """Return whether and when each clearance joint came to lasting contact; the module's text defines it.
+    """Return the transition of each clearance joint to lasting contact.
 
     Args:
         run: A run, or its data.
@@ -167,11 +156,8 @@ def _settling(
     elif long.size and long[-1, 1] == end:
         settled, note = None, f"it is apart for {1e3 * (end - long[-1, 0]):.3g} ms when the run ends"
     elif settled is not None and end - settled < least:
-        left = 1e3 * (end - settled)
-        settled, note = (
-            None,
-            f"only {left:.3g} ms of {1e3 * least:.3g} ms to tell remain after {settled:.4g} s",
-        )
+        left = f"only {1e3 * (end - settled):.3g} ms of {1e3 * least:.3g} ms to tell"
+        settled, note = None, f"{left} remain after {settled:.4g} s"
     table = impacts(data, joint)
     table = table.isel(impact=np.flatnonzero(np.isin(table["contact"].values, contacts)))
     rate, fit = _decay(table)
@@ -207,10 +193,8 @@ def _decay(table: xr.Dataset) -> tuple[float, float]:
     x, y = table["onset"].values[counted], np.log(speed[counted])
     if x.size < _LEAST_IMPACTS or np.ptp(x) == 0.0 or np.ptp(y) == 0.0:
         return float("nan"), float("nan")
-    dx, dy = x - x.mean(), y - y.mean()
-    slope = float(dx @ dy / (dx @ dx))
-    left = dy - slope * dx
-    return -slope, float(1.0 - left @ left / (dy @ dy))
+    slope, fit = straight_line(x, y)
+    return -slope, fit
 
 
 def _curve(table: xr.Dataset, touching: Array, edges: Array) -> xr.Dataset:
@@ -222,26 +206,8 @@ def _curve(table: xr.Dataset, touching: Array, edges: Array) -> xr.Dataset:
     for k in np.unique(where):
         speed = table["approach_speed"].values[where == k]
         largest[k], mean[k] = speed.max(), speed.mean()
-    return xr.Dataset(
-        {
-            "contact_share": ("window", share, {"units": "1", "long_name": "share of the window in contact"}),
-            "impacts": ("window", begun, {"units": "1", "long_name": "contacts begun in the window"}),
-            "largest_approach_speed": (
-                "window",
-                largest,
-                {"units": "m/s", "long_name": "largest approach speed of the window"},
-            ),
-            "mean_approach_speed": (
-                "window",
-                mean,
-                {"units": "m/s", "long_name": "mean approach speed of the window"},
-            ),
-        },
-        coords={
-            "time": (
-                "window",
-                0.5 * (edges[1:] + edges[:-1]),
-                {"units": "s", "long_name": "middle of the window"},
-            )
-        },
-    )
+    middle = 0.5 * (edges[1:] + edges[:-1])
+    columns = {"contact_share": share, "impacts": begun}
+    columns |= {"largest_approach_speed": largest, "mean_approach_speed": mean}
+    coords = {"time": ("window", middle, {"units": "s", "long_name": "middle of the window"})}
+    return dataset_of("settling curve", columns, coords)

@@ -1,4 +1,4 @@
-"""A shaken base: which link it is, what moves it, and the force and moment that this takes."""
+"""Shaken base: its link, motions, force and moment."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, label_of, sample_times
+from antenna_pin.analysis._run import AXES, Array, RunLike, data_of, label_of, sample_times
 from antenna_pin.analysis.bodies import joint_loads, mechanism_of
 from antenna_pin.analysis.closures import drives_of
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import WORLD, link_motion
+from antenna_pin.trajectory.quantities import dataset_of
 
 __all__ = [
     "base_loads",
@@ -24,12 +25,10 @@ __all__ = [
     "way_of",
 ]
 
-_AXES = ("x", "y", "z")
-
 
 @takes()
 def shakes_of(run: RunLike) -> dict[str, dict[str, Any]]:
-    """Return the motions of a run's shaken base by name: ``joint``, ``slides``, and in ``shakes`` the way.
+    """Return the motions of a shaken base by name: ``joint``, ``slides`` and ``shakes``.
 
     Args:
         run: A run, or its data; there are none where no base is shaken.
@@ -58,7 +57,7 @@ def shaken_link(run: RunLike) -> str:
 
 @takes()
 def way_of(run: RunLike, shake: str | None = None) -> tuple[str, Array]:
-    """Return a motion of the base that goes along a direction, by name, and the direction, (3,) unit.
+    """Return the name of a translation of the base, and its direction, (3,).
 
     Args:
         run: A run, or its data.
@@ -80,7 +79,7 @@ def way_of(run: RunLike, shake: str | None = None) -> tuple[str, Array]:
 
 @takes()
 def base_wrench(data: xr.Dataset) -> Array:
-    """Return force and moment that move the base of a run, (n, 6), at the base link's frame, in its axes."""
+    """Return force and moment on the base at its frame, (n, 6), own axes."""
     link, mechanism = shaken_link(data), mechanism_of(data)
     joints = [str(one["joint"]) for one in shakes_of(data).values()]
     # The one that carries the base itself comes last in the tree.
@@ -97,13 +96,10 @@ def base_wrench(data: xr.Dataset) -> Array:
 
 @takes()
 def base_loads(run: RunLike) -> xr.Dataset:
-    """Return the force and the moment that shake the base of a run: what a fixture's sensors would show.
+    """Return force and moment on the base of a run, as a fixture measures.
 
     They are what the base link with all that it carries needs to move as it does, its own mass included,
     and its weight.
-
-    Args:
-        run: A run whose base is shaken, or its data.
 
     Returns:
         ``force`` [N] and ``moment`` [N m] about the origin of the base link's frame, (time, axis), in its
@@ -111,14 +107,9 @@ def base_loads(run: RunLike) -> xr.Dataset:
     """
     data = data_of(run)
     wrench = base_wrench(data)
-    return xr.Dataset(
-        {
-            "force": (("time", "axis"), wrench[:, :3], {"units": "N", "long_name": "force on the base"}),
-            "moment": (("time", "axis"), wrench[:, 3:], {"units": "N m", "long_name": "moment on the base"}),
-        },
-        coords={"time": sample_times(data, "base_loads"), "axis": list(_AXES)},
-        attrs={"base": shaken_link(data)},
-    )
+    columns = {"force": wrench[:, :3], "moment": wrench[:, 3:]}
+    coords = {"time": sample_times(data, "base_loads"), "axis": list(AXES)}
+    return dataset_of("base loads", columns, coords, {"base": shaken_link(data)})
 
 
 # --- links that respond -------------------------------------------------------------------------------------
@@ -126,7 +117,7 @@ def base_loads(run: RunLike) -> xr.Dataset:
 
 @takes()
 def base_quantity(run: RunLike, shake: str | None = None) -> str:
-    """Return the name of the base's absolute acceleration along the world's axis nearest to a motion of it.
+    """Return the name of the base's acceleration along the axis of its motion.
 
     Args:
         run: A run whose base is shaken, or its data.
@@ -138,7 +129,7 @@ def base_quantity(run: RunLike, shake: str | None = None) -> str:
 
 @takes()
 def shaken_target(run: RunLike, shake: str | None = None) -> str:
-    """Return the name of the acceleration of the URDF's last link, along the same axis.
+    """Return the name of the acceleration of the last link, along that axis.
 
     Args:
         run: A run whose base is shaken, or its data.
@@ -155,4 +146,4 @@ def _axis(data: RunLike, shake: str | None) -> str:
     if shake is None and not any(one["slides"] for one in shakes_of(data).values()):
         return "z"
     _, way = way_of(data, shake)
-    return _AXES[int(np.argmax(np.abs(way)))]
+    return AXES[int(np.argmax(np.abs(way)))]

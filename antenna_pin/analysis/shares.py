@@ -1,4 +1,4 @@
-"""When a run was in each contact scenario, and for how long."""
+"""Contact scenarios of a run over time, and their shares of the time."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.analysis._run import RunLike, blocks, choose, data_of, variable
+from antenna_pin.analysis._run import Array, RunLike, blocks, choose, data_of, variable
 from antenna_pin.analysis.journal import clearance_shapes, journal_motion
 from antenna_pin.base.arguments import takes
-from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
+from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import AxialScenario, RadialScenario
-from antenna_pin.trajectory import Trajectory, contact_ends, contacts_of, series
+from antenna_pin.trajectory import contact_ends, contacts_of, names_along, series
+from antenna_pin.trajectory.schema import VARIABLES
 
 __all__ = [
     "scenario_shares",
@@ -31,7 +32,7 @@ _KINDS = ("prismatic", "cylindrical")
 
 @takes()
 def slider_scenarios(run: RunLike, joint: str | None = None) -> xr.Dataset:
-    """Return how a slider presses on each wall of its guide over time, and for how long.
+    """Return the contact scenarios of a slider at the walls of its guide.
 
     Of a rectangular one, of each of four walls: one corner (or mouth's edge) is a point, two at one end or
     along one edge a line, three or four a surface. Of a round one, whose one wall is ``bore``: one end is a
@@ -68,18 +69,15 @@ def slider_scenarios(run: RunLike, joint: str | None = None) -> xr.Dataset:
     weights[1:] += 0.5 * np.diff(time)
     weights = weights / weights.sum() if weights.sum() > 0.0 else np.full(time.size, 1.0 / time.size)
     share = np.stack([[weights[column == k].sum() for k in range(len(_NAMES))] for column in found.T])
+    about = {
+        "units": "1",
+        "long_name": "contact scenario at a wall of the guide",
+        "flag_values": np.arange(len(_NAMES), dtype=np.int8),
+        "flag_meanings": " ".join(_NAMES),
+    }
     return xr.Dataset(
         {
-            "scenario": (
-                ("time", "wall"),
-                found.astype(np.int8),
-                {
-                    "units": "1",
-                    "long_name": "contact scenario at a wall of the guide",
-                    "flag_values": np.arange(len(_NAMES), dtype=np.int8),
-                    "flag_meanings": " ".join(_NAMES),
-                },
-            ),
+            "scenario": (("time", "wall"), found.astype(np.int8), about),
             "share": (("wall", "kind"), share, {"units": "1", "long_name": "share of the time"}),
         },
         coords={"time": data["time"], "wall": walls, "kind": list(_NAMES)},
@@ -87,8 +85,8 @@ def slider_scenarios(run: RunLike, joint: str | None = None) -> xr.Dataset:
     )
 
 
-def _flat(gaps: NDArray[np.float64], ends: list[str], wall: str) -> NDArray[np.int_]:
-    """Return the scenario at a flat wall: of its four corners two on a diagonal are two points."""
+def _flat(gaps: Array, ends: list[str], wall: str) -> NDArray[np.int_]:
+    """Return the scenario at a flat wall from its four corners."""
     own = [k for k, end in enumerate(ends) if end.startswith(wall)]
     signs = np.array([[1 if ends[k][n] == "+" else -1 for n in (2, 4)] for k in own])
     pressed = gaps[:, own] < 0.0
@@ -98,10 +96,8 @@ def _flat(gaps: NDArray[np.float64], ends: list[str], wall: str) -> NDArray[np.i
     return np.where((count == 2) & opposite, _TWO, found)
 
 
-def _round(
-    data: xr.Dataset, joint: str, size: dict[str, float], gaps: NDArray[np.float64]
-) -> NDArray[np.int_]:
-    """Return the scenario in a round guide, from its two ends and the middle between them."""
+def _round(data: xr.Dataset, joint: str, size: dict[str, float], gaps: Array) -> NDArray[np.int_]:
+    """Return the scenario in a round guide from both ends and the middle."""
     pressed = gaps[:, :2] < 0.0
     offset = journal_motion(data, joint)["offset"].values
     middle = np.linalg.norm(offset.mean(axis=1)[:, :2], axis=1)
@@ -111,12 +107,10 @@ def _round(
 
 # --- shares of time -----------------------------------------------------------------------------------------
 
-_NEEDED = ("radial_scenario", "axial_scenario", "touching")
-
 
 @takes()
-def scenario_shares(run: Trajectory | xr.Dataset) -> xr.DataArray:
-    """Return the share of the time that each clearance joint spent in each pair of contact scenarios.
+def scenario_shares(run: RunLike) -> xr.DataArray:
+    """Return each clearance joint's shares of the time in pairs of contact scenarios.
 
     Contacts begin and end at samples, and each has a sample between: the file has one at every change and at
     every largest force. So the time between two samples belongs to the scenario seen at its ends; half to
@@ -124,18 +118,14 @@ def scenario_shares(run: Trajectory | xr.Dataset) -> xr.DataArray:
     changed, where gaps are zero but for round-off. Where both ends are such, the number of touching contacts
     tells none, one and two points.
 
-    Args:
-        run: A run with clearance joints, or its data.
-
     Returns:
         Shares [-], (clearance_joint, radial, axial), labelled by the scenarios' names in lower case; they sum
         to 1 for each joint. No joint, no row, if the run has no clearance joint. A joint without flanges
         knows "none" and "one_point" in the bore and no axial contact; that of a slider is any contact.
     """
-    data = run.data if isinstance(run, Trajectory) else run
-    series(data, "scenario_shares")
+    data = series(data_of(run), "scenario_shares")
     radial, axial = ([kind.name.lower() for kind in kinds] for kinds in (RadialScenario, AxialScenario))
-    joints = [str(name) for name in data["clearance_joint"].values] if "clearance_joint" in data.sizes else []
+    joints = names_along(data, "clearance_joint")
     shares = np.zeros((len(joints), len(radial), len(axial)))
     for k, joint in enumerate(joints):
         shares[k] = _shares(data, joint)
@@ -149,8 +139,8 @@ def scenario_shares(run: Trajectory | xr.Dataset) -> xr.DataArray:
 
 
 @takes()
-def scenario_spans(run: Trajectory | xr.Dataset, joint: str | None = None) -> xr.Dataset:
-    """Return the spans of time that a clearance joint spent in one pair of contact scenarios each.
+def scenario_spans(run: RunLike, joint: str | None = None) -> xr.Dataset:
+    """Return the time spans of a clearance joint in single pairs of contact scenarios.
 
     The time between two samples is shared as in :func:`scenario_shares`, its first half to the scenario at
     its start, and neighbours of the same pair are one span.
@@ -163,42 +153,31 @@ def scenario_spans(run: Trajectory | xr.Dataset, joint: str | None = None) -> xr
         Over ``span``: ``start`` and ``end`` [s], each span beginning where the one before ends, and the
         scenarios ``radial`` and ``axial`` as numbers, their names in the attribute ``flag_meanings``.
     """
-    data = run.data if isinstance(run, Trajectory) else run
-    known = [str(name) for name in data["clearance_joint"].values] if "clearance_joint" in data.sizes else []
+    data = data_of(run)
+    known = names_along(data, "clearance_joint")
     if not known:
         raise InvalidParameterError("scenario_spans", "run", "one with a clearance joint", "none")
-    joint = known[0] if joint is None else joint
-    if joint not in known:
-        raise UnknownNameError("scenario_spans", "clearance joint", joint, known)
+    joint = choose("scenario_spans", "clearance joint", known[0] if joint is None else joint, known)[0]
     found = [_spans(part, ends) for part, ends in _scenarios(data, joint)]
     start, until, radial, axial = (np.concatenate(columns) for columns in zip(*found, strict=True))
     start, until, radial, axial = _merged(start, until, radial, axial)
-
-    def flags(kinds: type[RadialScenario] | type[AxialScenario], name: str) -> dict[str, object]:
-        return {
-            "units": "1",
-            "long_name": f"contact scenario, {name}",
-            "flag_values": np.array([kind.value for kind in kinds], dtype=np.int8),
-            "flag_meanings": " ".join(kind.name.lower() for kind in kinds),
-        }
 
     return xr.Dataset(
         {
             "start": ("span", start, {"units": "s", "long_name": "start of the span"}),
             "end": ("span", until, {"units": "s", "long_name": "its end"}),
-            "radial": ("span", radial.astype(np.int8), flags(RadialScenario, "radial")),
-            "axial": ("span", axial.astype(np.int8), flags(AxialScenario, "axial")),
+            "radial": ("span", radial.astype(np.int8), VARIABLES["radial_scenario"].attributes),
+            "axial": ("span", axial.astype(np.int8), VARIABLES["axial_scenario"].attributes),
         },
         attrs={"joint": joint},
     )
 
 
 _Ends: TypeAlias = "tuple[NDArray[np.int_], NDArray[np.int_]]"
-_Array: TypeAlias = NDArray[np.float64]
-_Spans: TypeAlias = "tuple[_Array, _Array, NDArray[np.int_], NDArray[np.int_]]"
+_Spans: TypeAlias = "tuple[Array, Array, NDArray[np.int_], NDArray[np.int_]]"
 
 
-def _spans(time: _Array, ends: list[_Ends]) -> _Spans:
+def _spans(time: Array, ends: list[_Ends]) -> _Spans:
     """Return the spans of some samples: start, end, and numbers of both scenarios."""
     halves = [np.stack(pair, axis=1)[: max(time.size - 1, 1)].ravel() for pair in ends]
     middles = np.stack([time[:-1], 0.5 * (time[:-1] + time[1:])], axis=1).ravel()
@@ -208,7 +187,7 @@ def _spans(time: _Array, ends: list[_Ends]) -> _Spans:
     return _merged(start, until, *(half[lasting] for half in halves))
 
 
-def _merged(start: _Array, until: _Array, radial: NDArray[np.int_], axial: NDArray[np.int_]) -> _Spans:
+def _merged(start: Array, until: Array, radial: NDArray[np.int_], axial: NDArray[np.int_]) -> _Spans:
     """Return spans that follow one another, neighbours of the same pair as one."""
     new = np.ones(start.size, dtype=bool)
     new[1:] = (radial[1:] != radial[:-1]) | (axial[1:] != axial[:-1])
@@ -216,7 +195,7 @@ def _merged(start: _Array, until: _Array, radial: NDArray[np.int_], axial: NDArr
     return start[new], until[last], radial[new], axial[new]
 
 
-def _shares(data: xr.Dataset, joint: str) -> NDArray[np.float64]:
+def _shares(data: xr.Dataset, joint: str) -> Array:
     shares = np.zeros((len(RadialScenario), len(AxialScenario)))
     whole = data["time"].values[-1] - data["time"].values[0]
     for time, ends in _scenarios(data, joint):
@@ -229,15 +208,13 @@ def _shares(data: xr.Dataset, joint: str) -> NDArray[np.float64]:
     return shares
 
 
-def _scenarios(data: xr.Dataset, joint: str) -> Iterator[tuple[_Array, list[_Ends]]]:
+def _scenarios(data: xr.Dataset, joint: str) -> Iterator[tuple[Array, list[_Ends]]]:
     """Yield sample times and, radial and axial, the scenarios at both ends of every interval.
 
     Part by part, each from the last sample of the one before on.
     """
-    missing = [name for name in _NEEDED if name not in data]
-    if missing:
-        series(data, "contact scenarios")
-        raise FileFormatError(f"run: no variable {missing[0]!r}; is it an antenna_pin result?")
+    for name in ("radial_scenario", "axial_scenario", "touching"):
+        variable(data, name, "contact scenarios")
     names = {kind: contacts_of(data, joint, flanges=kind == "axial") for kind in ("radial", "axial")}
     # A joint without flanges knows none and one point, however many of its contacts touch.
     most = 2 if contacts_of(data, joint, flanges=True) else 1
@@ -253,22 +230,22 @@ def _scenarios(data: xr.Dataset, joint: str) -> Iterator[tuple[_Array, list[_End
         yield np.asarray(part["time"].values, dtype=float)[begin:], ends
 
 
-def _ends(seen: NDArray[np.int_], touching: NDArray[np.int_], most: int) -> _Ends:
+def _ends(scenario: NDArray[np.int_], touching: NDArray[np.int_], most: int) -> _Ends:
     """Return the scenarios at the start and at the end of every interval between samples.
 
     Args:
-        seen: Scenario at every sample, (n,).
+        scenario: At every sample, (n,).
         touching: Whether each contact of the kind touches from a sample on, (n, contacts).
-        most: Points of contact that are told apart.
+        most: Largest number of points of contact.
     """
     count = np.minimum(touching.sum(axis=1), most)
-    if seen.size < 2:
-        return seen, seen
+    if scenario.size < 2:
+        return scenario, scenario
     change = np.any(touching[1:] != touching[:-1], axis=1)
     # A contact that starts with a gap of zero changes at the first sample, too.
-    starts = np.concatenate([[(count[0] > 0) and seen[0] == 0], change[:-1]])
-    start = np.where(starts, np.where(change, count[:-1], seen[1:]), seen[:-1])
-    end = np.where(change, np.where(starts, count[:-1], seen[:-1]), seen[1:])
+    starts = np.concatenate([[(count[0] > 0) and scenario[0] == 0], change[:-1]])
+    start = np.where(starts, np.where(change, count[:-1], scenario[1:]), scenario[:-1])
+    end = np.where(change, np.where(starts, count[:-1], scenario[:-1]), scenario[1:])
     # No contact touches: none, whatever a gap of round-off at an end says.
     start[count[:-1] == 0] = 0
     end[count[:-1] == 0] = 0

@@ -1,4 +1,4 @@
-r"""Shock response spectra: what an acceleration would do to oscillators of any frequency on it.
+r"""Shock response spectra of accelerations.
 
 An oscillator of natural frequency f and quality Q = 1/(2 zeta) on a base of acceleration a moves relative to
 it by
@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike
 from antenna_pin.analysis._run import Array
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.trajectory.quantities import dataset_of
 
 __all__ = ["shock_spectrum"]
 
@@ -81,31 +82,19 @@ def shock_spectrum(
     largest, least, far = (np.array([one[k] for one in found]) for k in range(3))
     after = _after(np.array([one[3:] for one in found]).T, f, quality)
     high, low = np.maximum(largest, after[0]), np.minimum(least, after[1])
-    residual = np.maximum(after[0], -after[1])
-    about = (
-        ("positive", high, units, "largest absolute acceleration, positive sense"),
-        ("negative", -low, units, "largest absolute acceleration, negative sense"),
-        ("maximum", np.maximum(high, -low), units, "largest absolute acceleration"),
-        ("residual", residual, units, "largest absolute acceleration after the signal"),
-        (
-            "pseudo_velocity",
-            2.0 * np.pi * f * np.maximum(far, after[2]),
-            f"{units} s",
-            "omega times the largest relative displacement",
-        ),
-    )
-    return xr.Dataset(
-        {
-            name: ("frequency", column, {"units": unit, "long_name": words})
-            for name, column, unit, words in about
-        },
-        coords={"frequency": ("frequency", f, {"units": "Hz", "long_name": "natural frequency"})},
-        attrs={"quality": quality},
-    )
+    columns = {
+        "positive": high,
+        "negative": -low,
+        "maximum": np.maximum(high, -low),
+        "residual": np.maximum(after[0], -after[1]),
+        "pseudo_velocity": 2.0 * np.pi * f * np.maximum(far, after[2]),
+    }
+    coords = {"frequency": ("frequency", f, {"units": "Hz", "long_name": "natural frequency"})}
+    return dataset_of("shock", columns, coords, {"quality": quality}, units=units)
 
 
 def _frequencies(t: Array) -> Array:
-    """Return frequencies from the reciprocal of the signal's length to a tenth of its sample rate [Hz]."""
+    """Return the default frequencies of oscillators [Hz]."""
     steps = np.diff(t)
     low, high = 1.0 / float(t[-1] - t[0]), 0.1 / float(np.median(steps[steps > 0.0]))
     count = max(2, math.ceil(_PER_OCTAVE * math.log2(max(high / low, 2.0))))
@@ -122,7 +111,7 @@ def _check_steps(t: Array, fastest: float) -> None:
 
 
 def _between(t: Array, a: Array, frequency: float) -> tuple[Array, Array]:
-    """Return times and both ends of pieces of the polygon, so short that an oscillator is slow for them.
+    """Return short pieces of the polygon for an oscillator.
 
     Returns:
         (n + 1,) times and (2, n) accelerations: where something jumps, a piece begins with the later of two.
@@ -169,7 +158,7 @@ def _swing(
 
 
 def _pushed(steps: Array, ends: Array, root: complex) -> npt.NDArray[np.complex128]:
-    """Return what pieces of the polygon add to u, from their lengths and the accelerations at their ends."""
+    """Return the increments of u over pieces of the polygon."""
     x = root * steps
     once = np.expm1(x) / root
     series = 0.5 + x * (1 / 6 + x * (1 / 24 + x * (1 / 120 + x * (1 / 720 + x / 5040))))
@@ -180,7 +169,7 @@ def _pushed(steps: Array, ends: Array, root: complex) -> npt.NDArray[np.complex1
 
 
 def _after(state: Array, f: Array, quality: float) -> tuple[Array, Array, Array]:
-    """Return the extremes of the free swing in the period after the end, its start included."""
+    """Return the extremes of the free oscillation in the period after the end."""
     omega, zeta = 2.0 * np.pi * f, 0.5 / quality
     damped = omega * math.sqrt(1.0 - zeta**2)
     s = np.linspace(0.0, 1.0, _AFTER + 1)[:, None] * 2.0 * np.pi / damped

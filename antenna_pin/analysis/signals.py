@@ -1,4 +1,4 @@
-"""The signals of a run whose spectra tell something: accelerations and joint forces."""
+"""Signals of a run for spectra: accelerations, deflections and joint forces."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, blocks, data_of, sample_times
+from antenna_pin.analysis._run import AXES, Array, RunLike, blocks, data_of, sample_times
 from antenna_pin.analysis.body_motion import base_motion
 from antenna_pin.analysis.elastic import elastic_parts_of
 from antenna_pin.analysis.even import Read
@@ -17,25 +17,17 @@ from antenna_pin.trajectory import names_along
 
 __all__ = ["RunSignal", "scales_of", "signals"]
 
-_AXES = ("x", "y", "z")
-_BASE = {f"base {kind}acceleration {axis}" for kind in ("", "angular ") for axis in _AXES}
+_BASE = {f"base {kind}acceleration {axis}" for kind in ("", "angular ") for axis in AXES}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RunSignal:
-    """A sampled quantity of a run.
+    """A sampled quantity of a run."""
 
-    Attributes:
-        time: Of the samples, uneven, (n,) [s].
-        units: Of the values.
-        read: Returns the samples from one number up to another, (m,).
-        largest: Largest size of those that are finite.
-    """
-
-    time: Array
-    units: str
-    read: Read
-    largest: float
+    time: Array  # of the samples, uneven, (n,) [s]
+    units: str  # of the values
+    read: Read  # returns the samples from one number up to another, (m,)
+    largest: float  # largest size of those that are finite
 
     @property
     def values(self) -> Array:
@@ -45,7 +37,7 @@ class RunSignal:
 
 @takes()
 def scales_of(signals: Iterable[RunSignal]) -> dict[str, float]:
-    """Return the largest size of the signals of each unit: what round-off in any of them is judged by."""
+    """Return the largest size of signals in each unit, as scale of round-off."""
     found: dict[str, float] = {}
     for one in signals:
         found[one.units] = max(found.get(one.units, 0.0), one.largest)
@@ -54,10 +46,7 @@ def scales_of(signals: Iterable[RunSignal]) -> dict[str, float]:
 
 @takes()
 def signals(run: RunLike) -> dict[str, RunSignal]:
-    """Return accelerations of a run's joints and base, deflections, and forces in clearance joints, by name.
-
-    Args:
-        run: A run, or its data.
+    """Return accelerations, deflections and forces in clearance joints, by name.
 
     Returns:
         "JOINT acceleration" about the joint's axis, "PART deflection" of elastic parts, "base acceleration x"
@@ -83,10 +72,10 @@ def signals(run: RunLike) -> dict[str, RunSignal]:
     }
 
 
-def _reader(data: xr.Dataset, name: str, held: dict[str, Array]) -> Read:
-    if name in held:
-        return lambda first, last: held[name][first:last]
-    return lambda first, last: _columns(data.isel(time=slice(first, last)), name)[name]
+def _reader(data: xr.Dataset, name: str, columns: dict[str, Array]) -> Read:
+    if name in columns:
+        return lambda begin, end: columns[name][begin:end]
+    return lambda begin, end: _columns(data.isel(time=slice(begin, end)), name)[name]
 
 
 def _units(data: xr.Dataset) -> dict[str, str]:
@@ -96,9 +85,9 @@ def _units(data: xr.Dataset) -> dict[str, str]:
     found |= {f"{name} deflection": "m" if part["slides"] else "rad" for name, part in parts}
     if "base_position" in data:
         for name, unit in (("acceleration", "m/s^2"), ("angular acceleration", "rad/s^2")):
-            found |= {f"base {name} {axis}": unit for axis in _AXES}
+            found |= {f"base {name} {axis}": unit for axis in AXES}
     for name in names_along(data, "clearance_joint"):
-        found |= {f"{name} force {axis}": "N" for axis in _AXES}
+        found |= {f"{name} force {axis}": "N" for axis in AXES}
     return found
 
 
@@ -115,9 +104,9 @@ def _columns(data: xr.Dataset, only: str = "") -> dict[str, Array]:
         motion = base_motion(data)
         for kind in ("acceleration", "angular_acceleration"):
             values = np.asarray(motion[kind].values, dtype=float)
-            found |= {f"base {kind.replace('_', ' ')} {axis}": values[:, k] for k, axis in enumerate(_AXES)}
+            found |= {f"base {kind.replace('_', ' ')} {axis}": values[:, k] for k, axis in enumerate(AXES)}
     for name in names_along(data, "clearance_joint"):
-        for k, axis in enumerate(_AXES):
+        for k, axis in enumerate(AXES):
             if only in ("", key := f"{name} force {axis}"):
                 force = data["joint_force"].sel(clearance_joint=name)
                 found[key] = np.asarray(force[:, k].values, dtype=float)

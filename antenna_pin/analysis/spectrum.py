@@ -1,4 +1,4 @@
-r"""What frequencies a sampled signal holds: spectra, their peaks, and how they change with time.
+r"""Spectra of sampled signals, their peaks, and spectrograms.
 
 Samples of a run are uneven: the output rate, and more of them at events. A spectrum needs an even grid, and
 laying a signal with impacts on one naively folds what is faster than half the grid's rate back into the
@@ -21,10 +21,11 @@ import scipy
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from antenna_pin.analysis._run import LONG, Array
+from antenna_pin.analysis._run import LONG
 from antenna_pin.analysis.even import LEAST_SAMPLES, EvenSignal, Read, UniformSignal, long_amplitudes, uniform
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.trajectory.quantities import dataset_of
 
 __all__ = [
     "UniformSignal",
@@ -71,18 +72,13 @@ def spectrum(
         even.values, even.rate, window="hann", nperseg=length, noverlap=length // 2, axis=0
     )
     segments = 1 + (even.time.size - length) // (length - length // 2)
-    dims = ("frequency",) if power.ndim == 1 else ("frequency", "component")
-    return xr.Dataset(
-        {
-            "density": (
-                dims,
-                np.sqrt(power),
-                {"units": _per(units, "sqrt(Hz)"), "long_name": "amplitude density"},
-            ),
-            "power": (dims, power, {"units": _per(_squared(units), "Hz"), "long_name": "power density"}),
-        },
-        coords={"frequency": ("frequency", frequency, {"units": "Hz", "long_name": "frequency"})},
-        attrs={"resolution": 1.5 * even.rate / length, "segments": segments, "rate": even.rate},
+    return dataset_of(
+        "spectrum" if power.ndim == 1 else "spectra",
+        {"density": np.sqrt(power), "power": power},
+        {"frequency": ("frequency", frequency, {"units": "Hz", "long_name": "frequency"})},
+        {"resolution": 1.5 * even.rate / length, "segments": segments, "rate": even.rate},
+        density=f"{units or '1'}/sqrt(Hz)",
+        power=_power_unit(units),
     )
 
 
@@ -145,7 +141,8 @@ def dominant_frequencies(
         largest, extent = float(np.abs(whole.values).max()), float(np.ptp(whole.values))
     round_off = _ROUND_OFF * max(largest, scale)
     around = max(9, n // 16)
-    level = _running_median(size, around) + 1e-15 * largest
+    median = scipy.ndimage.median_filter(size, size=min(around, size.size), mode="reflect")
+    level = np.asarray(median) + 1e-15 * largest
     peaks, _ = scipy.signal.find_peaks(size)
     peaks = peaks[(peaks >= 2) & (size[peaks] > 5.0 * level[peaks]) & (2.0 * size[peaks] > round_off)]
     peaks = peaks[np.argsort(-size[peaks], kind="stable")]
@@ -165,23 +162,14 @@ def dominant_frequencies(
         kept.append(int(k))
         if len(kept) == count:
             break
-    return xr.Dataset(
-        {
-            "frequency": ("peak", np.array(frequency), {"units": "Hz", "long_name": "frequency"}),
-            "amplitude": ("peak", np.array(amplitude), {"units": units, "long_name": "amplitude"}),
-            "contrast": (
-                "peak",
-                np.array([size[k] / level[k] for k in kept]),
-                {"units": "1", "long_name": "over the spectrum around it"},
-            ),
-        },
-        coords={"peak": np.arange(len(kept))},
-        attrs={
-            "resolution": step_rate / n,
-            "rate": step_rate,
-            "left_out": left_out,
-            "round_off": int(extent <= 2.0 * round_off),
-        },
+    contrast = [size[k] / level[k] for k in kept]
+    about = {"resolution": step_rate / n, "rate": step_rate, "left_out": left_out}
+    return dataset_of(
+        "peaks",
+        {"frequency": np.array(frequency), "amplitude": np.array(amplitude), "contrast": np.array(contrast)},
+        {"peak": np.arange(len(kept))},
+        about | {"round_off": int(extent <= 2.0 * round_off)},
+        units=units,
     )
 
 
@@ -224,19 +212,15 @@ def spectrogram(
     last = max(transform.upper_border_begin(n)[1], first + 1)
     found = np.abs(transform.stft(even.values - even.values.mean(), p0=first, p1=last)) ** 2
     middles = even.time[0] + transform.delta_t * np.arange(first, last)
-    return xr.Dataset(
+    return dataset_of(
+        "spectrogram",
+        {"power": found},
         {
-            "power": (
-                ("frequency", "time"),
-                found,
-                {"units": _per(_squared(units), "Hz"), "long_name": "power density"},
-            )
-        },
-        coords={
             "frequency": ("frequency", transform.f, {"units": "Hz", "long_name": "frequency"}),
             "time": ("time", middles, {"units": "s", "long_name": "middle of the window"}),
         },
-        attrs={"resolution": 1.5 * even.rate / length, "segment": length / even.rate, "rate": even.rate},
+        {"resolution": 1.5 * even.rate / length, "segment": length / even.rate, "rate": even.rate},
+        power=_power_unit(units),
     )
 
 
@@ -244,7 +228,7 @@ def _reader(values: ArrayLike) -> Read:
     held = np.asarray(values, dtype=float)
     if held.ndim != 1:
         raise InvalidParameterError("dominant_frequencies", "values", "one signal, (n,)", held.shape)
-    return lambda first, last: held[first:last]
+    return lambda begin, end: held[begin:end]
 
 
 def _segment(even: UniformSignal, segment: float | None) -> int:
@@ -260,14 +244,5 @@ def _segment(even: UniformSignal, segment: float | None) -> int:
     return length
 
 
-def _running_median(values: Array, width: int) -> Array:
-    """Return the median of the neighbours within half a width; ends take what there is."""
-    return np.asarray(scipy.ndimage.median_filter(values, size=min(width, values.size), mode="reflect"))
-
-
-def _squared(units: str) -> str:
-    return f"({units})^2" if units else ""
-
-
-def _per(units: str, below: str) -> str:
-    return f"{units}/{below}" if units else f"1/{below}"
+def _power_unit(units: str) -> str:
+    return f"({units})^2/Hz" if units else "1/Hz"

@@ -1,4 +1,4 @@
-"""What end stops took and latches did: a row per touch, a row per change, and what each comes to."""
+"""Tables of the touches of end stops and gears, and of the changes of latches."""
 
 from __future__ import annotations
 
@@ -29,9 +29,6 @@ def stop_impacts(run: RunLike) -> xr.Dataset:
     Beside :func:`antenna_pin.analysis.impacts`, which has those of contacts. A blow of a rigid stop lasts no
     time; a joint that comes to rest on one has a rebound rate once it leaves.
 
-    Args:
-        run: A run, or its data.
-
     Returns:
         Over ``touch``: ``onset`` and ``release`` [s], ``approach_rate`` and ``rebound_rate`` [rad/s],
         ``peak_effort`` [N m], ``impulse`` [N m s] and ``loss`` [J], in m/s, N and N s at a joint that slides;
@@ -44,10 +41,7 @@ def stop_impacts(run: RunLike) -> xr.Dataset:
 
 @takes()
 def latch_events(run: RunLike) -> xr.Dataset:
-    """Return what the latches of a run captured, refused and let go, in order of time.
-
-    Args:
-        run: A run, or its data.
+    """Return captures, refusals and releases of latches, in order of time.
 
     Returns:
         Over ``latch_event``: ``time`` [s], ``angle`` [rad], ``rate`` [rad/s], ``loss`` [J], ``impulse``
@@ -68,10 +62,10 @@ def stops_and_latches(run: RunLike) -> tuple[tuple[str, ...], tuple[str, ...]]:
     return stops, latches
 
 
-def touch_table(found: Sequence[Touch], labels: Mapping[str, Sequence[str]]) -> xr.Dataset:
+def touch_table(rows: Sequence[Touch], labels: Mapping[str, Sequence[str]]) -> xr.Dataset:
     """Return touches as a table, with labels beside them."""
     return table(
-        "touches", {name: [getattr(one, name) for one in found] for name in TABLES["touches"]}, labels
+        "touches", {name: [getattr(one, name) for one in rows] for name in TABLES["touches"]}, labels
     )
 
 
@@ -80,10 +74,7 @@ def touch_table(found: Sequence[Touch], labels: Mapping[str, Sequence[str]]) -> 
 
 @takes()
 def gear_impacts(run: RunLike) -> xr.Dataset:
-    """Return the touches of flanks of gears of a run, and what strands pulled, in order of their onset.
-
-    Args:
-        run: A run, or its data.
+    """Return the touches of gears, belts and cables of a run, in order.
 
     Returns:
         Over ``touch``: ``onset`` and ``release`` [s], ``approach_rate`` and ``rebound_rate`` of the
@@ -98,7 +89,7 @@ def gear_impacts(run: RunLike) -> xr.Dataset:
 
 @takes()
 def gear_contacts(run: RunLike, gear: str) -> xr.Dataset:
-    """Return what of a gear, belt or cable was in contact, span by span over the whole run.
+    """Return the sides in contact of a gear, belt or cable over the run.
 
     Args:
         run: A run with samples, or its data.

@@ -22,6 +22,7 @@ from antenna_pin.analysis.shaken import shaken_link, shakes_of
 from antenna_pin.base.arguments import takes
 from antenna_pin.elements import SweptPiece, sines_of
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.trajectory.quantities import dataset_of
 
 __all__ = ["base_acceleration", "following", "swept_response"]
 
@@ -30,7 +31,7 @@ _LEAST_SAMPLES = 12
 
 @takes()
 def following(time: ArrayLike, values: ArrayLike, phase: ArrayLike, periods: float = 10.0) -> xr.Dataset:
-    """Return the part of a signal that follows a phase, in windows that overlap by half.
+    """Return the part of a signal at a phase, in overlapping windows.
 
     Args:
         time: Sample times, not decreasing, (n,) [s].
@@ -71,7 +72,7 @@ def following(time: ArrayLike, values: ArrayLike, phase: ArrayLike, periods: flo
 
 
 def _fitted(t: Array, y: Array, turned: Array, weight: Array, middle: float, half: float) -> list[complex]:
-    """Return the time of a window's middle, what follows, and the root mean square of the rest."""
+    """Return time of the window's middle, synchronous part, and root mean square of the rest."""
     off = (turned - middle) / half
     own = np.maximum(weight, 0.0) * np.cos(0.5 * np.pi * off) ** 2
     at = float(np.interp(middle, turned, t))
@@ -86,7 +87,7 @@ def _fitted(t: Array, y: Array, turned: Array, weight: Array, middle: float, hal
 
 @takes()
 def base_acceleration(run: RunLike, shake: str) -> Array:
-    """Return the acceleration of the base by one of its motions, at the samples, (n,) [m/s^2] ([rad/s^2])."""
+    """Return the acceleration of the base by one motion, (n,) [m/s^2] ([rad/s^2])."""
     data = data_of(run)
     known = shakes_of(data)
     if shake not in known:
@@ -99,7 +100,7 @@ def base_acceleration(run: RunLike, shake: str) -> Array:
 def swept_response(
     run: RunLike, target: str, *, shake: str | None = None, periods: float = 10.0
 ) -> xr.Dataset:
-    """Return how a quantity of a run answers to a swept or plain sine of its base, over the frequency.
+    """Return the response of a quantity to a swept or plain sine of the base.
 
     Args:
         run: A run whose base is shaken by a sine or a sweep, or its data.
@@ -125,7 +126,7 @@ def swept_response(
     time = sample_times(data, "swept_response")
     pieces = [SweptPiece(*one) for one in swept[shake]]
     base = base_acceleration(data, shake)
-    parts = []
+    parts: list[dict[str, Array]] = []
     ends = [*(piece.start for piece in pieces[1:]), np.inf]
     for piece, end in zip(pieces, ends, strict=True):
         here = (time >= piece.start) & (time <= end)
@@ -138,44 +139,22 @@ def swept_response(
         amplitude = np.abs(answer["part"].values)
         with np.errstate(divide="ignore"):
             distortion = np.sqrt(2.0) * answer["rest"].values / amplitude
-        way = np.full(frequency.size, int(np.sign(piece.growth)))
         parts.append(
-            (
-                frequency,
-                way,
-                answer["time"].values,
-                response,
-                amplitude,
-                np.abs(cause["part"].values),
-                distortion,
-            )
+            {
+                "frequency": frequency,
+                "way": np.full(frequency.size, int(np.sign(piece.growth))),
+                "time": answer["time"].values,
+                "response": response,
+                "gain": np.abs(response),
+                "phase": np.angle(response),
+                "amplitude": amplitude,
+                "base": np.abs(cause["part"].values),
+                "distortion": distortion,
+            }
         )
     if not parts:
         rule = f"so long that {periods:g} periods of a piece of the sweep lie in it"
         raise InvalidParameterError("swept_response", "run", rule, said=f"{time[-1] - time[0]:g} s")
-    columns = [np.concatenate(one) for one in zip(*parts, strict=True)]
-    return _dataset(columns, found.units, {"shake": shake, "target": found.name, "periods": periods})
-
-
-def _dataset(columns: list[Array], units: str, about: dict[str, object]) -> xr.Dataset:
-    """Return a swept response."""
-    frequency, way, time, response, amplitude, base, distortion = columns
-    per = f"({units})/(m/s^2)"
-    table = (
-        ("frequency", frequency, "Hz", "frequency of the base"),
-        ("way", way, "1", "1: swept up, -1: down"),
-        ("time", time, "s", "middle of the window"),
-        ("response", response, per, "target over the base's acceleration"),
-        ("gain", np.abs(response), per, "magnitude of the response"),
-        ("phase", np.angle(response), "rad", "phase of the response"),
-        ("amplitude", amplitude, units, "amplitude of the target at the base's frequency"),
-        ("base", base, "m/s^2", "amplitude of the base's acceleration"),
-        ("distortion", distortion, "1", "what does not follow over what does, root mean square"),
-    )
-    return xr.Dataset(
-        {
-            name: ("window", values, {"units": unit, "long_name": words})
-            for name, values, unit, words in table
-        },
-        attrs=about,
-    )
+    columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    about = {"shake": shake, "target": found.name, "periods": periods}
+    return dataset_of("swept response", columns, {}, about, units=found.units)

@@ -1,4 +1,4 @@
-"""When a motion has settled: from which point on the statistics of its section points drift no more.
+"""End of a transient: statistics of section points without drift.
 
 The rest of the points behind a candidate start is cut into eight blocks of equal length. Of each block and
 coordinate four statistics are taken: the mean and the root mean square about the mean of all, both under Hann
@@ -48,24 +48,16 @@ _MONOTONE = 26  # Kendall's S of eight values, 28 at most
 
 @dataclass(frozen=True, slots=True)
 class Settled:
-    """From where on a series of points has settled.
+    """Settled part of a series of points; the drift is NaN for too few points."""
 
-    Attributes:
-        start: Index of the first settled point; None if there is none in the first half, or too few points.
-        drift: Largest drift of a statistic behind the start (or behind the middle if there is none), as a
-            share of the scale [-]; NaN for too few points.
-        tolerance: Drift that does not count, as a share of the scale [-].
-        points: How many there are.
-    """
-
-    start: int | None
-    drift: float
-    tolerance: float
-    points: int
+    start: int | None  # index of the first settled point; None without one in the first half
+    drift: float  # largest drift of a statistic behind the start, else the middle, by the scale [-]
+    tolerance: float  # drift that does not count, by the scale [-]
+    points: int  # number of points
 
     @property
     def words(self) -> str:
-        """The verdict, as a line says it."""
+        """Verdict as text."""
         if self.points < LEAST:
             return f"too short to say ({self.points} points, {LEAST} are needed)"
         if self.start is None:
@@ -79,7 +71,7 @@ class Settled:
 def settled(
     points: ArrayLike, *, scale: ArrayLike | None = None, tolerance: float = 1e-3, whole: bool = False
 ) -> Settled:
-    """Return from which point on a series has settled.
+    """Return the settled part of a series.
 
     Args:
         points: Section points in order of time, (n,) or (n, d); or even samples of signals, where a block, a
@@ -134,7 +126,7 @@ def scaled(place: str, points: ArrayLike, scale: ArrayLike | None, least: Array 
 
 
 def _drift(z: Array, tolerance: float) -> tuple[float, bool]:
-    """Return the largest drift of a statistic over scaled points (m, d), and whether one is a drift."""
+    """Return the largest drift of a statistic, and whether it is significant."""
     length = len(z) // _BLOCKS
     z = z[len(z) - length * _BLOCKS :]
     weights = np.hanning(length + 2)[1:-1]

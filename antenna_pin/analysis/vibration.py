@@ -24,11 +24,11 @@ import scipy
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from antenna_pin.analysis._run import Array
 from antenna_pin.analysis.even import uniform
 from antenna_pin.analysis.spectrum import spectrum
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.trajectory.quantities import TABLES, dataset_of
 
 __all__ = ["band_rms", "power_density", "transfer"]
 
@@ -68,32 +68,21 @@ def power_density(
         t, values, segment=span / _WINDOWS if segment is None else segment, rate=rate, units=units
     )
     windows = int(found.attrs["segments"])
-    freedom = 2.0 * windows / (1.0 + 2.0 * _OVERLAP * (1.0 - 1.0 / windows))
+    freedom = _degrees_of_freedom(windows)
     power = found["power"]
-    bounds = {
-        name: freedom / scipy.stats.chi2.ppf(0.5 + side * 0.5 * confidence, freedom)
-        for name, side in (("lower", 1.0), ("upper", -1.0))
-    }
-    about = dict(power.attrs)
+    columns = {"power": power}
+    for name, side in (("lower", 1.0), ("upper", -1.0)):
+        factor = freedom / scipy.stats.chi2.ppf(0.5 + side * 0.5 * confidence, freedom)
+        about = power.attrs | {"long_name": f"{name} bound of the density"}
+        columns[name] = xr.DataArray(factor * power.values, power.coords, power.dims, attrs=about)
     return xr.Dataset(
-        {
-            "power": power,
-            **{
-                name: (
-                    power.dims,
-                    factor * power.values,
-                    about | {"long_name": f"{name} bound of the density"},
-                )
-                for name, factor in bounds.items()
-            },
-        },
-        attrs=found.attrs | {"degrees_of_freedom": freedom, "confidence": confidence, "span": span},
+        columns, attrs=found.attrs | {"degrees_of_freedom": freedom, "confidence": confidence, "span": span}
     )
 
 
 @takes()
 def band_rms(found: xr.Dataset, bands: Sequence[Sequence[float]] | None = None) -> xr.Dataset:
-    """Return the root mean square of a signal in bands of frequency, with its standard error.
+    """Return root mean squares in frequency bands, with standard errors.
 
     Args:
         found: What :func:`power_density` returned for the signal.
@@ -122,20 +111,8 @@ def band_rms(found: xr.Dataset, bands: Sequence[Sequence[float]] | None = None) 
         rms = math.sqrt(square)
         rows.append((*band, rms, 0.5 * math.sqrt(spread) / rms if rms > 0.0 else 0.0))
     units = str(found["power"].attrs.get("units", "")).split(")^2")[0].removeprefix("(")
-    columns = np.array(rows, dtype=float)
-    about = (
-        ("low", "Hz", "lowest frequency of the band"),
-        ("high", "Hz", "highest frequency of the band"),
-        ("rms", units, "root mean square in the band"),
-        ("standard_error", units, "its standard error, of a Gaussian signal"),
-    )
-    return xr.Dataset(
-        {
-            name: ("band", columns[:, k], {"units": unit, "long_name": words})
-            for k, (name, unit, words) in enumerate(about)
-        },
-        coords={"band": np.arange(len(rows))},
-    )
+    columns = dict(zip(TABLES["bands"], np.array(rows, dtype=float).T, strict=True))
+    return dataset_of("bands", columns, {"band": np.arange(len(rows))}, units=units)
 
 
 @takes(rate="Hz", segment="s")
@@ -179,34 +156,26 @@ def transfer(
     _, syy = scipy.signal.welch(y, **options)
     _, sxy = scipy.signal.csd(x, y, **options)
     windows = 1 + (n - length) // (length - length // 2)
-    freedom = 2.0 * windows / (1.0 + 2.0 * _OVERLAP * (1.0 - 1.0 / windows))
+    freedom = _degrees_of_freedom(windows)
     with np.errstate(divide="ignore", invalid="ignore"):
         response = sxy / sxx
         coherence = np.clip(np.abs(sxy) ** 2 / (sxx * syy), 0.0, 1.0)
         error = np.sqrt((1.0 - coherence) / (coherence * freedom))
-    return _response(
-        frequency,
-        response,
-        {"coherence": (coherence, "coherence"), "error": (error, "standard error of the gain, over it")},
-        {"resolution": 1.5 * even.rate / length, "segments": windows, "degrees_of_freedom": freedom},
-    )
-
-
-def _response(
-    frequency: Array, response: Any, beside: dict[str, tuple[Array, str]], attributes: dict[str, float]
-) -> xr.Dataset:
-    """Return a frequency response as a dataset, with what stands beside it."""
-    made = {
+    columns = {
         "response": (response, "output over input"),
         "gain": (np.abs(response), "magnitude of the response"),
         "phase": (np.angle(response), "phase of the response"),
-        **beside,
+        "coherence": (coherence, "coherence"),
+        "error": (error, "standard error of the gain, over it"),
     }
-    return xr.Dataset(
-        {
-            name: ("frequency", values, {"long_name": words} | ({"units": "rad"} if name == "phase" else {}))
-            for name, (values, words) in made.items()
-        },
+    found = xr.Dataset(
+        {name: ("frequency", values, {"long_name": words}) for name, (values, words) in columns.items()},
         coords={"frequency": ("frequency", frequency, {"units": "Hz", "long_name": "frequency"})},
-        attrs=attributes,
+        attrs={"resolution": 1.5 * even.rate / length, "segments": windows, "degrees_of_freedom": freedom},
     )
+    found["phase"].attrs["units"] = "rad"
+    return found
+
+
+def _degrees_of_freedom(windows: int) -> float:
+    return 2.0 * windows / (1.0 + 2.0 * _OVERLAP * (1.0 - 1.0 / windows))

@@ -46,15 +46,7 @@ def elastic_laws_of_joint(
 def laws_left_out(
     *, bearing_radius: float, journal_radius: float, length: float, bearing: Material, journal: Material
 ) -> dict[str, InvalidParameterError]:
-    """Return the reasons against elastic laws for a journal in a bore, by name.
-
-    Args:
-        bearing_radius: R_i [m].
-        journal_radius: R_j [m].
-        length: L, of the line of contact [m].
-        bearing: Material of the bearing.
-        journal: Material of the journal.
-    """
+    """Return the reasons against elastic laws; arguments as of :func:`elastic_laws_of_joint`."""
     tried = _try_all(bearing_radius, journal_radius, length, bearing, journal)
     return {name: law for name, law in tried.items() if isinstance(law, InvalidParameterError)}
 
@@ -64,13 +56,9 @@ def _try_all(
 ) -> dict[str, ElasticLaw | InvalidParameterError]:
     """Return every elastic law by name, or its refusal."""
     modulus = effective_modulus(bearing, journal)
-    known = {
-        "length": length,
-        "journal_radius": journal_radius,
-        "bearing_radius": bearing_radius,
-        "modulus": modulus,
-        "stiffness": internal_hertz_stiffness(bearing_radius, journal_radius, modulus),
-    }
+    stiffness = internal_hertz_stiffness(bearing_radius, journal_radius, modulus)
+    known = {"length": length, "modulus": modulus, "stiffness": stiffness}
+    known |= {"journal_radius": journal_radius, "bearing_radius": bearing_radius}
     found: dict[str, ElasticLaw | InvalidParameterError] = {}
     for name, cls in NORMAL_LAWS.items():
         if not is_elastic(name):
@@ -111,5 +99,5 @@ def force_table(laws: Mapping[str, NormalLaw], depths: Iterable[float]) -> dict[
 
 @takes()
 def force_within(law: NormalLaw, depth: float) -> float:
-    """Return the elastic force of a law at a depth [N], or NaN beyond its range."""
+    """Return the elastic force of a law at a depth [N]; NaN out of range."""
     return law.elastic_force(depth) if depth <= getattr(law, "depth_limit", math.inf) else math.nan

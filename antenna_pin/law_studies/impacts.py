@@ -57,21 +57,13 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class Impact:
-    """Impact, from touch to separation.
+    """Impact, from touch to separation."""
 
-    Attributes:
-        restitution: Relative speed after over before [-].
-        peak_depth: Largest depth [m].
-        peak_force: Largest force [N].
-        duration: Time in contact [s].
-        dissipated: Energy lost [J].
-    """
-
-    restitution: float
-    peak_depth: float
-    peak_force: float
-    duration: float
-    dissipated: float
+    restitution: float  # relative speed after over before [-]
+    peak_depth: float  # largest depth [m]
+    peak_force: float  # largest force [N]
+    duration: float  # time in contact [s]
+    dissipated: float  # energy lost [J]
 
 
 def _check_impact(place: str, mass: float, speed: float) -> None:
@@ -135,8 +127,8 @@ def impact_of_pair(
 def _force(law: NormalLaw, mass: float) -> Callable[[float, float, float], float]:
     if isinstance(law, CompiledNormalLaw):
         code = law.code()
-        return lambda depth, rate, first: float(normal_force(code, depth, rate, first, mass))
-    return lambda depth, rate, first: law.force(depth, rate, first) if depth > 0.0 else 0.0
+        return lambda depth, rate, speed: float(normal_force(code, depth, rate, speed, mass))
+    return lambda depth, rate, speed: law.force(depth, rate, speed) if depth > 0.0 else 0.0
 
 
 def _impact(law: NormalLaw, masses: tuple[float, float], speeds: tuple[float, float], rtol: float) -> Impact:
@@ -222,25 +214,15 @@ def _largest(function: Callable[[float], float], low: float, high: float) -> flo
 
 @dataclass(frozen=True, slots=True)
 class RestitutionRow:
-    """Restitution of a dissipation, beside its parameter.
+    """Restitution of a dissipation, beside its parameter."""
 
-    Attributes:
-        dissipation: Its name.
-        asked: Coefficient of restitution asked for [-].
-        closed_form: What it delivers by its closed form [-].
-        on_wall: What an integrated impact on a wall delivers [-]; NaN if none was made.
-        of_pair: What an integrated impact of two free bodies delivers [-]; NaN if none was made.
-        closed_form_depth: Largest depth by its closed form [m].
-        depth_on_wall: Largest depth of the impact on the wall [m]; NaN if none was made.
-    """
-
-    dissipation: str
-    asked: float
-    closed_form: float
-    on_wall: float
-    of_pair: float
-    closed_form_depth: float
-    depth_on_wall: float
+    dissipation: str  # its name
+    asked: float  # coefficient of restitution asked for [-]
+    closed_form: float  # what it delivers by its closed form [-]
+    on_wall: float  # what an integrated impact on a wall delivers [-]; NaN if none was made
+    of_pair: float  # what an integrated impact of two free bodies delivers [-]; NaN if none was made
+    closed_form_depth: float  # largest depth by its closed form [m]
+    depth_on_wall: float  # largest depth of the impact on the wall [m]; NaN if none was made
 
 
 def _hysteresis(code: NDArray[np.float64], speed: float) -> float | None:
@@ -273,10 +255,10 @@ def _damping_ratio(code: NDArray[np.float64], mass: float) -> float | None:
 
 
 def _damping_of(
-    asked: str, law: CompiledNormalLaw, mass: float, speed: float
+    place: str, law: CompiledNormalLaw, mass: float, speed: float
 ) -> tuple[NDArray[np.float64], float | None, float | None]:
     """Return a law's numbers with chi or zeta, if any."""
-    _check_impact(asked, mass, speed)
+    _check_impact(place, mass, speed)
     code = law.code()
     chi = _hysteresis(code, speed)
     return code, chi, None if chi is not None else _damping_ratio(code, mass)
@@ -311,13 +293,7 @@ def closed_form_restitution(law: CompiledNormalLaw, *, mass: float, speed: float
 
 @takes(mass="kg", speed="m/s")
 def closed_form_peak_depth(law: CompiledNormalLaw, *, mass: float, speed: float) -> float | None:
-    """Return the largest depth of a free impact [m], or None without closed form.
-
-    Args:
-        law: The law.
-        mass: Effective mass of the bodies [kg]: 1/m = 1/m_1 + 1/m_2.
-        speed: Approach speed [m/s].
-    """
+    """Return the largest depth of a free impact [m]; arguments as of :func:`closed_form_restitution`."""
     code, chi, zeta = _damping_of("closed_form_peak_depth", law, mass, speed)
     if chi is not None:
         return _depth_of_energy(law, mass * speed**2 * stored_share(chi))

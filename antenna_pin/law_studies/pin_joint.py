@@ -1,4 +1,4 @@
-r"""The measured pin joint of Liu et al. 2013, Table 1: errors of all laws, and the printed columns.
+r"""Measured pin joint of Liu et al. 2013, Table 1, with laws and printed columns.
 
 A pin of steel in a clevis and a tang, pulled slowly: load over displacement for three plays. The data decide
 little. The joint with the largest play is the stiffest at low load, against every law; the load of 3000 N
@@ -48,21 +48,13 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class ExperimentPoint:
-    """Row of the table.
+    """Row of the table."""
 
-    Attributes:
-        clearance: Radial play [m].
-        depth: Displacement [m].
-        load: Measured load [N].
-        hertz: Load by equation (6), as printed [N].
-        conformal: Load by equation (14), as printed [N].
-    """
-
-    clearance: float
-    depth: float
-    load: float
-    hertz: float
-    conformal: float
+    clearance: float  # radial play [m]
+    depth: float  # displacement [m]
+    load: float  # measured load [N]
+    hertz: float  # load by equation (6), as printed [N]
+    conformal: float  # load by equation (14), as printed [N]
 
 
 def _points() -> tuple[ExperimentPoint, ...]:
@@ -99,20 +91,12 @@ LIU_2013_STEEL = Material(
 
 @dataclass(frozen=True, slots=True)
 class ExperimentFit:
-    """Law, or printed column, compared with the measured loads.
+    """Law, or printed column, compared with the measured loads."""
 
-    Attributes:
-        law: Name of the law.
-        contacts: Over how many equal contacts in series the displacement is shared: 1 or 2; None for a column
-            as printed.
-        loads: By the law, one for each point [N]; NaN where the law says nothing at such a depth.
-        errors: Of the loads over the measured ones, one for each point [-].
-    """
-
-    law: str
-    contacts: int | None
-    loads: tuple[float, ...]
-    errors: tuple[float, ...]
+    law: str  # its name
+    contacts: int | None  # equal contacts in series that share the displacement, 1 or 2; None as printed
+    loads: tuple[float, ...]  # by the law at each point [N]; NaN out of its range
+    errors: tuple[float, ...]  # of the loads over the measured ones, at each point [-]
 
     @property
     def in_range(self) -> int:
@@ -210,21 +194,13 @@ _Row = tuple[ExperimentPoint, float]  # a row, and the displacement that counts 
 
 @dataclass(frozen=True, slots=True)
 class ReproducedTable:
-    """The two printed columns by their formulas, with the common parameters.
+    """The two printed columns by their formulas, with the common parameters."""
 
-    Attributes:
-        modulus: E*, common to the Hertz column [Pa].
-        radii: R_i R_j / play of the conformal column, one for each of ``LIU_2013_PLAYS`` [m].
-        depths: Displacement of each row [m], mended where it is misprinted.
-        hertz_fits: Whether the load by (6) is each row's as printed, within the rounding.
-        conformal_fits: Whether the load by (14) is, with the mended displacement.
-    """
-
-    modulus: float
-    radii: tuple[float, ...]
-    depths: tuple[float, ...]
-    hertz_fits: tuple[bool, ...]
-    conformal_fits: tuple[bool, ...]
+    modulus: float  # E*, common to the Hertz column [Pa]
+    radii: tuple[float, ...]  # R_i R_j / play of the conformal column, one for each of ``LIU_2013_PLAYS`` [m]
+    depths: tuple[float, ...]  # displacement of each row [m], mended where it is misprinted
+    hertz_fits: tuple[bool, ...]  # whether the load by (6) is each row's as printed, within the rounding
+    conformal_fits: tuple[bool, ...]  # whether the load by (14) is, with the mended displacement
 
     @property
     def misprinted(self) -> tuple[int, ...]:
@@ -320,36 +296,22 @@ def _common(intervals: Sequence[tuple[float, float]]) -> float:
 
 @dataclass(frozen=True, slots=True)
 class LeastError:
-    """Least error of any law of a kind in one of two rows.
+    """Least error of any law of a kind in one of two rows."""
 
-    Attributes:
-        first: Row of the joint with the smaller play, from 0.
-        second: Row of the joint with the larger play, from 0.
-        error: In the one row or the other, at least [-].
-    """
-
-    first: int
-    second: int
-    error: float
+    first: int  # row of the joint with the smaller play, from 0
+    second: int  # row of the joint with the larger play, from 0
+    error: float  # in the one row or the other, at least [-]
 
 
 @dataclass(frozen=True, slots=True)
 class ExperimentFindings:
-    """Reproduced table, errors of the laws, and conclusions.
+    """Reproduced table, errors of the laws, and conclusions."""
 
-    Attributes:
-        table: The paper's own columns by their formulas.
-        fits: Of every elastic law, in one contact and in two, best first.
-        printed: Of the paper's columns (6) and (14), as printed.
-        journal_radius: Of the pin, as taken for the laws [m].
-        least_error: What a law that stiffens with depth and not with play must be off by.
-    """
-
-    table: ReproducedTable
-    fits: tuple[ExperimentFit, ...]
-    printed: tuple[ExperimentFit, ExperimentFit]
-    journal_radius: float
-    least_error: LeastError
+    table: ReproducedTable  # the paper's own columns by their formulas
+    fits: tuple[ExperimentFit, ...]  # of every elastic law, in one contact and in two, best first
+    printed: tuple[ExperimentFit, ExperimentFit]  # of the paper's columns (6) and (14), as printed
+    journal_radius: float  # of the pin, as taken for the laws [m]
+    least_error: LeastError  # what a law that stiffens with depth and not with play must be off by
 
     @property
     def best(self) -> ExperimentFit:
@@ -363,7 +325,7 @@ class ExperimentFindings:
 
     @property
     def modulus_excess(self) -> float:
-        """By what share E* of the paper's steel exceeds that of its Hertz column [-]."""
+        """Excess of the steel's E* over that of the Hertz column [-]."""
         return effective_modulus(LIU_2013_STEEL, LIU_2013_STEEL) / self.table.modulus - 1.0
 
     @property
@@ -373,7 +335,7 @@ class ExperimentFindings:
 
     @property
     def conformal_factor(self) -> float:
-        """By what factor (14) with this pin exceeds the printed column, at the least play [-]."""
+        """Factor of (14) with this pin over the printed column, at the least play [-]."""
         play = LIU_2013_PLAYS[0]
         radius = (self.journal_radius + play) * self.journal_radius / play
         return math.sqrt(radius / self.table.radius_of(play))

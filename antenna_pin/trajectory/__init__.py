@@ -1,4 +1,4 @@
-"""One run, sampled: labelled arrays by a schema, how the run ended, and the file that holds both."""
+"""Results of runs: labelled arrays by a schema, outcome and files."""
 
 from antenna_pin.base.lazy import exported
 

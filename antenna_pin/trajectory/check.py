@@ -1,4 +1,4 @@
-"""Is a file's content a result? All that readers take for granted, looked at once, when it is loaded."""
+"""Check of a file's content against the schema of results."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _DIRECTION = Rule(unit=True)
 
 
 def problems_of_numbers(data: xr.Dataset) -> Iterator[str]:
-    """Yield what of a result's numbers cannot be, in words: column, place, value and rule."""
+    """Yield impossible numbers of a result: column, place, value and rule."""
     if "episode" in data.sizes:
         index = data["episode_contact"].values
         if index.dtype.kind not in "iu" or (index < 0).any() or (index >= data.sizes["contact"]).any():
@@ -51,7 +51,7 @@ def problems_of_numbers(data: xr.Dataset) -> Iterator[str]:
         finite = at_end or name in _ALWAYS
         problems = list(_in_column(data, name, rule, finite, slice(None)))
         if problems and rule.passive:  # which contacts it binds is looked up where that matters
-            problems = list(_in_column(data, name, rule, finite, _kept(data, name)))
+            problems = list(_in_column(data, name, rule, finite, _dissipative(data, name)))
         yield from problems
     if not is_lean(data):
         time = data["time"].values
@@ -62,9 +62,9 @@ def problems_of_numbers(data: xr.Dataset) -> Iterator[str]:
 
 
 def _in_column(
-    data: xr.Dataset, name: str, rule: Rule, finite: bool, part: Any, said: str = ""
+    data: xr.Dataset, name: str, rule: Rule, finite: bool, part: Any, title: str = ""
 ) -> Iterator[str]:
-    """Yield what is wrong first in a column, or in some of its columns (``part`` of its last dimension)."""
+    """Yield the first breach in a variable, or in a part of its last dimension."""
     variable, before = data[name].variable, None
     along = variable.dims[0] == "time"
     for first in range(0, max(variable.shape[0], 1) if along else 1, _ROWS):
@@ -76,21 +76,21 @@ def _in_column(
             values, before=before, other=other, slack=lambda: _slack(data, name), finite=finite
         )
         if breach is not None:
-            yield f"{_told(data, name, first, breach, said)}, which must be {rule.words}"
+            yield f"{_place(data, name, first, breach, title)}, which must be {rule.words}"
             return
         before = values[-1] if values.size else before
 
 
-def _told(data: xr.Dataset, name: str, first: int, breach: Breach, said: str) -> str:
-    dim, row = str(data[name].dims[0]), first + breach.row
+def _place(data: xr.Dataset, name: str, start: int, breach: Breach, title: str) -> str:
+    dim, row = str(data[name].dims[0]), start + breach.row
     at = f"{dim} {row}"
     if dim == "time":
         at = f"sample {row} (t = {float(data['time'].variable[row]):.9g} s)"
-    return f"{breach.value} in {said or repr(name)} at {at}"
+    return f"{breach.value} in {title or repr(name)} at {at}"
 
 
 def _slack(data: xr.Dataset, name: str) -> float:
-    """Return what the bounds of a sum may be off by: round-off of it, and of what it was made of."""
+    """Return the tolerance of a sum's bounds: round-off of it and its terms."""
     units = data[name].attrs.get("units")
     columns = data.variables.items()
     alike = [
@@ -104,8 +104,8 @@ def _largest(data: xr.Dataset, name: str) -> float:
     return float(values.max(initial=0.0, where=np.isfinite(values)))
 
 
-def _kept(data: xr.Dataset, name: str) -> NDArray[np.intp]:
-    """Return which columns of an energy that contacts or elements lose are of those that lose it for sure.
+def _dissipative(data: xr.Dataset, name: str) -> NDArray[np.intp]:
+    """Return the columns of a lost energy that are sure not to decrease.
 
     Not those under a law of a user's, nor those at flanges, where the point that a force acts at moves along
     with the depth. Nor friction with bristles: some of its dampers put energy in, and what bristles hold by a
@@ -132,7 +132,7 @@ def _kept(data: xr.Dataset, name: str) -> NDArray[np.intp]:
 
 
 def _directions(data: xr.Dataset) -> Iterator[tuple[str, list[int]]]:
-    """Yield where in q numbers stand that are of length 1 together, and whose they are."""
+    """Yield owners and indices of unit vectors within q."""
     joints = {one.get("name") for one in ElementTree.fromstring(data.attrs["urdf"]).iter("joint")}
     owners: dict[str, dict[str, int]] = {}
     for place, label in enumerate(names_along(data, "configuration")):
@@ -145,57 +145,14 @@ def _directions(data: xr.Dataset) -> Iterator[tuple[str, list[int]]]:
                 yield owner, sorted(parts[one] for one in names)
 
 
-# Those of them that name links and joints of the URDF, and by which keys.
-_BODIES = {
-    "clearance_joints": ("bearing_body", "journal_body"),
-    "drives": ("joint",),
-    "joint_friction": ("joint",),
-    "point_springs": ("first_body", "second_body"),
-    "elastic_parts": ("hub", "body"),
-    "force_places": ("link",),
-    "closures": ("first_body", "second_body"),
-    "couplings": ("follower", "leader"),
-}
-# Those that are plain text or numbers.
+# Attributes that are plain text or numbers, some of which a result may lack, and the words that one may be.
+_TEXTS = ("title", "case", "outcome", "outcome_message", "counts", "scenario", "end", "urdf", "urdf_folder")
 _PLAIN: dict[str, type] = {
-    "title": str,
-    "case": str,
-    "outcome": str,
-    "outcome_message": str,
-    "counts": str,
-    "scenario": str,
-    "end": str,
-    "urdf": str,
-    "urdf_folder": str,
-    "start": str,
-    "form": str,
-    "advice": str,
-    "finished": str,
-    "end_time": float,
-    "gap_difference": float,
-    "samples": float,
+    **dict.fromkeys((*_TEXTS, "start", "form", "advice", "finished"), str),
+    **dict.fromkeys(("end_time", "gap_difference", "samples"), float),
 }
-# Those of them that are one of some words.
+_OPTIONAL = {"start", "advice", "finished", "end"}
 _WORDS = {"form": ("full", "lean")}
-# Those that a result may do without.
-_OPTIONAL = {
-    "elements",
-    "assumed",
-    "joint_friction",
-    "left_out",
-    "point_springs",
-    "forces",
-    "force_places",
-    "elastic_parts",
-    "closures",
-    "couplings",
-    "constraints",
-    "start",
-    "advice",
-    "finished",
-    "end",
-    "versions",
-}
 # Variables that results of earlier versions lack.
 _LATER = {"change_peak_effort", "change_peak_time", "peak_drive_effort", "time_of_peak_drive_effort"}
 # Dimensions along which there may be nothing.
@@ -205,7 +162,7 @@ _FIXED = {"axis": ["x", "y", "z"], "quaternion": ["x", "y", "z", "w"]}
 
 
 def problem_of(data: xr.Dataset) -> str | None:
-    """Return what of a result a dataset lacks or has spoiled, in words; None if it is whole."""
+    """Return the first fault of a dataset as a result; None without any."""
     for problems in (_labels, _attributes, _places, _variables, problems_of_numbers):
         for problem in problems(data):
             return problem
@@ -271,7 +228,6 @@ def _variables(data: xr.Dataset) -> Iterator[str]:
 
 def _attributes(data: xr.Dataset) -> Iterator[str]:
     found = data.attrs
-    needed = {name for name, (_, dim) in JSON_ATTRIBUTES.items() if dim in data.sizes}
     for name, kind in _PLAIN.items():
         value = found.get(name)
         if name not in found and name not in _OPTIONAL:
@@ -282,9 +238,9 @@ def _attributes(data: xr.Dataset) -> Iterator[str]:
             yield f"{value!r} in the attribute {name!r}, which must be one of {shown(_WORDS[name])}"
     if found["scenario"] and not isinstance(json_in(found["scenario"]), dict):
         yield f"{shown(found['scenario'])} in the attribute 'scenario', which must be a table, as JSON"
-    for name, (_, dim) in JSON_ATTRIBUTES.items():
+    for name, (_, dim, _, required) in JSON_ATTRIBUTES.items():
         if name not in found:
-            if name in needed or name not in _OPTIONAL:
+            if required or dim in data.sizes:
                 yield f"no attribute {name!r}"
             continue
         problem = problem_of_json(name, found[name])
@@ -295,7 +251,7 @@ def _attributes(data: xr.Dataset) -> Iterator[str]:
 
 
 def _places(data: xr.Dataset) -> Iterator[str]:
-    """Yield what stands on links and joints that the mechanism does not have."""
+    """Yield entries with unknown links, joints and contacts."""
     try:
         robot = ElementTree.fromstring(data.attrs["urdf"])
     except ElementTree.ParseError as error:
@@ -303,10 +259,10 @@ def _places(data: xr.Dataset) -> Iterator[str]:
         return
     links = {"world", *(link.get("name") for link in robot.iter("link"))}
     joints = {joint.get("name") for joint in robot.iter("joint")}
-    for name, keys in _BODIES.items():
-        table = json.loads(data.attrs.get(name, "{}"))
+    for name, attribute in JSON_ATTRIBUTES.items():
+        table = json.loads(data.attrs.get(name, "{}")) if attribute.bodies else {}
         for entry, content in table.items():
-            for key in keys:
+            for key in attribute.bodies:
                 if content[key] not in (joints if key in ("joint", "follower", "leader") else links):
                     yield f"{key} {content[key]!r} of {entry!r} in the attribute {name!r}, not in its URDF"
     about = json.loads(data.attrs["clearance_joints"])

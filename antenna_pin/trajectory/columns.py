@@ -1,7 +1,6 @@
-"""Columns of results and tables: what each is, and what its numbers may be, declared in one place.
+"""Declarations of columns of results and tables, and rules of their numbers.
 
-Whoever fills a column and whoever reads it look at it by the same declaration, so that a new column is looked
-at without a word more.
+Writers and readers of a column check it by the same declaration.
 """
 
 from __future__ import annotations
@@ -40,35 +39,22 @@ _UNIT = 1e-6  # that the length of a direction or a quaternion may be off by
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """What the numbers of a column may be; finite in any case.
+    """Allowed numbers of a column; finite in any case."""
 
-    Attributes:
-        least: None is less.
-        most: None is more.
-        only: Each is one of these, if there are any.
-        unit: Those along the last dimension are of length 1: a quaternion.
-        rising: None is less than the one before it, along the first dimension.
-        lacks: NaN stands where there is no number.
-        infinite: Infinity is one of them.
-        beside: A column without which it is zero: where that one is zero.
-        summed: Integrals of a run, or sums of its large numbers: bounds hold to their errors.
-        passive: Energy that is lost: bounds hold for what is known to put none in.
-    """
-
-    least: float = -math.inf
-    most: float = math.inf
-    only: tuple[float, ...] = ()
-    unit: bool = False
-    rising: bool = False
-    lacks: bool = False
-    infinite: bool = False
-    beside: str = ""
-    summed: bool = False
-    passive: bool = False
+    least: float = -math.inf  # none is less
+    most: float = math.inf  # none is more
+    only: tuple[float, ...] = ()  # each is one of these, if there are any
+    unit: bool = False  # those along the last dimension are of length 1: a quaternion
+    rising: bool = False  # none is less than the one before it, along the first dimension
+    lacks: bool = False  # NaN stands where there is no number
+    infinite: bool = False  # infinity is one of them
+    beside: str = ""  # a column without which it is zero: where that one is zero
+    summed: bool = False  # integrals of a run, or sums of its large numbers: bounds hold to their errors
+    passive: bool = False  # energy that is lost: bounds hold for what is known to put none in
 
     @property
     def words(self) -> str:
-        """What they must be, as it reads after "must be"."""
+        """Rule as text after "must be"."""
         said = ["a number" if self.infinite else "finite"]
         said += ["or NaN where there is none"] * self.lacks
         if self.only:
@@ -90,13 +76,13 @@ class Rule:
         slack: Callable[[], float] = lambda: 0.0,
         finite: bool = True,
     ) -> Breach | None:
-        """Return the first number of a column that it does not allow; None if it allows all.
+        """Return the first forbidden number of a column, or None.
 
         Args:
             values: Of the column, or of some of its rows.
             before: The row before them.
             other: Those of ``beside``, of the same rows.
-            slack: Returns what bounds may be off by; asked where one is passed of what is ``summed``.
+            slack: Returns the tolerance of bounds, where one of a ``summed`` number is passed.
             finite: Whether numbers must be finite: in a run that ended badly, its last ones need not be.
         """
         if not values.size:
@@ -145,19 +131,14 @@ _SIZE = Rule(least=0.0)
 
 
 class Breach(NamedTuple):
-    """A number that breaks a rule.
+    """A number that breaks a rule."""
 
-    Attributes:
-        row: Where, along the first dimension.
-        value: What stands there, as text.
-    """
-
-    row: int
-    value: str
+    row: int  # where, along the first dimension
+    value: str  # what stands there, as text
 
 
 def first_not_finite(values: Numbers, *, lacks: bool = False, infinite: bool = False) -> int:
-    """Return the first row of numbers that are not all finite; the number of rows if all are.
+    """Return the first row with numbers that are not finite, or the row count.
 
     Args:
         values: Of any shape, floats or whole numbers.
@@ -177,34 +158,23 @@ def first_not_finite(values: Numbers, *, lacks: bool = False, infinite: bool = F
 
 @dataclass(frozen=True, slots=True)
 class Coordinate:
-    """Labels beside those of a dimension.
+    """Labels beside those of a dimension."""
 
-    Attributes:
-        name: Of the coordinate.
-        dim: Along what.
-        meaning: In words.
-    """
-
-    name: str
-    dim: str
-    meaning: str
+    name: str  # of the coordinate
+    dim: str  # along what
+    meaning: str  # in words
 
 
 class Reduction(NamedTuple):
-    """Number of a whole run that follows from a series, or from contact episodes.
+    """Number of a whole run that follows from a series, or from contact episodes."""
 
-    Attributes:
-        by: ``end``, the last value; ``peak``, the largest size; of episodes ``peak``, ``sum`` or ``count``.
-        of: Variable that is reduced.
-    """
-
-    by: str
-    of: str
+    by: str  # ``end``, the last value; ``peak``, the largest size; of episodes ``peak``, ``sum`` or ``count``
+    of: str  # variable that is reduced
 
 
 @dataclass(frozen=True, slots=True)
 class Variable:
-    """One quantity of a result, or of a table that follows from one.
+    """Quantity of a result, or of a table that follows from one.
 
     Texts with bars hold alternatives: what turns, what slides, and both in one column.
 
@@ -279,23 +249,23 @@ class Variable:
 
 
 def _alternative(text: str, slides: bool | None) -> str:
-    """Return the part of a text with bars for what turns (False), slides (True) or both (None)."""
+    """Return the alternative of a text with bars: turning, sliding or both (None)."""
     parts = text.split("|")
     return parts[min({False: 0, True: 1, None: 2}[slides], len(parts) - 1)]
 
 
-def rows(*found: str | tuple[Any, ...], **more: Any) -> tuple[Variable, ...]:
+def rows(*blocks: str | tuple[Any, ...], **more: Any) -> tuple[Variable, ...]:
     """Return quantities, block by block.
 
     Args:
-        *found: Of each block its source and, behind a colon, its dimensions; then a tuple for each quantity:
+        *blocks: Of each block its source and, behind a colon, its dimensions; then a tuple for each quantity:
             name, unit (behind a bar that of what slides), meaning, and in any order a :class:`Rule`, a
             :class:`Reduction`, a text ``entry: label`` (either may be left out; ``=`` for a label that is the
             meaning), and further fields in a dictionary.
         **more: What else holds for all.
     """
     made, source, dims = [], "", ""
-    for row in found:
+    for row in blocks:
         if isinstance(row, str):
             source, dims = row.split(": ")
             continue

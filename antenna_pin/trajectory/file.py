@@ -1,4 +1,4 @@
-"""A dataset as a NetCDF 4 file, by HDF5's own library: a general writer spends most of its time elsewhere.
+"""NetCDF 4 files of datasets, by HDF5's own library, for speed.
 
 A NetCDF 4 file is an HDF5 file in which every dimension is a *scale*, a dataset that others name as their
 axis. Nothing is compressed: of doubles at their full length that saves a quarter of the file and takes four
@@ -36,7 +36,7 @@ _LITTLE = 2**20  # bytes, which do no harm
 
 
 def open_hdf5(path: str | os.PathLike[str]) -> Any:
-    """Return a file, an ``h5py.File`` to be read, in which every dataset holds its own numbers.
+    """Return an open ``h5py.File``; refuse data outside the file.
 
     Raises:
         FileFormatError: Something in it refers to another file.
@@ -65,7 +65,7 @@ def load_dataset(path: str | os.PathLike[str]) -> xr.Dataset:
         return stored.load()
 
 
-def _check(group: Any, at: str, seen: set[int], where: str) -> None:
+def _check(group: Any, at: str, addresses: set[int], where: str) -> None:
     for name in group:
         link = group.get(name, getlink=True)  # which does not follow it
         if not isinstance(link, h5py.HardLink):
@@ -80,13 +80,13 @@ def _check(group: Any, at: str, seen: set[int], where: str) -> None:
             _check_stored(h5py.Dataset(found), f"{at}{name}", where)
         elif isinstance(found, h5py.h5g.GroupID):
             address = h5py.h5o.get_info(found).addr
-            if address not in seen:  # groups may hold one another
-                seen.add(address)
-                _check(h5py.Group(found), f"{at}{name}/", seen, where)
+            if address not in addresses:  # groups may contain one another
+                addresses.add(address)
+                _check(h5py.Group(found), f"{at}{name}/", addresses, where)
 
 
 def _check_stored(dataset: Any, name: str, where: str) -> None:
-    """Refuse numbers that nobody has written, of which a short file can have any number."""
+    """Refuse numbers that are not in the file."""
     if bytes(dataset.attrs.get("NAME", b"")).startswith(_NO_NUMBERS):
         return
     stored = dataset.id.get_storage_size()
@@ -116,15 +116,8 @@ _SHORT = 1_000_000
 _TEXT = h5py.string_dtype()
 # What belongs to the file, not to the data.
 _OWN = {
-    "CLASS",
-    "NAME",
-    "DIMENSION_LIST",
-    "REFERENCE_LIST",
-    "_Netcdf4Dimid",
-    "_Netcdf4Coordinates",
-    "_NCProperties",
-    "_FillValue",
-    "coordinates",
+    *("CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST", "_Netcdf4Dimid", "_Netcdf4Coordinates"),
+    *("_NCProperties", "_FillValue", "coordinates"),
 }
 _CHANGED = (
     "{}: must be as antenna-pin wrote it, got another checksum: it was damaged, or edited in place; take "
@@ -135,7 +128,7 @@ _NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable.{:10d}"
 
 
 def write(data: xr.Dataset | Content, path: Path) -> None:
-    """Write a dataset, or what it is made of, whose variables along ``contact`` tell its coordinates.
+    """Write a dataset or its content.
 
     Raises:
         OSError: It cannot be written there.
@@ -249,15 +242,15 @@ def _create(file: Any, name: str, variable: xr.Variable | Column) -> Any:
     return made
 
 
-def _put(made: Any, variable: xr.Variable | Column, stream: PatientFile) -> None:
+def _put(stored: Any, variable: xr.Variable | Column, stream: PatientFile) -> None:
     """Write the numbers of a variable, a part at a time if they are many."""
     if variable.dtype.kind in "OUT":
-        made[()] = variable.values.astype(object)
+        stored[()] = variable.values.astype(object)
     elif variable.size and variable.nbytes <= _AT_ONCE:
-        made[()] = variable.values
+        stored[()] = variable.values
     elif variable.size:
         for first in range(0, variable.shape[0], _ROWS):
-            made[first : first + _ROWS] = variable[first : first + _ROWS].values
+            stored[first : first + _ROWS] = variable[first : first + _ROWS].values
             stream.check()
     stream.check()
 
@@ -318,7 +311,7 @@ def _stored(source: Path) -> StoredFile:
 
 
 def _variables(file: Any, large: StoredFile | None) -> dict[str, xr.Variable]:
-    """Return the variables of a file; what is long of a large one stays there until it is asked for."""
+    """Return the variables of a file; long ones of a large file are read later."""
     import xarray as xr
 
     from antenna_pin.trajectory.on_disk import Stored
@@ -347,7 +340,7 @@ def _variables(file: Any, large: StoredFile | None) -> dict[str, xr.Variable]:
 
 
 def _dims_of(file: Any, stored: Any) -> tuple[str, ...]:
-    """Return the dimensions of a variable that the schema does not know."""
+    """Return the dimensions of a variable outside the schema."""
     return tuple(file[references[0]].name.strip("/") for references in stored.attrs["DIMENSION_LIST"])
 
 

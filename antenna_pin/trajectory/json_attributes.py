@@ -1,15 +1,17 @@
-"""What the attributes of a result hold that are text with JSON, and what of it is not as it must be."""
+"""Models of the attributes of a result that are text with JSON."""
 
 from __future__ import annotations
 
 import json
 import math
 from functools import cache
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal, NamedTuple, get_args
 
-from pydantic import AfterValidator, AllowInfNan, BaseModel, Field, TypeAdapter, ValidationError
+from pydantic import AfterValidator, AllowInfNan, BaseModel, Field, TypeAdapter, ValidationError, create_model
 
-__all__ = ["JSON_ATTRIBUTES", "problem_of_json"]
+from antenna_pin.trajectory.quantities import RUN
+
+__all__ = ["JSON_ATTRIBUTES", "JsonAttribute", "problem_of_json"]
 
 
 def _closure_kind(kind: str) -> str:
@@ -36,29 +38,21 @@ _Three = Annotated[list[_Finite], Field(min_length=3, max_length=3)]
 _Seven = Annotated[list[_Finite], Field(min_length=7, max_length=7), AfterValidator(_placed)]
 
 
-class _Conservation(BaseModel):
-    energy_error: _Number | None
-    gross_work: _Number | None
-    energy_scale: _Number | None
-    energy_scale_of: Literal["gross work of the drives", "largest kinetic energy", "largest stored energy"]
-    energy_error_relative: _Number | None
-    energy_tolerance: _Number | None = None  # of results before there was one
-    linear_momentum_drift: _Number | None
-    linear_momentum_scale: _Number | None
-    linear_momentum_drift_relative: _Number | None
-    linear_momentum_tolerance: _Number | None = None
-    angular_momentum_drift: _Number | None
-    angular_momentum_scale: _Number | None
-    angular_momentum_drift_relative: _Number | None
-    angular_momentum_tolerance: _Number | None = None
+def _entry(**fields: Any) -> type[BaseModel]:
+    """Return a model of an entry from types or (type, default), by key."""
+    pairs: dict[str, Any] = {
+        key: one if isinstance(one, tuple) else (one, ...) for key, one in fields.items()
+    }
+    return create_model("Entry", **pairs)
 
 
-class _Mechanism(BaseModel):
-    base: Literal["free", "fixed"]
-    gravity: _Three
-    allow_impossible_inertia: list[str]
-    package_path: list[str] = Field(default_factory=list)
-    impossible_inertia: list[str] = Field(default_factory=list)
+# Results of earlier versions have no tolerances.
+_CONSERVATION = {
+    name: (_Number | None, None) if name.endswith("tolerance") else _Number | None
+    for name, one in RUN.items()
+    if one.source == "conservation"
+}
+_SCALES = Literal["gross work of the drives", "largest kinetic energy", "largest stored energy"]
 
 
 class _Law(BaseModel):
@@ -67,123 +61,117 @@ class _Law(BaseModel):
     dissipation: _Law | None = None
 
 
-class _Contact(BaseModel):
-    kind: str
-    end: str
-    normal_law: _Law
-    depth_limit: _Number
-    limited_by: str
+_CONTACT = _entry(kind=str, end=str, normal_law=_Law, depth_limit=_Number, limited_by=str)
 
 
-class _Joint(BaseModel):
-    kind: str
-    dimensions: dict[str, _Finite]
-    bearing_on: Literal["parent", "child"]
-    bearing_body: str
-    bearing_placement: _Seven
-    journal_body: str
-    journal_placement: _Seven
-    contacts: dict[str, _Contact]
-    friction_law: _Law
-    approach_speed_floor: _Number
-    backend: str
-    load: Literal["point", "distributed"]
+class JsonAttribute(NamedTuple):
+    """Attribute of a result that is text with JSON."""
+
+    content: Any  # its type
+    dim: str = ""  # dimension along which the names of its entries are
+    bodies: tuple[str, ...] = ()  # keys of an entry for links and joints of the URDF
+    required: bool = False
 
 
-class _Drive(BaseModel):
-    joint: str
-    slides: bool
-    motion: bool
+def _entries(dim: str, *bodies: str, required: bool = False, **fields: Any) -> JsonAttribute:
+    return JsonAttribute(dict[str, _entry(**fields)], dim, bodies, required)  # type: ignore[misc]
 
 
-class _Element(BaseModel):
-    kind: str
-    joint: str | None
-    slides: bool
-    modes: list[str]
-    numbers: dict[str, _Number]
-
-
-class _JointFriction(BaseModel):
-    joint: str
-    slides: bool
-    damping: _Number
-    friction: _Number
-    regularisation_speed: _Number
-
-
-class _PointSpring(BaseModel):
-    first_body: str
-    first_point: _Three
-    second_body: str
-    second_point: _Three
-
-
-class _Force(BaseModel):
-    kind: str
-    numbers: dict[str, _Number]
-
-
-class _ForcePlace(BaseModel):
-    force: str
-    link: str
-    point: _Three
-
-
-class _ElasticPart(BaseModel):
-    hub: str
-    body: str
-    slides: bool
-    frequency: _Number
-    damping_ratio: _Number
-    moved: _Number
-
-
-class _Closure(BaseModel):
-    kind: Annotated[str, AfterValidator(_closure_kind)]
-    equations: int
-    axis: bool
-    first_body: str
-    first_placement: _Seven
-    second_body: str
-    second_placement: _Seven
-
-
-class _Coupling(BaseModel):
-    follower: str
-    leader: str
-    multiplier: _Number
-    offset: _Number
-    slides: bool
-    leader_slides: bool
-    second: str | None = None
-    second_multiplier: _Number = 1.0
-    second_slides: bool = False
-
-
-#: Attributes that are text with JSON: what is in it, and along which dimension its names are.
-JSON_ATTRIBUTES: dict[str, tuple[Any, str]] = {
-    "conservation": (_Conservation, ""),
-    "mechanism": (_Mechanism, ""),
-    "versions": (dict[str, str], ""),
-    "clearance_joints": (dict[str, _Joint], "clearance_joint"),
-    "drives": (dict[str, _Drive], "drive"),
-    "elements": (dict[str, _Element], "element"),
-    "joint_friction": (dict[str, _JointFriction], ""),
-    "point_springs": (dict[str, _PointSpring], "point_spring"),
-    "forces": (dict[str, _Force], "force"),
-    "force_places": (dict[str, _ForcePlace], "force_place"),
-    "elastic_parts": (dict[str, _ElasticPart], "elastic_part"),
-    "closures": (dict[str, _Closure], "closure"),
-    "couplings": (dict[str, _Coupling], "coupling"),
-    "constraints": (dict[str, Any], ""),
-    "left_out": (list[str], ""),
-    "assumed": (list[str], ""),
+#: Attributes that are text with JSON, by name.
+JSON_ATTRIBUTES: dict[str, JsonAttribute] = {
+    "conservation": JsonAttribute(_entry(**_CONSERVATION, energy_scale_of=_SCALES), required=True),
+    "mechanism": JsonAttribute(
+        _entry(
+            base=Literal["free", "fixed"],
+            gravity=_Three,
+            allow_impossible_inertia=list[str],
+            package_path=(list[str], []),
+            impossible_inertia=(list[str], []),
+        ),
+        required=True,
+    ),
+    "versions": JsonAttribute(dict[str, str]),
+    "clearance_joints": _entries(
+        "clearance_joint",
+        "bearing_body",
+        "journal_body",
+        required=True,
+        kind=str,
+        dimensions=dict[str, _Finite],
+        bearing_on=Literal["parent", "child"],
+        bearing_body=str,
+        bearing_placement=_Seven,
+        journal_body=str,
+        journal_placement=_Seven,
+        contacts=dict[str, _CONTACT],  # type: ignore[valid-type]
+        friction_law=_Law,
+        approach_speed_floor=_Number,
+        backend=str,
+        load=Literal["point", "distributed"],
+    ),
+    "drives": _entries("drive", "joint", required=True, joint=str, slides=bool, motion=bool),
+    "elements": _entries(
+        "element", kind=str, joint=str | None, slides=bool, modes=list[str], numbers=dict[str, _Number]
+    ),
+    "joint_friction": _entries(
+        "", "joint", joint=str, slides=bool, damping=_Number, friction=_Number, regularisation_speed=_Number
+    ),
+    "point_springs": _entries(
+        "point_spring",
+        "first_body",
+        "second_body",
+        first_body=str,
+        first_point=_Three,
+        second_body=str,
+        second_point=_Three,
+    ),
+    "forces": _entries("force", kind=str, numbers=dict[str, _Number]),
+    "force_places": _entries("force_place", "link", force=str, link=str, point=_Three),
+    "elastic_parts": _entries(
+        "elastic_part",
+        "hub",
+        "body",
+        hub=str,
+        body=str,
+        slides=bool,
+        frequency=_Number,
+        damping_ratio=_Number,
+        moved=_Number,
+    ),
+    "closures": _entries(
+        "closure",
+        "first_body",
+        "second_body",
+        kind=Annotated[str, AfterValidator(_closure_kind)],
+        equations=int,
+        axis=bool,
+        first_body=str,
+        first_placement=_Seven,
+        second_body=str,
+        second_placement=_Seven,
+    ),
+    "couplings": _entries(
+        "coupling",
+        "follower",
+        "leader",
+        follower=str,
+        leader=str,
+        multiplier=_Number,
+        offset=_Number,
+        slides=bool,
+        leader_slides=bool,
+        second=(str | None, None),
+        second_multiplier=(_Number, 1.0),
+        second_slides=(bool, False),
+    ),
+    "constraints": JsonAttribute(dict[str, Any]),
+    "left_out": JsonAttribute(list[str]),
+    "assumed": JsonAttribute(list[str]),
 }
 
 
 def problem_of_json(name: str, text: object) -> str:
-    """Return what of an attribute's text is not as it must be, in words; empty if all is."""
+    """Return the first fault of an attribute's text; empty without any."""
     try:
         _adapter(name).validate_python(json.loads(text) if isinstance(text, str) else text)
     except ValidationError as error:
@@ -197,4 +185,4 @@ def problem_of_json(name: str, text: object) -> str:
 
 @cache
 def _adapter(name: str) -> TypeAdapter[Any]:
-    return TypeAdapter(JSON_ATTRIBUTES[name][0])
+    return TypeAdapter(JSON_ATTRIBUTES[name].content)

@@ -1,4 +1,4 @@
-"""Numbers with labels by the schema of results: as what a file is written from, and as a dataset."""
+"""Labelled numbers by the schema of results, for files and datasets."""
 
 from __future__ import annotations
 
@@ -19,21 +19,15 @@ __all__ = ["Column", "Content", "Unlabelled"]
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A variable as who writes it asks for it, in xarray's words.
+    """Variable with the attributes of xarray's that a writer reads."""
 
-    Attributes:
-        dims: Its dimensions.
-        values: Its numbers.
-        attrs: Its attributes.
-    """
-
-    dims: tuple[str, ...]
-    values: NDArray[Any]
-    attrs: Mapping[str, Any]
+    dims: tuple[str, ...]  # its dimensions
+    values: NDArray[Any]  # its numbers
+    attrs: Mapping[str, Any]  # its attributes
 
     @property
     def dtype(self) -> np.dtype[Any]:
-        """Of what kind its numbers are."""
+        """Type of the values."""
         return self.values.dtype
 
     @property
@@ -43,17 +37,17 @@ class Column:
 
     @property
     def ndim(self) -> int:
-        """How many dimensions it has."""
+        """Number of dimensions."""
         return self.values.ndim
 
     @property
     def size(self) -> int:
-        """How many numbers it has."""
+        """Number of values."""
         return self.values.size
 
     @property
     def nbytes(self) -> int:
-        """How much they take [bytes]."""
+        """Size of the values [bytes]."""
         return self.values.nbytes
 
     def __getitem__(self, rows: slice) -> Column:
@@ -63,17 +57,11 @@ class Column:
 
 @dataclass(slots=True)
 class Content:
-    """What a dataset holds, without xarray, which takes longer to load than a short run.
+    """Content of a dataset without xarray, which loads slower than a short run."""
 
-    Attributes:
-        coords: Coordinates by name.
-        data: The other variables.
-        attrs: Of all.
-    """
-
-    coords: dict[str, Column]
-    data: dict[str, Column]
-    attrs: dict[str, Any]
+    coords: dict[str, Column]  # coordinates by name
+    data: dict[str, Column]  # the other variables
+    attrs: dict[str, Any]  # of all
 
     @property
     def variables(self) -> dict[str, Column]:
@@ -90,7 +78,7 @@ class Content:
         }
 
     def dataset(self) -> xr.Dataset:
-        """Return the same as xarray has it."""
+        """Return the content as a dataset."""
         import xarray as xr
 
         coordinates, variables = (
@@ -103,25 +91,15 @@ class Content:
 
 @dataclass(slots=True)
 class Unlabelled:
-    """All that the data of a result are made of. They are made where they are read.
+    """Parts of a result, from which its data are made when read."""
 
-    Attributes:
-        values: Of each variable, by name.
-        labels: Of each dimension and coordinate, by name; of ``episode`` and ``tick`` how many there are.
-        attributes: The first of the dataset.
-        of_system: What tells those that follow, of what was run.
-        more: The last ones; to be added to.
-        free_base: Whether the base is free.
-        lean: Whether the series are left out.
-    """
-
-    values: Mapping[str, Any]
-    labels: Mapping[str, Any]
-    attributes: Mapping[str, Any]
-    of_system: Callable[[], Mapping[str, Any]]
-    more: dict[str, Any]
+    values: Mapping[str, Any]  # by variable
+    labels: Mapping[str, Any]  # by dimension and coordinate; of ``episode`` and ``tick`` their number
+    attributes: Mapping[str, Any]  # the first of the dataset
+    of_system: Callable[[], Mapping[str, Any]]  # returns those that follow, of the system
+    more: dict[str, Any]  # the last ones; may be added to
     free_base: bool
-    lean: bool = False
+    lean: bool = False  # without series
 
     def labelled(self) -> xr.Dataset:
         """Return a dataset by the schema.
@@ -132,9 +110,8 @@ class Unlabelled:
         return self.content().dataset()
 
     def content(self) -> Content:
-        """Return the same without xarray."""
-        coordinates, variables = self.columns()
-        return Content(coordinates, variables, {**self.attributes, **self.of_system(), **self.more})
+        """Return the content without xarray."""
+        return Content(*self.columns(), {**self.attributes, **self.of_system(), **self.more})
 
     def columns(self) -> tuple[dict[str, Column], dict[str, Column]]:
         """Return its coordinates and its other variables, by name."""
@@ -160,5 +137,5 @@ class Unlabelled:
 
 
 def _text(labels: Any) -> Any:
-    # Text of a fixed width: of objects xarray asks what they are, for longer than all the rest takes.
+    # Text of a fixed width: xarray inspects objects one by one, for longer than all the rest takes.
     return np.array(labels, dtype=str)

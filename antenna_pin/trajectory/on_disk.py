@@ -1,4 +1,4 @@
-"""Variables of a file that is too large for memory: what is asked of them is read when it is asked for."""
+"""Variables of a large file, read on access."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _ROWS = 8192  # of a part that is read at once where single rows or columns are 
 
 
 class StoredFile:
-    """An HDF5 file that stays open as long as its variables are used; it may be replaced meanwhile.
+    """HDF5 file that stays open as long as its variables are used.
 
     Args:
         path: Of the file.

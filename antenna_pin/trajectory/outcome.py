@@ -1,4 +1,4 @@
-"""Why a run ended, and what it took."""
+"""Outcome and step counts of a run."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ __all__ = ["ENDED_WELL", "REACHED_END", "Counts", "Outcome"]
 
 
 class Outcome(Enum):
-    """Why a run ended."""
+    """Reason why a run ended."""
 
     COMPLETED = "reached the end of the time span"
     STOPPED = "stopped by an event that was to end it"
@@ -61,34 +61,25 @@ class Outcome(Enum):
 
     @property
     def may_go_on(self) -> bool:
-        """Whether the run was stopped on its way, and its checkpoint is kept to go on from."""
+        """True if the run may be resumed from its checkpoint."""
         return self in (Outcome.INTERRUPTED, Outcome.TIME_LIMIT)
 
     @property
     def verdict(self) -> str:
-        """How a run is to be introduced that has no whole result: ``ended early`` or ``does not balance``."""
+        """Description of an incomplete result: ``ended early`` or ``does not balance``."""
         return "does not balance" if self is Outcome.LEDGER_OPEN else "ended early"
 
 
 @dataclass(frozen=True, slots=True)
 class Counts:
-    """What a run took.
+    """Steps and times of a run."""
 
-    Attributes:
-        accepted: Steps accepted.
-        rejected: Trial steps rejected by their error.
-        relocated: Trial steps cut back to end at a change of contact.
-        evaluations: Evaluations of the equations of motion.
-        wall_seconds: Time of the run, recording included, without compiling [s].
-        compile_seconds: Time in which kernels were compiled for it, which the next run finds compiled [s].
-    """
-
-    accepted: int = 0
-    rejected: int = 0
-    relocated: int = 0
-    evaluations: int = 0
-    wall_seconds: float = 0.0
-    compile_seconds: float = 0.0
+    accepted: int = 0  # steps
+    rejected: int = 0  # trial steps, by their error
+    relocated: int = 0  # trial steps cut back to a change of contact
+    evaluations: int = 0  # of the equations of motion
+    wall_seconds: float = 0.0  # with recording, without compiling [s]
+    compile_seconds: float = 0.0  # of kernels for this run, which the next run need not compile [s]
 
 
 #: Those of a run that came to its end, and whose numbers can be relied on.

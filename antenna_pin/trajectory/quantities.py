@@ -1,4 +1,4 @@
-"""Catalogue of the quantities of a whole run: recorded ones, and those of tables that follow from a result.
+"""Catalogue of the quantities of a run, and of tables derived from it.
 
 Result files, summaries, tables, reports, cards, responses of studies and sensitivities render the rows here.
 A row with a reduction is computed from the series or the episodes that it names wherever it is needed.
@@ -33,6 +33,7 @@ __all__ = [
     "TABLES",
     "TOTAL",
     "Group",
+    "dataset_of",
     "entries_of",
     "heading_of",
     "reduced",
@@ -222,6 +223,7 @@ CONTACTS: tuple[Variable, ...] = rows(
 )
 
 _TIMES = (("onset", "s", "first touch"), ("release", "s", "release; NaN: still touching"))
+_DENSITY = (("density", "{density}", "amplitude density"), ("power", "{power}", "power density"))
 #: Columns of tables that follow from a result, by table.
 TABLES: dict[str, dict[str, Variable]] = {}
 for _one in rows(
@@ -364,6 +366,80 @@ for _one in rows(
     ("time_apart", "s", "time without contact", "="),
     ("time_slack", "s", "time with a slack strand", "="),
     ("element_loss", "J", "energy lost", "="),
+    # Arrays over time, frequency or windows; {units} is the unit of a signal, {whose} the owner of a frame.
+    "poses: time body axis",
+    ("position", "m", "link's frame in the world"),
+    "poses: time body quaternion",
+    ("attitude", "1", "link's frame in the world, quaternion"),
+    "twists: time body axis",
+    ("velocity", "m/s", "of the link's frame"),
+    ("angular_velocity", "rad/s", "of the link"),
+    "transmitted loads: time moving_joint axis",
+    ("force", "N", "force through the joint"),
+    ("torque", "N m", "torque through the joint"),
+    "base loads: time axis",
+    ("force", "N", "force on the base"),
+    ("moment", "N m", "moment on the base"),
+    "frame motion: time axis",
+    ("position", "m", "{whose}'s origin, world axes"),
+    ("rotation", "rad", "{whose}'s rotation since the start, world axes"),
+    ("velocity", "m/s", "velocity of the {whose}'s origin, world axes"),
+    ("angular_velocity", "rad/s", "{whose}'s angular velocity, world axes"),
+    ("acceleration", "m/s^2", "acceleration of the {whose}'s origin, world axes"),
+    ("angular_acceleration", "rad/s^2", "{whose}'s angular acceleration, world axes"),
+    "frame motion: time quaternion",
+    ("attitude", "1", "{whose} in the world, quaternion"),
+    "journal motion: time place axis",
+    ("offset", "m", "journal's axis from the bearing's, bearing axes"),
+    "journal motion: time place",
+    ("eccentricity", "m", "its distance from the bearing's axis or centre"),
+    ("eccentricity_ratio", "1", "eccentricity over clearance"),
+    "journal motion: time",
+    ("tilt", "rad", "angle between the axes"),
+    ("twist", "rad", "turn about the bearing's axis"),
+    ("axial", "m", "journal's centre along the axis"),
+    "bore load: contact sector",
+    ("impulse", "N s", "integral of normal force"),
+    "orbit angles: time",
+    *((name, "rad", f"{name} of the link from orbit-fixed axes") for name in ("pitch", "roll", "yaw")),
+    "pointing error: time pointing_axis",
+    ("error", "rad", "pointing error about"),
+    "pointing error: time cross_axis",
+    ("boresight_error", "rad", "turn of the boresight about"),
+    "pointing error: time",
+    ("half_cone", "rad", "angle between both boresights"),
+    "settling curve: window",
+    ("contact_share", "1", "share of the window in contact"),
+    ("impacts", "1", "contacts begun in the window"),
+    ("largest_approach_speed", "m/s", "largest approach speed of the window"),
+    ("mean_approach_speed", "m/s", "mean approach speed of the window"),
+    *("spectrum: frequency", *_DENSITY, "spectra: frequency component", *_DENSITY),
+    *("spectrogram: frequency time", *_DENSITY),
+    "peaks: peak",
+    ("frequency", "Hz", "frequency"),
+    ("amplitude", "{units}", "amplitude"),
+    ("contrast", "1", "over the spectrum around it"),
+    "bands: band",
+    ("low", "Hz", "lowest frequency of the band"),
+    ("high", "Hz", "highest frequency of the band"),
+    ("rms", "{units}", "root mean square in the band"),
+    ("standard_error", "{units}", "its standard error, of a Gaussian signal"),
+    "shock: frequency",
+    ("positive", "{units}", "largest absolute acceleration, positive sense"),
+    ("negative", "{units}", "largest absolute acceleration, negative sense"),
+    ("maximum", "{units}", "largest absolute acceleration"),
+    ("residual", "{units}", "largest absolute acceleration after the signal"),
+    ("pseudo_velocity", "{units} s", "omega times the largest relative displacement"),
+    "swept response: window",
+    ("frequency", "Hz", "frequency of the base"),
+    ("way", "1", "1: swept up, -1: down"),
+    ("time", "s", "middle of the window"),
+    ("response", "({units})/(m/s^2)", "target over the base's acceleration"),
+    ("gain", "({units})/(m/s^2)", "magnitude of the response"),
+    ("phase", "rad", "phase of the response"),
+    ("amplitude", "{units}", "amplitude of the target at the base's frequency"),
+    ("base", "m/s^2", "amplitude of the base's acceleration"),
+    ("distortion", "1", "what does not follow over what does, root mean square"),
 ):
     TABLES.setdefault(_one.source, {})[_one.name] = _one
 # fmt: on
@@ -442,7 +518,7 @@ def slides_along(data: xr.Dataset, dim: str) -> dict[str, bool]:
 
 
 def entries_of(data: xr.Dataset, dim: str) -> dict[str, dict[str, float]]:
-    """Return what the result has recorded along a dimension as a summary has it, by label and entry."""
+    """Return the recorded numbers along a dimension, by label and summary key."""
     variables = [one for one in SUMMARIES if one.dims[:1] == (dim,) and one.key() and one.name in data]
     values = {one.name: np.asarray(data[one.name].values, dtype=float) for one in variables}
     return {
@@ -482,20 +558,42 @@ def table(
     labels: Mapping[str, Any],
     attributes: Mapping[str, Any] | None = None,
 ) -> xr.Dataset:
-    """Return a table of :data:`TABLES` with its columns, their units and meanings.
+    """Return columns along one dimension as a table of :data:`TABLES`.
 
     Args:
-        name: Of the table.
+        name: Name of the table.
         columns: Values along its dimension, by column.
-        labels: Labels along the dimension, by coordinate; that of the dimension itself counts if not given.
-        attributes: Of the dataset.
+        labels: Labels along the dimension, by coordinate; without its own labels it is numbered.
+        attributes: Attributes of the dataset.
     """
-    import xarray as xr
-
-    known = TABLES[name]
-    (dim,) = next(iter(known.values())).dims
-    found = {key: (dim, np.array(values), known[key].attributes) for key, values in columns.items()}
+    (dim,) = next(iter(TABLES[name].values())).dims
     coords: dict[str, Any] = {} if dim in labels else {dim: np.arange(len(next(iter(columns.values()))))}
     for key, texts in labels.items():
         coords[key] = (dim, np.array(texts, dtype=object) if len(texts) else np.zeros(0, dtype="<U1"))
+    return dataset_of(name, {key: np.array(values) for key, values in columns.items()}, coords, attributes)
+
+
+def dataset_of(
+    name: str,
+    columns: Mapping[str, Any],
+    coords: Mapping[str, Any],
+    attributes: Mapping[str, Any] | None = None,
+    **words: str,
+) -> xr.Dataset:
+    """Return arrays with dimensions, units and long names from :data:`TABLES`.
+
+    Args:
+        name: Name of the table.
+        columns: Arrays by column.
+        coords: Coordinates, in any form that xarray accepts.
+        attributes: Attributes of the dataset.
+        **words: Values of the fields in units and long names, such as ``units``.
+    """
+    import xarray as xr
+
+    found = {}
+    for key, values in columns.items():
+        variable = TABLES[name][key]
+        about = {"units": variable.units.format(**words), "long_name": variable.meaning.format(**words)}
+        found[key] = (variable.dims, values, about)
     return xr.Dataset(found, coords=coords, attrs=attributes)

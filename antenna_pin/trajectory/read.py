@@ -1,4 +1,4 @@
-"""What every reader of a result asks of its data: names by what they are, and whether it has series."""
+"""Names of a result's joints and contacts, and presence of series."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def is_lean(data: xr.Dataset) -> bool:
 
 
 def series(data: xr.Dataset, place: str) -> xr.Dataset:
-    """Return data that hold the series of a run, or refuse them.
+    """Return the data of a run with series, or refuse them.
 
     Args:
         data: Of a run.
@@ -50,7 +50,7 @@ def series(data: xr.Dataset, place: str) -> xr.Dataset:
 
 
 def json_in(text: object) -> object:
-    """Return what an attribute holds as JSON; None if that is nothing, or no JSON."""
+    """Return the content of an attribute that is JSON; None if it is not."""
     try:
         return json.loads(text) if isinstance(text, str) else None
     except (ValueError, RecursionError):
@@ -58,7 +58,7 @@ def json_in(text: object) -> object:
 
 
 def names_along(data: xr.Dataset, dimension: str) -> list[str]:
-    """Return the labels along a dimension (or of a coordinate); none if the run does not have it."""
+    """Return the labels along a dimension or of a coordinate; [] without it."""
     return [str(name) for name in data[dimension].values] if dimension in data.coords else []
 
 
@@ -81,7 +81,7 @@ def contact_kinds(data: xr.Dataset) -> dict[str, str]:
 
 
 def contact_ends(data: xr.Dataset) -> dict[str, str]:
-    """Return the bearing's end that each contact is at, "+", "-" or none, by the contact's name."""
+    """Return the bearing's end of each contact, "+", "-" or none, by contact."""
     return _along_contacts(data, "contact_end")
 
 

@@ -1,4 +1,4 @@
-"""One run: labelled arrays with units and provenance, and how it ended."""
+"""Result of a run: labelled arrays with units, provenance and outcome."""
 
 from __future__ import annotations
 
@@ -39,33 +39,24 @@ _LIBRARIES = ("antenna_pin", "pin", "coal", "numpy", "scipy", "numba", "xarray",
 
 
 @cache
-def _versions() -> tuple[tuple[str, str], ...]:
-    found = {"python": platform.python_version()}
-    for name in _LIBRARIES:
-        try:
-            found[name] = importlib.metadata.version(name)
-        except importlib.metadata.PackageNotFoundError:
-            found[name] = "not installed as a package"
-    return tuple(found.items())
+def _version(name: str) -> str:
+    try:
+        return importlib.metadata.version(name)
+    except importlib.metadata.PackageNotFoundError:
+        return "not installed as a package"
 
 
 def library_versions() -> dict[str, str]:
     """Return the versions of this package and of the libraries that its numbers depend on."""
-    return dict(_versions())
+    return {"python": platform.python_version(), **{name: _version(name) for name in _LIBRARIES}}
 
 
 class RunEvent(NamedTuple):
-    """An event of a run: of the user's, or of an element whose mode changes.
+    """Event of a run: of the user's, or of an element whose mode changes."""
 
-    Attributes:
-        name: Of the event, such as ``latch root: latched``.
-        time: When [s].
-        energy: That its action brought in [J].
-    """
-
-    name: str
-    time: float
-    energy: float
+    name: str  # such as ``latch root: latched``
+    time: float  # [s]
+    energy: float  # that its action added [J]
 
 
 class _Later:
@@ -74,7 +65,7 @@ class _Later:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trajectory(_Later):
-    """One run, sampled.
+    """Sampled result of a run.
 
     It shows itself: ``run.plot("contact_forces")``, ``run.record("run.html")``,
     ``run.report("report.html")``, ``run.analyse()`` (the readers of :mod:`antenna_pin.views`). A quantity
@@ -103,7 +94,7 @@ class Trajectory(_Later):
 
     @classmethod
     def later(cls, unlabelled: Unlabelled, **fields: Any) -> Self:
-        """Return a result whose data are made when they are first asked for.
+        """Return a result whose data are made on first access.
 
         Args:
             unlabelled: What of.
@@ -117,7 +108,7 @@ class Trajectory(_Later):
     if not TYPE_CHECKING:  # a checker is to know no other names than those that there are
 
         def __getattr__(self, name: str) -> Any:
-            """Make the data; asked for nothing else that there is."""
+            """Make the data on first access."""
             if name != "data":
                 said = f"{type(self).__name__!r} object has no attribute {name!r}"
                 raise AttributeError(said, name=name, obj=self)
@@ -152,24 +143,24 @@ class Trajectory(_Later):
 
     @property
     def constraints(self) -> dict[str, Any]:
-        """How many closures, couplings and motions hold, and how well; {} of a tree that nothing holds."""
+        """Counts and residuals of closures, couplings and motions; {} without any."""
         found: dict[str, Any] = json.loads(self.data.attrs.get("constraints", "{}"))
         return found
 
     @property
     def assumed(self) -> tuple[str, ...]:
-        """What of the URDF was passed over, and what was taken for granted, in words."""
+        """Ignored parts of the URDF, and assumptions, as text."""
         lines = (json.loads(self.data.attrs.get(name, "[]")) for name in ("left_out", "assumed"))
         return tuple(line for each in lines for line in each)
 
     @property
     def advice(self) -> str:
-        """What the run found out about how it is best made, in words; empty if nothing."""
+        """Advice for further runs; empty without any."""
         return str(self.data.attrs.get("advice", ""))
 
     @property
     def completed(self) -> bool:
-        """Whether the run reached the end of its time span, or the event that was to end it."""
+        """True if the run reached its end, or the event that ends it."""
         return self.outcome in ENDED_WELL
 
     def save(self, path: str | os.PathLike[str]) -> Path:
@@ -184,7 +175,7 @@ class Trajectory(_Later):
         return target
 
     def stored(self) -> xr.Dataset | Content:
-        """Return the data as a file has them, with all that is beside them as attributes."""
+        """Return the data with all fields as attributes, for a file."""
         unlabelled: Unlabelled | None = getattr(self, "_unlabelled", None)
         data = self.data if unlabelled is None else unlabelled.content()
         attributes = {
@@ -249,7 +240,7 @@ class Trajectory(_Later):
         return as_text(self)
 
     def _repr_html_(self) -> str:
-        """Show the run in a notebook: how it ended, what has happened, its motion, what data there are."""
+        """Return an HTML view of the run for notebooks."""
         return as_html(self)
 
 
@@ -270,7 +261,7 @@ def _scenario(text: str) -> Scenario:
 
 
 def columns_of(run: Trajectory) -> dict[str, Column]:
-    """Return all variables of a result by name, coordinates too; xarray is asked where it has them."""
+    """Return all variables of a result by name, with coordinates."""
     unlabelled: Unlabelled | None = getattr(run, "_unlabelled", None)
     if unlabelled is None:
         found = run.data.variables.items()
@@ -308,10 +299,16 @@ def summary_of(data: xr.Dataset, ended: Mapping[str, Any], constraints: Mapping[
     }
     if constraints:
         result["constraints"] = constraints
-        result["closures"] = _closures(data)
-        result["motions"] = _motions(data)
+        sides = ("first_body", "second_body")
+        result["closures"] = _connected(data, "closures", "closure", kind="kind", links=sides)
+        works = entries_of(data, "drive")
+        result["motions"] = {
+            name: one | {"work": works[name]["work"]}
+            for name, one in _connected(data, "drives", "motion", joint="joint").items()
+        }
     if "coupling" in data.sizes:
-        result["couplings"] = _couplings(data)
+        joints = ("follower", "leader")
+        result["couplings"] = _connected(data, "couplings", "coupling", joints=joints)
     result |= met_by_elements(data)
     if gears := met_by_meshes(data):
         result["gears"] = gears
@@ -335,27 +332,14 @@ def summary_of(data: xr.Dataset, ended: Mapping[str, Any], constraints: Mapping[
     return result
 
 
-def _closures(data: xr.Dataset) -> dict[str, dict[str, Any]]:
-    """Return what each closure joins and carried at most."""
-    about, carried = json.loads(data.attrs["closures"]), entries_of(data, "closure")
+def _connected(data: xr.Dataset, attribute: str, dim: str, **keys: Any) -> dict[str, dict[str, Any]]:
+    """Return keys of entries of an attribute, before the recorded numbers along a dimension."""
+    about = json.loads(data.attrs[attribute])
     return {
-        name: {"kind": one["kind"], "links": [one["first_body"], one["second_body"]], **carried[name]}
-        for name, one in about.items()
-    }
-
-
-def _couplings(data: xr.Dataset) -> dict[str, dict[str, Any]]:
-    """Return what each coupling joins, and its largest force where the follower slides, else torque."""
-    about, carried = json.loads(data.attrs["couplings"]), entries_of(data, "coupling")
-    return {
-        name: {"joints": [one["follower"], one["leader"]], **carried[name]} for name, one in about.items()
-    }
-
-
-def _motions(data: xr.Dataset) -> dict[str, dict[str, Any]]:
-    """Return what it took to hold each prescribed motion: a force where the joint slides, else a torque."""
-    about, works = json.loads(data.attrs["drives"]), entries_of(data, "drive")
-    return {
-        name: {"joint": about[name]["joint"], **one, "work": works[name]["work"]}
-        for name, one in entries_of(data, "motion").items()
+        name: {
+            key: about[name][of] if isinstance(of, str) else [about[name][each] for each in of]
+            for key, of in keys.items()
+        }
+        | numbers
+        for name, numbers in entries_of(data, dim).items()
     }

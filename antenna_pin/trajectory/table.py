@@ -1,4 +1,4 @@
-"""What motions come to, as files: labelled datasets beside runs, sealed as these are, told apart by a format.
+"""Files of tables: labelled datasets beside runs, sealed and identified by a format.
 
 A portrait, a section, a bifurcation diagram, an orbit, a branch of orbits, Lyapunov exponents, a fit, what
 a test can tell, experiments beside one another and sensitivities are a dataset each. Their attributes say
@@ -50,45 +50,28 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """One column of a table.
+    """Column of a table."""
 
-    Attributes:
-        name: Of it; "" for one of each quantity.
-        dims: Its dimensions, in order.
-        rule: What its numbers may be.
-        words: What its texts may be, if it is one of text; any if that is empty.
-        optional: Whether a table may do without it.
-    """
-
-    name: str
+    name: str  # "" for one of each quantity
     dims: tuple[str, ...]
     rule: Rule = ANY
-    words: tuple[str, ...] | None = None
+    words: tuple[str, ...] | None = None  # allowed texts of a column of text; any if empty
     optional: bool = False
 
 
 @dataclass(frozen=True, slots=True)
 class Attribute:
-    """One attribute of a table.
-
-    Attributes:
-        name: Of it.
-        rule: What its number may be, if it is one.
-        words: What its text may be, if it is one; any if that is empty.
-        several: How many texts it has at least, if it is a list of them, as JSON.
-        named: Whether it is texts by name, as JSON.
-        table: Whether it is a table, as JSON, or nothing.
-    """
+    """Attribute of a table: a number, or text, which may be JSON."""
 
     name: str
-    rule: Rule | None = None
-    words: tuple[str, ...] = ()
-    several: int = 0
-    named: bool = False
-    table: bool = False
+    rule: Rule | None = None  # of a number
+    words: tuple[str, ...] = ()  # allowed texts; any if empty
+    several: int = 0  # least number of texts, of a list of them
+    named: bool = False  # texts by name
+    table: bool = False  # a table, or nothing
 
     def problem(self, value: object) -> str | None:
-        """Return what of a value is not as it must be, in words; None if all is."""
+        """Return the rule that a value breaks, or None."""
         if self.rule is not None:
             number = np.asarray(value)
             if number.size != 1 or number.dtype.kind not in "fiub":
@@ -101,7 +84,10 @@ class Attribute:
             return f"which must be one of {', '.join(self.words)}"
         if self.several and len(_names(value) or ()) < self.several:
             return f"which must be a list of names, {self.several} or more"
-        if self.named and not _is_named(value):
+        if self.named:
+            texts = json_in(value)
+            if isinstance(texts, dict) and all(isinstance(text, str) for text in texts.values()):
+                return None
             return "which must be texts by name"
         if self.table and value and not isinstance(json_in(value), dict):
             return "which must be a table, as JSON, or nothing"
@@ -109,15 +95,9 @@ class Attribute:
 
 
 def _names(text: object) -> list[str] | None:
-    """Return the list of texts that an attribute holds as JSON; None if it holds none."""
+    """Return an attribute that is a list of texts as JSON, or None."""
     names = json_in(text)
     return names if isinstance(names, list) and all(isinstance(name, str) for name in names) else None
-
-
-def _is_named(text: object) -> bool:
-    """Whether an attribute holds texts by name, as JSON."""
-    found = json_in(text)
-    return isinstance(found, dict) and all(isinstance(value, str) for value in found.values())
 
 
 _SIZE, _TIMES = Rule(least=0.0), Rule(rising=True)
@@ -128,130 +108,128 @@ _WIDTH = Rule(least=0.0, infinite=True)
 _OUTCOMES = ("", *(one.name for one in Outcome))
 
 
-def _orbits(*over: str) -> tuple[Column, ...]:
-    several = _OPEN if over else Rule(infinite=True)
-    parts = _LACKS if over else ANY
-    return (
-        *(
-            Column(name, over, _SIZE)
-            for name in ("period", "residual", "doubt", "neutral", "onsets", "events")
-        ),
-        Column("stability", over, words=("stable", "unstable", "neutral")),
-        Column("start", over),
-        Column("state", over, words=()),
-        Column("q", (*over, "configuration")),
-        Column("v", (*over, "coordinate")),
-        Column("multiplier_real", (*over, "multiplier"), parts),
-        Column("multiplier_imaginary", (*over, "multiplier"), parts),
-        Column("exponent", (*over, "multiplier"), several),  # minus infinity where nothing is left
+def _columns(*rows: tuple[Any, ...]) -> tuple[Column, ...]:
+    """Return columns from rows of dimensions, names, rule, words and ``_OPTIONAL``."""
+    found = []
+    for dims, names, *rest in rows:
+        fields: dict[str, Any] = {"optional": _OPTIONAL in rest}
+        for one in rest:
+            if one is not _OPTIONAL:
+                fields["rule" if isinstance(one, Rule) else "words"] = one
+        found += [Column(name, tuple(dims.split()), **fields) for name in names.split() or [""]]
+    return tuple(found)
+
+
+_OPTIONAL, _TEXT = "optional", ()
+
+
+def _orbits(over: str, parts: Rule, exponents: Rule) -> tuple[Column, ...]:
+    return _columns(
+        (over, "period residual doubt neutral onsets events", _SIZE),
+        (over, "stability", ("stable", "unstable", "neutral")),
+        (over, "start"),
+        (over, "state", _TEXT),
+        (f"{over} configuration", "q"),
+        (f"{over} coordinate", "v"),
+        (f"{over} multiplier", "multiplier_real multiplier_imaginary", parts),
+        (f"{over} multiplier", "exponent", exponents),  # minus infinity where nothing is left
     )
 
 
-_AT_VALUE = ("branch", "value")
-
-#: The columns of each kind of table.
+#: The columns of each kind of table; "" stands for one of each quantity.
 TABLES: Mapping[str, tuple[Column, ...]] = {
-    "portrait": (Column("time", ("sample",), _TIMES), Column("", ("sample",), _LACKS)),
-    "section": (
-        Column("time", ("point",), _TIMES),
-        Column("", ("point",), _LACKS),
-        Column("settled", (), _WHETHER),
-        Column("transient", (), _SIZE),
-        Column("drift", (), _SIZE_OR_NONE),
+    "portrait": _columns(("sample", "time", _TIMES), ("sample", "", _LACKS)),
+    "section": _columns(
+        ("point", "time", _TIMES),
+        ("point", "", _LACKS),
+        ("", "settled", _WHETHER),
+        ("", "transient", _SIZE),
+        ("", "drift", _SIZE_OR_NONE),
     ),
-    "bifurcation": (
-        Column("value", ("value",)),
-        Column("time", (*_AT_VALUE, "point"), _LACKS),
-        Column("", (*_AT_VALUE, "point"), _LACKS),
-        Column("settled", _AT_VALUE, _WHETHER),
-        Column("drift", _AT_VALUE, _SIZE_OR_NONE),
-        Column("points", _AT_VALUE, _SIZE),
-        Column("transient", _AT_VALUE, _SIZE),
-        Column("period", _AT_VALUE, _SIZE_OR_NONE),
-        Column("outcome", _AT_VALUE, words=_OUTCOMES),
-        Column("message", _AT_VALUE, words=()),
+    "bifurcation": _columns(
+        ("value", "value"),
+        ("branch value point", "time", _LACKS),
+        ("branch value point", "", _LACKS),
+        ("branch value", "settled", _WHETHER),
+        ("branch value", "drift", _SIZE_OR_NONE),
+        ("branch value", "points transient", _SIZE),
+        ("branch value", "period", _SIZE_OR_NONE),
+        ("branch value", "outcome", _OUTCOMES),
+        ("branch value", "message", _TEXT),
     ),
-    "orbit": (*_orbits(), Column("tangent", ("to", "from"))),
+    "orbit": (*_orbits("", ANY, Rule(infinite=True)), *_columns(("to from", "tangent"))),
     "branch": (
-        *_orbits("point"),
-        Column("value", ("point",)),
-        Column("kind", ("bifurcation",), words=("fold", "branch-point", "flip", "neimark-sacker", "grazing")),
-        Column("at", ("bifurcation",)),
-        Column("at_doubt", ("bifurcation",), _SIZE),
-        Column("after", ("bifurcation",), _SIZE),
-        Column("amplitude", ("quantity", "point"), _LACKS, optional=True),
-    ),
-    "exponents": (
-        Column("value", ("exponent",)),
-        Column("error", ("exponent",), Rule(least=0.0, infinite=True)),
-        Column("time", ("interval",), _TIMES),
-        Column("length", ("interval",), _SIZE),
-        Column("growth", ("interval", "exponent")),
-        Column("running", ("interval", "exponent")),
-    ),
-    "sensitivity": (
-        Column("value", ("result",)),
-        *(Column(name, ("result", "parameter"), _LACKS) for name in ("change", "doubt")),
-        *(Column(name, ("parameter",)) for name in ("at", "scale")),
-        Column("exponent", ("parameter",), _LACKS),
-        Column("believed", ("parameter",), Rule(infinite=True)),
-        *(Column(name, ("time", "curve", "parameter"), _LACKS) for name in ("curve_change", "curve_doubt")),
-        Column("time", ("time",), _TIMES),
-        *(Column(name, ("result",), words=()) for name in ("result", "unit")),
-        *(Column(name, ("parameter",), words=()) for name in ("parameter", "parameter_unit")),
-        *(Column(name, ("curve",), words=()) for name in ("curve", "curve_unit")),
-    ),
-    "fit": (
-        *(Column(name, ("parameter",)) for name in ("value", "start")),
-        *(Column(name, ("parameter",), Rule(infinite=True)) for name in ("lower", "upper")),
-        Column("sd", ("parameter",), Rule(least=0.0, lacks=True, infinite=True)),
-        *(Column(name, ("parameter",), _OPEN) for name in ("low", "high")),
-        Column("logarithmic", ("parameter",), _WHETHER),
-        *(Column(name, ("parameter",), words=()) for name in ("units", "title", "key")),
-        Column("covariance", ("parameter", "other"), _OPEN),
-        *(Column(name, ("row",)) for name in ("model", "data", "at")),
-        Column("noise", ("row",), _SIZE),
-        *(Column(name, ("row",), words=()) for name in ("record", "column", "measure", "unit")),
-        Column("residual", ("residual_row",)),
-        Column("slope", ("residual_row", "parameter")),
-        Column("search_cost", ("search",), _SIZE_OR_NONE),
-        *(Column(name, ("search", "parameter"), _OPEN) for name in ("search_start", "search_end")),
-        *(Column(name, ("row",), optional=True) for name in ("band_low", "band_high", "new_low", "new_high")),
-        *(
-            Column(name, ("parameter", "step"), _LACKS, optional=True)
-            for name in ("profile_value", "profile_root")
+        *_orbits("point", _LACKS, _OPEN),
+        *_columns(
+            ("point", "value"),
+            ("bifurcation", "kind", ("fold", "branch-point", "flip", "neimark-sacker", "grazing")),
+            ("bifurcation", "at"),
+            ("bifurcation", "at_doubt after", _SIZE),
+            ("quantity point", "amplitude", _LACKS, _OPTIONAL),
         ),
-        Column("profile_end", ("parameter", "side"), _OPEN, optional=True),
-        Column(
-            "profile_how",
-            ("parameter", "side"),
-            words=("", "crossed", "bounded", "open", "stopped"),
-            optional=True,
-        ),
-        Column("profile_reach", (), _SIZE_OR_NONE, optional=True),
     ),
-    "identifiability": (
-        Column("value", ("parameter",)),
-        Column("scale", ("parameter",), _SIZE),
-        *(Column(name, ("parameter",), _WIDTH) for name in ("error", "half", "alone")),
-        Column("inflation", ("parameter",), _OPEN),
-        *(Column(name, ("parameter",), _WHETHER) for name in ("felt", "determined")),
-        *(Column(name, ("parameter",), words=()) for name in ("units", "title")),
-        Column("singular", ("direction",), _SIZE),
-        Column("part", ("direction", "parameter")),
-        Column("null", ("combination", "parameter")),
-        *(Column(name, ("combination",), words=()) for name in ("said", "hold")),
+    "exponents": _columns(
+        ("exponent", "value"),
+        ("exponent", "error", _WIDTH),
+        ("interval", "time", _TIMES),
+        ("interval", "length", _SIZE),
+        ("interval exponent", "growth running"),
     ),
-    "experiments": (
-        Column("half", ("experiment", "parameter"), _WIDTH),
-        Column("before", ("parameter",), _WIDTH),
-        Column("value", ("parameter",)),
-        Column("scale", ("parameter",), _SIZE),
-        *(Column(name, ("parameter",), words=()) for name in ("units", "title")),
-        Column("what", ("experiment",), words=()),
-        *(Column(name, ("experiment",), _WIDTH) for name in ("D", "A", "E")),
-        Column("c", ("experiment",), _WIDTH, optional=True),
-        *(Column(name, ("experiment",), _SIZE, optional=True) for name in ("share", "count")),
+    "sensitivity": _columns(
+        ("result", "value"),
+        ("result parameter", "change doubt", _LACKS),
+        ("parameter", "at scale"),
+        ("parameter", "exponent", _LACKS),
+        ("parameter", "believed", Rule(infinite=True)),
+        ("time curve parameter", "curve_change curve_doubt", _LACKS),
+        ("time", "time", _TIMES),
+        ("result", "result unit", _TEXT),
+        ("parameter", "parameter parameter_unit", _TEXT),
+        ("curve", "curve curve_unit", _TEXT),
+    ),
+    "fit": _columns(
+        ("parameter", "value start"),
+        ("parameter", "lower upper", Rule(infinite=True)),
+        ("parameter", "sd", Rule(least=0.0, lacks=True, infinite=True)),
+        ("parameter", "low high", _OPEN),
+        ("parameter", "logarithmic", _WHETHER),
+        ("parameter", "units title key", _TEXT),
+        ("parameter other", "covariance", _OPEN),
+        ("row", "model data at"),
+        ("row", "noise", _SIZE),
+        ("row", "record column measure unit", _TEXT),
+        ("residual_row", "residual"),
+        ("residual_row parameter", "slope"),
+        ("search", "search_cost", _SIZE_OR_NONE),
+        ("search parameter", "search_start search_end", _OPEN),
+        ("row", "band_low band_high new_low new_high", _OPTIONAL),
+        ("parameter step", "profile_value profile_root", _LACKS, _OPTIONAL),
+        ("parameter side", "profile_end", _OPEN, _OPTIONAL),
+        ("parameter side", "profile_how", ("", "crossed", "bounded", "open", "stopped"), _OPTIONAL),
+        ("", "profile_reach", _SIZE_OR_NONE, _OPTIONAL),
+    ),
+    "identifiability": _columns(
+        ("parameter", "value"),
+        ("parameter", "scale", _SIZE),
+        ("parameter", "error half alone", _WIDTH),
+        ("parameter", "inflation", _OPEN),
+        ("parameter", "felt determined", _WHETHER),
+        ("parameter", "units title", _TEXT),
+        ("direction", "singular", _SIZE),
+        ("direction parameter", "part"),
+        ("combination parameter", "null"),
+        ("combination", "said hold", _TEXT),
+    ),
+    "experiments": _columns(
+        ("experiment parameter", "half", _WIDTH),
+        ("parameter", "before", _WIDTH),
+        ("parameter", "value"),
+        ("parameter", "scale", _SIZE),
+        ("parameter", "units title", _TEXT),
+        ("experiment", "what", _TEXT),
+        ("experiment", "D A E", _WIDTH),
+        ("experiment", "c", _WIDTH, _OPTIONAL),
+        ("experiment", "share count", _SIZE, _OPTIONAL),
     ),
 }
 
@@ -273,12 +251,7 @@ ATTRIBUTES: Mapping[str, tuple[Attribute, ...]] = {
     "bifurcation": (Attribute("parameter"), _QUANTITIES, Attribute("section"), *_SETTLED),
     "orbit": (Attribute("free_period", _WHETHER), Attribute("iterations", _SIZE)),
     "branch": (Attribute("parameter"), Attribute("message")),
-    "exponents": (
-        Attribute("verdict"),
-        Attribute("interval", _SIZE),
-        Attribute("start"),
-        Attribute("end"),
-    ),
+    "exponents": (Attribute("verdict"), Attribute("interval", _SIZE), Attribute("start"), Attribute("end")),
     "sensitivity": (Attribute("refused"),),
     "fit": (
         Attribute("fit", table=True),
@@ -304,7 +277,7 @@ _OF_ALL = (
 
 
 def problem_of_table(table: xr.Dataset, kind: str) -> str | None:
-    """Return what of a table is not as its kind's is, in words; None if all is."""
+    """Return the first fault of a table of a kind; None without any."""
     return next(_problems(table, kind), None)
 
 
@@ -385,7 +358,7 @@ KINDS: dict[TableKind, str] = {
 
 
 def table_attributes(kind: TableKind, scenario: Scenario | None) -> dict[str, Any]:
-    """Return the attributes that say what a dataset is, and what it came from.
+    """Return the attributes of kind and provenance of a dataset.
 
     Args:
         kind: What it is of.
@@ -402,13 +375,13 @@ def table_attributes(kind: TableKind, scenario: Scenario | None) -> dict[str, An
 
 
 def kind_of(data: xr.Dataset) -> TableKind | None:
-    """Return what a dataset is of; None for one of another format."""
+    """Return the kind of a dataset; None for another format."""
     found = data.attrs.get("format")
     return next((kind for kind, name in FORMATS.items() if name == found), None)
 
 
 def format_of(path: str | os.PathLike[str]) -> str | None:
-    """Return the format that a file says it has, "" if it says none; None where it cannot be read.
+    """Return the format of a file; "" without one, None if unreadable.
 
     Raises:
         FileFormatError: It refers to another file.

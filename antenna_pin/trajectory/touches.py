@@ -1,4 +1,4 @@
-"""What stops and latches of a run have met: touches of stops from onset to release, what latches captured.
+"""Touches of stops and gears, changes of latches, and blows of joints.
 
 It is read from the run's changes of mode, the torque in a touch too; of a rigid stop at rest from samples.
 """
@@ -36,75 +36,47 @@ __all__ = [
 ]
 
 
-Array = NDArray[np.float64]
-
-_OF = "change_"
-_WORDS = {"stops": "stop", "latches": "latch", "gears": "gear"}
-
-
 class ModeChange(NamedTuple):
-    """A change of mode of an element.
+    """Change of mode of an element."""
 
-    Attributes:
-        element: The element's place, as ``stops.hinge``.
-        what: What happened, such as ``lower: on``.
-        time: When [s].
-        angle: Of the joint then [rad] ([m]).
-        rate: Before [rad/s] ([m/s]).
-        rate_after: After [rad/s] ([m/s]).
-        loss: Energy lost by it; of a release, since the onset [J].
-        impulse: On the child by it; of a release, since the onset [N m s] ([N s]).
-        energy: Of the joint's own motion before, of a latch [J]; NaN of others.
-        peak_effort: Largest one of the touch that ends, or lasts from here to the end [N m] ([N]); else NaN.
-    """
-
-    element: str
-    what: str
-    time: float
-    angle: float
-    rate: float
-    rate_after: float
-    loss: float
-    impulse: float
-    energy: float
-    peak_effort: float
+    element: str  # its place, as ``stops.hinge``
+    what: str  # such as ``lower: on``
+    time: float  # [s]
+    angle: float  # of the joint then [rad] ([m])
+    rate: float  # before [rad/s] ([m/s])
+    rate_after: float  # [rad/s] ([m/s])
+    loss: float  # energy lost; of a release, since the onset [J]
+    impulse: float  # on the child; of a release, since the onset [N m s] ([N s])
+    energy: float  # of the joint's own motion before, of a latch [J]; NaN of others
+    peak_effort: float  # of the touch that ends, or lasts from here to the end [N m] ([N]); else NaN
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Touch:
-    """A touch of a stop; a blow of a rigid one lasts no time.
+    """Touch of a stop; a blow of a rigid one lasts no time.
 
-    Attributes:
-        stop: Place of the stop, as ``stops.hinge``, or of a gear.
-        side: ``lower`` or ``upper``; of a gear ``plus`` or ``minus``.
-        onset: First touch [s].
-        release: Release [s]; NaN if it lasts to the end.
-        approach_rate: Rate into the stop at the onset [rad/s] ([m/s]).
-        rebound_rate: Rate out of it at the release [rad/s] ([m/s]); NaN if it lasts to the end.
-        peak_effort: Largest torque [N m] ([N]); infinite in a blow. That of a rigid stop at rest, and of a
-            result of an earlier version, is the largest of samples, NaN without these.
-        impulse: Size of the integral of the torque [N m s] ([N s]); NaN if it lasts to the end.
-        loss: Energy lost [J]; NaN if it lasts to the end.
+    Numbers at or up to the release are NaN of a touch that lasts to the end. The peak effort is infinite in a
+    blow; of a rigid stop at rest, and in a result of an earlier version, it is that of samples, else NaN.
     """
 
-    stop: str
-    side: str
-    onset: float
-    release: float
-    approach_rate: float
-    rebound_rate: float
-    peak_effort: float
-    impulse: float
-    loss: float
+    stop: str  # its place, as ``stops.hinge``, or that of a gear
+    side: str  # ``lower`` or ``upper``; of a gear ``plus`` or ``minus``
+    onset: float  # first touch [s]
+    release: float  # [s]
+    approach_rate: float  # into the stop at the onset [rad/s] ([m/s])
+    rebound_rate: float  # out of it at the release [rad/s] ([m/s])
+    peak_effort: float  # largest torque [N m] ([N])
+    impulse: float  # size of the integral of the torque [N m s] ([N s])
+    loss: float  # energy lost [J]
 
     @property
     def ended(self) -> bool:
-        """Whether it was released before the run's end."""
+        """True if the touch was released before the run's end."""
         return bool(np.isfinite(self.release))
 
 
 def elements_of(data: xr.Dataset) -> dict[str, dict[str, Any]]:
-    """Return what the elements of further families are, by place: ``joint``, ``slides``, ``modes``, ..."""
+    """Return the elements of further families by place: ``joint``, ``slides``, ``modes``, ..."""
     found: dict[str, dict[str, Any]] = json.loads(data.attrs.get("elements", "{}"))
     return found
 
@@ -113,16 +85,12 @@ def mode_changes(data: xr.Dataset, family: str) -> Iterator[ModeChange]:
     """Yield the changes of mode of elements of a family in order of time."""
     if "change" not in data.sizes:
         return
-    word = _WORDS[family]
-    own = {
-        f"{word} {name}": f"{family}.{name}"
-        for place in names_along(data, "element")
-        for table, _, name in [place.partition(".")]
-        if table == family
-    }
-    count = data.sizes["change"]
+    word = {"stops": "stop", "latches": "latch", "gears": "gear"}[family]
+    places = [place.partition(".") for place in names_along(data, "element")]
+    own = {f"{word} {name}": f"{family}.{name}" for table, _, name in places if table == family}
+    nothing = np.full(data.sizes["change"], np.nan)
     columns = [
-        np.asarray(data[_OF + name].values if _OF + name in data else np.full(count, np.nan), dtype=float)
+        np.asarray(data[f"change_{name}"].values if f"change_{name}" in data else nothing, dtype=float)
         for name in ModeChange._fields[2:]
     ]
     for k, label in enumerate(names_along(data, "change")):
@@ -133,12 +101,12 @@ def mode_changes(data: xr.Dataset, family: str) -> Iterator[ModeChange]:
 
 
 def latch_changes(data: xr.Dataset) -> list[ModeChange]:
-    """Return what latches captured, refused and let go, in order of time."""
+    """Return captures, refusals and releases of latches, in order of time."""
     return list(mode_changes(data, "latches"))
 
 
 def touches(data: xr.Dataset, family: str = "stops") -> list[Touch]:
-    """Return the touches of stops, or of another family that has sides, in order of their onset."""
+    """Return the touches of stops or gears, in order of their onset."""
     found: list[Touch] = []
     open_: dict[tuple[str, str], ModeChange] = {}
     for change in mode_changes(data, family):
@@ -195,7 +163,7 @@ def _peak(data: xr.Dataset, begin: ModeChange, end: ModeChange | None) -> float:
 
 
 def met_by_elements(data: xr.Dataset) -> dict[str, dict[str, dict[str, Any]]]:
-    """Return what stops and latches met, for a summary: by family, then by name."""
+    """Return numbers of stops and latches for a summary, by family and name."""
     about = elements_of(data)
     found: dict[str, dict[str, dict[str, Any]]] = {"stops": {}, "latches": {}}
     every, changes = touches(data), latch_changes(data)
@@ -204,12 +172,11 @@ def met_by_elements(data: xr.Dataset) -> dict[str, dict[str, dict[str, Any]]]:
         slides = one["slides"]
         if family == "stops":
             mine = [touch for touch in every if touch.stop == place]
-            peaks = [touch.peak_effort for touch in mine if np.isfinite(touch.peak_effort)]
             found[family][name] = {
                 "touches": len(mine),
-                "fastest_touch": _most(touch.approach_rate for touch in mine),
-                "peak_force" if slides else "peak_torque": max(peaks) if peaks else None,
-                "largest_blow": _most(touch.impulse for touch in mine if np.isfinite(touch.impulse)),
+                "fastest_touch": max((touch.approach_rate for touch in mine), default=0.0),
+                "peak_force" if slides else "peak_torque": _largest(mine, "peak_effort"),
+                "largest_blow": _largest(mine, "impulse") or 0.0,
             }
         elif family == "latches":
             own = [change for change in changes if change.element == place]
@@ -218,7 +185,7 @@ def met_by_elements(data: xr.Dataset) -> dict[str, dict[str, dict[str, Any]]]:
             found[family][name] = {
                 "captures": len(captures),
                 "refusals": len(refused),
-                "largest_energy_refused": _most(change.energy for change in refused) if refused else None,
+                "largest_energy_refused": max((change.energy for change in refused), default=None),
                 "last_capture": captures[-1].time if captures else None,
                 "let_go": sum(change.what == "let go" for change in own),
                 "held_at_end": _is_held(data, place, own),
@@ -230,7 +197,7 @@ def met_by_elements(data: xr.Dataset) -> dict[str, dict[str, dict[str, Any]]]:
 
 
 def _is_held(data: xr.Dataset, place: str, changes: Sequence[ModeChange]) -> bool:
-    """Return whether a latch holds at the end; in a lean result as far as its own changes say."""
+    """Return whether a latch is engaged at the end."""
     if not is_lean(data) and "element_mode" in data:
         number = int(data["element_mode"].sel(element=place).values[-1])
         return bool(elements_of(data)[place]["modes"][number] == "held")
@@ -238,8 +205,10 @@ def _is_held(data: xr.Dataset, place: str, changes: Sequence[ModeChange]) -> boo
     return last == ["latched"]
 
 
-def _most(values: Iterable[float]) -> float:
-    return max(values, default=0.0)
+def _largest(own: Iterable[Touch], name: str) -> float | None:
+    """Return the largest finite number of some touches; None if there is none."""
+    values = (getattr(one, name) for one in own)
+    return max((value for value in values if np.isfinite(value)), default=None)
 
 
 _BITS = {"plus": 1, "minus": 2}
@@ -247,23 +216,16 @@ _INTO, _OUT_OF = ("on", "taut"), ("off", "slack")
 
 
 class Span(NamedTuple):
-    """A time between two changes of what is in contact.
+    """Time between two changes of contact."""
 
-    Attributes:
-        begin: [s].
-        end: [s].
-        plus: Whether the side of a positive deflection is in contact: a flank meshes, a strand is taut.
-        minus: Likewise of a negative one.
-    """
-
-    begin: float
-    end: float
-    plus: bool
-    minus: bool
+    begin: float  # [s]
+    end: float  # [s]
+    plus: bool  # side of a positive deflection in contact: a flank meshes, a strand is taut
+    minus: bool  # likewise of a negative one
 
 
 def mesh_spans(data: xr.Dataset, place: str) -> list[Span]:
-    """Return what is in contact of a gear, belt or cable, over the whole run.
+    """Return the sides in contact of a gear, belt or cable over the run.
 
     Args:
         data: Of a run.
@@ -290,7 +252,7 @@ def mesh_spans(data: xr.Dataset, place: str) -> list[Span]:
 
 
 def mesh_touches(data: xr.Dataset) -> list[Touch]:
-    """Return the touches of gears, belts and cables in order of their onset; each has its place for a stop.
+    """Return the touches of gears, belts and cables, in order of their onset.
 
     Losses and impulses are known of touches of one side alone: where both strands were taut they are NaN.
     """
@@ -301,7 +263,7 @@ def mesh_touches(data: xr.Dataset) -> list[Touch]:
 
 
 def met_by_meshes(data: xr.Dataset) -> dict[str, dict[str, Any]]:
-    """Return what gears, belts and cables did, for a summary, by name."""
+    """Return numbers of gears, belts and cables for a summary, by name."""
     found: dict[str, dict[str, Any]] = {}
     every = mesh_touches(data)
     for place, one in elements_of(data).items():
@@ -312,16 +274,15 @@ def met_by_meshes(data: xr.Dataset) -> dict[str, dict[str, Any]]:
         if not is_lean(data) and "element_effort" in data:
             peak = float(np.abs(data["element_effort"].sel(element=place).values).max(initial=0.0))
         mine = [touch for touch in every if touch.stop == place]
-        located = [touch.peak_effort for touch in mine if np.isfinite(touch.peak_effort)]
-        if located:
-            peak = max(*located, peak or 0.0)
+        if (located := _largest(mine, "peak_effort")) is not None:
+            peak = max(located, peak or 0.0)
         own: dict[str, Any] = {"peak_force" if slides else "peak_torque": peak}
         if sides:
             spans = mesh_spans(data, place)
             own |= {
                 "touches": len(mine),
                 "fastest_touch": max((touch.approach_rate for touch in mine), default=0.0),
-                "largest_blow": max((t.impulse for t in mine if np.isfinite(t.impulse)), default=None),
+                "largest_blow": _largest(mine, "impulse"),
                 "time_apart": _time(spans, 1) if spans else None,
             }
             if one["kind"] in ("Belt", "Cable") and spans:
@@ -332,7 +293,7 @@ def met_by_meshes(data: xr.Dataset) -> dict[str, dict[str, Any]]:
 
 
 def _time(spans: list[Span], sides: int) -> float:
-    """Return how long fewer sides were in contact than so many [s]."""
+    """Return the time with fewer sides in contact than a number [s]."""
     return float(sum(span.end - span.begin for span in spans if span.plus + span.minus < sides))
 
 
@@ -347,7 +308,7 @@ def surfaces(data: xr.Dataset) -> NDArray[np.object_]:
 
 
 def blow_numbers(data: xr.Dataset) -> NDArray[np.int64]:
-    """Return of each contact episode the number of the blow that it belongs to, in order of their begin.
+    """Return the number of the blow of each contact episode, in order of begin.
 
     Args:
         data: Of a run with contacts.
@@ -369,7 +330,7 @@ def blow_numbers(data: xr.Dataset) -> NDArray[np.int64]:
 
 
 def blow_counts(data: xr.Dataset) -> dict[str, int]:
-    """Return how many blows there were between each two surfaces, as ``joint.kind``."""
+    """Return the number of blows of each pair of surfaces, as ``joint.kind``."""
     of = surfaces(data)
     index, numbers = np.asarray(data["episode_contact"].values, dtype=int), blow_numbers(data)
     return {str(name): len(set(numbers[of[index] == name].tolist())) for name in dict.fromkeys(of)}

@@ -16,9 +16,13 @@ def antenna():
     return simulate(load_scenario("bai2020", case="case3", overrides=["duration=0.05"]))
 
 
+def plain(text):
+    return text.replace("\N{NO-BREAK SPACE}", " ")
+
+
 def told(run):
     """What is said about each thing."""
-    return {line.about: line.text.replace("\N{NO-BREAK SPACE}", " ") for line in answer(run).lines}
+    return {line.about: plain(line.text) for line in answer(run).lines}
 
 
 def test_a_joint_says_its_hardest_blow_when_it_was_and_what_was_lost(antenna):
@@ -26,21 +30,20 @@ def test_a_joint_says_its_hardest_blow_when_it_was_and_what_was_lost(antenna):
     hardest = int(data["peak_force"].values.argmax())
     text = told(antenna)["elevation"]
     for name, unit, digits in (("peak_force", "N", 4), ("peak_time", "s", 6)):
-        said = readable(float(data[name][hardest]), unit, digits).replace("\N{NO-BREAK SPACE}", " ")
-        assert said in text, name
+        assert plain(readable(float(data[name][hardest]), unit, digits)) in text, name
     lost = float(data["total_normal_loss"].sum() + data["total_friction_loss"].sum())
-    assert f"; {readable(lost, 'J', 3)} lost".replace("\N{NO-BREAK SPACE}", " ") in text
+    assert f"; {plain(readable(lost, 'J', 3))} lost" in text
     # Both are within their own play but for the depth of a contact; together they would be beyond the radial.
     way = data["journal_position"].values[:, 0]
     off, along = float(np.linalg.norm(way[:, :2], axis=-1).max()), float(np.abs(way[:, 2]).max())
     said = f"journal up to {readable(off, 'm', 3)} off radially, {readable(along, 'm', 3)} axially"
-    assert said.replace("\N{NO-BREAK SPACE}", " ") in text
+    assert plain(said) in text
 
 
 def test_the_books_are_those_of_the_summary(antenna):
     kept = antenna.summary()["conservation"]
     text = told(antenna)["energy"]
-    assert f"{readable(kept['energy_error'], 'J', 2)}".replace("\N{NO-BREAK SPACE}", " ") in text
+    assert plain(readable(kept["energy_error"], "J", 2)) in text
     assert "of the gross work of the drives; momentum kept to " in text
 
 
@@ -72,7 +75,7 @@ def test_many_joints_share_a_line():
     hits = [at_a_glance._Hit(f"j{k}", k, 10.0 * k, 0.5, "hit") for k in range(6)]
     lines = list(at_a_glance._of_hits(hits))
     assert [line.about for line in lines] == ["j5", "j4", "j3", "3 other joints with play"]
-    assert lines[-1].text.replace("\N{NO-BREAK SPACE}", " ") == "3 blows, at most 20 N; 1.5 J lost"
+    assert plain(lines[-1].text) == "3 blows, at most 20 N; 1.5 J lost"
 
 
 def test_a_commanded_antenna_says_how_far_off_it_looks(antenna, tmp_path):
@@ -81,8 +84,7 @@ def test_a_commanded_antenna_says_how_far_off_it_looks(antenna, tmp_path):
     overrides = ["duration=0.01", "pointing.commanded=world", "pointing.direction=[1, 0, 0]"]
     run = simulate(load_scenario("bai2020", case="case1", overrides=overrides))
     most = float(pointing_error(run)["half_cone"].max())
-    said = f"off by at most {readable(most, 'rad', 3)}".replace("\N{NO-BREAK SPACE}", " ")
-    assert told(run)["pointing"].startswith(said)
+    assert told(run)["pointing"].startswith(plain(f"off by at most {readable(most, 'rad', 3)}"))
     file = run.save(tmp_path / "run.nc")
     assert told(Trajectory.load(file, scenario=False)) == told(run)
     assert "pointing" not in told(antenna)
@@ -123,7 +125,7 @@ def test_every_shipped_case_is_told_in_nine_lines(name):
 def test_gears_say_how_often_they_touched_and_how_hard():
     run = simulate(load_scenario("pointing_gear", case="play", overrides=["duration=0.5"]))
     (gear,) = run.summary()["gears"].values()
-    torque = readable(gear["peak_torque"], "N m").replace("\N{NO-BREAK SPACE}", " ")
+    torque = plain(readable(gear["peak_torque"], "N m"))
     assert told(run)["gears"].startswith(f"{gear['touches']} touches, at most {torque} at train; apart for ")
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import base_motion, body_deviation, body_motion, deviation, moved_body
@@ -44,6 +45,10 @@ def test_rates_of_the_last_body_are_derivatives(runs):
         found = (values[2:] - values[:-2]) / (time[2:] - time[:-2])[:, None]
         size = np.abs(motion[rate].values).max()
         np.testing.assert_allclose(found, motion[rate].values[inner], rtol=0.0, atol=1e-5 * size)
+    turn = Rotation.from_quat(motion["attitude"].values)
+    found = (turn[2:] * turn[:-2].inv()).as_rotvec() / (time[2:] - time[:-2])[:, None]
+    rate = motion["angular_velocity"].values[inner]
+    np.testing.assert_allclose(found, rate, rtol=0.0, atol=1e-4 * np.abs(rate).max())
 
 
 def test_the_deviation_of_the_base_is_the_one_that_is_known(runs):

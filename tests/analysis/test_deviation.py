@@ -3,32 +3,27 @@
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.spatial.transform import Rotation
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import base_motion, deviation
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.trajectory.schema import VARIABLES
 
 
 def made_up(time, angle, rate, acceleration, contacts=(), case="made up", joints=("hinge",)):
     """A run of joints that all move alike, without a base."""
     values = {"motion_angle": angle, "motion_rate": rate, "motion_acceleration": acceleration}
-    units = {"motion_angle": "rad", "motion_rate": "rad/s", "motion_acceleration": "rad/s^2"}
-    coords = {"time": np.asarray(time), "joint": list(joints)}
-    if contacts:
-        coords["contact"] = list(contacts)
-    return xr.Dataset(
-        {
-            name: (
-                ("time", "joint"),
-                np.repeat(x(np.asarray(time))[:, None], len(joints), 1),
-                {"units": units[name]},
-            )
-            for name, x in values.items()
-        },
-        coords=coords,
-        attrs={"case": case},
-    )
+    time = np.asarray(time)
+    coords = {"time": time, "joint": list(joints)} | ({"contact": list(contacts)} if contacts else {})
+    columns = {
+        name: (
+            ("time", "joint"),
+            np.repeat(x(time)[:, None], len(joints), 1),
+            {"units": VARIABLES[name].units},
+        )
+        for name, x in values.items()
+    }
+    return xr.Dataset(columns, coords=coords, attrs={"case": case})
 
 
 def ideal(time, **more):
@@ -76,24 +71,18 @@ def test_runs_are_compared_while_both_last():
 
 
 @pytest.mark.parametrize(
-    ("run", "reference", "joint", "error", "said"),
+    ("run", "reference", "joint", "said"),
     [
-        (
-            deviating(GRID),
-            ideal(GRID, contacts=["hinge.radial"], case="case3"),
-            None,
-            None,
-            "a run without contacts",
-        ),
-        (deviating(GRID[:1]), ideal(GRID), None, None, "two samples or more"),
-        (deviating(GRID), ideal(GRID[:1]), None, None, "two samples or more"),
-        (deviating(GRID + 10.0), ideal(GRID), None, None, "with 0 samples from 0 to 4 s"),
-        (deviating(GRID), ideal(GRID, joints=["other"]), None, None, "of the same mechanism"),
-        (deviating(GRID), ideal(GRID), "hing", UnknownNameError, "did you mean hinge"),
+        (deviating(GRID), ideal(GRID, contacts=["hinge.radial"]), None, "a run without contacts"),
+        (deviating(GRID[:1]), ideal(GRID), None, "two samples or more"),
+        (deviating(GRID), ideal(GRID[:1]), None, "two samples or more"),
+        (deviating(GRID + 10.0), ideal(GRID), None, "with 0 samples from 0 to 4 s"),
+        (deviating(GRID), ideal(GRID, joints=["other"]), None, "of the same mechanism"),
+        (deviating(GRID), ideal(GRID), "hing", "did you mean hinge"),
     ],
 )
-def test_what_cannot_be_compared_is_refused(run, reference, joint, error, said):
-    with pytest.raises(error or InvalidParameterError, match=said):
+def test_what_cannot_be_compared_is_refused(run, reference, joint, said):
+    with pytest.raises((InvalidParameterError, UnknownNameError), match=said):
         deviation(run, reference, joint)
 
 
@@ -131,27 +120,6 @@ def test_play_makes_the_antenna_deviate(antennas):
     assert one["elevation angle"] == found["elevation angle"]
     with pytest.raises(UnknownNameError):
         one["azimuth angle"]
-
-
-def test_base_motion_is_its_own_derivative(antennas):
-    """Position by velocity, velocity by acceleration, attitude by angular velocity: central differences."""
-    motion = base_motion(antennas[0])
-    t = motion["time"].values
-    h = t[1] - t[0]
-    inner = slice(1, -1)
-    for name, rate in (
-        ("position", "velocity"),
-        ("velocity", "acceleration"),
-        ("angular_velocity", "angular_acceleration"),
-    ):
-        slope = (motion[name].values[2:] - motion[name].values[:-2]) / (2 * h)
-        size = np.abs(motion[rate].values).max()
-        # h^2/6 of the third derivative, and a start from rest.
-        assert np.abs(slope - motion[rate].values[inner]).max() < 1e-4 * size
-    turn = Rotation.from_quat(motion["attitude"].values)
-    slope = (turn[2:] * turn[:-2].inv()).as_rotvec() / (2 * h)
-    w = motion["angular_velocity"].values
-    assert np.abs(slope - w[inner]).max() < 1e-4 * np.abs(w).max()
 
 
 def test_rotation_goes_on_beyond_half_a_turn():

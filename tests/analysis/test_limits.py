@@ -17,14 +17,16 @@ def run(angles, kind="revolute"):
     )
 
 
+def plain(line):
+    return line.replace("\N{NO-BREAK SPACE}", " ").replace("\N{MINUS SIGN}", "-")
+
+
 def test_a_joint_past_its_limit_is_named_with_place_and_time():
     (line,) = said_of_limits(run([0.0, 0.4, 0.6, 0.7, 0.2]))
-    said = line.replace("\N{NO-BREAK SPACE}", " ")
-    assert (
-        said == "joint 'arm' passes its limit of 0.5 rad at 0.2 s, by up to 0.2 rad: limits are not simulated"
-    )
+    said = "joint 'arm' passes its limit of 0.5 rad at 0.2 s, by up to 0.2 rad: limits are not simulated"
+    assert plain(line) == said
     (below,) = said_of_limits(run([0.0, -0.8]))
-    assert "limit of -0.5 rad" in below.replace("\N{NO-BREAK SPACE}", " ").replace("\N{MINUS SIGN}", "-")
+    assert "limit of -0.5 rad" in plain(below)
     assert said_of_limits(run([0.0, 0.5 + 1e-12, -0.5])) == ()
     (around,) = said_of_limits(run([0.0, 9.0], kind="continuous"))
     assert around.endswith("it is continuous, which has none")
@@ -32,12 +34,11 @@ def test_a_joint_past_its_limit_is_named_with_place_and_time():
 
 
 def test_a_lean_result_tells_of_the_end():
-    lean = xr.Dataset(
-        {"final_angle": ("joint", [-0.75])},
-        coords={"joint": ["arm"]},
-        attrs={"urdf": URDF.format(kind="revolute"), "form": "lean"},
+    lean = (
+        run([0.0]).drop_vars("motion_angle").assign(final_angle=("joint", [-0.75])).assign_attrs(form="lean")
     )
     (line,) = said_of_limits(lean)
-    said = line.replace("\N{NO-BREAK SPACE}", " ").replace("\N{MINUS SIGN}", "-")
-    assert said == "joint 'arm' ends beyond its limit of -0.5 rad, by 0.25 rad: limits are not simulated"
+    assert (
+        plain(line) == "joint 'arm' ends beyond its limit of -0.5 rad, by 0.25 rad: limits are not simulated"
+    )
     assert said_of_limits(lean.assign(final_angle=("joint", [0.5]))) == ()

@@ -12,9 +12,11 @@ from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import (
     beside,
     blocks,
+    body_poses,
     bore_load,
     deviation,
     deviation_measures,
+    even,
     growth_of,
     load_statistics,
     resampled,
@@ -26,6 +28,7 @@ from antenna_pin.analysis import (
 )
 from antenna_pin.analysis.deviation import growths_of
 from antenna_pin.analysis.even import EvenSignal, long_amplitudes, long_spectrum, uniform
+from antenna_pin.mechanism import kinematics
 from antenna_pin.trajectory import on_disk
 from antenna_pin.trajectory.file import open_hdf5
 
@@ -185,3 +188,20 @@ def test_single_samples_of_a_file_are_read_part_by_part(tmp_path, monkeypatch):
         np.testing.assert_array_equal(lazy.isel(key).values, eager.values)
         twice = lazy.isel(time=slice(2, None)).isel(time=[0, 9])
         np.testing.assert_array_equal(twice.values, whole[[2, 11]])
+
+
+@pytest.mark.parametrize("at_once", [11, 100])
+@pytest.mark.parametrize("shape", [(), (3,)])
+def test_a_signal_is_thinned_part_by_part(monkeypatch, at_once, shape):
+    rng = np.random.default_rng(0)
+    time = np.sort(np.concatenate([np.linspace(0.0, 1.0, 1000), rng.random(200)]))
+    values = rng.normal(size=(time.size, *shape))
+    whole = uniform(time, values).values
+    monkeypatch.setattr(even, "_AT_ONCE", at_once)
+    assert uniform(time, values).values == pytest.approx(whole, rel=0.0, abs=1e-13)  # round-off
+
+
+def test_attitudes_do_not_jump_from_part_to_part(monkeypatch, runs):
+    whole = body_poses(runs[0])
+    monkeypatch.setattr(kinematics, "_AT_ONCE", 7)
+    assert body_poses(runs[0]).identical(whole)

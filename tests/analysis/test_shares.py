@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from antenna_pin import Trajectory, load_scenario, simulate
+from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import scenario_shares
 from antenna_pin.errors import FileFormatError
 
@@ -101,11 +101,6 @@ def test_a_run_without_clearance_has_no_shares():
     assert scenario_shares(run).sizes["clearance_joint"] == 0
 
 
-def test_a_saved_run_gives_the_same(antenna, tmp_path):
-    again = Trajectory.load(antenna.save(tmp_path / "run.nc"))
-    xr.testing.assert_identical(scenario_shares(again), scenario_shares(antenna))
-
-
 def samples(time, radial, touching):
     """Data of a joint with four contacts, its flanges free."""
     n = len(time)
@@ -145,11 +140,6 @@ def test_a_contact_without_a_sample_inside_is_counted():
     data = samples(time=[0.0, 1.0, 3.0, 4.0], radial=[0, 0, 0, 0], touching=[[0, 0], [1, 1], [0, 0], [0, 0]])
     share = scenario_shares(data).sel(clearance_joint="a.b", axial="none")
     assert share.sel(radial="two_points") == 0.5
-
-
-def test_one_sample_is_all_there_is():
-    data = samples(time=[0.0], radial=[1], touching=[[1, 0]])
-    assert scenario_shares(data).sel(clearance_joint="a.b", radial="one_point", axial="none") == 1.0
 
 
 def test_other_data_are_refused():

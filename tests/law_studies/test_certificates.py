@@ -175,34 +175,29 @@ def test_laws_without_a_closed_form_say_none():
     assert closed_form_peak_depth(law, mass=1.0, speed=0.1) is None
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (
-            lambda: impact_on_wall(LAW, mass=0.0, speed=1.0),
-            "impact_on_wall: mass must be positive and finite [kg], got 0.0",
-        ),
-        (
-            lambda: impact_on_wall(LAW, mass=1.0, speed=-1.0),
-            "impact_on_wall: speed must be positive and finite [m/s], got -1.0",
-        ),
-        (
-            lambda: impact_of_pair(LAW, masses=(1.0, 1.0), speeds=(0.0, 0.1)),
-            "impact_of_pair: speeds must be such that the bodies approach, got (0.0, 0.1)",
-        ),
-        (
-            lambda: impact_of_pair(LAW, masses=(1.0, math.inf), speeds=(0.1, 0.0)),
-            "impact_of_pair: mass must be positive and finite [kg], got inf",
-        ),
-        (
-            lambda: closed_form_restitution(LAW, mass=math.nan, speed=1.0),
-            "closed_form_restitution: mass must be positive and finite [kg], got nan",
-        ),
-    ],
-)
-def test_refusals(call, message):
+REFUSED = {
+    "impact_on_wall: mass must be positive and finite [kg], got 0.0": lambda: impact_on_wall(
+        LAW, mass=0.0, speed=1.0
+    ),
+    "impact_on_wall: speed must be positive and finite [m/s], got -1.0": lambda: impact_on_wall(
+        LAW, mass=1.0, speed=-1.0
+    ),
+    "impact_of_pair: speeds must be such that the bodies approach, got (0.0, 0.1)": lambda: impact_of_pair(
+        LAW, masses=(1.0, 1.0), speeds=(0.0, 0.1)
+    ),
+    "impact_of_pair: mass must be positive and finite [kg], got inf": lambda: impact_of_pair(
+        LAW, masses=(1.0, math.inf), speeds=(0.1, 0.0)
+    ),
+    "closed_form_restitution: mass must be positive and finite [kg], got nan": lambda: (
+        closed_form_restitution(LAW, mass=math.nan, speed=1.0)
+    ),
+}
+
+
+@pytest.mark.parametrize("message", REFUSED)
+def test_refusals(message):
     with pytest.raises(ValueError, match=f"^{re.escape(message)}$"):
-        call()
+        REFUSED[message]()
 
 
 def test_table_refuses_a_dissipation_that_takes_no_restitution():

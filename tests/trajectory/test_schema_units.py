@@ -5,50 +5,28 @@ from value_classes import changeable
 
 from antenna_pin.trajectory.schema import VARIABLES
 
-#: By a word of the name, the last one that stands here. What is turned of joints that slide has a metre for a
-#: radian, as is said there.
+#: By a word of the name, the last one that stands here. Where a joint slides there is a metre for a radian.
 UNITS = {
-    "acceleration": {"m/s^2", "rad/s^2"},
-    "angle": {"rad"},
-    "attitude": {"1"},
-    "bend": {"1"},
-    "contact": {"1"},
-    "control": {"rad"},
-    "controller": {"1"},
-    "current": {"A"},
-    "deflection": {"rad"},
-    "depth": {"m"},
-    "dissipated": {"J"},
-    "dissipation": {"J"},
-    "dwell": {"1"},
-    "effort": {"N m"},
-    "energy": {"J"},
-    "force": {"N"},
-    "gap": {"m"},
-    "heat": {"J"},
-    "impulse": {"N s", "N m s"},
-    "length": {"m"},
-    "loss": {"J"},
-    "mass": {"kg"},
-    "mode": {"1"},
-    "moment": {"N m"},
-    "momentum": {"N s", "N m s", "kg m/s", "kg m^2/s"},
-    "place": {"m"},
-    "point": {"m"},
-    "position": {"m"},
-    "rate": {"m/s", "rad/s"},
-    "scenario": {"1"},
-    "signal": {"1"},
-    "speed": {"m/s"},
-    "spin": {"rad/s"},
-    "tension": {"N"},
-    "ticks": {"1"},
-    "tilt": {"rad", "1"},
-    "time": {"s"},
-    "torque": {"N m"},
-    "touching": {"1"},
-    "velocity": {"m/s", "rad/s"},
-    "work": {"J"},
+    word: set(units.split(", "))
+    for units, words in {
+        "1": "attitude bend contact controller dwell mode scenario signal ticks touching",
+        "A": "current",
+        "J": "dissipated dissipation energy heat loss work",
+        "N": "force tension",
+        "N m": "effort moment torque",
+        "N s, N m s": "impulse",
+        "N s, N m s, kg m/s, kg m^2/s": "momentum",
+        "kg": "mass",
+        "m": "depth gap length place point position",
+        "m/s": "speed",
+        "m/s, rad/s": "rate velocity",
+        "m/s^2, rad/s^2": "acceleration",
+        "rad": "angle control deflection",
+        "rad, 1": "tilt",
+        "rad/s": "spin",
+        "s": "time",
+    }.items()
+    for word in words.split()
 }
 #: Whose units go with the joint: those of a configuration, of velocities and of accelerations.
 OF_JOINTS = {"q", "v", "a"}

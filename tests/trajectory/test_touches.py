@@ -1,5 +1,6 @@
 """Touches of stops, read from a result, against the closed form of a wheel between two springs."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -8,7 +9,7 @@ from wheel import INERTIA, wheel_urdf
 
 from antenna_pin import RunSettings, System, build_mechanism, simulate
 from antenna_pin.elements import EndStop
-from antenna_pin.trajectory import touches
+from antenna_pin.trajectory import Touch, touches
 
 LASTS = 0.1  # of a touch, half a period [s]
 LOWER, UPPER = -0.2, 0.3
@@ -43,3 +44,18 @@ def test_a_release_whose_onset_is_not_in_a_result_is_no_touch(data):
     """As in a part of a run that begins while the stop is pressed."""
     _, *others = touches(data)
     assert [one.onset for one in touches(data.isel(change=slice(1, None)))] == [one.onset for one in others]
+
+
+def test_a_touch_is_a_value():
+    """Equal where all its numbers are, in a set once; named one by one, as nine of them would be mixed up."""
+
+    def touch(**changes):
+        numbers = dict.fromkeys(("onset", "approach_rate", "rebound_rate", "peak_effort", "impulse"), 1.0)
+        return Touch(
+            **{"stop": "stops.hinge", "side": "upper", "release": 2.0, "loss": 0.2} | numbers | changes
+        )
+
+    assert {touch(), touch()} == {touch()} != {touch(loss=0.3)}
+    assert touch().ended and not touch(release=math.nan).ended
+    with pytest.raises(TypeError):
+        Touch(*dataclasses.astuple(touch()))
