@@ -1,4 +1,4 @@
-"""Motion of joints, base, bodies and boresight in all runs, with the deviations from the ideal run.
+"""Motion of joints, base, bodies and boresight, with deviations from the ideal run.
 
 As in the Figures 11 and 12 of Bai and Zhao (2020), 8 to 16 of You, Pan and Zhao (2010), and 5 to 7 of Chen
 and Cui (2021): the whole, and an enlarged view of what clearance does.
@@ -69,11 +69,11 @@ _FROM_IDEAL = "deviation: from the ideal run"
 def figure_joint(
     runs: Runs, *, joint: str | None = None, ideal: Run | None = None, width: Width = "page"
 ) -> Sheet:
-    """Return angle, rate, acceleration of one joint in all runs, each with its deviation from the ideal run.
+    """Return angle, rate and acceleration of one joint, with deviations from the ideal run.
 
-    Of a joint that slides, its position and the like. Without an ideal run, of runs that coincide what they
-    are less the first. What is zero to round-off is said below. Accelerations with spikes have a scale that
-    is linear as far as the motion between them reaches and logarithmic beyond.
+    A joint that slides has its position and the like. Without an ideal run, runs that coincide have their
+    differences from the first. Quantities that are zero to round-off are named below. Accelerations with
+    spikes have a scale that is linear as far as the motion between spikes reaches, and logarithmic beyond.
     """
     picked = pick(runs, ideal=ideal, joint=(GUIDED, joint), why="without this joint")
     name = picked.joint
@@ -116,13 +116,8 @@ def _compared(
 ) -> Sheet:
     """Return panels in pairs with their deviations, or with differences of runs that coincide.
 
-    Args:
-        panels: What to draw.
-        picked: The runs.
-        width: Named width.
-        note: Said below; one on deviations where there are any only.
-        spikes: Whether scales are linear as far as the smooth lines reach, and logarithmic beyond.
-        columns: Panels in a row of a page without deviations; as many as there are, at most three, if 0.
+    A note on deviations is drawn where there are any only. ``columns`` is the number of panels in a row of a
+    page without deviations; 0 stands for as many as there are, at most three.
     """
     compared = any(panel.apart for panel in panels)
     shown, zero = above_round_off(panels if compared else with_differences(panels), picked.drawn)
@@ -146,7 +141,7 @@ def figure_between(
     base: str | None = None,
     width: Width = "page",
 ) -> Sheet:
-    """Return the motion of one joint in all runs, less that of the ideal run, and of another run."""
+    """Return the motion of one joint less the ideal run's and another run's."""
     what = MOTIONS[quantity]
     picked = pick(runs, ideal=ideal, joint=(what.of, joint))
     name = picked.joint
@@ -190,7 +185,7 @@ def figure_between(
 
 
 def _at(run: LabelledRun, variable: str, joint: str, time: Array) -> Array:
-    """Return the motion of a run at other times, along straight lines: across impacts no curve is better."""
+    """Return a run's motion at other times, straight between samples because of impacts."""
     found = np.empty(time.size)
     for some, data in beside(run.data, time):
         part = replace(run, data=data)
@@ -208,7 +203,7 @@ _Compare = Callable[[xr.Dataset, xr.Dataset], xr.Dataset]
 def _apart(
     run: LabelledRun, reference: LabelledRun | None, compare: _Compare, name: str
 ) -> tuple[Array, Array] | None:
-    """Return times [s] of a run and deviations from the ideal one; None where they cannot be compared."""
+    """Return times [s] and deviations from the ideal run; None if not comparable."""
     if reference is None or not reference.ideal:
         return None
     try:
@@ -221,7 +216,7 @@ def _apart(
 def _columns_apart(
     run: LabelledRun, reference: LabelledRun | None, compare: _Compare, name: str, size: bool = False
 ) -> list[Array]:
-    """Return the deviation of a part of a run, or its size, NaN where it cannot be compared."""
+    """Return the deviation of a run's part, or its size; NaN if not comparable."""
     if reference is None or run.source is reference.source:
         return []
     time, values = _apart(run, reference, compare, name) or (run.time, np.full(run.time.size, np.nan))
@@ -239,11 +234,11 @@ def _columns_apart(
 def figure_base(
     runs: Runs, quantity: BaseQuantity = "position", *, ideal: Run | None = None, width: Width = "page"
 ) -> Sheet:
-    """Return the motion of the base in all runs: three components, and the size of the deviation.
+    """Return the motion of the base: three components, and the size of the deviation.
 
     World axes; of position and attitude, the change since the start. The attitude is in angles of yaw, pitch
     and roll about the base's own axes in turn; its deviation is the angle between the two attitudes.
-    Accelerations with spikes have a scale that is linear as far as the motion between them reaches and
+    Accelerations with spikes have a scale that is linear as far as the motion between spikes reaches, and
     logarithmic beyond.
     """
     if quantity not in BASE_QUANTITIES:
@@ -294,7 +289,7 @@ def _of_base(run: LabelledRun, quantity: BaseQuantity) -> Array:
 def figure_joints(
     runs: Runs, quantity: Quantity = "angle", *, ideal: Run | None = None, width: Width = "page"
 ) -> Sheet:
-    """Return the motion of every joint in all runs, each with its deviation from the ideal run beside it."""
+    """Return the motion of every joint beside its deviation from the ideal run."""
     if quantity not in QUANTITIES:
         raise UnknownNameError("figure", "quantity", quantity, QUANTITIES)
     picked = pick(runs, lambda run: bool(run.joints), ideal)
@@ -333,7 +328,7 @@ def figure_body(
     ideal: Run | None = None,
     width: Width = "page",
 ) -> Sheet:
-    """Return the motion of the body that a joint moves in all runs, each component with its deviation.
+    """Return the motion of the body that a joint moves, with each component's deviation.
 
     World axes, without components that are zero to round-off; of the body's frame as the URDF has it. The
     deviation is from the ideal run. Accelerations with spikes have a scale that is linear as far as the ideal
@@ -433,7 +428,7 @@ def _boresight(run: LabelledRun) -> xr.Dataset | None:
 
 
 def _pointing_error(run: LabelledRun, reference: LabelledRun | None) -> xr.Dataset | None:
-    """Return the pointing error of a run; None where there is nothing to compare with."""
+    """Return the pointing error of a run; None without a reference."""
     try:
         return pointing_error(run.data, None if reference is None else reference.whole.data)
     except AntennaPinError:
@@ -441,13 +436,13 @@ def _pointing_error(run: LabelledRun, reference: LabelledRun | None) -> xr.Datas
 
 
 def _broken(curve: Curve) -> Curve:
-    """Return an angle over time with a gap where it jumps: an azimuth, as the boresight passes the pole."""
+    """Return an angle with gaps where it jumps, as an azimuth at the pole."""
     jumps = np.flatnonzero(np.abs(np.diff(curve.y)) > _JUMP) + 1
     return replace(curve, x=np.insert(curve.x, jumps, curve.x[jumps]), y=np.insert(curve.y, jumps, np.nan))
 
 
 def _pointing_columns(run: LabelledRun, reference: LabelledRun | None) -> list[Array]:
-    """Return the lines of a part of a run; nothing without data of it."""
+    """Return the lines of a part of a run; none without a boresight."""
     looks = _boresight(run)
     if looks is None:
         return []

@@ -1,4 +1,4 @@
-"""Energy and momentum audits of runs, and one small picture of what runs came to."""
+"""Energy and momentum audits of runs, and one small overview picture."""
 
 from __future__ import annotations
 
@@ -53,11 +53,10 @@ _MOMENTA = (("linear_momentum", "momentum_scale"), ("angular_momentum", "angular
 
 @figure()
 def figure_energy(runs: Runs, *, width: Width = "page") -> Sheet:
-    """Return the energy ledger of each run: work and stored energy, losses, and the error of their balance.
+    """Return the energy ledger of each run: stored energy, losses, and error of balance.
 
-    Gravity's energy is drawn from its start, since its zero is a matter of choice. Of the error, the largest
-    so far is drawn, relative to the drives' gross work over the run, the integral of the
-    absolute power.
+    Gravity's energy is drawn from its start, since its zero is a matter of choice. The error is the largest
+    so far, relative to the drives' gross work over the run, the integral of the absolute power.
     """
     every = labelled(runs)
     drawn = [thinned(run, _ledger) for run in long_enough(every)]
@@ -102,9 +101,9 @@ def _look(colour: str) -> dict[str, Any]:
 def figure_momentum(runs: Runs, *, width: Width = "page") -> Sheet:
     """Return the drift of linear and angular momentum of all runs with a free base.
 
-    Drawn is the largest change so far, relative to the largest sum, over the run, of the momentum magnitudes
-    of the bodies other than the base: the whole system's own momentum may be zero. What forces on links have
-    brought in, by their impulses, is taken off.
+    The drift is the largest change so far, relative to the largest sum, over the run, of the momentum
+    magnitudes of the bodies other than the base: the whole system's own momentum may be zero. Impulses of
+    forces on links are subtracted.
     """
     every = labelled(runs)
     drawn = [thinned(run, _drifting(run)) for run in long_enough(every) if FREE_BASE.holds(run)]
@@ -131,7 +130,7 @@ def figure_momentum(runs: Runs, *, width: Width = "page") -> Sheet:
 
 
 def _kept(run: LabelledRun, name: str) -> Array:
-    """Return a momentum without what forces on links have brought in, (n, 3)."""
+    """Return a momentum less the impulses of forces on links, (n, 3)."""
     impulse = {"linear_momentum": "force_impulse", "angular_momentum": "force_central_impulse"}[name]
     momentum = run.values(name)
     return momentum - run.values(impulse).sum(axis=1) if impulse in run.data else momentum
@@ -157,7 +156,7 @@ def _ledger(run: LabelledRun) -> list[Array]:
 
 
 def _total(run: LabelledRun, name: str) -> Array:
-    """Return a ledger entry over time [J], summed over drives, springs or contacts; zeros if absent."""
+    """Return the total of a ledger entry over time [J]; zeros if absent."""
     if name not in run.data:
         return np.zeros(run.time.size)
     values = run.values(name)
@@ -165,13 +164,13 @@ def _total(run: LabelledRun, name: str) -> Array:
 
 
 def _so_far(label: str, run: LabelledRun, value: Array, look: dict[str, Any]) -> Curve:
-    """Return the largest of the values so far, for a logarithmic scale; exact zeros lie on its floor."""
+    """Return the largest values so far, exact zeros on the logarithmic scale's floor."""
     so_far = np.fmax.accumulate(np.maximum(value, _FLOOR))
     return Curve(label, run.time, so_far, look, many=run.many)
 
 
 def _in_decades(panels: Sequence[Panel]) -> list[Panel]:
-    """Return logarithmic panels with the same whole decades, at most some seven of them with a tick."""
+    """Return logarithmic panels over the same decades, with seven ticks at most."""
     values = np.concatenate([line.y for panel in panels for line in panel.curves])
     values = values[np.isfinite(values) & (values > _FLOOR)]
     limits = None
@@ -187,7 +186,7 @@ def _in_decades(panels: Sequence[Panel]) -> list[Panel]:
 
 @figure()
 def figure_glance(runs: Iterable[Run], *, joint: str | None = None) -> Sheet:
-    """Return the position of a joint in all runs and, where it has play, the peak force of every contact.
+    """Return the position of a joint and, with play, the peak force of every contact.
 
     It is of a column's width (88 mm), for the head of a page. A ball joint has no position, but peaks.
     """

@@ -72,10 +72,10 @@ def figure_motion(
     zoom: Span | None = None,
     width: Width = "page",
 ) -> Sheet:
-    """Return the motion of one joint in all runs: whole span, close view, deviation from the ideal joint.
+    """Return the motion of one joint: whole span, close view, deviation from the ideal joint.
 
     The close view lies around the largest deviation from the ideal run, if the whole span does not show it.
-    What runs that coincide are less the first of them has a panel of its own. For the acceleration, whose
+    Differences of runs that coincide from the first have a panel of their own. For the acceleration, whose
     contact spikes dwarf the ideal curve, each run has a strip of its own with a scale that is linear as far
     as the motion between spikes reaches and logarithmic beyond, and the deviation is left out.
     """
@@ -126,7 +126,7 @@ def _panels(
     width: Width,
     differences: tuple[str, Sequence[_MotionCurve]],
 ) -> list[Panel]:
-    """Return the whole span, the close view, the deviation, and the differences of runs that coincide."""
+    """Return whole span, close view, deviation, and differences of runs that coincide."""
     others = sum(not curve.is_ideal for curve in curves)
     # Those below are wider: of runs that nearly coincide, all are seen.
     wide = {curve.label: 0.9 + 0.5 * (others - 1 - k) for k, curve in enumerate(curves)}
@@ -155,7 +155,7 @@ def _panels(
 def _strips(
     curves: Sequence[_MotionCurve], windows: Sequence[Span | None], label: str, width: Width, note: str
 ) -> Sheet:
-    """Return one strip per run with the ideal run on top: spikes of several runs would hide each other."""
+    """Return one strip per run with the ideal run on top."""
     ideal = [curve for curve in curves if curve.is_ideal][:1]
     others = [curve for curve in curves if not curve.is_ideal]
     columns, page = 1 if all(window is None for window in windows) else 2, width == "page"
@@ -197,7 +197,7 @@ def _strips(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _MotionCurve:
-    """Line of a run: times [s], values, and the deviation from the ideal run (None without one)."""
+    """Line of a run: times [s], values, deviation from the ideal run (None without)."""
 
     label: str
     time: Array
@@ -209,7 +209,7 @@ class _MotionCurve:
     many: bool = False
 
     def line(self, values: Array, linewidth: float, span: Span | None = None) -> Curve:
-        """Return the line of some values, or the part in a span (with one sample more on either side)."""
+        """Return the line of some values, or its part in a span."""
         time, many = self.time, self.many
         if span is not None:
             first = max(int(np.searchsorted(time, span[0])) - 1, 0)
@@ -222,7 +222,7 @@ class _MotionCurve:
 def _curves_of(
     runs: Sequence[LabelledRun], reference: LabelledRun | None, joint: str, what: MotionQuantity
 ) -> list[_MotionCurve]:
-    """Return what is to be drawn, the ideal run last so that it lies on top."""
+    """Return the drawn curves, the ideal run's last, on top."""
     curves: list[_MotionCurve] = []
     numbers = itertools.count()
     for run in runs:
@@ -238,7 +238,7 @@ def _curves_of(
 
 
 def drawn_columns(reference: LabelledRun | None, joint: str, what: MotionQuantity) -> Columns:
-    """Return what is drawn of a run: its motion, its deviation, and the motion less that."""
+    """Return a reader of drawn columns: motion, deviation, and their difference."""
 
     def columns(run: LabelledRun) -> list[Array]:
         if joint not in what.of.names(run):
@@ -257,7 +257,7 @@ def _is(run: LabelledRun, reference: LabelledRun | None) -> bool:
 def deviation_of(
     run: LabelledRun, value: Array, reference: LabelledRun | None, joint: str, what: MotionQuantity
 ) -> Array | None:
-    """Return a run's motion less that of the smooth one, NaN outside its span; None if there is no such."""
+    """Return the deviation from the smooth run, NaN outside its span, or None."""
     if reference is None or _is(run, reference) or joint not in what.of.names(reference):
         return None
     place, smooth, time = {what.dim: joint}, reference.whole, run.time
@@ -273,7 +273,7 @@ def deviation_of(
 def _without_round_off(
     curves: Sequence[_MotionCurve], unit: str, scales: dict[str, float]
 ) -> tuple[list[_MotionCurve], str]:
-    """Return curves without deviations that are zero to round-off in all runs, and that in words."""
+    """Return curves without deviations that are round-off, and a note on these."""
     sizes = [size_of(c.deviation) for c in curves if c.deviation is not None]
     if not sizes or not is_round_off(max(sizes), unit, scales):
         return list(curves), ""
@@ -282,12 +282,12 @@ def _without_round_off(
 
 
 def _from_rest(curve: _MotionCurve) -> _MotionCurve:
-    """Return a curve with its deviation, from zero if there is no ideal run to deviate from."""
+    """Return a curve with its deviation, by default from zero."""
     return curve if curve.deviation is not None else replace(curve, deviation=curve.value)
 
 
 def _zoom_of(curves: Sequence[_MotionCurve], what: MotionQuantity) -> Span | None:
-    """Return the span around the largest deviation in which that deviation is a good part of the height."""
+    """Return a span in which the largest deviation fills much of the height."""
     spread = _spread(curves)
     if spread is None:
         return None
@@ -313,7 +313,7 @@ def _zoom_of(curves: Sequence[_MotionCurve], what: MotionQuantity) -> Span | Non
 
 
 def _seen_from_near_only(curves: Sequence[_MotionCurve]) -> bool:
-    """Return whether the largest deviation is less than a twentieth of the height."""
+    """Return whether the largest deviation is below a twentieth of the height."""
     spread = _spread(curves)
     if spread is None:
         return False
@@ -329,9 +329,9 @@ def _less(one: _MotionCurve, first: _MotionCurve) -> Array:
 
 
 def _less_the_first(curves: Sequence[_MotionCurve]) -> tuple[str, list[_MotionCurve]]:
-    """Return runs with play less the first of them, and its name; none where distinguishable.
+    """Return the differences from the first run with play, and its name, where runs coincide.
 
-    They are told apart by their deviations from the ideal run where there is one.
+    Runs are distinguished by their deviations from the ideal run where there is one.
     """
     others = [curve for curve in curves if not curve.is_ideal]
     if len(others) < 2:
@@ -345,7 +345,7 @@ def _less_the_first(curves: Sequence[_MotionCurve]) -> tuple[str, list[_MotionCu
 
 
 def _spread(curves: Sequence[_MotionCurve]) -> tuple[_MotionCurve, Array] | None:
-    """Return the curve that deviates most, and by how much: from the ideal run, else from the first run."""
+    """Return the curve with the largest deviation from the ideal or first run."""
     compared = [
         (c, c.deviation) for c in curves if c.deviation is not None and np.isfinite(c.deviation).any()
     ]

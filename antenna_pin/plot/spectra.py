@@ -1,4 +1,4 @@
-"""Spectra of runs, what a shaken base makes of what it carries, and frequency responses of small motions."""
+"""Spectra of runs, responses to a shaken base, and frequency responses."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class _Density(NamedTuple):
 def figure_spectra(
     runs: Runs, *, joint: str | None = None, ideal: Run | None = None, width: Width = "page"
 ) -> Sheet:
-    """Return the amplitude densities of the joint's and the base's acceleration and of the joint's force.
+    """Return amplitude densities of the joint's and base's acceleration, and of the joint's force.
 
     Of a vector, the root of the sum over its components. The mean over three windows, half of the run each;
     of a run of fewer than 32 samples one, all of it. Above a fifth of the sample rate, shaded, samples do not
@@ -124,10 +124,10 @@ def figure_spectra(
 def figure_spectrogram(
     runs: Runs, signal: Signal | None = None, *, joint: str | None = None, width: Width = "page"
 ) -> Sheet:
-    """Return how the spectral density of a signal changes over the run, one panel per run with contact.
+    """Return the change of a signal's spectral density over each run with contact.
 
-    Runs without any contact are drawn if there is no other. What samples do not resolve of impacts, above a
-    fifth of the sample rate, is not drawn.
+    Runs without any contact are drawn if there is no other. Frequencies above a fifth of the sample rate,
+    where samples do not resolve impacts, are not drawn.
     """
     if signal is not None and signal not in SIGNALS:
         raise UnknownNameError("figure", "signal", signal, SIGNALS)
@@ -172,7 +172,7 @@ def figure_spectrogram(
 
 
 def _map(run: LabelledRun, kind: Signal, joint: str) -> tuple[tuple[Array, Array, Array] | None, str]:
-    """Return times, frequencies and densities of a signal, and a note on its windows; None if it has none."""
+    """Return times, frequencies and densities (None without), and a note on windows."""
     if run.time.size > LONG:
         read = _reader(run, kind, joint)
         if read is None:
@@ -200,7 +200,7 @@ def _spectrum(run: LabelledRun, values: Array) -> xr.Dataset:
 
 
 def _spectrogram(run: LabelledRun, values: Array) -> xr.Dataset:
-    """Return the spectrogram of a signal, in windows of a fortieth of the run; of a short run in longer."""
+    """Return the spectrogram in windows of a fortieth of the run, or longer."""
     span = float(run.time[-1] - run.time[0])
     for share in (0.025, 0.05):
         with contextlib.suppress(AntennaPinError):
@@ -214,13 +214,13 @@ def _label(kind: Signal) -> str:
 
 
 def _words(kind: Signal, joint: str) -> str:
-    """Return what a signal is called."""
+    """Return the name of a signal."""
     name = joint.replace("_", " ")
     return {"acceleration": f"{name} acceleration", "force": f"force through {name}"}.get(kind, kind)
 
 
 def _signal(run: LabelledRun, kind: Signal, joint: str) -> Array | None:
-    """Return the values of a signal, (n, components); None if the run does not have it."""
+    """Return the values of a signal, (n, components); None if absent."""
     if kind == "acceleration":
         if joint not in run.joints:
             return None
@@ -236,7 +236,7 @@ def _signal(run: LabelledRun, kind: Signal, joint: str) -> Array | None:
 
 
 def _densities(runs: Sequence[LabelledRun], kind: Signal, joint: str) -> list[_Density]:
-    """Return the densities of a signal of the runs that have it and are long enough."""
+    """Return the densities of a signal of long enough runs."""
     result = []
     for run in runs:
         if run.time.size > LONG:
@@ -259,7 +259,7 @@ def _densities(runs: Sequence[LabelledRun], kind: Signal, joint: str) -> list[_D
 
 
 def _reader(run: LabelledRun, kind: Signal, joint: str) -> Callable[[int, int], Array] | None:
-    """Return what reads a signal of a long run from one sample up to another; None if it has no such."""
+    """Return a reader of a long run's signal between samples, or None."""
 
     def read(first: int, last: int) -> Array:
         found = _signal(replace(run, data=run.data.isel(time=slice(first, last))), kind, joint)
@@ -270,10 +270,10 @@ def _reader(run: LabelledRun, kind: Signal, joint: str) -> Callable[[int, int], 
 
 
 def _long_density(run: LabelledRun, found: xr.Dataset) -> list[_Density]:
-    """Return the density of a long run as a list of one; of none if it is zero throughout.
+    """Return a long run's density in a list, empty if it is zero throughout.
 
-    Of the frequencies in each of 4096 equal parts of the logarithmic axis those with the least and the
-    largest density are kept: a line of more has no room.
+    In each of 4096 equal parts of the logarithmic axis the frequencies with the least and the
+    largest density are stored: a line of more has no room.
     """
     frequency = np.asarray(found["frequency"].values, dtype=float)[1:]
     density = np.sqrt(np.asarray(found["power"].values, dtype=float).sum(axis=1))[1:]
@@ -310,7 +310,7 @@ def figure_swept(
     periods: float = 10.0,
     width: Width = "page",
 ) -> Sheet:
-    """Return gain and distortion over frequency of what a swept base makes, a colour for each run.
+    """Return gain and distortion over frequency on a swept base, a colour for each run.
 
     The way up is a full line, the way down a dashed one: where they differ, play or friction makes the answer
     depend on what was before.
@@ -359,7 +359,7 @@ def figure_swept(
 def figure_density(
     runs: Runs, target: str | None = None, *, segment: float | None = None, width: Width = "page"
 ) -> Sheet:
-    """Return power spectral densities of what a base shaken at random makes, with 95 % confidence."""
+    """Return power spectral densities on a randomly shaken base, with 95 % confidence."""
     picked = pick(runs, RANDOM, compared=False)
     marks: list[Mark] = []
     top, name, unit = 0.0, "", ""
@@ -396,7 +396,7 @@ def _prescribed(run: LabelledRun) -> list[Curve]:
 def figure_shock(
     runs: Runs, target: str | None = None, *, quality: float = 10.0, width: Width = "page"
 ) -> Sheet:
-    """Return shock response spectra of an acceleration: the largest of an oscillator, over its frequency."""
+    """Return shock response spectra: an oscillator's largest acceleration over its frequency."""
     picked = pick(runs, SHAKEN, compared=False)
     every = [
         (run.legend, quantity(run.data, target or shaken_target(run.data)), look)

@@ -42,12 +42,10 @@ _LEVEL = 0.1  # sine of an axis' inclination up to which it counts as level; one
 
 
 def drawn_axes(up: Array | None) -> Array:
-    """Return the rotation (3, 3) from bearing axes to those drawn, of which z points up in the picture.
+    """Return the rotation (3, 3) from bearing axes to drawn ones, z pointing up.
 
-    The bearing's axis lies across the picture, to the right, unless it stands upright.
-
-    Args:
-        up: Against gravity, bearing axes, unit vector (3,) [-]; without it bearing y is drawn upwards.
+    The bearing's axis lies across the picture, to the right, unless it stands upright. Without ``up``, the
+    unit vector against gravity in bearing axes, bearing y is drawn upwards.
     """
     z = np.array([0.0, 1.0, 0.0]) if up is None else up
     along = np.array([0.0, 0.0, 1.0])
@@ -64,7 +62,7 @@ class JointPicture:
     Attributes:
         radius: Of the bore or socket as drawn [m].
         clearance: Radial, as it is [m].
-        factor: How many times as wide gaps are drawn [-].
+        factor: Magnification of gaps [-].
     """
 
     radius: float
@@ -112,7 +110,7 @@ class JointPicture:
         raise NotImplementedError
 
     def _spin(self, chosen: xr.Dataset, name: str) -> Array:
-        """Return the journal's rotation about the bearing's axis (n,) [rad]; the joint's is its child's."""
+        """Return the journal's rotation about the bearing's axis (n,) [rad]."""
         if name in chosen["joint"].values:
             angle = np.asarray(chosen["motion_angle"].sel(joint=name).values, dtype=float)
             return -angle if self.place.get("bearing_on") == "child" else angle
@@ -122,7 +120,7 @@ class JointPicture:
         raise NotImplementedError
 
     def drawn_points(self) -> Array:
-        """Return where the contacts are drawn, (n, contacts, 3) [m]."""
+        """Return the drawn contacts, (n, contacts, 3) [m]."""
         raise NotImplementedError
 
     def extent(self) -> Array:
@@ -178,7 +176,7 @@ class JointPicture:
         }
 
     def cut_open(self, path: str, inner: Array, outer: Array) -> None:
-        """Draw a hollow body of revolution: the half behind, and faintly the half before the cut."""
+        """Draw a hollow body of revolution, its front half faintly."""
         quarter = 0.5 * np.pi
         cut = float(np.arctan2(self.camera[1], self.camera[0]))  # the camera's [rad]
         self.scene.add(path, lathe(inner, outer, cut + quarter, cut + 3.0 * quarter), BEARING)
@@ -197,7 +195,7 @@ def length_text(metres: float) -> str:
 
 
 class JournalPicture(JointPicture):
-    """A revolute or planar joint."""
+    """Picture of a revolute or planar joint."""
 
     def _build(self, place: dict[str, Any], magnify: float | None) -> None:
         dimensions = place["dimensions"]
@@ -312,7 +310,7 @@ class JournalPicture(JointPicture):
         return np.concatenate([*bearing, *moving])
 
     def trails(self) -> list[dict[str, Any]]:
-        """Return where the journal's axis went of late, in the planes of the bore's ends."""
+        """Return recent paths of the journal's axis in the bore's end planes."""
         found = []
         signs = (1.0, -1.0) if self.shape.flanges else (0.0,)
         tail = 0.04 * float(self.times[-1] - self.times[0])
@@ -355,7 +353,7 @@ _SIGNS = (1.0, -1.0)
 
 
 class SliderPicture(JointPicture):
-    """A slider in a guide; the guide's walls before it are drawn faintly."""
+    """Picture of a slider in a guide, whose front walls are faint."""
 
     def _build(self, place: dict[str, Any], magnify: float | None) -> None:
         dimensions = place["dimensions"]
@@ -438,7 +436,7 @@ class SliderPicture(JointPicture):
         return np.asarray((signs * half) @ self.shape.turn.T)
 
     def trails(self) -> list[dict[str, Any]]:
-        """Return where the slider's axis went of late, at both of its ends."""
+        """Return recent paths of both ends of the slider's axis."""
         tail = 0.04 * float(self.times[-1] - self.times[0])
         return [
             {

@@ -1,4 +1,4 @@
-"""Forces as arrows, of contacts and on links: what the player takes of them, and how far they reach."""
+"""Forces on journals and links as arrows in the player's format."""
 
 from __future__ import annotations
 
@@ -15,8 +15,6 @@ from antenna_pin.record.marks import Marking
 from antenna_pin.record.scene import nice, packed_counts, packed_floats
 from antenna_pin.trajectory import contact_joints
 
-__all__ = ["applied_arrows", "contact_arrows", "force_scale", "placement_of", "sparse"]
-
 Array = NDArray[np.float64]
 
 FORCE, APPLIED = "#D55E00", "#009E73"
@@ -24,12 +22,7 @@ _FRAMED = 300  # arrows that are framed, of each contact
 
 
 def sparse(force: Array, point: Array) -> dict[str, str]:
-    """Return forces and points of a contact where it bears load, and the key frames at which it does.
-
-    Args:
-        force: At all key frames, (frames, 3) [N].
-        point: Likewise [m].
-    """
+    """Return a contact's forces and points, (frames, 3) each, at loaded key frames."""
     some = np.flatnonzero(np.any(force != 0.0, axis=1))
     return {
         "frames": packed_counts(some),
@@ -41,12 +34,9 @@ def sparse(force: Array, point: Array) -> dict[str, str]:
 def contact_arrows(
     marking: Marking, impacts: Impacts, places: Mapping[str, Mapping[str, Any]]
 ) -> tuple[dict[str, Any] | None, Array]:
-    """Return the forces as the player takes them, and tips of their arrows in the world, (n, 3) [m].
+    """Return contact forces in the player's format, and arrow tips, (n, 3) [m].
 
-    Args:
-        marking: The scene, the links and their motion.
-        impacts: Contact episodes in the span.
-        places: Where bearings are (the run's attribute ``clearance_joints``).
+    ``places`` are the bearings (the run's attribute ``clearance_joints``).
     """
     data, size = marking.run.data, marking.size
     nothing = np.zeros((0, 3))
@@ -71,11 +61,7 @@ def contact_arrows(
 
 
 def applied_arrows(marking: Marking) -> tuple[dict[str, Any] | None, Array]:
-    """Return the forces on links as the player takes them, and tips of their arrows, (n, 3) [m].
-
-    Args:
-        marking: The scene, the links and their motion.
-    """
+    """Return forces on links in the player's format, and arrow tips, (n, 3) [m]."""
     data, size = marking.run.data, marking.size
     about, names = json.loads(data.attrs.get("force_places", "{}")), list(marking.paths)
     if not about or "applied_force" not in data:
@@ -132,14 +118,14 @@ def _tips(
 
 
 def force_scale(arrows: Mapping[str, Any], what: str) -> str:
-    """Return in words how long arrows of something are."""
+    """Return a note on the lengths of arrows."""
     force, length = arrows["reference"]
     hundredth = f"{0.01 * force:g} N {0.1 * length:g} m"
     return f"{what}: {force:g} N drawn {length:g} m, {hundredth} (square root)"
 
 
 def placement_of(seven: ArrayLike) -> Array:
-    """Return a position and a quaternion xyzw, (7,) [m, -], as a placement, (4, 4)."""
+    """Return a position and a quaternion xyzw, (7,), as a placement, (4, 4)."""
     numbers = np.asarray(seven, dtype=float)
     result = np.eye(4)
     result[:3, :3] = Rotation.from_quat(numbers[3:]).as_matrix()

@@ -17,18 +17,6 @@ from antenna_pin.record.scene import Scene, packed_doubles, packed_floats
 from antenna_pin.record.shapes import Box, Cylinder, Geometry, Sphere, ring
 from antenna_pin.trajectory import Trajectory, elements_of
 
-__all__ = [
-    "JOINT",
-    "Label",
-    "Mark",
-    "mark_gears",
-    "mark_joints",
-    "mark_stops",
-    "Marking",
-    "PLAY",
-    "rgb",
-]
-
 # --- parts --------------------------------------------------------------------------------------------------
 
 Array = NDArray[np.float64]
@@ -39,11 +27,9 @@ class Marking:
     """Data for marks.
 
     Attributes:
-        run: The run.
-        mechanism: What it is of.
-        samples: Those of the run that are key frames, (frames,).
-        scene: What marks are put into.
-        paths: Of the links in the scene, by name; what is put below one moves with it.
+        samples: Samples of the run that are key frames, (frames,).
+        scene: Scene of the marks.
+        paths: Paths of the links in the scene, by name; things below one move with it.
         position: Of the links at the key frames, (frames, links, 3) [m].
         attitude: Likewise, quaternions xyzw, (frames, links, 4) [-]; links in the order of ``paths``.
         size: Of the mechanism [m].
@@ -64,18 +50,11 @@ class Marking:
         return np.asarray(self.run.data["time"].values, dtype=float)[self.samples]
 
     def path(self, link: str) -> str:
-        """Return what a thing on a link is put below; one of the world's stands by itself."""
+        """Return the path of things on a link, or in the world."""
         return self.paths.get(link, "world")
 
     def seat(self, joint: str) -> tuple[str, Array]:
-        """Return what a joint's parent is called in the scene, and the joint's place in it, z along the axis.
-
-        Args:
-            joint: Its name.
-
-        Returns:
-            The path, and the placement (4, 4) [-, m].
-        """
+        """Return the path of a joint's parent, and the joint's placement, z along its axis."""
         urdf = self.mechanism.urdf
         turn = np.eye(4)
         turn[:3, :3] = frame_aligning_z(np.asarray(self.mechanism.joint(joint).axis, dtype=float))
@@ -84,13 +63,7 @@ class Marking:
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """A name in the picture.
-
-    Attributes:
-        text: What it says.
-        path: In the scene, of what it goes with.
-        at: Where in its frame, (3,) [m].
-    """
+    """Name in the picture, at a point in the frame of a path, (3,) [m]."""
 
     text: str
     path: str
@@ -99,15 +72,15 @@ class Label:
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """Objects in the scene that are shown or hidden together.
+    """Group of things in the scene with common visibility.
 
     Attributes:
-        text: What the page calls them.
-        colour: Beside it, ``#RRGGBB``.
-        paths: Of the things.
-        tracks: How they move beside their links, as an actor of the recording takes them.
-        shown: Whether they are from the first; else they can be switched on.
-        labels: Names of theirs.
+        text: Name in the page.
+        colour: Colour beside it, ``#RRGGBB``.
+        paths: Paths of the things.
+        tracks: Their motion beside their links, as tracks of an actor of the recording.
+        shown: Whether they are visible at first.
+        labels: Their names.
     """
 
     text: str
@@ -118,7 +91,7 @@ class Mark:
     labels: tuple[Label, ...] = ()
 
     def listed(self) -> dict[str, Any]:
-        """Return it as the page takes it."""
+        """Return the mark in the page's format."""
         found: dict[str, Any] = {"text": self.text, "colour": self.colour, "paths": list(self.paths)}
         if not self.shown:
             found["shown"] = False
@@ -145,11 +118,7 @@ _BALL = 0.007
 
 
 def mark_joints(marking: Marking) -> Mark | None:
-    """Put a pin on each moving joint, a ball where it is one; drawn over what hides them.
-
-    Args:
-        marking: What it is made of.
-    """
+    """Draw a pin on each moving joint, or a ball, over all else."""
     places = json.loads(marking.run.data.attrs.get("clearance_joints", "{}"))
     found, labels = [], []
     for name in marking.mechanism.joints:
@@ -188,11 +157,7 @@ _HELD_MODE = 2  # of a latch
 
 
 def mark_stops(marking: Marking) -> Mark | None:
-    """Put marks at joints with stops or latches.
-
-    Args:
-        marking: What they are made of.
-    """
+    """Draw marks at joints with stops or latches."""
     run = marking.run
     found: list[str] = []
     tracks: list[dict[str, Any]] = []
@@ -221,7 +186,7 @@ def mark_stops(marking: Marking) -> Mark | None:
 def _modal_parts(
     place: str, one: Mapping[str, Any], size: float, mode: NDArray[Any]
 ) -> list[tuple[str, float, Geometry, tuple[str, str], NDArray[np.bool_]]]:
-    """Return of each part: its name, where it is, its shape, its colours, and when it is touched or holds."""
+    """Return name, place, shape, colours and activity of an element's parts."""
     numbers = one["numbers"]
     if place.startswith("latches."):
         pin = Cylinder(_LATCH_PIN[0] * size, _LATCH_PIN[1] * size)
@@ -246,7 +211,7 @@ class _Marks:
         self.child = marking.path(marking.mechanism.urdf.joint(joint).child)
 
     def _seat(self, way: float) -> Array:
-        """Return where something sits at an angle (or a way) of the joint, in the frame of its axis."""
+        """Return the placement at an angle (or displacement) in the axis' frame."""
         found = np.eye(4)
         reach = np.array([_REACH * self.size, 0.0, 0.0])
         if self.slides:
@@ -297,7 +262,7 @@ _SMALLEST = 1e-6  # a part that is not seen is so small; none at all would have 
 
 
 class _Joint(NamedTuple):
-    """A joint of a gear: its frame with z along the axis, in its child and in its parent; radius [m]."""
+    """Joint of a gear: axis frames in child and parent; radius [m]."""
 
     name: str
     child: str
@@ -309,11 +274,7 @@ class _Joint(NamedTuple):
 
 
 def mark_gears(marking: Marking) -> Mark | None:
-    """Put marks at joints with gears, belts or cables.
-
-    Args:
-        marking: What they are made of.
-    """
+    """Draw marks at joints with gears, belts or cables."""
     run, samples, scene, size = marking.run, marking.samples, marking.scene, marking.size
     every = {place: one for place, one in elements_of(run.data).items() if place.startswith("gears.")}
     if not every:
@@ -356,7 +317,7 @@ def _joint(mechanism: Mechanism, name: str, k: int, one: Mapping[str, Any], size
 
 
 def _meshing_parts(end: _Joint, size: float) -> Iterator[tuple[str, Geometry, Array]]:
-    """Yield what is drawn on a joint's child: name, shape, place in the frame of the axis."""
+    """Yield name, shape and placement of parts on a joint's child."""
     seat = np.eye(4)
     if end.slides:
         yield "rack", Box((_RACK[1] * size, _RACK[1] * size, _RACK[0] * size)), seat
@@ -369,7 +330,7 @@ def _meshing_parts(end: _Joint, size: float) -> Iterator[tuple[str, Geometry, Ar
 def _put(
     scene: Scene, path: str, shape: Geometry, place: Array, meshes: NDArray[np.bool_] | None, changes: bool
 ) -> list[tuple[str, dict[str, Any] | None]]:
-    """Draw a part that turns with a link; twice if its colour changes, one visible at a time."""
+    """Draw a part on a link, in both colours if these change."""
     if meshes is None or not changes:
         scene.add(path, shape, rgb(APART), place)
         return [(path, None)]
@@ -386,7 +347,7 @@ def _put(
 def _strands(
     ends: list[_Joint], one: Mapping[str, Any], mode: NDArray[Any], poses: Any
 ) -> Iterator[tuple[str, NDArray[np.bool_], Array, Array]]:
-    """Yield the strands: side, whether it is taut, and its two ends in the world at each key frame."""
+    """Yield side, tautness and both ends in the world of each strand."""
     numbers = one["numbers"]
     (first, second), (r, s) = (_places(end, poses) for end in ends), (end.radius for end in ends)
     axis = first[:, :3, 2]
@@ -408,7 +369,7 @@ def _strands(
 
 
 def _places(end: _Joint, poses: Any) -> Array:
-    """Return the frame of a joint on its parent in the world at each key frame, (n, 4, 4)."""
+    """Return a joint's frame on its parent in the world, (n, 4, 4)."""
     k = [str(body) for body in poses["body"].values].index(end.parent)
     found = np.tile(np.eye(4), (poses.sizes["time"], 1, 1))
     found[:, :3, :3] = Rotation.from_quat(np.asarray(poses["attitude"].values)[:, k]).as_matrix()

@@ -1,4 +1,4 @@
-"""The whole mechanism in the world: bodies, contact forces, boresight and trace, an ideal run as a ghost."""
+"""View of the mechanism in the world: bodies, forces, boresight, and an ideal ghost."""
 
 from __future__ import annotations
 
@@ -31,9 +31,6 @@ from antenna_pin.record.shapes import (
 )
 from antenna_pin.trajectory import Trajectory
 
-__all__ = ["Boresight", "mechanism_view"]
-
-
 Array = NDArray[np.float64]
 
 
@@ -52,11 +49,7 @@ _NO_SPRINGS = ("friction",)  # kinds that stand among the springs of a scenario
 
 
 def mark_springs(marking: Marking) -> Mark | None:
-    """Draw the springs of the run's scenario; a system built in Python names none.
-
-    Args:
-        marking: What it is made of.
-    """
+    """Draw the springs of the run's scenario; systems built in Python have none."""
     springs: dict[str, Any] = getattr(marking.run.scenario, "springs", None) or {}
     size = marking.size
     found, tracks, labels = [], [], []
@@ -86,7 +79,7 @@ def mark_springs(marking: Marking) -> Mark | None:
 
 
 def _places(marking: Marking, side: Any) -> Array | None:
-    """Return where one end of a spring is at the key frames, (frames, 3) [m]; None if not known."""
+    """Return the points of one end of a spring, (frames, 3) [m], or None."""
     link = getattr(side, "link", None) or getattr(side, "frame", None)
     if link is None:
         return None
@@ -101,7 +94,7 @@ def _places(marking: Marking, side: Any) -> Array | None:
 
 
 def _between(first: Array, second: Array) -> Array:
-    """Return the placements that lay z from 0 to 1 along lines between points, (n, 3, 4)."""
+    """Return placements with z from 0 to 1 between points, (n, 3, 4)."""
     along = second - first
     level = np.abs(along[:, :1]) < 0.9 * np.linalg.norm(along, axis=1)[:, None]
     helper = np.where(level, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
@@ -113,13 +106,7 @@ def _between(first: Array, second: Array) -> Array:
 
 
 def coil(radius: float, length: float, wire: float) -> Mesh:
-    """Return a coil about z, from z = 0 to its length if that is 1, else about the middle.
-
-    Args:
-        radius: Of its turns [m].
-        length: Along the axis [m].
-        wire: Radius of its wire [m].
-    """
+    """Return a coil about z [m], from 0 for length 1, else about the middle."""
     turn = np.linspace(0.0, 2.0 * np.pi * _TURNS, _TURNS * _STEPS + 1)
     share = turn / turn[-1] - (0.0 if length == 1.0 else 0.5)
     around = np.linspace(0.0, 2.0 * np.pi, _SIDES + 1)
@@ -139,11 +126,7 @@ _AXIS = (0.0016, 0.06)  # radius and length, as shares of the mechanism's size
 
 
 def mark_frames(marking: Marking) -> Mark | None:
-    """Put its axes on each link; hidden at first.
-
-    Args:
-        marking: What it is made of.
-    """
+    """Draw the axes of each link; hidden at first."""
     radius, length = (share * marking.size for share in _AXIS)
     found = []
     for path in marking.paths.values():
@@ -173,13 +156,10 @@ _BALL = 0.006
 
 
 def mark_closures(marking: Marking) -> Mark | None:
-    """Put a mark on each closure of a loop.
+    """Draw a mark on each closure of a loop.
 
-    A mark moves with the second side's link, or stands where that is the world; both sides are in one place.
+    A mark moves with the second side's link, or with the first where that is the world; both sides coincide.
     Closures that hold a joint of the tree close no loop of their own, and have no mark.
-
-    Args:
-        marking: What it is made of.
     """
     size = marking.size
     found, labels = [], []
@@ -238,16 +218,10 @@ _DIRECTION = (1.0, -0.75, 0.55)  # from where the camera looks
 
 
 class Boresight:
-    """A line on a body that is drawn with its trace.
-
-    Args:
-        body: Name of the link.
-        axis: Direction in the link's frame, (3,) [-].
-        bodies: Names of the links there are.
-    """
+    """Line along an axis (3,) [-] of a link, drawn with its trace."""
 
     def __init__(self, body: str, axis: ArrayLike, bodies: list[str]) -> None:
-        """Check the body and the axis."""
+        """Check the body, one of ``bodies``, and the axis."""
         if body not in bodies:
             raise UnknownNameError("recording", "body", body, bodies)
         self.body = body
@@ -267,12 +241,12 @@ def mechanism_view(
 
     Args:
         run: The run.
-        frames: Its key frames.
+        frames: Key frames of the run.
         impacts: Contact episodes in the span.
-        places: Where bearings are (its attribute ``clearance_joints``).
-        ideal: A run to be drawn as a ghost, and its key frames.
-        boresight: Body and axis of the line to be drawn.
-        magnify: How many times farther elastic parts are drawn out of rest [-]; 1 if left out.
+        places: Bearings (the run's attribute ``clearance_joints``).
+        ideal: Run drawn as a ghost, and its key frames.
+        boresight: Body and axis of the drawn line.
+        magnify: Magnification of deflections [-]; 1 if left out.
     """
     scene = Scene()
     factor = check_bending(run, magnify)
@@ -350,7 +324,7 @@ def _case(run: Trajectory) -> str:
 
 
 class _Body:
-    """The bodies of a run: shapes put into a scene, poses at the key frames."""
+    """Bodies of a run: shapes in a scene, poses at the key frames."""
 
     def __init__(
         self,
@@ -398,7 +372,7 @@ class _Body:
         )
 
     def _extent(self) -> Array:
-        """Return the corners of all shapes at some of the key frames, in the world, (n, 3) [m]."""
+        """Return corners of all shapes at some key frames, (n, 3) [m]."""
         some = np.unique(np.linspace(0, len(self.times) - 1, min(_FRAMED, len(self.times))).astype(int))
         found = []
         for k, body in enumerate(self.names):
@@ -414,7 +388,7 @@ class _Body:
         return np.concatenate(found)
 
     def surfaces(self) -> list[Array]:
-        """Return points on each body at some key frames, in the world, (instants, points, 3) each [m]."""
+        """Return surface points of each body at some key frames, in the world [m]."""
         some = np.unique(np.linspace(0, len(self.times) - 1, _LOOKED_AT).astype(int))
         found = []
         for k, body in enumerate(self.names):
@@ -429,7 +403,7 @@ class _Body:
         return found
 
     def listed(self, urdf: Urdf) -> list[dict[str, Any]]:
-        """Return the links with what they hang on and their shapes, as the player takes them."""
+        """Return links with parents and shapes in the player's format."""
         parents = {joint.child: joint.parent for joint in urdf.robot.joints}
         return [
             {
@@ -444,7 +418,7 @@ class _Body:
         ]
 
     def actor(self) -> dict[str, Any]:
-        """Return the poses as the player takes them."""
+        """Return the poses in the player's format."""
         return {
             "name": self.run,
             "times": packed_doubles(self.times),
@@ -460,7 +434,7 @@ class _Body:
         }
 
     def draw_boresight(self, line: Boresight, reach: float, colour: str, size: float) -> dict[str, Any]:
-        """Put the line and its tip onto its body; return the tip's trace."""
+        """Draw the line and its tip on its body; return the tip's trace."""
         k = self.names.index(line.body)
         path = self.paths[line.body]
         placement = np.eye(4)
@@ -484,6 +458,6 @@ class _Body:
 
 
 def _upright(mechanism: Mechanism) -> Array:
-    """Return the rotation (3, 3) from the world to axes whose z points up: against gravity, if any."""
+    """Return the rotation (3, 3) from the world to axes against gravity."""
     gravity = np.array(mechanism.model.gravity.linear)
     return frame_aligning_z(-gravity).T if gravity.any() else np.eye(3)

@@ -1,4 +1,4 @@
-"""The HTML around recordings: what they share, each recording's own part, and a page of one recording."""
+"""HTML of recordings: shared head, embedded parts, and whole pages."""
 
 from __future__ import annotations
 
@@ -14,9 +14,6 @@ from typing import Any, NamedTuple
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.views import policy, script
 from antenna_pin.record.scene import viewer_licences, viewer_script
-
-__all__ = ["SharedHead", "embedded", "page", "page_of_several", "shared_head", "viewer_megabytes"]
-
 
 # The parts of the player, in the order in which they need one another.
 _PARTS = ("numbers", "page", "triad", "scene", "eye", "overlay", "curve", "panel", "bar", "player", "slots")
@@ -53,7 +50,7 @@ class SharedHead(NamedTuple):
 
 @takes()
 def shared_head(*, packed: bool = False) -> SharedHead:
-    """Return style and scripts that recordings need, once per page, for its head.
+    """Return style and scripts of recordings, once per page, for its head.
 
     Args:
         packed: Whether the viewer is deflated, to a third: then recordings appear some time after the page.
@@ -75,20 +72,15 @@ def shared_head(*, packed: bool = False) -> SharedHead:
 
 @functools.cache
 def viewer_megabytes() -> float:
-    """Return what style and scripts take of a page [MB]."""
+    """Return the size of style and scripts in a page [MB]."""
     return 1e-6 * len(shared_head().html.encode())
 
 
 def embedded(data: dict[str, Any], identity: str, height: str = "30rem", *, packed: bool = False) -> str:
-    """Return the part of a page that shows one recording; the page's head must have :func:`shared_head`.
+    """Return a recording's part of a page whose head has :func:`shared_head`.
 
-    Its scene is built when it is scrolled into view, so that a page may have many.
-
-    Args:
-        data: Of the recording.
-        identity: The element's id, unique in the page.
-        height: Of the element, CSS.
-        packed: Whether its data are deflated.
+    Its scene is built when it is scrolled into view, so that a page may have many. ``identity`` is the
+    element's unique id, ``height`` its CSS height; ``packed`` data are deflated.
     """
     name = html.escape(identity, quote=True)
     kind, text = (_PACKED, _deflated(_json(data))) if packed else ('type="application/json"', _json(data))
@@ -99,7 +91,7 @@ def embedded(data: dict[str, Any], identity: str, height: str = "30rem", *, pack
 
 
 def page(data: dict[str, Any]) -> str:
-    """Return a page that shows one recording and nothing else; ``window.recording`` is its player."""
+    """Return a page of one recording; ``window.recording`` is its player."""
     head = shared_head()
     title = html.escape(" - ".join(text for text in (data["title"], data["subtitle"]) if text))
     return f"""<!DOCTYPE html>
@@ -123,12 +115,7 @@ html {{ color-scheme: light dark; }} html, body {{ margin: 0; height: 100%; }}
 
 
 def page_of_several(recordings: Sequence[tuple[str, dict[str, Any]]], title: str) -> str:
-    """Return a page that shows several recordings, one below the other, each with its heading.
-
-    Args:
-        recordings: Heading and data of each.
-        title: Of the page.
-    """
+    """Return a page of recordings below one another, each with its heading."""
     parts = "".join(
         f"<h2>{html.escape(heading)}</h2>\n{embedded(data, f'recording-{k}')}"
         for k, (heading, data) in enumerate(recordings)

@@ -50,7 +50,7 @@ _SIGNS = (1.0, -1.0)
 
 
 class RodPicture(JointPicture):
-    """A round slider in a round guide."""
+    """Picture of a round slider in a round guide."""
 
     def _build(self, place: dict[str, Any], magnify: float | None) -> None:
         size = {name: float(value) for name, value in place["dimensions"].items()}
@@ -94,7 +94,7 @@ class RodPicture(JointPicture):
         return [{"kind": "matrix", "name": "rod", "path": "run/rod", "data": data}]
 
     def drawn_points(self) -> Array:
-        """Return contacts on the drawn guide, where the drawn slider comes nearest to it."""
+        """Return contacts on the drawn guide, where the drawn slider is nearest."""
         own = np.einsum("nji,nkj->nki", self.turns, self.point - self.position[:, None])
         drawn = np.einsum("nij,nkj->nki", self.matrix, own) + self.shift[:, None]
         across = np.linalg.norm(drawn[..., :2], axis=2, keepdims=True)
@@ -108,7 +108,7 @@ class RodPicture(JointPicture):
         return np.concatenate([np.vstack([circle, np.full((1, 24), end)]).T for end in (-long, long)])
 
     def trails(self) -> list[dict[str, Any]]:
-        """Return where the slider's axis went of late, at both of its ends."""
+        """Return recent paths of both ends of the slider's axis."""
         return [
             {
                 "path": "run",
@@ -136,7 +136,7 @@ class RodPicture(JointPicture):
 
 
 class BallPicture(JointPicture):
-    """A ball joint."""
+    """Picture of a ball joint."""
 
     def _build(self, place: dict[str, Any], magnify: float | None) -> None:
         dimensions = place["dimensions"]
@@ -211,11 +211,11 @@ def joint_view(
 
     Args:
         run: The run.
-        frames: Its key frames.
+        frames: Key frames of the run.
         impacts: Contact episodes in the span.
-        places: Shapes of the clearance joints (its attribute ``clearance_joints``).
+        places: Shapes of the clearance joints (the run's attribute ``clearance_joints``).
         joint: Name of the joint; the first one with clearance if left out.
-        magnify: How many times wider gaps are drawn [-]; chosen by the play if left out.
+        magnify: Magnification of gaps [-]; chosen by the play if left out.
     """
     if not places or "gap" not in run.data:
         raise InvalidParameterError(
@@ -255,17 +255,17 @@ _CURVES = 1.0  # what the curves under the slider take at most [MB]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recording:
-    """A 3D recording: its data, and the page that plays it without a network.
+    """3D recording: its data, and the page that plays it without a network.
 
     Attributes:
-        data: What the player takes, as JSON would hold it: texts (``title``, ``subtitle``, ``facts``,
-            ``warnings``, what was ``thinned``), ``times`` of the key frames and the ``impacts`` marked on the
+        data: Input of the player, as in JSON: texts (``title``, ``subtitle``, ``facts``,
+            ``warnings``, ``thinned``), ``times`` of the key frames and the ``impacts`` marked on the
             slider, the viewer's ``commands`` that build the scene, ``actors`` whose ``tracks`` move parts of
             it (poses of seven numbers, placements of twelve, or times from which and until which it is
-            shown), ``bodies``, ``contacts``, ``trails``, ``camera``, ``curves``, ``speed``, and the time of
+            visible), ``bodies``, ``contacts``, ``trails``, ``camera``, ``curves``, ``speed``, and the time of
             its ``poster`` for paper. Numbers in bulk are base64 of little-endian floats, 64 bits for times
             and series and 32 for the rest.
-        frames: The samples of the run that became key frames.
+        frames: Samples of the run that became key frames.
     """
 
     data: dict[str, Any]
@@ -303,7 +303,7 @@ class Recording:
         return target
 
     def _repr_html_(self) -> str:
-        """Show the recording in a notebook, in a frame of its own."""
+        """Return the recording in a frame, for a notebook."""
         return in_frame(self.html, "30rem")
 
 
@@ -332,31 +332,30 @@ def record(
 
     Args:
         run: The run, or its data.
-        ideal: A run whose bodies are drawn as a ghost beside, and its curves beside those of the run, usually
+        ideal: A run whose bodies are drawn as a ghost, and its curves beside those of the run, usually
             with ideal joints. For the mechanism.
         view: ``mechanism``, all bodies in the world, or ``joint``, a clearance joint close up.
-        joint: Which clearance joint; the first one if left out. For a joint.
-        magnify: Of a joint how many times wider gaps are drawn [-], so many that its play is drawn
-            a third as wide as its pin if left out; of a
-            mechanism with flexible links how many times larger their deflections are drawn, 1 if left out.
+        joint: Name of the clearance joint; the first one if left out. For a joint.
+        magnify: Magnification [-]: of a joint's gaps, by default so that its play is drawn a third as wide as
+            its pin; of deflections of flexible links in the view of a mechanism, 1 by default.
         body: Link whose boresight is drawn; the scenario's pointing body if left out. For the mechanism.
         boresight: Its direction in the link's frame, (3,) [-]; the scenario's, or x, if left out. For the
             mechanism.
-        fps: Regular key frames per second of the run [1/s]; if left out 500, or as many as keep every body's
-            turn between two of them below 0.1 rad.
+        fps: Regular key frames per second of the run [1/s]; if left out 500, or as many as limit every body's
+            turn between two of them to 0.1 rad.
         speed: Seconds of the run per second at first [-]; if left out, real time or, for a run below 4 s, so
             slow that it takes that long; ten times slower for a joint.
         start: First time recorded [s]; the run's start if left out.
         end: Last time recorded [s]; the run's end if left out.
-        max_megabytes: Size of the page that is not exceeded [MB]; key frames are thinned to keep to it.
+        max_megabytes: Largest size of the page [MB]; key frames are thinned to meet it.
         curves: Names of quantities (:func:`antenna_pin.analysis.quantity`) that the curve under the slider
             offers first; if left out, it begins with the greatest contact force. No curve if empty.
-        package_path: Folders to look for packages of ``package://`` in, before those of the run.
+        package_path: Folders of packages of ``package://``, searched before those of the run.
 
     Raises:
         InvalidParameterError: Values that make no sense, or a joint's view of a run without clearance.
-        UnknownNameError: A body, joint or quantity that there is not.
-        FileFormatError: The run does not carry what its bodies were.
+        UnknownNameError: A body, joint or quantity that does not exist.
+        FileFormatError: The run lacks the description of its bodies.
     """
     if view not in ("mechanism", "joint"):
         raise InvalidParameterError("recording", "view", "mechanism or joint", view)
@@ -415,7 +414,7 @@ def record(
 
 
 def _looking_in(folders: list[str], run: Trajectory) -> Trajectory:
-    """Return a run whose meshes are looked for in packages of some folders too, and there first."""
+    """Return a run with further folders of packages, searched first."""
     if not folders or "mechanism" not in run.data.attrs:
         return run
     about = json.loads(run.data.attrs["mechanism"])
@@ -489,7 +488,7 @@ def _boresight(
 
 
 def _places(run: Trajectory) -> dict[str, dict[str, Any]]:
-    """Return what the clearance joints are, by name."""
+    """Return the clearance joints' shapes by name."""
     found: dict[str, dict[str, Any]] = json.loads(run.data.attrs.get("clearance_joints", "{}"))
     return found
 
@@ -541,7 +540,7 @@ def _data(
 
 
 def _speed(span: float) -> float:
-    """Return the greatest speed, real time or a power of ten below, at which a span takes 4 s or more [-]."""
+    """Return the greatest speed that makes a span last 4 s [-]."""
     steps = [step for k in range(7) for step in (10.0**-k, 0.5 * 10.0**-k)]
     return next((step for step in steps if span >= 4.0 * step), 1.0)
 
