@@ -142,11 +142,8 @@ def above_round_off(panels: Sequence[Panel], runs: Iterable[LabelledRun]) -> tup
     All panels are returned where none is above round-off by the runs' own scales.
     """
     scales = round_off_scales(*(run.whole.data for run in runs))
-    shown = [
-        panel
-        for panel in panels
-        if panel.largest != 0.0 and not is_round_off(panel.largest, panel.y.unit or "", scales)
-    ]
+    sizes = ((panel, panel.largest, panel.y.unit or "") for panel in panels)
+    shown = [panel for panel, size, unit in sizes if size != 0.0 and not is_round_off(size, unit, scales)]
     if not shown:
         return list(panels), "all of it is zero to round-off"
     left = dict.fromkeys(panel.title for panel in panels if panel not in shown)
@@ -167,20 +164,19 @@ def _less_the_first(panel: Panel) -> Panel | None:
     if panel.apart or len(panel.curves) < 2:
         return None
     first, *others = panel.curves
-    less = [replace(one, y=less_another(one, first)) for one in others]
+    less = [replace(one, y=one.y - straight(one.x, first.x, first.y)) for one in others]
     values = np.concatenate([one.y[np.isfinite(one.y)] for one in panel.curves])
     seen = COINCIDE * float(np.ptp(values)) if values.size else 0.0
     if not 0.0 < max(size_of(one.y) for one in less) < seen:
         return None
-    return Panel(
-        f"{panel.title}: less that of {first.label}", less, Axis("difference", panel.y.unit), apart=True
-    )
+    title = f"{panel.title}: less that of {first.label}"
+    return Panel(title, less, Axis("difference", panel.y.unit), apart=True)
 
 
-def less_another(one: Curve, first: Curve) -> Array:
-    """Return a line less another at its own times, NaN outside the other's span."""
-    own, index = np.unique(first.x, return_index=True)
-    return np.asarray(one.y - np.interp(one.x, own, first.y[index], left=np.nan, right=np.nan))
+def straight(places: Array, x: Array, y: Array) -> Array:
+    """Return a line through points at other places, NaN beyond its ends."""
+    own, index = np.unique(x, return_index=True)
+    return np.asarray(np.interp(places, own, y[index], left=np.nan, right=np.nan))
 
 
 def panels_sheet(

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from antenna_pin.analysis import gears_of, is_round_off, shakes_of, stops_and_latches
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
-from antenna_pin.plot._runs import LabelledRun, Runs, long_enough
+from antenna_pin.plot._runs import LabelledRun, Runs, long_enough, unit_of
 from antenna_pin.plot._style import Width
 from antenna_pin.trajectory import names_along
 
@@ -73,11 +73,11 @@ def _with_play(run: LabelledRun) -> list[str]:
 
 def _moves(run: LabelledRun, joint: str) -> bool:
     """Return whether a joint's angle or position changes by more than round-off."""
-    for dim, variable, unit in (("joint", "motion_angle", "rad"), ("sliding_joint", "slide_position", "m")):
+    for dim, variable in (("joint", "motion_angle"), ("sliding_joint", "slide_position")):
         if joint in names_along(run.data, dim) and variable in run.data:
             some = run.data[variable].isel(time=slice(None, None, max(1, run.time.size // _LOOKS)))
             way = float(np.ptp(some.sel({dim: joint}).values))
-            return way > 0.0 and not is_round_off(way, unit, {"rad": 1.0, "m": 1.0})
+            return way > 0.0 and not is_round_off(way, unit_of(variable), {"rad": 1.0, "m": 1.0})
     return False
 
 
@@ -131,7 +131,11 @@ def _names(kind: JointKind, runs: Sequence[LabelledRun]) -> list[str]:
 
 def none_with(kind: JointKind | RunKind, runs: Sequence[LabelledRun]) -> InvalidParameterError:
     """Return the refusal of runs of which none is of a kind."""
-    rule = f"at least one run with {kind.words}"
+    return refusal(f"at least one run with {kind.words}", runs)
+
+
+def refusal(rule: str, runs: Sequence[LabelledRun]) -> InvalidParameterError:
+    """Return the refusal of runs of which none meets a rule."""
     return InvalidParameterError("figure", "runs", rule, ", ".join(run.label for run in runs))
 
 

@@ -11,10 +11,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.analysis import between_samples
-from antenna_pin.errors import FileFormatError, InvalidParameterError
+from antenna_pin.analysis import between_samples, spectrum
+from antenna_pin.errors import AntennaPinError, FileFormatError, InvalidParameterError
 from antenna_pin.plot._style import IDEAL, MANY, Array, distinct
 from antenna_pin.trajectory import contacts_of, elements_of, names_along, series
+from antenna_pin.trajectory.schema import VARIABLES
 
 
 class Recorded(Protocol):
@@ -104,9 +105,15 @@ class LabelledRun:
         picked = self.data[name].sel(where) if where else self.data[name]
         return np.asarray(picked.values, dtype=float)
 
-    def unit(self, name: str, default: str) -> str:
-        """Return the unit of a variable."""
-        return str(self.data[name].attrs.get("units", default)) if name in self.data else default
+    def unit(self, name: str) -> str:
+        """Return the unit of a variable, by default the catalogue's."""
+        return str(self.data[name].attrs.get("units", unit_of(name))) if name in self.data else unit_of(name)
+
+
+def unit_of(variable: str, slides: bool = False) -> str:
+    """Return the catalogue's unit of a variable, or of one that slides."""
+    row = VARIABLES[variable]
+    return row.sliding if slides and row.sliding else row.units
 
 
 def _backlash(data: xr.Dataset) -> bool:
@@ -137,18 +144,14 @@ def labelled(runs: Runs) -> list[LabelledRun]:
         source, scenario = data, getattr(given, "scenario", None)
         if scenario is not None and "scenario" not in data.attrs:  # a file has it there
             data = data.assign_attrs(scenario=scenario.model_dump_json())
-        taken = [other.label for other in result]
-        copies = sum(name == label or name.startswith(f"{label} (") for name in taken)
+        copies = sum(other.label == label or other.label.startswith(f"{label} (") for other in result)
         result.append(LabelledRun(f"{label} ({copies + 1})" if copies else label, data, source))
     if not result:
         raise InvalidParameterError("figure", "runs", "at least one run", "none")
     if all(run.time.size < 2 for run in result):
-        ends = ", ".join(
-            f"{run.label} ({run.data.attrs.get('outcome', 'unknown outcome')})" for run in result
-        )
-        raise InvalidParameterError(
-            "figure", "runs", "at least one run of two samples or more", f"single samples from {ends}"
-        )
+        ends = (f"{run.label} ({run.data.attrs.get('outcome', 'unknown outcome')})" for run in result)
+        rule = "at least one run of two samples or more"
+        raise InvalidParameterError("figure", "runs", rule, f"single samples from {', '.join(ends)}")
     return result
 
 
@@ -187,6 +190,14 @@ def styles(runs: Sequence[LabelledRun], reference: LabelledRun | None) -> list[d
     """Return the looks of lines, the reference black and dashed."""
     numbers = itertools.count()
     return [IDEAL if run is reference else {**distinct(next(numbers)), "linewidth": 0.7} for run in runs]
+
+
+def spectrum_of(run: LabelledRun, values: Array) -> xr.Dataset:
+    """Return a signal's spectrum in windows of half the run, of a short run in one."""
+    try:
+        return spectrum(run.time, values, segment=0.5 * float(run.time[-1] - run.time[0]))
+    except AntennaPinError:
+        return spectrum(run.time, values)
 
 
 def left_out(runs: Sequence[LabelledRun], drawn: Sequence[LabelledRun], why: str) -> str:
@@ -262,13 +273,9 @@ def _narrow(time: Array, force: Array, at: Array, half: float, level: Array) -> 
     middle = np.searchsorted(time, at)
     last = np.searchsorted(time, at + half, side="right")
     sides = zip(first, middle, last, level, strict=True)
-    return np.array(
-        [
-            force[a:b].min(initial=np.inf) < limit and force[b:c].min(initial=np.inf) < limit
-            for a, b, c, limit in sides
-        ],
-        dtype=bool,
-    )
+    before_and_behind = ((force[a:b], force[b:c], limit) for a, b, c, limit in sides)
+    lows = [max(one.min(initial=np.inf) for one in both) < limit for *both, limit in before_and_behind]
+    return np.array(lows, dtype=bool)
 
 
 def strongest_blow(run: LabelledRun, curve: LabelledRun, joint: str) -> Blow | None:

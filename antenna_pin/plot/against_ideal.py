@@ -25,8 +25,15 @@ from antenna_pin.analysis import (
     moved_body,
     pointing_error,
 )
-from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
-from antenna_pin.plot._compared import Picked, above_round_off, panels_sheet, pick, with_differences
+from antenna_pin.errors import AntennaPinError, UnknownNameError
+from antenna_pin.plot._compared import (
+    Picked,
+    above_round_off,
+    panels_sheet,
+    pick,
+    straight,
+    with_differences,
+)
 from antenna_pin.plot._kinds import (
     FREE_BASE,
     GUIDED,
@@ -37,8 +44,9 @@ from antenna_pin.plot._kinds import (
     SLIDING,
     TURNING,
     RunFigure,
+    refusal,
 )
-from antenna_pin.plot._runs import LabelledRun, Run, Runs, left_out, too_short
+from antenna_pin.plot._runs import LabelledRun, Run, Runs, left_out, too_short, unit_of
 from antenna_pin.plot._style import Array, Width
 from antenna_pin.plot._thinned import turning
 from antenna_pin.plot.grammar import Axis, Curve, Panel, Sheet, figure
@@ -57,8 +65,6 @@ _UNITS = {
     "attitude": "rad",
     "angular_velocity": "rad/s",
     "angular_acceleration": "rad/s^2",
-    "angle": "rad",
-    "rate": "rad/s",
 }
 _FROM_IDEAL = "deviation: from the ideal run"
 
@@ -91,17 +97,13 @@ def figure_joint(
     panels: list[Panel] = []
     for quantity, what in motions.items():
         words = f"{name.replace('_', ' ')} {quantity.removeprefix('slide ')}"
-        unit = picked.drawn[0].unit(what.variable, what.unit)
-        place = {what.dim: name}
-
-        def value(run: LabelledRun, variable: str = what.variable, place: dict[str, str] = place) -> Array:
-            return run.values(variable, **place)
+        unit = picked.drawn[0].unit(what.variable)
 
         def apart(run: LabelledRun, what: MotionQuantity = what) -> tuple[Array, Array] | None:
-            found = deviation_of(run, run.values(what.variable, **{what.dim: name}), reference, name, what)
+            found = deviation_of(run, what.values(run, name), reference, name, what)
             return None if found is None else (run.time, found)
 
-        panels.append(Panel(words, picked.curves(value), Axis(words, unit)))
+        panels.append(Panel(words, picked.curves(partial(what.values, joint=name)), Axis(words, unit)))
         panels += _deviation(f"{words}: deviation", picked.deviations(apart), unit)
     return _compared(panels, picked, width, _FROM_IDEAL, spikes=True, columns=0)
 
@@ -154,10 +156,10 @@ def figure_between(
     bases = [run for run in (picked.reference, first_of(picked)) if run is not None and run in picked.drawn]
 
     def value(run: LabelledRun) -> Array:
-        return run.values(what.variable, joint=name)
+        return what.values(run, name)
 
     def less(run: LabelledRun, other: LabelledRun) -> Array:
-        return value(run) - _at(other.whole, what.variable, name, run.time)
+        return value(run) - _at(other.whole, what, name, run.time)
 
     def columns(run: LabelledRun) -> list[Array]:
         return [value(run), *(less(run, one) for one in bases if one.source is not run.source)]
@@ -168,7 +170,7 @@ def figure_between(
     if base is not None and first is None:
         raise UnknownNameError("figure", "run", base, [run.label for run in others])
     words = f"{name.replace('_', ' ')} {quantity}"
-    unit = drawn[0].unit(what.variable, what.unit) if drawn else what.unit
+    unit = drawn[0].unit(what.variable) if drawn else unit_of(what.variable)
     panels = [Panel(words, picked.curves(value), Axis(words, unit))]
     if reference is not None and reference in drawn:
         ideal_one = reference
@@ -184,14 +186,12 @@ def figure_between(
     return panels_sheet(shown, width, 2, (zero, *picked.notes))
 
 
-def _at(run: LabelledRun, variable: str, joint: str, time: Array) -> Array:
+def _at(run: LabelledRun, what: MotionQuantity, joint: str, time: Array) -> Array:
     """Return a run's motion at other times, straight between samples because of impacts."""
     found = np.empty(time.size)
     for some, data in beside(run.data, time):
         part = replace(run, data=data)
-        own, index = np.unique(part.time, return_index=True)
-        values = part.values(variable, joint=joint)[index]
-        found[some] = np.interp(time[some], own, values, left=np.nan, right=np.nan)
+        found[some] = straight(time[some], part.time, what.values(part, joint))
     return found
 
 
@@ -294,14 +294,13 @@ def figure_joints(
         raise UnknownNameError("figure", "quantity", quantity, QUANTITIES)
     picked = pick(runs, lambda run: bool(run.joints), ideal)
     if not picked.drawn:
-        labels = ", ".join(run.label for run in picked.every)
-        raise InvalidParameterError("figure", "runs", "at least one run with a turning joint", labels)
+        raise refusal("at least one run with a turning joint", picked.every)
     variable, whole = f"motion_{quantity}", picked.reference
     picked = picked.thinned(
         lambda run: [run.values(variable), *_columns_apart(run, whole, deviation_over_time, quantity)]
     )
     reference = picked.reference
-    unit = picked.drawn[0].unit(variable, _UNITS.get(quantity, "rad/s^2"))
+    unit = picked.drawn[0].unit(variable)
     apart = {run.label: _apart(run, reference, deviation_over_time, quantity) for run in picked.drawn}
     panels = []
     for joint in dict.fromkeys(name for run in picked.drawn for name in run.joints):
@@ -377,8 +376,7 @@ def figure_pointing(runs: Runs, *, ideal: Run | None = None, width: Width = "pag
     looks = {run.label: _boresight(run) for run in picked.drawn}
     drawn = [run for run in picked.drawn if looks[run.label] is not None]
     if not drawn:
-        rule = "at least one whose scenario has a table [pointing]"
-        raise InvalidParameterError("figure", "runs", rule, ", ".join(run.label for run in picked.every))
+        raise refusal("at least one whose scenario has a table [pointing]", picked.every)
     errors = {
         run.label: None if run is picked.reference else _pointing_error(run, picked.reference)
         for run in drawn
@@ -395,16 +393,16 @@ def figure_pointing(runs: Runs, *, ideal: Run | None = None, width: Width = "pag
         Panel(f"{name} of the boresight in the world", [*map(_broken, of(looks, name))], Axis(name, "rad"))
         for name in ("azimuth", "elevation")
     ]
-    known = [one for one in errors.values() if one is not None]
+    known = {label: one for label, one in errors.items() if one is not None}
     for title, curves in (
         ("turn of the boresight about cross", of(errors, "boresight_error", cross_axis="cross")),
         ("turn of the boresight about up", of(errors, "boresight_error", cross_axis="up")),
         ("half-cone error", of(errors, "half_cone")),
     ):
         if curves:
-            named = [replace(one, label=run) for one, run in zip(curves, _known(errors), strict=True)]
+            named = [replace(one, label=run) for one, run in zip(curves, known, strict=True)]
             panels.append(Panel(title, named, Axis("error", "rad"), apart=True))
-    against = ", ".join(dict.fromkeys(str(one.attrs["against"]) for one in known))
+    against = ", ".join(dict.fromkeys(str(one.attrs["against"]) for one in known.values()))
     jumps = any(np.isnan(curve.y).any() for curve in panels[0].curves)
     notes = (
         f"error against the {against}" if against else "",
@@ -413,10 +411,6 @@ def figure_pointing(runs: Runs, *, ideal: Run | None = None, width: Width = "pag
         left_out(picked.every, drawn, "scenario without pointing"),
     )
     return panels_sheet(panels, width, 2, notes)
-
-
-def _known(errors: dict[str, xr.Dataset | None]) -> list[str]:
-    return [label for label, one in errors.items() if one is not None]
 
 
 def _boresight(run: LabelledRun) -> xr.Dataset | None:

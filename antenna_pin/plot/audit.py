@@ -5,13 +5,23 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from antenna_pin.plot._compared import Picked, pick
-from antenna_pin.plot._kinds import FREE_BASE, SLIDING, TOUCHING, TURNING, RunFigure, choose_joint, none_with
-from antenna_pin.plot._runs import LabelledRun, Run, Runs, labelled, long_enough, too_short, with_reference
+from antenna_pin.plot._kinds import FREE_BASE, TOUCHING, RunFigure, choose_joint, none_with
+from antenna_pin.plot._runs import (
+    LabelledRun,
+    Run,
+    Runs,
+    labelled,
+    long_enough,
+    too_short,
+    unit_of,
+    with_reference,
+)
 from antenna_pin.plot._style import COLOURS, IDEAL, MANY, Array, Width, distinct
 from antenna_pin.plot._thinned import Columns, thinned
 from antenna_pin.plot.grammar import (
@@ -26,6 +36,7 @@ from antenna_pin.plot.grammar import (
     largest_of,
     size_of,
 )
+from antenna_pin.plot.motion import MOTIONS, Quantity
 
 # Below this an error is round-off of round-off; the logarithmic scale ends there.
 _FLOOR = 1e-18
@@ -115,7 +126,7 @@ def figure_momentum(runs: Runs, *, width: Width = "page") -> Sheet:
     for name, scale_name in _MOMENTA:
         lines = []
         for run, look in zip(drawn, looks, strict=True):
-            momentum = _kept(run, name)
+            momentum = _without_impulses(run, name)
             scale = size_of(run.values(scale_name))
             drift = np.linalg.norm(momentum - momentum[0], axis=1) / (scale or 1.0)
             lines.append(_so_far(run.legend, run, drift, look))
@@ -129,7 +140,7 @@ def figure_momentum(runs: Runs, *, width: Width = "page") -> Sheet:
     return Sheet(rows, width, 66.0 if page else 110.0, notes, every=True)
 
 
-def _kept(run: LabelledRun, name: str) -> Array:
+def _without_impulses(run: LabelledRun, name: str) -> Array:
     """Return a momentum less the impulses of forces on links, (n, 3)."""
     impulse = {"linear_momentum": "force_impulse", "angular_momentum": "force_central_impulse"}[name]
     momentum = run.values(name)
@@ -143,7 +154,10 @@ def _drifting(run: LabelledRun) -> Columns:
     def columns(part: LabelledRun) -> list[Array]:
         found = []
         for name, scale in _MOMENTA:
-            found += [np.linalg.norm(_kept(part, name) - _kept(start, name), axis=1), part.values(scale)]
+            found += [
+                np.linalg.norm(_without_impulses(part, name) - _without_impulses(start, name), axis=1),
+                part.values(scale),
+            ]
         return found
 
     return columns
@@ -201,21 +215,14 @@ def figure_glance(runs: Iterable[Run], *, joint: str | None = None) -> Sheet:
         return Sheet([[replace(blows, x=replace(blows.x, limits=ends))]], "column", 44.0)
     turns = any(run.joints for run in every) if joint is None else False
     slides = any(joint in run.sliding_joints for run in every) if joint is not None else not turns
-    kind, variable, dimension, word, unit = (
-        (SLIDING, "slide_position", "sliding_joint", "position", "m")
-        if slides
-        else (TURNING, "motion_angle", "joint", "angle", "rad")
-    )
-    picked = pick(runs, joint=(kind, joint))
-    name = picked.joint
-    picked = replace(picked, drawn=[run for run in picked.drawn if name in kind.names(run)])
-
-    def value(run: LabelledRun) -> Array:
-        return run.values(variable, **{dimension: name})
-
+    word: Quantity = "position" if slides else "angle"
+    what = MOTIONS[word]
+    picked = pick(runs, joint=(what.of, joint))
+    name, value = picked.joint, partial(what.values, joint=picked.joint)
+    picked = replace(picked, drawn=[run for run in picked.drawn if name in what.of.names(run)])
     picked = picked.thinned(lambda run: [value(run)])
-    x = replace(TIME, ticks=6, shared="time")
-    y = Axis(word, unit, ticks=3) if unit == "m" else Axis(f"{word} [{unit}]", ticks=3)
+    x, unit = replace(TIME, ticks=6, shared="time"), unit_of(what.variable)
+    y = Axis(word, unit, ticks=3) if slides else Axis(f"{word} [{unit}]", ticks=3)
     panels = [Panel(f"{name}, {word}", picked.curves(value), y, x)]
     struck = any(_peaks(run, name)[0].size for run in picked.drawn)
     if struck:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
@@ -68,14 +69,14 @@ def figure_contact_forces(runs: Runs, *, joint: str | None = None, width: Width 
         return _resultant(part, name, kinds).values()
 
     curves = [thinned(smooth(run, name), columns) for run in drawn]
-    blows = [strongest_blow(run, curve, name) for run, curve in zip(drawn, curves, strict=True)]
-    windows = (blow.window if blow else None for blow in blows)
-    curves = [closer(curve, window, columns) for curve, window in zip(curves, windows, strict=True)]
-    forces = [_resultant(curve, name, kinds) for curve in curves]
-    peaks = [
-        {kind: _peaks(run, curve, name, kind) for kind in kinds}
-        for run, curve in zip(drawn, curves, strict=True)
+    blows = list(map(strongest_blow, drawn, curves, itertools.repeat(name)))
+    curves = [
+        closer(curve, blow.window if blow else None, columns)
+        for curve, blow in zip(curves, blows, strict=True)
     ]
+    forces = [_resultant(curve, name, kinds) for curve in curves]
+    both = list(zip(drawn, curves, strict=True))
+    peaks = [{kind: _peaks(run, curve, name, kind) for kind in kinds} for run, curve in both]
     sizes = [
         {kind: largest_of([force[kind], peak[kind][1]]) for kind in kinds}
         for force, peak in zip(forces, peaks, strict=True)
@@ -88,7 +89,7 @@ def figure_contact_forces(runs: Runs, *, joint: str | None = None, width: Width 
         if size[kind] == 0.0 or is_round_off(size[kind], "N", scales)
     ]
     shown = [kind for kind in kinds if any((run, kind) not in still for run in drawn)] or list(kinds[:1])
-    unit = drawn[0].unit("joint_force", "N")
+    unit = drawn[0].unit("joint_force")
     rows: list[list[Panel | None]] = []
     for kind in shown:
         every = [size[kind] for size in sizes]
@@ -107,15 +108,9 @@ def figure_contact_forces(runs: Runs, *, joint: str | None = None, width: Width 
             rows[-1].append(Panel(f"{run.label}, {kind}", marks, y))
     if any(blows):
         names = _names(drawn, name)
-        every_blow = zip(drawn, curves, blows, strict=True)
-        rows.append(
-            [
-                None if blow is None else _blow(run, curve, blow, names, unit)
-                for run, curve, blow in every_blow
-            ]
-        )
+        rows.append([None if blow is None else _blow(*one, blow, names, unit) for one, blow in zip(both, blows, strict=True)])
     sheet = in_blocks(rows, width)
-    return Sheet(sheet, width, 12.0 + 38.0 * len(sheet), (_said(still, name), *picked.notes[:1]))
+    return Sheet(sheet, width, 12.0 + 38.0 * len(sheet), (_zero(still, name), *picked.notes[:1]))
 
 
 def _names(runs: list[LabelledRun], joint: str) -> dict[str, str]:
@@ -129,7 +124,7 @@ def _names(runs: list[LabelledRun], joint: str) -> dict[str, str]:
     return found
 
 
-def _said(still: list[tuple[LabelledRun, str]], joint: str) -> str:
+def _zero(still: list[tuple[LabelledRun, str]], joint: str) -> str:
     """Return a note on forces that are zero to round-off."""
     parts = []
     for run, kind in still:

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.analysis import drives_of, effort_unit, elastic_parts_of, spectrum
+from antenna_pin.analysis import drives_of, effort_unit, elastic_parts_of
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.plot._compared import Picked, pick
 from antenna_pin.plot._kinds import CONTROLLED, FLEXIBLE, GEARED, STOPPED, TRACED, RunFigure
-from antenna_pin.plot._runs import LabelledRun, Runs
+from antenna_pin.plot._runs import LabelledRun, Runs, spectrum_of, unit_of
 from antenna_pin.plot._style import PEAK, SHADE, Array, Width
 from antenna_pin.plot.grammar import (
     COLUMN_OR_PAGE,
@@ -79,9 +79,12 @@ def _with_efforts(
     motion: Panel, points: Iterable[Points], title: str, efforts: Iterable[Curve], slides: bool
 ) -> tuple[Panel, Panel]:
     """Return a panel with marks of events, and a panel of efforts."""
-    y = Axis("force", "N") if slides else Axis("torque", "N m")
-    exerted = Panel(title, [replace(one, label="") for one in efforts], y)
+    exerted = Panel(title, [replace(one, label="") for one in efforts], _effort_axis(slides))
     return replace(motion, marks=[*motion.marks, *points]), exerted
+
+
+def _effort_axis(slides: bool) -> Axis:
+    return Axis("force" if slides else "torque", unit_of("element_effort", slides))
 
 
 # --- stops and latches ---
@@ -257,7 +260,7 @@ def figure_deflection(runs: Runs, *, width: Width = "page") -> Sheet:
     pairs = []
     for part in parts:
         mine = [(run, look) for run, look in picked.styled if part in elastic_parts_of(run.data)]
-        unit = "m" if elastic_parts_of(mine[0][0].data)[part]["slides"] else "rad"
+        unit = unit_of("deflection", elastic_parts_of(mine[0][0].data)[part]["slides"])
         curves = picked.curves(lambda run, part=part: deflection(run, part))  # type: ignore[misc]
         motion = Panel(part.replace("_", " "), curves, Axis("deflection", unit))
         pairs.append((motion, _spectrum_panel(mine, part, unit)))
@@ -301,12 +304,9 @@ def _spectrum_panel(runs: Sequence[tuple[LabelledRun, dict[str, Any]]], part: st
         y = replace(y, limits=(high / 10.0**_DECADES, high))
         x = replace(x, limits=(start, max(last, 2.0 * start)))
     else:
+        none = "no motion, or fewer than 16 samples"
         marks.append(
-            ByHand(
-                lambda axes, *_: axes.text(
-                    0.5, 0.5, "no motion, or fewer than 16 samples", transform=axes.transAxes, ha="center"
-                )
-            )
+            ByHand(lambda axes, *_: axes.text(0.5, 0.5, none, transform=axes.transAxes, ha="center"))
         )
     return Panel("its amplitude density", marks, y, x)
 
@@ -314,16 +314,13 @@ def _spectrum_panel(runs: Sequence[tuple[LabelledRun, dict[str, Any]]], part: st
 def _density(run: LabelledRun, part: str) -> tuple[Array, Array] | None:
     """Return frequencies [Hz] and amplitude densities of a deflection, or None."""
     run = run.whole
-    values = run.values("deflection", elastic_part=part)
-    for segment in (0.5 * float(run.time[-1] - run.time[0]), None):
-        try:
-            found = spectrum(run.time, values, segment=segment)
-        except AntennaPinError:  # too few samples
-            continue
-        frequency = np.asarray(found["frequency"].values, dtype=float)
-        density = np.asarray(found["density"].values, dtype=float)
-        return frequency[frequency > 0.0], density[frequency > 0.0]
-    return None
+    try:
+        found = spectrum_of(run, run.values("deflection", elastic_part=part))
+    except AntennaPinError:  # too few samples
+        return None
+    frequency = np.asarray(found["frequency"].values, dtype=float)
+    density = np.asarray(found["density"].values, dtype=float)
+    return frequency[frequency > 0.0], density[frequency > 0.0]
 
 
 # --- springs ---
@@ -350,11 +347,8 @@ def figure_hysteresis(runs: Runs, *, width: Width = "page") -> Sheet:
             dot = {"linestyle": "none", "marker": ".", "color": look.get("color"), "markersize": 4}
             marks.append(Curve(run.legend, angle, torque, look, many=run.many))
             marks.append(Curve("", angle[:1], torque[:1], dot))
-        x, y = (
-            (Axis("way", "m"), Axis("force", "N"))
-            if slides
-            else (Axis("angle", "rad"), Axis("torque", "N m"))
-        )
+        x = Axis("way", "m") if slides else Axis("angle", "rad")
+        y = _effort_axis(slides)
         panels.append(Panel(name.replace("_", " "), marks, y, x, margins=(0.03, 0.03)))
     rows = in_rows(panels, COLUMN_OR_PAGE[width] if len(panels) > 1 else 1, alone=False)
     notes = ("the area inside a loop is the heat of a cycle", *picked.notes)

@@ -12,7 +12,7 @@ from antenna_pin.analysis import closures_of, couplings_of, drive_power, drives_
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.plot._compared import Picked, above_round_off, panels_sheet, pick
 from antenna_pin.plot._kinds import CLOSED, COUPLED, FORCED, LOOPED, MOVING, PRESCRIBED, RunFigure
-from antenna_pin.plot._runs import LabelledRun, Run, Runs
+from antenna_pin.plot._runs import LabelledRun, Run, Runs, unit_of
 from antenna_pin.plot._style import Array, Width, prefixed
 from antenna_pin.plot.grammar import Axis, Curve, Panel, Sheet, close_view, figure, in_rows, size_of
 from antenna_pin.trajectory import names_along
@@ -161,8 +161,8 @@ _Pick = Callable[[LabelledRun], Array | None]
 _Drawn = tuple[str, Axis, _Pick]
 
 
-def _of(dimension: str, name: str, variable: str) -> _Pick:
-    """Return a reader of an element's variable, or of its size."""
+def _read(dimension: str, name: str, variable: str, what: str) -> tuple[Axis, _Pick]:
+    """Return axis and reader of an element's variable, or of its size."""
 
     def values(run: LabelledRun) -> Array | None:
         if name not in names_along(run.data, dimension):
@@ -170,7 +170,7 @@ def _of(dimension: str, name: str, variable: str) -> _Pick:
         found = run.values(variable, **{dimension: name})
         return found if found.ndim == 1 else np.asarray(np.linalg.norm(found, axis=1))
 
-    return values
+    return Axis(what, unit_of(variable, what == "force")), values
 
 
 def _panels(
@@ -206,8 +206,8 @@ def figure_closure_forces(runs: Runs, *, ideal: Run | None = None, width: Width 
         every = (closures_of(run.data) for run in picked.drawn)
         title = f"{name} ({next(one[name]['kind'] for one in every if name in one)})"
         return [
-            (f"{title}, {what}", Axis(what, unit), _of("closure", name, f"closure_{what}"))
-            for what, unit in (("force", "N"), ("moment", "N m"))
+            (f"{title}, {what}", *_read("closure", name, f"closure_{what}", what))
+            for what in ("force", "moment")
         ]
 
     picked, panels = _panels(picked, "closure", drawn)
@@ -228,9 +228,9 @@ def figure_coupling_torques(runs: Runs, *, ideal: Run | None = None, width: Widt
 
     def drawn(name: str) -> list[_Drawn]:
         one = next(found[name] for run in picked.drawn if name in (found := couplings_of(run.data)))
-        what, unit = ("force", "N") if one["slides"] else ("torque", "N m")
+        what = "force" if one["slides"] else "torque"
         title = f"{name}, {what} on {one['follower']}"
-        return [(title, Axis(what, unit), _of("coupling", name, "coupling_torque"))]
+        return [(title, *_read("coupling", name, "coupling_torque", what))]
 
     picked, panels = _panels(picked, "coupling", drawn)
     return panels_sheet(panels, width, 2, picked.notes, spikes=True)
@@ -249,11 +249,10 @@ def figure_drive_efforts(runs: Runs, *, ideal: Run | None = None, width: Width =
             return drive_power(run.data, name) if name in names_along(run.data, "drive") else None
 
         has = (run for run in picked.drawn if name in names_along(run.data, "drive"))
-        unit = next(effort_unit(run.data, name) for run in has)
-        what = "force" if unit == "N" else "torque"
+        what = "force" if next(effort_unit(run.data, name) for run in has) == "N" else "torque"
         motion = any(drives_of(run.data).get(name, {}).get("motion") for run in picked.drawn)
         title = f"{'motion' if motion else 'drive'} {name}"
-        effort = (f"{title}, {what}", Axis(what, unit), _of("drive", name, "drive_torque"))
+        effort = (f"{title}, {what}", *_read("drive", name, "drive_torque", what))
         return [effort, (f"{title}, power", Axis("power", "W"), power)]
 
     picked, panels = _panels(picked, "drive", drawn)
@@ -270,8 +269,8 @@ def figure_applied_forces(runs: Runs, *, ideal: Run | None = None, width: Width 
 
     def drawn(name: str) -> list[_Drawn]:
         return [
-            (f"{name}, {what}", Axis(what, unit), _of("force_place", name, f"applied_{what}"))
-            for what, unit in (("force", "N"), ("torque", "N m"))
+            (f"{name}, {what}", *_read("force_place", name, f"applied_{what}", what))
+            for what in ("force", "torque")
         ]
 
     picked, panels = _panels(pick(runs, FORCED, ideal), "force_place", drawn)

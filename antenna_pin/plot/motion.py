@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 
 from antenna_pin.analysis import LONG, beside, is_round_off, resampled, round_off_scales
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.plot._compared import COINCIDE, pick
+from antenna_pin.plot._compared import COINCIDE, pick, straight
 from antenna_pin.plot._kinds import SLIDING, TURNING, JointKind, RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, too_short
 from antenna_pin.plot._style import IDEAL, Array, Width, distinct, prefixed
@@ -33,7 +33,6 @@ class MotionQuantity(NamedTuple):
     """A quantity of a joint's motion."""
 
     variable: str
-    unit: str
     derivative: str | None
     of: JointKind
     # Largest half width of the zoom, as a share of the whole span.
@@ -42,17 +41,21 @@ class MotionQuantity(NamedTuple):
 
     @property
     def dim(self) -> str:
-        """Along which the joints are."""
+        """Dimension of the joints."""
         return "sliding_joint" if self.of is SLIDING else "joint"
+
+    def values(self, run: LabelledRun, joint: str) -> Array:
+        """Return the quantity of a joint of a run, (n,)."""
+        return run.values(self.variable, **{self.dim: joint})
 
 
 MOTIONS: dict[Quantity, MotionQuantity] = {
-    "angle": MotionQuantity("motion_angle", "rad", "motion_rate", TURNING),
-    "rate": MotionQuantity("motion_rate", "rad/s", "motion_acceleration", TURNING),
-    "acceleration": MotionQuantity("motion_acceleration", "rad/s^2", None, TURNING, 0.01, True),
-    "position": MotionQuantity("slide_position", "m", "slide_rate", SLIDING),
-    "slide rate": MotionQuantity("slide_rate", "m/s", "slide_acceleration", SLIDING),
-    "slide acceleration": MotionQuantity("slide_acceleration", "m/s^2", None, SLIDING, 0.01, True),
+    "angle": MotionQuantity("motion_angle", "motion_rate", TURNING),
+    "rate": MotionQuantity("motion_rate", "motion_acceleration", TURNING),
+    "acceleration": MotionQuantity("motion_acceleration", None, TURNING, 0.01, True),
+    "position": MotionQuantity("slide_position", "slide_rate", SLIDING),
+    "slide rate": MotionQuantity("slide_rate", "slide_acceleration", SLIDING),
+    "slide acceleration": MotionQuantity("slide_acceleration", None, SLIDING, 0.01, True),
 }
 
 #: Those of joints that turn.
@@ -90,7 +93,7 @@ def figure_motion(
     drawn, reference, name = picked.drawn, picked.reference, picked.joint
     curves = _curves_of(drawn, reference, name, what)
 
-    def seen(windows: Sequence[Span | None]) -> list[_MotionCurve]:
+    def with_close_views(windows: Sequence[Span | None]) -> list[_MotionCurve]:
         """Return the curves with all samples in close views."""
         if all(run.kept is None for run in drawn):
             return curves
@@ -99,16 +102,18 @@ def figure_motion(
             near = replace(near.closer(window, columns), reference=reference)
         return _curves_of(near.drawn, reference, name, what)
 
-    unit = drawn[0].unit(what.variable, what.unit)
+    unit = drawn[0].unit(what.variable)
     label = f"{name.replace('_', ' ')} {quantity.removeprefix('slide ')}"
     short = too_short(picked.every)
     if what.spiky and any(not c.is_ideal for c in curves):
         windows = [zoom or _zoom_of([_from_rest(c)], what) for c in curves if not c.is_ideal]
-        return _strips(seen(windows), windows, f"{label} [{prefixed(unit, 1.0)[1]}]", width, short)
+        return _strips(
+            with_close_views(windows), windows, f"{label} [{prefixed(unit, 1.0)[1]}]", width, short
+        )
     scales = round_off_scales(*(run.whole.data for run in drawn)) if len(drawn) > 1 else {}
     plain, still = _without_round_off(curves, unit, scales)
     window = zoom or (_zoom_of(plain, what) if not still and _seen_from_near_only(plain) else None)
-    shown, _ = _without_round_off(seen([window]), unit, scales)
+    shown, _ = _without_round_off(with_close_views([window]), unit, scales)
     first, less = _less_the_first(shown)
     if less and is_round_off(max(size_of(one.value) for one in less), unit, scales):
         less, still = [], "; ".join(filter(None, (still, f"less that of {first}: zero to round-off")))
@@ -229,7 +234,7 @@ def _curves_of(
         if joint not in what.of.names(run):
             continue
         is_ideal = _is(run, reference)
-        value = run.values(what.variable, **{what.dim: joint})
+        value = what.values(run, joint)
         label, look = (run.legend, {}) if is_ideal else (run.label, distinct(next(numbers)))
         spacing = float(np.median(np.diff(run.whole.time[:LONG])))  # of a long run that of its first samples
         deviation = deviation_of(run, value, reference, joint, what)
@@ -243,7 +248,7 @@ def drawn_columns(reference: LabelledRun | None, joint: str, what: MotionQuantit
     def columns(run: LabelledRun) -> list[Array]:
         if joint not in what.of.names(run):
             return []
-        value = run.values(what.variable, **{what.dim: joint})
+        value = what.values(run, joint)
         deviation = deviation_of(run, value, reference, joint, what)
         return [value] if deviation is None else [value, deviation, value - deviation]
 
@@ -322,10 +327,9 @@ def _seen_from_near_only(curves: Sequence[_MotionCurve]) -> bool:
     return size_of(spread[1]) < _SEEN * height
 
 
-def _less(one: _MotionCurve, first: _MotionCurve) -> Array:
-    """Return the motion of a run less that of another, at its own instants."""
-    own, index = np.unique(first.time, return_index=True)
-    return np.asarray(one.value - np.interp(one.time, own, first.value[index], left=np.nan, right=np.nan))
+def _less(one: _MotionCurve, other: _MotionCurve) -> Array:
+    """Return the motion of a run less that of another, at its own times."""
+    return one.value - straight(one.time, other.time, other.value)
 
 
 def _less_the_first(curves: Sequence[_MotionCurve]) -> tuple[str, list[_MotionCurve]]:

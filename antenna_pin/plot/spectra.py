@@ -27,15 +27,14 @@ from antenna_pin.analysis import (
     shakes_of,
     shock_spectrum,
     spectrogram,
-    spectrum,
     swept_response,
 )
 from antenna_pin.base.readable import printed_unit
 from antenna_pin.elements import density_at
-from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
+from antenna_pin.errors import AntennaPinError, UnknownNameError
 from antenna_pin.plot._compared import pick
-from antenna_pin.plot._kinds import MOVING, RANDOM, SHAKEN, SWEPT, RunFigure
-from antenna_pin.plot._runs import LabelledRun, Run, Runs, left_out, too_short
+from antenna_pin.plot._kinds import MOVING, RANDOM, SHAKEN, SWEPT, RunFigure, refusal
+from antenna_pin.plot._runs import LabelledRun, Run, Runs, left_out, spectrum_of, too_short, unit_of
 from antenna_pin.plot._style import COLOURS, SHADE, Array, Width
 from antenna_pin.plot._thinned import telling
 from antenna_pin.plot.grammar import (
@@ -55,7 +54,12 @@ from antenna_pin.plot.grammar import (
 
 Signal = Literal["acceleration", "base acceleration", "force"]
 SIGNALS: tuple[Signal, ...] = get_args(Signal)
-_UNITS = {"acceleration": "rad/s^2", "base acceleration": "m/s^2", "force": "N"}
+# Of each signal the variable with its unit.
+_VARIABLES = {
+    "acceleration": "motion_acceleration",
+    "base acceleration": "slide_acceleration",
+    "force": "joint_force",
+}
 
 # What is this much smaller than the largest is not drawn [decades of the density].
 _SPECTRUM_DECADES = 8
@@ -93,8 +97,7 @@ def figure_spectra(
     found = {kind: _densities(picked.drawn, kind, picked.joint) for kind in SIGNALS}
     every = [one for of_kind in found.values() for one in of_kind]
     if not every:
-        rule = "at least one run of 16 samples or more"
-        raise InvalidParameterError("figure", "runs", rule, ", ".join(run.label for run in picked.every))
+        raise refusal("at least one run of 16 samples or more", picked.every)
     panels = []
     for kind, mine in found.items():
         if not mine:
@@ -144,8 +147,7 @@ def figure_spectrogram(
             maps.append(shown)
             windows.append(window)
     if not drawn:
-        rule = f"at least one of 64 samples or more with {_words(kind, name)}"
-        raise InvalidParameterError("figure", "runs", rule, ", ".join(run.label for run in picked.every))
+        raise refusal(f"at least one of 64 samples or more with {_words(kind, name)}", picked.every)
     largest = max(float(density.max()) for _, _, density in maps) or 1.0
     norm = LogNorm(largest / 10.0**_SPECTROGRAM_DECADES, largest)
     colours = matplotlib.colormaps["Blues"]  # none is white, much is dark
@@ -191,14 +193,6 @@ def _map(run: LabelledRun, kind: Signal, joint: str) -> tuple[tuple[Array, Array
     return (parts[0]["time"].values, parts[0]["frequency"].values, np.sqrt(power)), ""
 
 
-def _spectrum(run: LabelledRun, values: Array) -> xr.Dataset:
-    """Return the spectrum of a signal, of a short run in one window."""
-    try:
-        return spectrum(run.time, values, segment=0.5 * float(run.time[-1] - run.time[0]))
-    except AntennaPinError:
-        return spectrum(run.time, values)
-
-
 def _spectrogram(run: LabelledRun, values: Array) -> xr.Dataset:
     """Return the spectrogram in windows of a fortieth of the run, or longer."""
     span = float(run.time[-1] - run.time[0])
@@ -209,7 +203,7 @@ def _spectrogram(run: LabelledRun, values: Array) -> xr.Dataset:
 
 
 def _label(kind: Signal) -> str:
-    unit = printed_unit(_UNITS[kind])
+    unit = printed_unit(unit_of(_VARIABLES[kind]))
     return f"density [({unit})/√Hz]" if "/" in unit else f"density [{unit}/√Hz]"
 
 
@@ -248,7 +242,7 @@ def _densities(runs: Sequence[LabelledRun], kind: Signal, joint: str) -> list[_D
         if values is None or not np.any(values):
             continue
         try:
-            found = _spectrum(run, values)
+            found = spectrum_of(run, values)
         except AntennaPinError:  # too few samples
             continue
         frequency = np.asarray(found["frequency"].values, dtype=float)
@@ -342,14 +336,13 @@ def figure_swept(
         name = name or str(linear["target"].values[0])
     unit = "" if unit == "(m/s^2)/(m/s^2)" else unit
     x = replace(_PLAIN, shared="frequency")
+    title, y = (
+        "what does not follow the sweep, over what does",
+        Axis("distortion [%]", limits=(0.0, None), ticks=0),
+    )
     panels = [
         Panel(name, gains, Axis(f"gain [{printed_unit(unit) or '-'}]", scale="plain"), x),
-        Panel(
-            "what does not follow the sweep, over what does",
-            distortions,
-            Axis("distortion [%]", limits=(0.0, None), ticks=0),
-            x,
-        ),
+        Panel(title, distortions, y, x),
     ]
     notes = ("over the base's acceleration; full: swept up, dashed: down", *picked.notes)
     return Sheet([[one] for one in panels], width, 100.0, notes, heights=[1.6, 1.0])
@@ -468,21 +461,12 @@ FIGURES = (
     RunFigure(
         "spectrogram", "Spectrogram, {joint}", figure_spectrogram, of=MOVING, compares=False, reported=False
     ),
-    RunFigure("swept_response", "Response to the swept base", figure_swept, needs=SWEPT, compares=False),
-    RunFigure(
-        "random_density",
-        "Power spectral density on the shaken base",
-        figure_density,
-        needs=RANDOM,
-        compares=False,
-    ),
-    RunFigure(
-        "shock_spectrum",
-        "Shock response spectrum on the shaken base",
-        figure_shock,
-        needs=SHAKEN,
-        compares=False,
-        standard=False,
-        reported=False,
+    *(
+        RunFigure(name, title, function, needs=needs, compares=False, standard=standard, reported=standard)
+        for name, title, function, needs, standard in (
+            ("swept_response", "Response to the swept base", figure_swept, SWEPT, True),
+            ("random_density", "Power spectral density on the shaken base", figure_density, RANDOM, True),
+            ("shock_spectrum", "Shock response spectrum on the shaken base", figure_shock, SHAKEN, False),
+        )
     ),
 )

@@ -141,38 +141,38 @@ def _farthest_first(times: Array, values: Array, most: int) -> NDArray[np.intp]:
     waiting: list[tuple[float, int, int, int]] = []
     least = _OFF * float(np.ptp(values))
 
-    def look(first: int, last: int) -> None:
+    def look(begin: int, end: int) -> None:
         """Note the sample between two that lies farthest off the line through them."""
-        if last - first < 2:
+        if end - begin < 2:
             return
-        span = times[last] - times[first]
-        inside = slice(first + 1, last)
-        share = (times[inside] - times[first]) / span if span > 0.0 else np.zeros(last - first - 1)
-        off = np.abs(values[first] + share * (values[last] - values[first]) - values[inside])
+        span = times[end] - times[begin]
+        inside = slice(begin + 1, end)
+        share = (times[inside] - times[begin]) / span if span > 0.0 else np.zeros(end - begin - 1)
+        off = np.abs(values[begin] + share * (values[end] - values[begin]) - values[inside])
         k = int(np.argmax(off))
         if off[k] > least:
-            heapq.heappush(waiting, (-float(off[k]), first, first + 1 + k, last))
+            heapq.heappush(waiting, (-float(off[k]), begin, begin + 1 + k, end))
 
-    for first, last in itertools.pairwise(kept):
-        look(first, last)
+    for begin, end in itertools.pairwise(kept):
+        look(begin, end)
     while waiting and len(kept) < most:
-        _, first, middle, last = heapq.heappop(waiting)
+        _, begin, middle, end = heapq.heappop(waiting)
         kept.append(middle)
-        look(first, middle)
-        look(middle, last)
+        look(begin, middle)
+        look(middle, end)
     return np.array(kept)
 
 
-def _with_rests(values: Array, kept: NDArray[np.intp]) -> NDArray[np.intp]:
+def _with_rests(values: Array, chosen: NDArray[np.intp]) -> NDArray[np.intp]:
     """Return sorted samples, with nearby rests that the line would miss."""
-    kept = np.unique(kept)
+    chosen = np.unique(chosen)
     rest = np.abs(values) <= _OFF * float(np.ptp(values))
     places = np.arange(len(values))
     before = np.maximum.accumulate(np.where(rest, places, -1))  # the last at rest up to each sample
     after = np.minimum.accumulate(np.where(rest, places, len(values))[::-1])[::-1]
-    left, right = kept[:-1], kept[1:]
+    left, right = chosen[:-1], chosen[1:]
     passed = after[left] < right
-    return np.unique(np.concatenate([kept, after[left][passed], before[right][passed]]))
+    return np.unique(np.concatenate([chosen, after[left][passed], before[right][passed]]))
 
 
 def _extremes(times: Array, values: Array, stretches: int) -> NDArray[np.intp]:

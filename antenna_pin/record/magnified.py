@@ -157,7 +157,7 @@ class MagnifiedJournal:
         return result
 
     def flange(self, sign: float, gap: Array, tilt: Array, centres: Array) -> Array:
-        """Return the placement of a drawn flange, inner face at z = 0, (n, 3, 4).
+        """Return the placement of a drawn flange's inner face, (n, 3, 4).
 
         Args:
             sign: +1 for the flange at +z, -1 for the other.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.mechanism import Mechanism, frame_aligning_z
 from antenna_pin.record.bending import drawn_poses
-from antenna_pin.record.scene import Scene, packed_doubles, packed_floats
+from antenna_pin.record.scene import Scene, packed_doubles, track
 from antenna_pin.record.shapes import Box, Cylinder, Geometry, Sphere, ring
 from antenna_pin.trajectory import Trajectory, elements_of
 
@@ -56,9 +56,13 @@ class Marking:
     def seat(self, joint: str) -> tuple[str, Array]:
         """Return the path of a joint's parent, and the joint's placement, z along its axis."""
         urdf = self.mechanism.urdf
-        turn = np.eye(4)
-        turn[:3, :3] = frame_aligning_z(np.asarray(self.mechanism.joint(joint).axis, dtype=float))
-        return self.path(urdf.joint(joint).parent), np.asarray(urdf.placement(joint)) @ turn
+        return self.path(urdf.joint(joint).parent), np.asarray(urdf.placement(joint)) @ self.axis(joint)
+
+    def axis(self, joint: str) -> Array:
+        """Return the placement in a joint's frame with z along its axis, (4, 4) [-]."""
+        found = np.eye(4)
+        found[:3, :3] = frame_aligning_z(np.asarray(self.mechanism.joint(joint).axis, dtype=float))
+        return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,9 +100,7 @@ class Mark:
         if not self.shown:
             found["shown"] = False
         if self.labels:
-            found["labels"] = [
-                {"text": label.text, "path": label.path, "at": list(label.at)} for label in self.labels
-            ]
+            found["labels"] = [{**asdict(label), "at": list(label.at)} for label in self.labels]
         return found
 
 
@@ -175,8 +177,8 @@ def mark_stops(marking: Marking) -> Mark | None:
         for what, seat, shape, colours, active in _modal_parts(place, one, marking.size, mode):
             path = f"{marks.parent}/{name} {what}"
             found.append(path)
-            for colour, seen in zip(colours, (~active, active), strict=True):
-                tracks.append(marks.put(f"{path}/{colour[1:]}", seat, shape, colour, seen))
+            for colour, visible in zip(colours, (~active, active), strict=True):
+                tracks.append(marks.put(f"{path}/{colour[1:]}", seat, shape, colour, visible))
     if not found:
         return None
     words = "stops (orange: touched) and latches (green: holding)"
@@ -206,8 +208,7 @@ class _Marks:
         self.scene, self.size, self.slides = marking.scene, marking.size, slides
         self.times = marking.times
         self.parent, self.in_parent = marking.seat(joint)
-        self.in_child = np.eye(4)
-        self.in_child[:3, :3] = frame_aligning_z(np.asarray(marking.mechanism.joint(joint).axis, dtype=float))
+        self.in_child = marking.axis(joint)
         self.child = marking.path(marking.mechanism.urdf.joint(joint).child)
 
     def _seat(self, way: float) -> Array:
@@ -231,17 +232,13 @@ class _Marks:
         return path
 
     def put(
-        self, path: str, way: float, shape: Geometry, colour: str, seen: NDArray[np.bool_]
+        self, path: str, way: float, shape: Geometry, colour: str, visible: NDArray[np.bool_]
     ) -> dict[str, Any]:
         """Draw a part on the parent; return the track of its visibility."""
         self.scene.add(path, shape, rgb(colour), self.in_parent @ self._seat(way))
-        changes = self.times[np.flatnonzero(np.diff(seen, prepend=False))]
-        return {
-            "kind": "shown",
-            "name": path.rpartition("/")[0],
-            "path": path,
-            "data": packed_doubles(changes),
-        }
+        changes = self.times[np.flatnonzero(np.diff(visible, prepend=False))]
+        name = path.rpartition("/")[0]
+        return {"kind": "shown", "name": name, "path": path, "data": packed_doubles(changes)}
 
 
 # --- gears, racks, belts and cables -------------------------------------------------------------------------
@@ -285,7 +282,7 @@ def mark_gears(marking: Marking) -> Mark | None:
     for place, one in every.items():
         name = place.replace("/", " ")
         mode = np.asarray(run.data["element_mode"].sel(element=place).values)[samples]
-        ends = [_joint(marking.mechanism, joint, k, one, size) for k, joint in enumerate(one["joints"])]
+        ends = [_joint(marking, joint, k, one) for k, joint in enumerate(one["joints"])]
         strands = one["kind"] in ("Belt", "Cable")
         meshes = (mode != 0) if "plus" in one["numbers"] and not strands else None
         for end in ends:
@@ -293,27 +290,25 @@ def mark_gears(marking: Marking) -> Mark | None:
                 path = f"{marking.path(end.child)}/{name} {end.name} {what}"
                 put = _put(scene, path, shape, end.in_child @ seat, meshes, what == "circle")
                 found += [one_path for one_path, _ in put]
-                tracks += [track for _, track in put if track is not None]
+                tracks += [motion for _, motion in put if motion is not None]
         if strands:
             for side, taut, beginning, ending in _strands(ends, one, mode, poses):
-                for path, track in _strand(scene, f"gears/{name} {side}", taut, beginning, ending, size):
+                for path, motion in _strand(scene, f"gears/{name} {side}", taut, beginning, ending, size):
                     found.append(path)
-                    tracks.append(track)
+                    tracks.append(motion)
     words = "gears (in ratio, up to 10 : 1; orange: meshing), pulleys and strands (pale: slack)"
     return Mark(words, APART, tuple(found), tuple(tracks))
 
 
-def _joint(mechanism: Mechanism, name: str, k: int, one: Mapping[str, Any], size: float) -> _Joint:
+def _joint(marking: Marking, name: str, k: int, one: Mapping[str, Any]) -> _Joint:
     """Return a joint of a gear, the first or the second."""
-    joint = mechanism.urdf.joint(name)
-    axis = np.eye(4)
-    axis[:3, :3] = frame_aligning_z(np.asarray(mechanism.joint(name).axis, dtype=float))
-    in_parent = np.asarray(mechanism.urdf.placement(name)) @ axis
+    joint = marking.mechanism.urdf.joint(name)
     shares = abs(one["numbers"]["a"]), abs(one["numbers"]["b"])
     # In ways per angle a share is a radius; a gear's are as one to the other.
-    radius = shares[k] if one["slides"] else _GEAR * size * max(shares[k] / max(shares), _LEAST)
+    radius = shares[k] if one["slides"] else _GEAR * marking.size * max(shares[k] / max(shares), _LEAST)
     slides = bool(one["kind"] == "Rack" and k == 1)
-    return _Joint(name, joint.child, joint.parent, axis, in_parent, radius, slides)
+    in_child, in_parent = marking.axis(name), marking.seat(name)[1]
+    return _Joint(name, joint.child, joint.parent, in_child, in_parent, radius, slides)
 
 
 def _meshing_parts(end: _Joint, size: float) -> Iterator[tuple[str, Geometry, Array]]:
@@ -340,7 +335,7 @@ def _put(
         scene.add(f"{own}/part", shape, rgb(colour))
         data = np.repeat(place[None, :3, :], len(seen), axis=0)
         data[:, :, :3] *= np.where(seen, 1.0, _SMALLEST)[:, None, None]
-        found.append((own, _track(own, data)))
+        found.append((own, track(own, data)))
     return found
 
 
@@ -391,8 +386,4 @@ def _strand(
         data = np.empty((len(seen), 3, 4))
         data[:, :, :3] = turned * np.where(seen, 1.0, _SMALLEST)[:, None, None]
         data[:, :, 3] = 0.5 * (begins + ends)
-        yield own, _track(own, data)
-
-
-def _track(path: str, data: Array) -> dict[str, Any]:
-    return {"kind": "matrix", "name": path.rpartition("/")[2], "path": path, "data": packed_floats(data)}
+        yield own, track(own, data)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,10 +15,10 @@ from antenna_pin.base.directions import direction
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import Mechanism, Urdf, frame_aligning_z
 from antenna_pin.record.bending import check_bending, drawn_poses, said_of_bending
-from antenna_pin.record.contact_arrows import applied_arrows, contact_arrows, force_scale
+from antenna_pin.record.contact_arrows import applied_arrows, contact_arrows, force_scale, placement_of
 from antenna_pin.record.key_frames import Impacts, KeyFrames
 from antenna_pin.record.marks import Label, Mark, Marking, mark_gears, mark_joints, mark_stops, rgb
-from antenna_pin.record.scene import Scene, camera, clearest, packed_doubles, packed_floats, triad
+from antenna_pin.record.scene import Scene, camera, clearest, packed_doubles, packed_floats, track, triad
 from antenna_pin.record.shapes import (
     Cylinder,
     Geometry,
@@ -70,8 +71,7 @@ def mark_springs(marking: Marking) -> Mark | None:
             continue
         found.append(f"world/spring {name}")
         marking.scene.add(f"{found[-1]}/coil", coil(_BETWEEN * size, 1.0, _WIRE * size), rgb(SPRING))
-        data = packed_floats(_between(first, second).reshape(-1, 12))
-        tracks.append({"kind": "matrix", "name": f"spring {name}", "path": found[-1], "data": data})
+        tracks.append(track(found[-1], _between(first, second), f"spring {name}"))
         labels.append(Label(name, found[-1], (0.0, 0.0, 0.5)))
     if not found:
         return None
@@ -93,16 +93,16 @@ def _places(marking: Marking, side: Any) -> Array | None:
     return np.asarray(marking.position[:, k] + turned)
 
 
-def _between(first: Array, second: Array) -> Array:
+def _between(begins: Array, ends: Array) -> Array:
     """Return placements with z from 0 to 1 between points, (n, 3, 4)."""
-    along = second - first
+    along = ends - begins
     level = np.abs(along[:, :1]) < 0.9 * np.linalg.norm(along, axis=1)[:, None]
     helper = np.where(level, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
     x = np.cross(helper, along)
     x /= np.maximum(np.linalg.norm(x, axis=1), 1e-300)[:, None]
     y = np.cross(along, x)
     y /= np.maximum(np.linalg.norm(y, axis=1), 1e-300)[:, None]
-    return np.stack([x, y, along, first], axis=2)
+    return np.stack([x, y, along, begins], axis=2)
 
 
 def coil(radius: float, length: float, wire: float) -> Mesh:
@@ -135,14 +135,8 @@ def mark_frames(marking: Marking) -> Mark | None:
             place = np.eye(4)
             place[:3, :3] = Rotation.from_euler("xyz", turn, degrees=True).as_matrix()
             place[:3, 3] = 0.5 * length * place[:3, 2]
-            marking.scene.add(
-                f"{path}/frame/{name}",
-                Cylinder(radius, length),
-                rgb(colour),
-                place,
-                unlit=True,
-                depthTest=False,
-            )
+            axis, looks = Cylinder(radius, length), {"unlit": True, "depthTest": False}
+            marking.scene.add(f"{path}/frame/{name}", axis, rgb(colour), place, **looks)
     return Mark("frames of links: x red, y green, z blue", "#2F5FA8", tuple(found), shown=False)
 
 
@@ -168,13 +162,11 @@ def mark_closures(marking: Marking) -> Mark | None:
             continue
         side = "second" if closure["second_body"] in marking.paths else "first"
         on = marking.path(closure[f"{side}_body"])
-        place: NDArray[np.float64] = np.eye(4)
-        seven = np.array(closure[f"{side}_placement"], dtype=float)
-        place[:3, 3], place[:3, :3] = seven[:3], Rotation.from_quat(seven[3:]).as_matrix()
+        place = placement_of(closure[f"{side}_placement"])
         pin = closure["axis"] and closure["kind"] != "universal"
         shape: Geometry = Cylinder(_PIN[0] * size, _PIN[1] * size) if pin else Sphere(_BALL * size)
         found.append(f"{on}/closure {name}")
-        x, y, z = map(float, seven[:3])
+        x, y, z = map(float, place[:3, 3])
         labels.append(Label(name, on, (x, y, z)))
         marking.scene.add(found[-1], shape, (*rgb(CLOSURE), 0.85), place, unlit=True, depthTest=False)
     if not found:
@@ -183,10 +175,7 @@ def mark_closures(marking: Marking) -> Mark | None:
     return Mark(words, CLOSURE, tuple(found), labels=tuple(labels))
 
 
-# --- marks beside a mechanism's bodies: one list, each made by a function ---
-#
-# To add a mark is to write a function of :class:`Marking` in a file of its own and one line of ``MARKS``.
-
+#: Marks beside a mechanism's bodies in the order of a page; each function returns None without its kind.
 MARKS: tuple[Callable[[Marking], Mark | None], ...] = (
     mark_closures,
     mark_stops,
@@ -195,16 +184,6 @@ MARKS: tuple[Callable[[Marking], Mark | None], ...] = (
     mark_joints,
     mark_frames,
 )
-"""In the order in which a page lists them; each returns None where there is nothing of its kind."""
-
-
-def marks_of(marking: Marking) -> list[Mark]:
-    """Put all marks into a scene; return those that there are.
-
-    Args:
-        marking: What they are made of.
-    """
-    return [mark for make in MARKS if (mark := make(marking)) is not None]
 
 
 BORESIGHT = "#0072B2"
@@ -273,7 +252,8 @@ def mechanism_view(
                 "recording", "ideal", "a run of the same mechanism", f"one of {', '.join(ghost.names)}"
             )
         actors.append(ghost.actor())
-        text = f"ideal run ({_case(ideal[0])}), translucent"
+        names = ideal[0].data.attrs
+        text = f"ideal run ({names.get('case') or names.get('title') or 'ideal'}), translucent"
         facts.append({"text": text, "colour": GHOST, "paths": [ghost.run]})
         if line is not None and line.body in ghost.names:
             trails.append(ghost.draw_boresight(line, reach, GHOST, size))
@@ -290,7 +270,7 @@ def mechanism_view(
         attitude=motion.attitude,
         size=size,
     )
-    for mark in marks_of(marking):
+    for mark in filter(None, (make(marking) for make in MARKS)):
         facts.append(mark.listed())
         actors[0]["tracks"] += mark.tracks
     contacts, arrow_tips = contact_arrows(marking, impacts, places)
@@ -317,10 +297,6 @@ def mechanism_view(
         "facts": facts,
         "warnings": motion.warnings,
     }
-
-
-def _case(run: Trajectory) -> str:
-    return str(run.data.attrs.get("case") or run.data.attrs.get("title") or "ideal")
 
 
 class _Body:
@@ -357,50 +333,39 @@ class _Body:
 
     def _draw(self, k: int, shape: Shape) -> None:
         path = f"{self.paths[shape.body]}/{k}"
-        if self.ghost is None:
-            self.scene.add(path, shape.geometry, shape.colour, shape.placement)
-            return
         # Pushed back a little, so that the ghost does not show where it coincides with the body itself.
-        self.scene.add(
-            path,
-            shape.geometry,
-            self.ghost,
-            shape.placement,
-            polygonOffset=True,
-            polygonOffsetFactor=1.0,
-            polygonOffsetUnits=1.0,
-        )
+        back = {"polygonOffset": True, "polygonOffsetFactor": 1.0, "polygonOffsetUnits": 1.0}
+        looks: dict[str, Any] = {} if self.ghost is None else back
+        self.scene.add(path, shape.geometry, self.ghost or shape.colour, shape.placement, **looks)
 
     def _extent(self) -> Array:
         """Return corners of all shapes at some key frames, (n, 3) [m]."""
-        some = np.unique(np.linspace(0, len(self.times) - 1, min(_FRAMED, len(self.times))).astype(int))
-        found = []
-        for k, body in enumerate(self.names):
-            mine = [shape for shape in self.shapes if shape.body == body]
-            points = [
-                corners(shape.geometry) @ shape.placement[:3, :3].T + shape.placement[:3, 3] for shape in mine
-            ] or [np.zeros((1, 3))]
-            turn = Rotation.from_quat(self.attitude[some, k]).as_matrix()
-            local = np.concatenate(points)
-            found.append(
-                (np.einsum("tij,pj->tpi", turn, local) + self.position[some, k, None]).reshape(-1, 3)
-            )
-        return np.concatenate(found)
+        points = [self._points(body, corners) or [np.zeros((1, 3))] for body in self.names]
+        return np.concatenate([one.reshape(-1, 3) for one in self._in_world(points, _FRAMED)])
 
     def surfaces(self) -> list[Array]:
         """Return surface points of each body at some key frames, in the world [m]."""
-        some = np.unique(np.linspace(0, len(self.times) - 1, _LOOKED_AT).astype(int))
-        found = []
-        for k, body in enumerate(self.names):
-            points = [
-                surface(shape.geometry, self.size) @ shape.placement[:3, :3].T + shape.placement[:3, 3]
-                for shape in self.shapes
-                if shape.body == body and shape.colour[3] > _OPAQUE
-            ]
-            turn = Rotation.from_quat(self.attitude[some, k]).as_matrix()
-            local = np.concatenate([np.zeros((0, 3)), *points])
-            found.append(np.einsum("tij,pj->tpi", turn, local) + self.position[some, k, None])
-        return found
+        spread = partial(surface, size=self.size)
+        points = [[np.zeros((0, 3)), *self._points(body, spread, _OPAQUE)] for body in self.names]
+        return self._in_world(points, _LOOKED_AT)
+
+    def _points(self, body: str, of: Callable[[Geometry], Array], opacity: float = -1.0) -> list[Array]:
+        """Return points of a body's shapes above an opacity, (n, 3) [m] each."""
+        mine = (one for one in self.shapes if one.body == body and one.colour[3] > opacity)
+        return [of(one.geometry) @ one.placement[:3, :3].T + one.placement[:3, 3] for one in mine]
+
+    def _in_world(self, points: list[list[Array]], most: int) -> list[Array]:
+        """Return points on each body at some key frames in the world, (frames, n, 3) [m]."""
+        some = self._some(most)
+        turns = (Rotation.from_quat(self.attitude[some, k]).as_matrix() for k in range(len(points)))
+        return [
+            np.einsum("tij,pj->tpi", turn, np.concatenate(local)) + self.position[some, k, None]
+            for k, (turn, local) in enumerate(zip(turns, points, strict=True))
+        ]
+
+    def _some(self, most: int) -> NDArray[np.int_]:
+        """Return evenly spaced key frames."""
+        return np.unique(np.linspace(0, len(self.times) - 1, min(most, len(self.times))).astype(int))
 
     def listed(self, urdf: Urdf) -> list[dict[str, Any]]:
         """Return links with parents and shapes in the player's format."""
@@ -423,12 +388,11 @@ class _Body:
             "name": self.run,
             "times": packed_doubles(self.times),
             "tracks": [
-                {
-                    "kind": "pose",
-                    "name": body if self.ghost is None else f"ideal {body}",
-                    "path": self.paths[body],
-                    "data": packed_floats(np.hstack([self.position[:, k], self.attitude[:, k]])),
-                }
+                track(
+                    self.paths[body],
+                    np.hstack([self.position[:, k], self.attitude[:, k]]),
+                    body if self.ghost is None else f"ideal {body}",
+                )
                 for k, body in enumerate(self.names)
             ],
         }
@@ -446,7 +410,7 @@ class _Body:
         self.scene.add(f"{path}/tip", Sphere(5.0 * thin), rgb(colour), placement, unlit=True)
         turn = Rotation.from_quat(self.attitude[:, k])
         self.tips = self.position[:, k] + turn.apply(reach * line.axis)
-        some = np.unique(np.linspace(0, len(self.times) - 1, min(_TRAIL, len(self.times))).astype(int))
+        some = self._some(_TRAIL)
         return {
             "path": self.trace,
             "times": packed_doubles(self.times[some]),

@@ -33,7 +33,7 @@ def _json(data: Any) -> str:
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", r"\u003c")
 
 
-# What a script element with a deflated text (RFC 1950, base64) is told by.
+# Attribute of a script element with a deflated text (RFC 1950, base64).
 _PACKED = 'type="application/zlib"'
 
 
@@ -56,16 +56,13 @@ def shared_head(*, packed: bool = False) -> SharedHead:
         packed: Whether the viewer is deflated, to a third: then recordings appear some time after the page.
     """
     scripts = script(viewer_script()), script(_player())
-    running = "".join(f"<script>{text}</script>\n" for text in scripts)
+    viewer, player = (f"<script>{text}</script>\n" for text in scripts)
     if packed:
-        viewer, player = scripts
-        running = (
-            f'<script {_PACKED} class="ap-viewer">{_deflated(viewer)}</script>\n<script>{player}</script>\n'
-        )
+        viewer = f'<script {_PACKED} class="ap-viewer">{_deflated(scripts[0])}</script>\n'
     return SharedHead(
         f"<style>\n{_asset('player.css')}</style>\n"
         f'<script type="text/plain" class="ap-licences">{script(viewer_licences())}</script>\n'
-        f"{running}",
+        f"{viewer}{player}",
         scripts,
     )
 
@@ -92,26 +89,13 @@ def embedded(data: dict[str, Any], identity: str, height: str = "30rem", *, pack
 
 def page(data: dict[str, Any]) -> str:
     """Return a page of one recording; ``window.recording`` is its player."""
-    head = shared_head()
-    title = html.escape(" - ".join(text for text in (data["title"], data["subtitle"]) if text))
-    return f"""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-{policy(*head.scripts)}<meta name="viewport" content="width=device-width, initial-scale=1">
-<link rel="icon" href="data:,">
-<title>{title}</title>
-<style>
-html {{ color-scheme: light dark; }} html, body {{ margin: 0; height: 100%; }}
-#recording {{ height: 100vh; height: 100dvh; }}
-</style>
-{head.html}</head>
-<body>
-<div id="recording" class="ap-whole"></div>
-<script type="application/json" id="recording-data">{_json(data)}</script>
-</body>
-</html>
-"""
+    return _page(
+        " - ".join(text for text in (data["title"], data["subtitle"]) if text),
+        "html { color-scheme: light dark; } html, body { margin: 0; height: 100%; }\n"
+        "#recording { height: 100vh; height: 100dvh; }",
+        '<div id="recording" class="ap-whole"></div>\n'
+        f'<script type="application/json" id="recording-data">{_json(data)}</script>\n',
+    )
 
 
 def page_of_several(recordings: Sequence[tuple[str, dict[str, Any]]], title: str) -> str:
@@ -120,23 +104,26 @@ def page_of_several(recordings: Sequence[tuple[str, dict[str, Any]]], title: str
         f"<h2>{html.escape(heading)}</h2>\n{embedded(data, f'recording-{k}')}"
         for k, (heading, data) in enumerate(recordings)
     )
+    style = """html { color-scheme: light dark; }
+body { margin: 0 auto; max-width: 60rem; padding: 0 1rem 2rem; font: 1rem/1.4 system-ui, sans-serif; }
+h1 { font-size: 1.3rem; } h2 { font-size: 1rem; margin: 1.6rem 0 0.4rem; }"""
+    return _page(title, style, f"<h1>{html.escape(title)}</h1>\n{parts}")
+
+
+def _page(title: str, style: str, body: str) -> str:
     head = shared_head()
-    said = html.escape(title)
     return f"""<!DOCTYPE html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
 {policy(*head.scripts)}<meta name="viewport" content="width=device-width, initial-scale=1">
 <link rel="icon" href="data:,">
-<title>{said}</title>
+<title>{html.escape(title)}</title>
 <style>
-html {{ color-scheme: light dark; }}
-body {{ margin: 0 auto; max-width: 60rem; padding: 0 1rem 2rem; font: 1rem/1.4 system-ui, sans-serif; }}
-h1 {{ font-size: 1.3rem; }} h2 {{ font-size: 1rem; margin: 1.6rem 0 0.4rem; }}
+{style}
 </style>
 {head.html}</head>
 <body>
-<h1>{said}</h1>
-{parts}</body>
+{body}</body>
 </html>
 """

@@ -24,20 +24,21 @@ from antenna_pin.record import page
 from antenna_pin.record._joint_pictures import (
     JOURNAL,
     MARK,
-    RIM,
+    SIGNS,
     TRACES,
     Array,
     JointPicture,
     JournalPicture,
     SliderPicture,
+    circle,
     length_text,
 )
 from antenna_pin.record.curves import curves_of
 from antenna_pin.record.key_frames import Impacts, KeyFrames, impacts_of, key_frames, rate_of_turns
 from antenna_pin.record.magnified import MagnifiedBall, default_magnification
 from antenna_pin.record.mechanism_view import mechanism_view
-from antenna_pin.record.scene import packed_doubles, packed_floats, triad
-from antenna_pin.record.shapes import Mesh, Sphere, arc, lathe, line, ring, solid
+from antenna_pin.record.scene import packed_doubles, packed_floats, track, triad
+from antenna_pin.record.shapes import Mesh, Sphere, arc, lathe, line, ring
 from antenna_pin.scenario import Scenario
 from antenna_pin.trajectory import Counts, Outcome, Trajectory, series
 
@@ -45,8 +46,6 @@ __all__ = ["Recording", "View", "record"]
 
 
 # --- a round slider in its guide close up, drawn as :mod:`antenna_pin.record.magnified` has it ---
-
-_SIGNS = (1.0, -1.0)
 
 
 class RodPicture(JointPicture):
@@ -76,22 +75,12 @@ class RodPicture(JointPicture):
         self.position = position
         ends = np.array([-self.reach, self.reach])
         self.cut_open("run/guide", line(self.radius, ends), line(1.16 * self.radius, ends))
-        for end in ends:
-            self.scene.add(f"run/rim {end:+.6f}", ring(self.radius, end, 0.008 * self.radius), RIM)
-        self.scene.add("run/rod/body", lathe(*solid(self.rod, -self.half, self.half)), JOURNAL)
-        for k in range(3):
-            angle_k = 2.0 * np.pi * k / 3.0
-            along = np.array([-self.half, self.half])
-            stripe = lathe(
-                line(0.9 * self.rod, along), line(1.012 * self.rod, along), angle_k - 0.07, angle_k + 0.07,
-                segments=4,
-            )  # fmt: skip
-            self.scene.add(f"run/rod/stripe{k}", stripe, MARK)
+        self.draw_rims(ends)
+        self.draw_shaft("run/rod", self.rod, np.array([-self.half, self.half]))
 
     def tracks(self) -> list[dict[str, Any]]:
         placed = np.concatenate([self.matrix, self.shift[:, :, None]], axis=2)
-        data = packed_floats(placed.reshape(-1, 12))
-        return [{"kind": "matrix", "name": "rod", "path": "run/rod", "data": data}]
+        return [track("run/rod", placed)]
 
     def drawn_points(self) -> Array:
         """Return contacts on the drawn guide, where the drawn slider is nearest."""
@@ -102,25 +91,14 @@ class RodPicture(JointPicture):
         return np.asarray(drawn)
 
     def extent(self) -> Array:
-        angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
-        circle = 1.16 * self.radius * np.stack([np.cos(angle), np.sin(angle)])
+        outside = 1.16 * self.radius * circle()
         long = max(self.reach, float(np.abs(self.shift[:, 2]).max()) + self.half)
-        return np.concatenate([np.vstack([circle, np.full((1, 24), end)]).T for end in (-long, long)])
+        return np.concatenate([np.vstack([outside, np.full((1, 24), end)]).T for end in (-long, long)])
 
     def trails(self) -> list[dict[str, Any]]:
         """Return recent paths of both ends of the slider's axis."""
-        return [
-            {
-                "path": "run",
-                "times": packed_doubles(self.times),
-                "points": packed_floats(self.shift + sign * self.half * self.matrix[:, :, 2]),
-                "colour": colour,
-                "radius": 0.006 * self.radius,
-                "tail": 0.04 * float(self.times[-1] - self.times[0]),
-                "above": True,
-            }
-            for sign, colour in zip(_SIGNS, TRACES, strict=True)
-        ]
+        ends = (self.shift + sign * self.half * self.matrix[:, :, 2] for sign in SIGNS)
+        return [self.trail(end, colour) for end, colour in zip(ends, TRACES, strict=True)]
 
     def facts(self) -> list[str]:
         drawn = length_text(self.factor * self.clearance)
@@ -155,12 +133,13 @@ class BallPicture(JointPicture):
             hoop = ring(shape.ball_radius, 0.0, 0.02 * shape.ball_radius)
             order = ["xyz".index(axis) for axis in turn]
             self.scene.add(f"run/ball/ring{k}", Mesh(hoop.vertices[:, order], hoop.faces), MARK)
-        self.scene.add("run/ball/pole", Sphere(0.1 * shape.ball_radius), MARK, _shifted(shape.ball_radius))
+        pole = np.eye(4)
+        pole[2, 3] = shape.ball_radius
+        self.scene.add("run/ball/pole", Sphere(0.1 * shape.ball_radius), MARK, pole)
 
     def tracks(self) -> list[dict[str, Any]]:
         attitude = np.asarray(self.journal["journal_attitude"].values, dtype=float)
-        data = packed_floats(np.hstack([self.centre, attitude]))
-        return [{"kind": "pose", "name": "ball", "path": "run/ball", "data": data}]
+        return [track("run/ball", np.hstack([self.centre, attitude]))]
 
     def drawn_points(self) -> Array:
         return self.shape.points(self.point[:, 0])[:, None]
@@ -178,12 +157,6 @@ class BallPicture(JointPicture):
             "ball's radius and rotation as they are",
             f"play {length_text(self.clearance)} drawn {length_text(factor * self.clearance)}",
         ]
-
-
-def _shifted(z: float) -> Array:
-    result = np.eye(4)
-    result[2, 3] = z
-    return result
 
 
 # --- a clearance joint close up: its bearing cut open, play magnified, contacts coloured by load ---
@@ -234,15 +207,12 @@ def joint_view(
         raise UnknownNameError("recording", "kind of clearance joint", place["kind"], LOOKS)
     made = PICTURES[LOOKS[place["kind"]].picture]
     picture = made(run.data, frames, impacts, name, place, magnify, steady_up(run, name))
-    seen = picture.data()
     count = len(frames.indices)
     some = np.unique(np.linspace(0, count - 1, min(_DIRECTIONS, count)).astype(int))
     up = bearing_up(run, name, frames.indices[some]) if "mechanism" in run.data.attrs else None
     gravity = None if up is None else -up @ picture.turn.T
-    drawn = {"play": picture.factor}
-    return (
-        seen | drawn | {"triad": triad("axes of the bearing", picture.turn.T, gravity, picture.times[some])}
-    )
+    axes = triad("axes of the bearing", picture.turn.T, gravity, picture.times[some])
+    return picture.data() | {"play": picture.factor, "triad": axes}
 
 
 View = Literal["mechanism", "joint"]
@@ -373,7 +343,7 @@ def record(
     ideal = None if ideal is None else _looking_in(folders, _trajectory(ideal))
     first, last = _span(run, start, end)
     line = _boresight(run, body, boresight)
-    places = _places(run)
+    places: dict[str, dict[str, Any]] = json.loads(run.data.attrs.get("clearance_joints", "{}"))
     impacts = impacts_of(run.data, first, last)
     own = None if view == "mechanism" else joint or next(iter(places), None)
     share = min(_CURVES, 0.2 * max(max_megabytes - page.viewer_megabytes(), 0.0))
@@ -459,16 +429,16 @@ def _span(run: Trajectory, start: float | None, end: float | None) -> tuple[floa
 
 
 def _ghost_frames(
-    ideal: Trajectory, frames: KeyFrames, turning: float, first: float, last: float, most: int | None
+    ideal: Trajectory, frames: KeyFrames, turning: float, start: float, end: float, most: int | None
 ) -> KeyFrames:
     times = np.asarray(ideal.data["time"].values, dtype=float)
     nothing = impacts_of(ideal.data, np.inf, np.inf)
     rate = min(frames.rate, max(_GHOST_RATE, turning))
-    if not ((times >= first) & (times <= last)).any():
+    if not ((times >= start) & (times <= end)).any():
         raise InvalidParameterError(
-            "recording", "ideal", f"a run with samples between {first:g} and {last:g} s", f"{times[-1]:g} s"
+            "recording", "ideal", f"a run with samples between {start:g} and {end:g} s", f"{times[-1]:g} s"
         )
-    return key_frames(times, nothing, rate, first, last, most)
+    return key_frames(times, nothing, rate, start, end, most)
 
 
 def _boresight(
@@ -487,24 +457,18 @@ def _boresight(
     return None
 
 
-def _places(run: Trajectory) -> dict[str, dict[str, Any]]:
-    """Return the clearance joints' shapes by name."""
-    found: dict[str, dict[str, Any]] = json.loads(run.data.attrs.get("clearance_joints", "{}"))
-    return found
-
-
 def _data(
     run: Trajectory,
     view: View,
     frames: KeyFrames,
-    seen: dict[str, Any],
+    view_data: dict[str, Any],
     fps: float,
     speed: float | None,
-    first: float,
-    last: float,
+    start: float,
+    end: float,
 ) -> dict[str, Any]:
     attributes = run.data.attrs
-    warnings = list(seen["warnings"])
+    warnings = list(view_data["warnings"])
     if not run.completed:
         warnings.append(f"the run {run.outcome.verdict}: {run.message}")
     thinned = []
@@ -519,7 +483,7 @@ def _data(
         warnings.append("the run has one sample in this span; there is no motion to play")
     impacts = frames.impacts
     if speed is None:
-        speed = _speed(last - first) * (1.0 if view == "mechanism" else 0.1)
+        speed = _speed(end - start) * (1.0 if view == "mechanism" else 0.1)
     elif not 0.0 < speed < np.inf:
         raise InvalidParameterError("recording", "speed", "positive and finite", speed)
     title, case = str(attributes.get("title") or ""), str(attributes.get("case") or "")
@@ -532,8 +496,8 @@ def _data(
         "speed": float(speed),
         "times": packed_doubles(np.asarray(run.data["time"].values, dtype=float)[frames.indices]),
         "impacts": {"times": packed_doubles(impacts.times), "peaks": packed_floats(impacts.peaks)},
-        "poster": impacts.hardest(0.5 * (first + last)),
-        **seen,
+        "poster": impacts.hardest(0.5 * (start + end)),
+        **view_data,
         "warnings": warnings,
         "thinned": thinned,
     }

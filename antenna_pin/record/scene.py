@@ -44,6 +44,16 @@ def packed_counts(values: ArrayLike) -> str:
     return base64.b64encode(np.ascontiguousarray(values, dtype="<u4").tobytes()).decode()
 
 
+def track(path: str, data: Array, name: str | None = None) -> dict[str, Any]:
+    """Return the motion of a path by placements (n, 3, 4) or poses (n, 7)."""
+    return {
+        "kind": "pose" if data.ndim == 2 else "matrix",
+        "name": path.rpartition("/")[2] if name is None else name,
+        "path": path,
+        "data": packed_floats(data),
+    }
+
+
 def _viewer_folder() -> Path:
     return Path(meshcat.__file__).parent / "viewer"
 
@@ -134,8 +144,7 @@ def _geometry(geometry: shapes.Geometry) -> Any:
     if isinstance(geometry, shapes.Cylinder):
         return meshes.Cylinder(geometry.length, geometry.radius)
     if isinstance(geometry, shapes.Sphere):
-        sphere = meshes.Sphere(geometry.radius)
-        return sphere
+        return meshes.Sphere(geometry.radius)
     return meshes.TriangularMeshGeometry(geometry.vertices, geometry.faces)
 
 
@@ -211,7 +220,7 @@ def camera(points: Array, direction: ArrayLike, upright: ArrayLike | None = None
     }
 
 
-def clearest(places: Sequence[Array], first: ArrayLike, upright: Array) -> Array:
+def clearest(places: Sequence[Array], default: ArrayLike, upright: Array) -> Array:
     """Return the direction in which bodies hide one another least, (3,) [-].
 
     For each direction and some instants, the cells of a coarse picture with a body in front are counted, as a
@@ -220,11 +229,11 @@ def clearest(places: Sequence[Array], first: ArrayLike, upright: Array) -> Array
 
     Args:
         places: Points of the surface of each body at the instants, (instants, points, 3) each [m].
-        first: Default direction, (3,) [-]; as the result, in axes of which z points up.
+        default: Default direction, (3,) [-]; as the result, in axes of which z points up.
         upright: Rotation from the points' axes to those, (3, 3) [-].
     """
     some = [points @ upright.T for points in places if points.size]
-    start: Array = np.asarray(first, dtype=float) / np.linalg.norm(first)
+    start: Array = np.asarray(default, dtype=float) / np.linalg.norm(default)
     if len(some) < 2:
         return start
     azimuth = np.arctan2(start[1], start[0])

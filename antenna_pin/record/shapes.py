@@ -255,8 +255,8 @@ def _turned(line: Array, angles: Array) -> Mesh:
     return Mesh(vertices, grid(m, n))
 
 
-def _cut(inner: Array, outer: Array, angle: float, first: bool) -> Mesh:
-    lines = np.stack([inner, outer] if first else [outer, inner])
+def _cut(inner: Array, outer: Array, angle: float, begins: bool) -> Mesh:
+    lines = np.stack([inner, outer] if begins else [outer, inner])
     x, y = lines[..., 0] * np.cos(angle), lines[..., 0] * np.sin(angle)
     vertices = np.stack([x, y, lines[..., 1]], axis=2).reshape(-1, 3)
     return Mesh(vertices, grid(2, lines.shape[1]))
