@@ -193,7 +193,7 @@ def styles(runs: Sequence[LabelledRun], reference: LabelledRun | None) -> list[d
 
 
 def spectrum_of(run: LabelledRun, values: Array) -> xr.Dataset:
-    """Return a signal's spectrum in windows of half the run, of a short run in one."""
+    """Return a spectrum in windows of half a run, or in one window."""
     try:
         return spectrum(run.time, values, segment=0.5 * float(run.time[-1] - run.time[0]))
     except AntennaPinError:

@@ -346,7 +346,7 @@ _PIECES = 2_000
 Parts = Callable[[], Iterable[tuple[Array, Array]]]
 
 
-def draw_pieces(axes: Axes, points: Array, values: Array, kept: Any = slice(None), **looks: Any) -> None:
+def draw_pieces(axes: Axes, points: Array, values: Array, order: Any = slice(None), **looks: Any) -> None:
     """Draw a line's pieces one after another, each in the colour of its value.
 
     Long lines are made into paths part by part while they are drawn.
@@ -355,14 +355,14 @@ def draw_pieces(axes: Axes, points: Array, values: Array, kept: Any = slice(None
         axes: Axes, whose limits are set elsewhere.
         points: (n, 2), in their units.
         values: Values of the pieces between them, (n - 1,).
-        kept: Indices of pieces in their order; all if left out.
+        order: Indices of pieces in their order; all if left out.
         looks: Arguments of ``LineCollection``.
     """
-    pieces = np.stack([points[:-1], points[1:]], axis=1)[kept]
+    pieces = np.stack([points[:-1], points[1:]], axis=1)[order]
     if len(pieces) > _LONG_LINE:
-        axes.add_artist(_InParts(axes, lambda: [(pieces, values[kept])], looks))
+        axes.add_artist(_InParts(axes, lambda: [(pieces, values[order])], looks))
     else:
-        axes.add_collection(LineCollection(list(pieces), array=values[kept], **looks))
+        axes.add_collection(LineCollection(list(pieces), array=values[order], **looks))
 
 
 def draw_parts(axes: Axes, parts: Parts, **looks: Any) -> None:

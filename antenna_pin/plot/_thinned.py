@@ -73,14 +73,14 @@ def turning(angle: Array) -> Array:
     return np.where(odd, np.nan, 0.0)
 
 
-def _of(run: LabelledRun, kept: _Indices) -> LabelledRun:
-    return replace(run, data=run.data.isel(time=kept), kept=kept, all=run)
+def _of(run: LabelledRun, indices: _Indices) -> LabelledRun:
+    return replace(run, data=run.data.isel(time=indices), kept=indices, all=run)
 
 
 def telling(place: Array, values: Array) -> _Indices:
     """Return indices of points that draw a line over ascending places, (n,) each."""
     starts = _starts(place, float(place[0]), float(place[-1]))
-    return np.unique(np.concatenate(_kept(values, starts, place.size)))
+    return np.unique(np.concatenate(_extremes_of(values, starts, place.size)))
 
 
 def _starts(place: Array, start: float, end: float) -> _Indices:
@@ -89,26 +89,25 @@ def _starts(place: Array, start: float, end: float) -> _Indices:
     return np.flatnonzero(np.diff(part, prepend=-1))
 
 
-def _kept(columns: Array, starts: _Indices, count: int) -> list[_Indices]:
+def _extremes_of(columns: Array, starts: _Indices, count: int) -> list[_Indices]:
     mine = [starts, starts[1:] - 1, np.array([count - 1])]
     for values in np.asarray(columns, dtype=float).reshape(count, -1).T:
         mine += _telling(values, starts)
     return mine
 
 
-def _shown(run: LabelledRun, columns: Columns, first: int, last: int) -> _Indices:
+def _shown(run: LabelledRun, columns: Columns, begin: int, last: int) -> _Indices:
     """Return the samples that draw a range of a run."""
-    data = run.data.isel(time=slice(first, last))
+    data = run.data.isel(time=slice(begin, last))
     start, end = (float(data["time"].values[k]) for k in (0, -1))
     found = []
-    begin = first
     for part in blocks(data):
         drawn = replace(run, data=part)
         time = drawn.time
         starts = _starts(time, start, end)
         mine = [starts, starts[1:] - 1, np.array([time.size - 1])]
         for column in columns(drawn):
-            mine += _kept(column, starts, time.size)
+            mine += _extremes_of(column, starts, time.size)
         found.append(begin + np.unique(np.concatenate(mine)))
         begin += time.size
     return np.concatenate(found).astype(int)

@@ -108,7 +108,12 @@ def figure_contact_forces(runs: Runs, *, joint: str | None = None, width: Width 
             rows[-1].append(Panel(f"{run.label}, {kind}", marks, y))
     if any(blows):
         names = _names(drawn, name)
-        rows.append([None if blow is None else _blow(*one, blow, names, unit) for one, blow in zip(both, blows, strict=True)])
+        rows.append(
+            [
+                None if blow is None else _blow(*one, blow, names, unit)
+                for one, blow in zip(both, blows, strict=True)
+            ]
+        )
     sheet = in_blocks(rows, width)
     return Sheet(sheet, width, 12.0 + 38.0 * len(sheet), (_zero(still, name), *picked.notes[:1]))
 

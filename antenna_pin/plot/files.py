@@ -116,12 +116,12 @@ def check_one_mechanism(runs: Iterable[Run]) -> None:
             )
 
 
-def _free_name(each: Allowed, taken: Collection[str]) -> str:
+def _free_name(each: Allowed, others: Collection[str]) -> str:
     """Return a figure's file name, with that of its joint."""
     name = each.figure.name
     if each.joint is not None:
         name += "-" + re.sub(r"[^\w.+-]", "_", each.joint)
-    while name in taken:
+    while name in others:
         name += "_"
     return name
 

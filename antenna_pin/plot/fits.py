@@ -121,7 +121,7 @@ def _record(rows: xr.Dataset, name: str, bands: bool) -> tuple[Panel, Panel]:
             look = {"color": colour, "label": words, "zorder": 1.0}
             ends = _values(rows, low, high)
             marks.append(Band(at, ends[0], ends[1], look))
-    marks.append(_measured("measured", at, data))
+    marks.append(_measurements("measured", at, data))
     alone = {"marker": "D" if len(at) == 1 else "", "markersize": 3.0}
     marks.append(Curve("fitted model", at, model, {"color": "C0", "linewidth": 0.9, "zorder": 3.0, **alone}))
     residual = (model - data) / noise
@@ -129,7 +129,7 @@ def _record(rows: xr.Dataset, name: str, bands: bool) -> tuple[Panel, Panel]:
     beneath: list[Mark] = [
         Ground(-1.96, 1.96, {"color": "#EEEEEE", "linewidth": 0.0, "zorder": 0.5}, "y"),
         _ZERO,
-        _measured("", at, residual),
+        _measurements("", at, residual),
     ]
     rms = f"residuals' rms {number(float(np.sqrt(np.mean(residual**2))), 3)} sd"
 
@@ -159,7 +159,7 @@ def _record(rows: xr.Dataset, name: str, bands: bool) -> tuple[Panel, Panel]:
     )
 
 
-def _measured(label: str, at: Array, values: Array) -> Curve:
+def _measurements(label: str, at: Array, values: Array) -> Curve:
     """Return measured values as dots, or many as a line."""
     look: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2.6}
     line = {"linewidth": 0.5, "alpha": 0.8}
@@ -518,7 +518,7 @@ def figure_sensitivity(sensitivity: xr.Dataset, *, width: Width = "page") -> She
         )
     wide, curves = width == "page", sensitivity.sizes["time"] > 1 and sensitivity.sizes["curve"] > 0
     if curves:
-        panels.append(_over_time(sensitivity, curve, order, names, named=not rows))
+        panels.append(_over_time(sensitivity, curve, order, names, in_legend=not rows))
     left = sensitivity.sizes["parameter"] - len(order)
     note = f"{left} parameters that matter less are not shown" if left else ""
     height = 34.0 + max(len(rows), 1) * (3.0 + 2.6 * len(order)) + (0.0 if wide or not curves else 62.0)
@@ -548,7 +548,7 @@ def _bars(axes: Axes, share: Array, doubt: Array, order: NDArray[np.intp], names
 
 
 def _over_time(
-    sensitivity: xr.Dataset, curve: int, order: NDArray[np.intp], names: list[str], *, named: bool
+    sensitivity: xr.Dataset, curve: int, order: NDArray[np.intp], names: list[str], *, in_legend: bool
 ) -> Panel:
     """Return the change of one curve with each parameter."""
     (time,) = _values(sensitivity, "time")
@@ -560,4 +560,4 @@ def _over_time(
         marks.append(Band(time, mine - apart, mine + apart, {"color": COLOURS[j], "alpha": 0.25}))
     y = Axis(f"change per 1 % [{sensitivity['curve_unit'].values[curve]}]")
     x = Axis("time [s]", ticks=3)  # beside long names of results little room is left
-    return Panel(str(sensitivity["curve"].values[curve]), [*marks, _ZERO], y, x, named=named)
+    return Panel(str(sensitivity["curve"].values[curve]), [*marks, _ZERO], y, x, named=in_legend)

@@ -357,10 +357,14 @@ def render(sheet: Sheet) -> Figure:
 
 
 def colour_bar(
-    found: Figure, panels: Sequence[Axes] | Axes, shown: ScalarMappable, label: str, where: Mapping[str, Any]
+    drawing: Figure,
+    panels: Sequence[Axes] | Axes,
+    shown: ScalarMappable,
+    label: str,
+    where: Mapping[str, Any],
 ) -> Any:
     """Draw a bar of colours beside panels, and return it."""
-    bar = found.colorbar(shown, ax=panels, label=label, **where)
+    bar = drawing.colorbar(shown, ax=panels, label=label, **where)
     bar.outline.set_linewidth(0.4)
     return bar
 
@@ -466,8 +470,8 @@ def figure(**own: str) -> Callable[[Callable[P, Sheet | Figure]], Callable[P, Fi
         function.__doc__ = "\n".join([said, "", "Args:", *words]) + more
 
         @functools.wraps(function)
-        def draw(*arguments: P.args, **named: P.kwargs) -> Figure:
-            found = function(*arguments, **named)
+        def draw(*arguments: P.args, **keywords: P.kwargs) -> Figure:
+            found = function(*arguments, **keywords)
             return render(found) if isinstance(found, Sheet) else found
 
         return takes()(style.styled(draw))
@@ -475,7 +479,7 @@ def figure(**own: str) -> Callable[[Callable[P, Sheet | Figure]], Callable[P, Fi
     return decorated
 
 
-#: Of what lies apart the line at zero.
+#: Line at zero of deviations.
 ZERO = Rule(0.0, {**IDEAL, "linewidth": 0.6})
 
 

@@ -162,16 +162,16 @@ def figure_branch(branch: xr.Dataset, coordinate: str | None = None, *, width: W
     return Sheet([[one] for one in panels], width, 20.0 + 46.0 * len(shown), (note,))
 
 
-def _track_curves(found: Track, black: bool = False) -> list[Curve]:
+def _track_curves(branch: Track, black: bool = False) -> list[Curve]:
     """Return a branch's pieces by stability, and its events, black over coloured dots."""
     curves = []
-    for said, x, y in found.pieces:
+    for said, x, y in branch.pieces:
         colour = "black" if black else "C0" if said == "stable" else "#555555"
         look = {"linestyle": _LINES[said], "linewidth": 0.9, "zorder": 3.0 if black else 2.0}
         words = f"orbit, {_WORDS[said]}" if black else _WORDS[said]
         curves.append(Curve(words, x, y, {**look, "color": colour}))
     looks = {"linestyle": "none", "markersize": 4.0, "markeredgecolor": "white", "markeredgewidth": 0.4}
-    for kind, at, level in found.marks:
+    for kind, at, level in branch.marks:
         shape, colour = _MARKS[kind]
         look = {**looks, "marker": shape, "color": colour, "zorder": 4}
         curves.append(Curve(_KINDS.get(kind, kind), np.array([at]), np.array([level]), look))
@@ -225,7 +225,7 @@ _UNSETTLED = "#CC3311"
 _NEAREST = 0.02
 
 
-def _within(data: xr.Dataset, name: str, limited: bool = True) -> Axis:
+def _section_axis(data: xr.Dataset, name: str, limited: bool = True) -> Axis:
     """Return the axis of a section's quantity, a little beyond its values."""
     label = _with_unit(name, str(data[name].attrs.get("units", "")))
     if not limited:
@@ -249,9 +249,14 @@ def figure_section(section: xr.Dataset, *, width: Width = "column") -> Sheet:
     look = {"linestyle": "none", "markersize": 3.0, "markeredgewidth": 0.5} | (
         {"marker": ".", "color": "C0"} if settled else {"marker": "x", "color": _UNSETTLED}
     )
-    x = replace(_within(section, across, len(names) > 1), shared="across")
+    x = replace(_section_axis(section, across, len(names) > 1), shared="across")
     panels = [
-        Panel("", [Curve("", section[across].values, section[name].values, look)], _within(section, name), x)
+        Panel(
+            "",
+            [Curve("", section[across].values, section[name].values, look)],
+            _section_axis(section, name),
+            x,
+        )
         for name in others
     ]
     rows = [[replace(panel, margins=(0.05, 0.05))] for panel in panels]

@@ -96,7 +96,7 @@ def thinned(points: Array) -> npt.NDArray[np.intp]:
     return np.flatnonzero(kept)
 
 
-def _line(found: Figure, points: Array, time: Array) -> tuple[Axes, ScalarMappable]:
+def _line(drawing: Figure, points: Array, time: Array) -> tuple[Axes, ScalarMappable]:
     norm = Normalize(float(time[0]), float(time[-1]))
     finite = np.isfinite(points).all(axis=1)
     points, time = points[finite], time[finite]
@@ -112,7 +112,7 @@ def _line(found: Figure, points: Array, time: Array) -> tuple[Axes, ScalarMappab
     }
     if points.shape[1] == 3:
         pieces = np.stack([line[:-1], line[1:]], axis=1)
-        space = found.add_subplot(projection="3d")
+        space = drawing.add_subplot(projection="3d")
         assert isinstance(space, Axes3D)
         space.add_collection3d(Line3DCollection(list(pieces), array=values, **looks))
         for name, column in zip("xyz", points.T, strict=True):
@@ -122,18 +122,18 @@ def _line(found: Figure, points: Array, time: Array) -> tuple[Axes, ScalarMappab
             axis.pane.set(facecolor="white", edgecolor="#BBBBBB")
         space.view_init(elev=24.0, azim=-58.0)
         # Labels stand outside the box, where no layout makes room for them.
-        space.set_box_aspect(None, zoom=0.9 if found.get_figwidth() > 5.0 else 0.7)
+        space.set_box_aspect(None, zoom=0.9 if drawing.get_figwidth() > 5.0 else 0.7)
         return space, ScalarMappable(norm, SEQUENTIAL)
-    axes = found.add_subplot()
+    axes = drawing.add_subplot()
     draw_pieces(axes, line, values, **looks)
     axes.set(xlim=_limits(points[:, 0]), ylim=_limits(points[:, 1]))
     few_ticks(axes)
     return axes, ScalarMappable(norm, SEQUENTIAL)
 
 
-def _density(found: Figure, points: Array, time: Array) -> tuple[Axes, ScalarMappable]:
+def _density(drawing: Figure, points: Array, time: Array) -> tuple[Axes, ScalarMappable]:
     """Draw the share of the time in each cell, along straight lines between the samples."""
-    axes = found.add_subplot()
+    axes = drawing.add_subplot()
     finite = np.isfinite(points).all(axis=1)
     even = np.linspace(time[finite][0], time[finite][-1], _EVEN)
     dense = [np.interp(even, time[finite], column[finite]) for column in points.T]

@@ -154,17 +154,17 @@ def figure_spectrogram(
     panels = []
     for run, (time, frequency, density) in zip(drawn, maps, strict=True):
         known = frequency <= 2.0 * _RESOLVED * frequency[-1]  # the last is half the sample rate
-        seen, values = frequency[known], np.maximum(density[known], float(norm.vmin or 0.0))
+        resolved, values = frequency[known], np.maximum(density[known], float(norm.vmin or 0.0))
 
         def field(
-            axes: Axes, *_: float, time: Array = time, seen: Array = seen, values: Array = values
+            axes: Axes, *_: float, time: Array = time, up: Array = resolved, values: Array = values
         ) -> None:
             looks: dict[str, Any] = {"shading": "nearest", "rasterized": True}
-            axes.pcolormesh(time, seen, values, norm=norm, cmap=colours, **looks)
+            axes.pcolormesh(time, up, values, norm=norm, cmap=colours, **looks)
             axes.grid(visible=False)
 
         x = replace(TIME, limits=(time[0], time[-1]), shared="time")
-        y = Axis("frequency [Hz]", limits=(0.0, seen[-1]), shared="frequency")
+        y = Axis("frequency [Hz]", limits=(0.0, resolved[-1]), shared="frequency")
         panels.append(Panel(f"{run.label}, {_words(kind, name)}", [ByHand(field)], y, x))
     rows = in_rows(panels, min(len(drawn), 3 if width == "page" else 1), alone=False)
     bar = (ScalarMappable(norm, colours), _label(kind), {"aspect": 30.0 * len(rows), "pad": 0.02})
@@ -255,31 +255,31 @@ def _densities(runs: Sequence[LabelledRun], kind: Signal, joint: str) -> list[_D
 def _reader(run: LabelledRun, kind: Signal, joint: str) -> Callable[[int, int], Array] | None:
     """Return a reader of a long run's signal between samples, or None."""
 
-    def read(first: int, last: int) -> Array:
-        found = _signal(replace(run, data=run.data.isel(time=slice(first, last))), kind, joint)
+    def read(begin: int, end: int) -> Array:
+        found = _signal(replace(run, data=run.data.isel(time=slice(begin, end))), kind, joint)
         assert found is not None
         return found
 
     return None if _signal(replace(run, data=run.data.isel(time=[0])), kind, joint) is None else read
 
 
-def _long_density(run: LabelledRun, found: xr.Dataset) -> list[_Density]:
+def _long_density(run: LabelledRun, result: xr.Dataset) -> list[_Density]:
     """Return a long run's density in a list, empty if it is zero throughout.
 
     In each of 4096 equal parts of the logarithmic axis the frequencies with the least and the
     largest density are stored: a line of more has no room.
     """
-    frequency = np.asarray(found["frequency"].values, dtype=float)[1:]
-    density = np.sqrt(np.asarray(found["power"].values, dtype=float).sum(axis=1))[1:]
+    frequency = np.asarray(result["frequency"].values, dtype=float)[1:]
+    density = np.sqrt(np.asarray(result["power"].values, dtype=float).sum(axis=1))[1:]
     if not density.any():
         return []
     kept = telling(np.log(frequency), density)
-    return [_Density(run, frequency[kept], density[kept], float(found.attrs["rate"]), _windows(run, found))]
+    return [_Density(run, frequency[kept], density[kept], float(result.attrs["rate"]), _windows(run, result))]
 
 
-def _windows(run: LabelledRun, found: xr.Dataset, where: str = "") -> str:
+def _windows(run: LabelledRun, result: xr.Dataset, where: str = "") -> str:
     """Return a note on the windows of a long run's spectrum."""
-    segment, count = found.attrs["segment"], found.attrs["segments"]
+    segment, count = result.attrs["segment"], result.attrs["segments"]
     return f"{run.label}: mean over the windows of {segment:.3g} s{where}, {count} in all"
 
 

@@ -355,7 +355,7 @@ class _Body:
         return [of(one.geometry) @ one.placement[:3, :3].T + one.placement[:3, 3] for one in mine]
 
     def _in_world(self, points: list[list[Array]], most: int) -> list[Array]:
-        """Return points on each body at some key frames in the world, (frames, n, 3) [m]."""
+        """Return points on bodies at some key frames in the world [m]."""
         some = self._some(most)
         turns = (Rotation.from_quat(self.attitude[some, k]).as_matrix() for k in range(len(points)))
         return [
