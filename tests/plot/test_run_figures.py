@@ -1,6 +1,5 @@
 """Figures of real, short runs: what they show equals what the run holds, and all of it can be read."""
 
-import dataclasses
 import json
 import re
 
@@ -26,7 +25,7 @@ from antenna_pin.analysis import (
     scenario_shares,
     spectrum,
 )
-from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.plot import (
     BASE_QUANTITIES,
     BODY_QUANTITIES,
@@ -75,6 +74,8 @@ from antenna_pin.plot._kinds import (
 )
 from antenna_pin.plot.grammar import Axis, Curve, Panel, render
 
+from .conftest import factor_of, lines_of, note_of, title_of
+
 
 @pytest.fixture(scope="module")
 def runs(real_runs):
@@ -91,26 +92,6 @@ def rigs():
         run = simulate(scenario)
         runs.append((case, run.data.assign_attrs(scenario=scenario.model_dump_json())))
     return runs
-
-
-def lines_of(axes):
-    return {line.get_label(): line for line in axes.lines}
-
-
-def title_of(axes):
-    """Title of a panel without its letter."""
-    return axes.get_title("left").rpartition("$ ")[2]
-
-
-def note_of(figure):
-    """What stands below the panels, in one line."""
-    return " ".join(figure.get_supxlabel().split())
-
-
-def factor_of(label, unit):
-    """What values in SI were multiplied with, from the prefix that an axis names."""
-    text = label[label.rindex("[") + 1 : label.rindex("]")]
-    return 1.0 / {"": 1.0, "m": 1e-3, "µ": 1e-6, "n": 1e-9, "k": 1e3}[text.removesuffix(unit)]
 
 
 # --- the journal in its bearing ---
@@ -173,17 +154,6 @@ def test_runs_of_very_different_clearances_are_each_drawn_in_its_own(real_runs):
         starts = np.array([piece[0] for piece in orbit.get_segments()])[sampled(data)[:-1]]
         expected = factor * journal_motion(data, "elevation")["offset"].values[:-1, 0, :2]
         assert starts == pytest.approx(expected, rel=1e-9, abs=1e-12)
-
-
-def test_orbit_of_a_planar_joint_is_its_centre(real_runs):
-    data = real_runs["case2-planar"]
-    axes = figure_orbit(("planar", data), width="column").axes[0]
-    (orbit,) = (each for each in axes.collections if isinstance(each, LineCollection))
-    starts = np.array([piece[0] for piece in orbit.get_segments()]) / factor_of(axes.get_xlabel(), "m")
-    starts = starts[sampled(data)[:-1]]
-    # A path keeps what it is given; the factor costs a rounding.
-    expected = data["journal_position"].values[:-1, 0, :2]
-    np.testing.assert_allclose(starts, expected, rtol=1e-12, atol=1e-18)
 
 
 @pytest.mark.parametrize("gravity", [(0.0, 0.0, -9.81), (9.81, 0.0, 0.0), (0.0, -6.0, -8.0), (0.0, 0.0, 0.0)])
@@ -528,6 +498,19 @@ def test_colours_are_told_apart_in_grey_where_they_stand_on_one_another(real_run
     assert abs(one - other) > 0.2
 
 
+@pytest.fixture(scope="module")
+def plain():
+    """A run with none of the elements that figures of whole runs are of."""
+    return simulate(load_scenario("impact_pair"), duration=1e-3)
+
+
+@pytest.mark.parametrize("name", CLOSURES)
+def test_figures_of_kinds_of_runs_refuse_others(plain, name):
+    assert name not in {each.figure.name for each in allowed_figures([plain])}
+    with pytest.raises(InvalidParameterError, match=f"at least one run with {CATALOGUE[name].needed}"):
+        CATALOGUE[name].draw([plain])
+
+
 # --- files ---
 
 
@@ -685,20 +668,6 @@ def test_findings_are_the_analysis_own_numbers(runs):
     figure = paper_figures("bai2020")[0]
     expected = deviation(runs[2][1], runs[0][1])["elevation angle"].maximum
     assert f"case3 {1e6 * expected:.3g} µrad" in figure.describe(runs)
-
-
-def test_runs_may_be_trajectories(runs):
-    @dataclasses.dataclass
-    class Trajectory:
-        data: object
-
-    figure = paper_figures("bai2020")[0]
-    assert figure.draw([Trajectory(data) for _, data in runs]).axes
-
-
-def test_refusals_are_the_packages_own():
-    with pytest.raises(AntennaPinError, match="at least one run"):
-        figure_base([])
 
 
 def test_an_azimuth_that_jumps_at_a_pole_has_a_gap_there(monkeypatch):

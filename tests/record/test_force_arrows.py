@@ -11,13 +11,11 @@ from antenna_pin.elements import OutsideForce, Thruster
 from antenna_pin.plot import figure_momentum
 from antenna_pin.record import record
 
+from .conftest import floats
+
 BODY = """<robot name="body"><link name="body"><inertial><mass value="2"/>
 <inertia ixx="1" iyy="1.2" izz="1.5" ixy="0" ixz="0" iyz="0"/></inertial>
 <visual><geometry><box size="0.4 0.3 0.2"/></geometry></visual></link></robot>"""
-
-
-def floats(text, width):
-    return np.frombuffer(base64.b64decode(text), dtype="<f4").reshape(-1, width)
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,6 @@ import base64
 
 import numpy as np
 import pytest
-import umsgpack
 from scipy.spatial.transform import Rotation
 
 from antenna_pin import load_scenario, simulate
@@ -12,18 +11,7 @@ from antenna_pin.analysis import body_poses
 from antenna_pin.linear import modes, swing
 from antenna_pin.record import record
 
-from .conftest import shapes_in
-
-
-def placed(recording):
-    """Return the placements of all things in the scene, (4, 4), by their paths."""
-    found = {}
-    for text in recording.data["commands"]:
-        command = umsgpack.unpackb(base64.b64decode(text))
-        if command["type"] == "set_transform":
-            matrix = np.array(command["matrix"]).reshape(4, 4).T
-            found[command["path"].lstrip("/").removeprefix("meshcat/")] = matrix
-    return found
+from .conftest import placed, shapes_in
 
 
 def listed(recording, begins):
