@@ -27,7 +27,7 @@ from antenna_pin.plot._thinned import Columns, closer, thinned_beside
 from antenna_pin.plot.grammar import Axis, Curve, Panel, Sheet, in_rows, size_of
 from antenna_pin.trajectory import names_along
 
-#: Share of a panel's height within which lines cannot be told apart [-].
+#: Share of a panel's height within which lines are indistinguishable [-].
 COINCIDE = 0.01
 # More rows than these are folded into half as many: panels that are lower, and twice as many in a row.
 _TALL = 4

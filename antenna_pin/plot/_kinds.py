@@ -16,7 +16,7 @@ from antenna_pin.plot._runs import LabelledRun, Runs, long_enough, unit_of
 from antenna_pin.plot._style import Width
 from antenna_pin.trajectory import names_along
 
-# Samples at which a joint is looked at to tell whether it moves.
+# Number of samples by which a joint's motion is detected.
 _LOOKS = 500
 
 

@@ -306,7 +306,7 @@ def linear_then_log(axes: Sequence[Axes], core: float, largest: float) -> float 
     """
     if not (core > 0.0 and math.isfinite(largest)) or largest < 10.0 * core:
         return None
-    limit = _nice_above(1.2 * max(core, 1e-5 * largest))  # five decades are as many as can be told apart
+    limit = _nice_above(1.2 * max(core, 1e-5 * largest))  # more than five decades are not distinguishable
     top = 10.0 ** math.ceil(math.log10(largest))
     decades = math.log10(top / limit)
     # Ticks keep their distance in a panel of some 28 mm, where a decade takes 8 / decades mm.

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 import xarray as xr
@@ -206,11 +206,10 @@ def _apart(
     """Return times [s] and deviations from the ideal run; None if not comparable."""
     if reference is None or not reference.ideal:
         return None
-    try:
-        found = compare(run.data, reference.whole.data)
-    except AntennaPinError:  # of another mechanism, or of another span of time
+    found = _or_none(compare, run.data, reference.whole.data)  # None of another mechanism or span of time
+    if found is None or name not in found:
         return None
-    return (np.asarray(found["time"].values), np.asarray(found[name].values)) if name in found else None
+    return np.asarray(found["time"].values), np.asarray(found[name].values)
 
 
 def _columns_apart(
@@ -373,7 +372,7 @@ def figure_pointing(runs: Runs, *, ideal: Run | None = None, width: Width = "pag
     picked = pick(runs, ideal=ideal)
     whole = picked.reference
     picked = picked.thinned(lambda run: _pointing_columns(run, whole))
-    looks = {run.label: _boresight(run) for run in picked.drawn}
+    looks = {run.label: _or_none(boresight, run.data) for run in picked.drawn}
     drawn = [run for run in picked.drawn if looks[run.label] is not None]
     if not drawn:
         raise refusal("at least one whose scenario has a table [pointing]", picked.every)
@@ -413,20 +412,16 @@ def figure_pointing(runs: Runs, *, ideal: Run | None = None, width: Width = "pag
     return panels_sheet(panels, width, 2, notes)
 
 
-def _boresight(run: LabelledRun) -> xr.Dataset | None:
-    """Return the boresight of a run; None where its scenario defines none."""
+def _or_none(function: Callable[..., xr.Dataset], *arguments: Any) -> xr.Dataset | None:
+    """Return a function's value, or None where runs do not have it."""
     try:
-        return boresight(run.data)
+        return function(*arguments)
     except AntennaPinError:
         return None
 
 
 def _pointing_error(run: LabelledRun, reference: LabelledRun | None) -> xr.Dataset | None:
-    """Return the pointing error of a run; None without a reference."""
-    try:
-        return pointing_error(run.data, None if reference is None else reference.whole.data)
-    except AntennaPinError:
-        return None
+    return _or_none(pointing_error, run.data, None if reference is None else reference.whole.data)
 
 
 def _broken(curve: Curve) -> Curve:
@@ -437,7 +432,7 @@ def _broken(curve: Curve) -> Curve:
 
 def _pointing_columns(run: LabelledRun, reference: LabelledRun | None) -> list[Array]:
     """Return the lines of a part of a run; none without a boresight."""
-    looks = _boresight(run)
+    looks = _or_none(boresight, run.data)
     if looks is None:
         return []
     found = [np.asarray(looks[name].values) for name in ("azimuth", "elevation")]

@@ -59,6 +59,8 @@ _LOST = (
     ("force_loss", "lost in elements on links", COLOURS[2]),
 )
 
+_DRIVES: dict[str, Any] = {**IDEAL, "zorder": 3}
+
 _MOMENTA = (("linear_momentum", "momentum_scale"), ("angular_momentum", "angular_momentum_scale"))
 
 
@@ -82,7 +84,7 @@ def figure_energy(runs: Runs, *, width: Width = "page") -> Sheet:
         rows.append([])
         for run, book in zip(drawn, books, strict=True):
             lines = [
-                Curve(label, run.time, book[name], _look(colour))
+                Curve(label, run.time, book[name], _DRIVES if colour == "black" else {"color": colour})
                 for name, label, colour in parts
                 if np.any(book[name])
             ]
@@ -102,10 +104,6 @@ def figure_energy(runs: Runs, *, width: Width = "page") -> Sheet:
     rows.append([*_in_decades(errors)])
     sheet = in_blocks(rows, width)
     return Sheet(sheet, width, 12.0 + 38.0 * len(sheet), (*notes, too_short(every)))
-
-
-def _look(colour: str) -> dict[str, Any]:
-    return {**IDEAL, "zorder": 3} if colour == "black" else {"color": colour}
 
 
 @figure()

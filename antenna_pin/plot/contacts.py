@@ -340,7 +340,7 @@ def figure_scenarios(
         flanged = bool(run.contacts_of(picked.joint, flanges=True))
         for kind in ("radial", "axial")[: 1 + flanged]:
             names = [name.replace("_", " ") for name in str(span[kind].attrs["flag_meanings"]).split()]
-            if not flanged:  # the others take two points that are told apart
+            if not flanged:  # the others distinguish two points
                 one = len(run.contacts_of(picked.joint)) == 1
                 names = [names[0], names[1] if one else "contact"]
             hidden = dict.fromkeys(range(len(names)), "") if width == "page" else None

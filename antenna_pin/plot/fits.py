@@ -168,7 +168,7 @@ def _measurements(label: str, at: Array, values: Array) -> Curve:
 
 # --- how sure a fit is ---
 
-# Two parameters are hardly told apart from this correlation on.
+# Correlation from which on two parameters are hardly distinguishable.
 _STRONG = 0.95
 # Of names and colours beside the cells of correlations [inch].
 _BESIDE = 0.8
@@ -206,7 +206,7 @@ def figure_correlation(fit: xr.Dataset, *, width: Width = "column") -> Figure:
     size = 7.0 if count <= 8 else 5.0
     for (row, column), value in np.ndenumerate(values):
         known = math.isfinite(value)
-        # A number that rounds to one is none: the digits that tell are those of its distance.
+        # A number that rounds to one needs the digits of its distance from one.
         digits = 4 if row != column and abs(value) >= 0.995 else 2
         text = _minus(f"{round(value, digits) + 0.0:.{digits}f}") if known else "–"
         colour = "white" if known and abs(value) > 0.6 else "black"

@@ -116,7 +116,7 @@ def _mark_axes(axes: Axes, shown: _Shown, across: int, up: int) -> None:
     for k, name in enumerate("xyz"):
         way = shown.turn[[across, up], k]
         if np.hypot(*way) < 0.2:
-            continue  # it points at who looks
+            continue  # it points out of the picture
         x, y = (0.16 + size * way).tolist()
         arrow = {"arrowstyle": "->", "linewidth": 0.6, "shrinkA": 0.0, "shrinkB": 0.0}
         axes.annotate("", (x, y), (0.16, 0.16), "axes fraction", arrowprops=arrow)
@@ -327,7 +327,7 @@ def _line(axes: Axes, path: _Path, ways: list[int], load: Array | None, looks: d
 # --- the load around the bore ---
 
 _MOST_RINGS = 1000
-# Of both ends, dark and light: told apart in grey as well.
+# Of both ends, dark and light: distinguishable in grey as well.
 _LOOKS = {
     ("radial", "+"): ("end +", COLOURS[0]),
     ("radial", "-"): ("end \N{MINUS SIGN}", COLOURS[4]),

@@ -28,7 +28,7 @@ from antenna_pin.plot.grammar import Axis, Curve, Ground, Mark, Panel, Rule, She
 
 _DASHES: tuple[Any, ...] = ("-", (0, (4, 1.2)), (0, (1, 1)), (0, (4, 1, 1, 1)))
 _LABEL_HEIGHT = 3.0  # of one line of text beside a panel [mm]
-_FAR = 0.1  # a dissipation further than this from what it is asked for has its place in the first panel [-]
+_FAR = 0.1  # least deviation of a dissipation in the first panel [-]
 
 
 @takes()

@@ -220,8 +220,7 @@ def figure_multipliers(found: xr.Dataset, *, width: Width = "column") -> Sheet:
 _COLOURS = {"fresh": "#7F7F7F", "forward": "C0", "backward": "C1"}
 _BRANCHES = {"fresh": "from the start", "forward": "forward", "backward": "backward"}
 _UNSETTLED = "#CC3311"
-# A fixed point is not looked at from nearer than this part of its size: what is seen then is what is left of
-# the way to it.
+# Smallest range about a fixed point over its size: below it only the rest of the approach is visible.
 _NEAREST = 0.02
 
 

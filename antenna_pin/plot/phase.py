@@ -163,7 +163,7 @@ SAME = 1e-6
 SEEN = 5e-3
 # Of these the words say more than the kind: the period, and how many bands of chaos there are.
 _IN_FULL = (RecurrenceKind.PERIODIC, RecurrenceKind.CHAOTIC)
-# Points are not looked at from nearer than this part of the line's range: what is nearer is one point.
+# Smallest range of a map over the line's: points closer together are one.
 _NEAREST = 1e-2
 
 

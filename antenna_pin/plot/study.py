@@ -241,15 +241,11 @@ def study_distribution(study: xr.Dataset, response: str, *, width: Width = "colu
     x = quantity_of(study, response)
     there, said = left_out(x)
     values = np.sort(x.values[there])
-    y = Axis("Runs", ticks=0)
-    finish = _with_shares(values) if values.size else None
-    panel = Panel("", [ByHand(_histogram(values))] if values.size else [], y, _axis(x), finish=finish)
-    return Sheet([[panel]], width, 66.0, (said,))
-
-
-def _histogram(values: Array) -> Callable[..., object]:
     bins = min(60, max(5, int(2.0 * math.sqrt(values.size))))
-    return lambda axes, *_: axes.hist(values, bins=bins, color="#A9CCE3", zorder=2)
+    bars = ByHand(lambda axes, *_: axes.hist(values, bins=bins, color="#A9CCE3", zorder=2))
+    finish = _with_shares(values) if values.size else None
+    panel = Panel("", [bars] if values.size else [], Axis("Runs", ticks=0), _axis(x), finish=finish)
+    return Sheet([[panel]], width, 66.0, (said,))
 
 
 def _with_shares(values: Array) -> Callable[[Axes], None]:

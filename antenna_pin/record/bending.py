@@ -64,7 +64,7 @@ def bending_magnification(run: Trajectory) -> float | None:
     )
 
 
-def said_of_bending(run: Trajectory, magnify: float) -> str:
+def bending_note(run: Trajectory, magnify: float) -> str:
     """Return a note on magnified deflections, or nothing."""
     if magnify == 1.0 or not elastic_parts_of(run):
         return ""

@@ -118,7 +118,7 @@ def _answering() -> Iterator[None]:
     try:
         yield
     except WebDriverException as error:
-        raise MissingToolError(f"the browser must do as it is told, got: {_reason(error)}") from error
+        raise MissingToolError(f"the browser must execute its commands, got: {_reason(error)}") from error
     except Exception as error:  # of the layers below, when the browser or its driver has gone
         raise MissingToolError(
             f"the browser must stay until its work is done, got: {_reason(error)}"

@@ -42,7 +42,7 @@ _NOT = ("q", "v", "a", "base_attitude", "journal_attitude", "contact_point")
 _BYTES = 2 * 8 * 4 / 3  # of a sample, its time and its value in base64
 _SAMPLES = (200, 1000)  # of a series, at least and at most
 _OFF = 1e-4  # of the range, by which no sample may be off the curve
-# So many samples are all looked at; of more those about the least and greatest of so many stretches.
+# Largest number of samples that are all compared; number of stretches whose extremes are compared beyond it.
 _ALL, _STRETCHES = 200_000, 20_000
 
 

@@ -14,8 +14,8 @@ from antenna_pin.errors import InvalidParameterError
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-# Largest turn of a body between two key frames [rad], and of how many samples its rate is looked at. The rate
-# that all but a hundredth of them stay below counts: what an impact has spun up is not to be looked at.
+# Largest turn of a body between two key frames [rad]; number of samples that determine its rate; quantile of
+# the rates that counts, so that short spins after impacts do not.
 _TURN, _SAMPLES, _SHARE = 0.1, 500, 0.99
 
 

@@ -74,12 +74,12 @@ class MagnifiedJournal:
     journal_radius: float
     bore_radius: float
     length: float
-    shortened: float
-    edge_radius: float
-    drawn_edge: float
     outer_radius: float
-    flange_radius: float
-    flange_gap: float
+    shortened: float = 1.0
+    edge_radius: float = 0.0
+    drawn_edge: float = 0.0
+    flange_radius: float = 0.0
+    flange_gap: float = 0.0
 
     @classmethod
     def of(cls, dimensions: dict[str, Any], factor: float) -> MagnifiedJournal:
@@ -93,12 +93,7 @@ class MagnifiedJournal:
                 journal_radius=journal,
                 bore_radius=bore,
                 length=max(1.6 * journal, 0.5 * bore),  # it has none of its own
-                shortened=1.0,
-                edge_radius=0.0,
-                drawn_edge=0.0,
                 outer_radius=1.16 * bore,
-                flange_radius=0.0,
-                flange_gap=0.0,
             )
         real_outer, real_flange = (float(dimensions[k]) for k in ("bearing_outer_radius", "flange_radius"))
         real_length = float(dimensions["bearing_length"])

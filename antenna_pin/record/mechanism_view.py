@@ -14,7 +14,7 @@ from antenna_pin.analysis import closures_of, mechanism_of
 from antenna_pin.base.directions import direction
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import Mechanism, Urdf, frame_aligning_z
-from antenna_pin.record.bending import check_bending, drawn_poses, said_of_bending
+from antenna_pin.record.bending import bending_note, check_bending, drawn_poses
 from antenna_pin.record.contact_arrows import applied_arrows, contact_arrows, force_scale, placement_of
 from antenna_pin.record.key_frames import Impacts, KeyFrames
 from antenna_pin.record.marks import Label, Mark, Marking, mark_gears, mark_joints, mark_stops, rgb
@@ -191,9 +191,9 @@ GHOST = "#AA4499"
 _CLEAR = 0.32  # opacity of the ghost
 _OPAQUE = 0.9  # what is less so hides nothing
 _TRAIL = 1500  # points of a trace
-_FRAMED = 300  # key frames looked at to frame the motion
-_LOOKED_AT = 7  # of which it is looked at who hides whom
-_DIRECTION = (1.0, -0.75, 0.55)  # from where the camera looks
+_FRAMED = 300  # key frames by which the motion is framed
+_COMPARED = 7  # key frames at which bodies are compared for hiding one another
+_DIRECTION = (1.0, -0.75, 0.55)  # of the camera
 
 
 class Boresight:
@@ -234,7 +234,7 @@ def mechanism_view(
     size = motion.size
     reach = 0.55 * size
     facts: list[dict[str, Any]] = []
-    if bent := said_of_bending(run, factor):
+    if bent := bending_note(run, factor):
         facts.append({"text": bent})
     trails = []
     extent = [motion.extent]
@@ -347,7 +347,7 @@ class _Body:
         """Return surface points of each body at some key frames, in the world [m]."""
         spread = partial(surface, size=self.size)
         points = [[np.zeros((0, 3)), *self._points(body, spread, _OPAQUE)] for body in self.names]
-        return self._in_world(points, _LOOKED_AT)
+        return self._in_world(points, _COMPARED)
 
     def _points(self, body: str, of: Callable[[Geometry], Array], opacity: float = -1.0) -> list[Array]:
         """Return points of a body's shapes above an opacity, (n, 3) [m] each."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -29,19 +30,12 @@ _CYLINDER = np.eye(4)
 _CYLINDER[:3, :3] = Rotation.from_euler("x", 90.0, degrees=True).as_matrix()
 
 
-def packed_floats(values: ArrayLike) -> str:
-    """Return numbers as little-endian 32-bit floats in base64."""
-    return base64.b64encode(np.ascontiguousarray(values, dtype="<f4").tobytes()).decode()
+def _packed(kind: str, values: ArrayLike) -> str:
+    return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode()
 
 
-def packed_doubles(values: ArrayLike) -> str:
-    """Return numbers as little-endian 64-bit floats in base64."""
-    return base64.b64encode(np.ascontiguousarray(values, dtype="<f8").tobytes()).decode()
-
-
-def packed_counts(values: ArrayLike) -> str:
-    """Return counts as little-endian 32-bit integers in base64."""
-    return base64.b64encode(np.ascontiguousarray(values, dtype="<u4").tobytes()).decode()
+#: Numbers in base64, little-endian: 32-bit floats, 64-bit floats, 32-bit counts.
+packed_floats, packed_doubles, packed_counts = (partial(_packed, kind) for kind in ("<f4", "<f8", "<u4"))
 
 
 def track(path: str, data: Array, name: str | None = None) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -190,9 +191,7 @@ def corners(geometry: Geometry) -> Array:
         else:
             high = np.full(3, geometry.radius)
         low = -high
-    return np.array(
-        [[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
-    )
+    return np.array(list(itertools.product(*zip(low, high, strict=True))))
 
 
 def surface(geometry: Geometry, size: float) -> Array:

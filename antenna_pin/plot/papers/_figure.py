@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -18,6 +18,7 @@ from antenna_pin.plot.catalogue import run_figure
 from antenna_pin.plot.periodic import figure_bifurcation
 from antenna_pin.plot.phase import SAME, SEEN, Attractor, figure_attractors
 
+T = TypeVar("T")
 #: The runs of a figure by case, in its order.
 Cases = dict[str, xr.Dataset]
 
@@ -26,6 +27,15 @@ def with_unit(value: float, unit: str) -> str:
     """Return a value with three digits and its unit."""
     factor, printed = prefixed(unit, abs(value))
     return f"{three_digits(factor * value)} {printed}"
+
+
+def _chosen(figure: str, what: str, names: Iterable[str], known: Mapping[str, T]) -> dict[str, T]:
+    """Return the known things of some names, or raise InvalidParameterError."""
+    missing = [name for name in names if name not in known]
+    if missing:
+        rule = f"with {' and '.join(missing)} among them"
+        raise InvalidParameterError(figure, what, rule, ", ".join(known) or "none")
+    return {name: known[name] for name in names}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -91,11 +101,7 @@ class PaperFigure:
         for run in runs:
             label, data = run[0] if isinstance(run, tuple) else "", samples_of(run)
             known.setdefault(str(data.attrs.get("case") or label), data)
-        missing = [case for case in self.cases if case not in known]
-        if missing:
-            rule = f"with {' and '.join(missing)} among them"
-            raise InvalidParameterError(f"figure {self.number}", "runs", rule, ", ".join(known) or "none")
-        return {case: known[case] for case in self.cases}
+        return _chosen(f"figure {self.number}", "runs", self.cases, known)
 
 
 # --- of settled motions: attractors of some cases, and diagrams over a parameter ---
@@ -180,13 +186,7 @@ class AttractorFigure:
         )
 
     def _picked(self, attractors: Mapping[str, Attractor]) -> list[Attractor]:
-        missing = [value for value in self.values if value not in attractors]
-        if missing:
-            rule = f"with {' and '.join(missing)} among them"
-            raise InvalidParameterError(
-                f"figure {self.number}", "attractors", rule, ", ".join(attractors) or "none"
-            )
-        return [attractors[value] for value in self.values]
+        return [*_chosen(f"figure {self.number}", "attractors", self.values, attractors).values()]
 
 
 def _verdict(one: Attractor, *names: str) -> Verdict:

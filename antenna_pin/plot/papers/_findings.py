@@ -171,7 +171,7 @@ def _largest_force(data: xr.Dataset, joint: str, until: float) -> float:
     return float(np.linalg.norm(held, axis=1).max())
 
 
-# --- whether runs show what a paper says that its figures show ---
+# --- agreement of runs with a paper's figures ---
 
 # By how much one number has to exceed another to be seen in a figure.
 _SEEN = 1.05
