@@ -23,7 +23,7 @@ from antenna_pin.plot._runs import (
     with_reference,
 )
 from antenna_pin.plot._style import Array, Width
-from antenna_pin.plot._thinned import Columns, closer, thinned_beside
+from antenna_pin.plot._thinned import Columns, closer, thinned
 from antenna_pin.plot.grammar import Axis, Curve, Panel, Sheet, in_rows, size_of
 from antenna_pin.trajectory import names_along
 
@@ -67,14 +67,16 @@ class Picked:
 
     def thinned(self, columns: Columns) -> Picked:
         """Return the runs with as few samples as show what is drawn of them."""
-        drawn, reference = thinned_beside(self.drawn, self.reference, columns)
-        return replace(self, drawn=drawn, reference=reference)
+        return self._changed([thinned(run, columns) for run in self.drawn])
 
     def closer(self, window: tuple[float, float] | None, columns: Columns) -> Picked:
         """Return the runs with all samples of a close view."""
-        near = [closer(run, window, columns) for run in self.drawn]
-        same = [new for new, old in zip(near, self.drawn, strict=True) if old is self.reference]
-        return replace(self, drawn=near, reference=same[0] if same else self.reference)
+        return self._changed([closer(run, window, columns) for run in self.drawn])
+
+    def _changed(self, drawn: list[LabelledRun]) -> Picked:
+        """Return the runs with other samples, the reference among them."""
+        same = [new for new, old in zip(drawn, self.drawn, strict=True) if old is self.reference]
+        return replace(self, drawn=drawn, reference=same[0] if same else self.reference)
 
     def curves(self, values: Callable[[LabelledRun], Array | None]) -> list[Curve]:
         """Return a quantity of the runs that have it over time."""

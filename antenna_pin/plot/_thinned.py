@@ -8,7 +8,7 @@ sizes between spikes are determined, are stored as well.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -51,15 +51,6 @@ def closer(run: LabelledRun, window: tuple[float, float] | None, columns: Column
     if shown.size > LONG:
         shown = _shown(whole, columns, first, last)
     return _of(whole, np.union1d(run.kept, shown))
-
-
-def thinned_beside(
-    runs: Sequence[LabelledRun], reference: LabelledRun | None, columns: Columns
-) -> tuple[list[LabelledRun], LabelledRun | None]:
-    """Return runs thinned, and the thinned reference."""
-    fewer = [thinned(run, columns) for run in runs]
-    same = [new for new, old in zip(fewer, runs, strict=True) if old is reference]
-    return fewer, same[0] if same else reference
 
 
 def turning(angle: Array) -> Array:

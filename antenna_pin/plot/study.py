@@ -96,10 +96,8 @@ def quantity_of(study: xr.Dataset, name: str) -> Quantity:
     if found.dtype.kind not in "fi":
         words = [str(value) for value in found.values]
         numbers = xr.DataArray(np.arange(len(words), dtype=float), dims=found.dims)
-        return Quantity(
-            name, text, np.ravel(numbers.broadcast_like(like).transpose(*like.dims).values), tuple(words)
-        )
-    values = np.ravel(found.broadcast_like(like).transpose(*like.dims).values).astype(float)
+        return Quantity(name, text, _of_runs(numbers, like), tuple(words))
+    values = _of_runs(found, like).astype(float)
     sizes = np.abs(values[np.isfinite(values)])
     chosen = name in names_of(study, "parameters")
     by_factors = chosen and is_spaced_by_factors(values)
@@ -110,6 +108,10 @@ def quantity_of(study: xr.Dataset, name: str) -> Quantity:
     own = np.unique(factor * values[np.isfinite(values)])
     ticks = tuple(own.tolist()) if chosen and own.size <= _MOST_TICKS else ()
     return Quantity(name, label, factor * values, ticks=ticks, logarithmic=by_factors)
+
+
+def _of_runs(values: xr.DataArray, like: xr.DataArray) -> Array:
+    return np.ravel(values.broadcast_like(like).transpose(*like.dims).values)
 
 
 def is_spaced_by_factors(values: Array) -> bool:
