@@ -53,25 +53,7 @@ from antenna_pin.plot import (
 )
 from antenna_pin.plot import journal as journal_figures
 from antenna_pin.plot._compared import panels_sheet
-from antenna_pin.plot._kinds import (
-    CLOSED,
-    CONTROLLED,
-    COUPLED,
-    FLEXIBLE,
-    FORCED,
-    GEARED,
-    LOOPED,
-    MOVING,
-    PLAYLESS,
-    PRESCRIBED,
-    RANDOM,
-    SHAKEN,
-    SLIDING,
-    STOPPED,
-    SWEPT,
-    TOUCHING,
-    TRACED,
-)
+from antenna_pin.plot._kinds import FREE_BASE, LOOPED, MOVING, PLAYLESS, POINTED, SLIDING, TOUCHING
 from antenna_pin.plot.grammar import Axis, Curve, Panel, render
 
 from .conftest import factor_of, lines_of, note_of, title_of
@@ -122,15 +104,20 @@ def test_orbit_stays_inside_the_clearance_circle_but_for_the_depth(real_runs):
     assert [axes.get_title("left").rpartition(" ")[2] for axes in ends] == ["+", "\N{MINUS SIGN}"]
     for axes, contact in zip(ends, ("elevation.radial+", "elevation.radial-"), strict=True):
         factor = factor_of(axes.get_xlabel(), "m")
-        (orbit,) = (each for each in axes.collections if isinstance(each, LineCollection))
-        points = np.array([piece[0] for piece in orbit.get_segments()] + [orbit.get_segments()[-1][1]])
-        radius = np.hypot(*points.T) / factor
+        radius = np.hypot(*path_of(axes).T)
         clearance = np.hypot(*axes.patches[0].get_xy()[0]) / factor
         assert clearance == pytest.approx(2e-4, rel=1e-9, abs=0.0)
         depth = -data["gap"].sel(contact=contact).values
         radius = radius[sampled(data)]
         np.testing.assert_allclose(radius - clearance, depth, rtol=0.0, atol=0.33e-6)
         assert np.any(radius > clearance)
+
+
+def path_of(axes):
+    """Points of the orbit in a panel, (n, 2) [m]."""
+    (orbit,) = (each for each in axes.collections if isinstance(each, LineCollection))
+    pieces = orbit.get_segments()
+    return np.array([*(piece[0] for piece in pieces), pieces[-1][1]]) / factor_of(axes.get_xlabel(), "m")
 
 
 def sampled(data, joint="elevation"):
@@ -167,9 +154,7 @@ def test_orbit_and_bore_load_have_up_against_gravity(real_runs, gravity):
     turn *= Rotation.from_quat(bearing["bearing_placement"][3:])
     up = -turn.inv().apply(gravity)[:2]
     axes = figure_orbit(("planar", data)).axes[0]
-    (orbit,) = (each for each in axes.collections if isinstance(each, LineCollection))
-    starts = np.array([piece[0] for piece in orbit.get_segments()]) / factor_of(axes.get_xlabel(), "m")
-    starts = starts[sampled(data)[:-1]]
+    starts = path_of(axes)[:-1][sampled(data)[:-1]]
     offset = data["journal_position"].values[:-1, 0, :2]
     (polar,) = (each for each in figure_bore_load(("planar", data)).axes if each.name == "polar")
     if np.hypot(*up) < 0.1 * np.linalg.norm(gravity) + 1e-9:  # along the axis, or none: as it was
@@ -434,8 +419,7 @@ def test_the_steady_force_is_that_of_the_second_half(runs):
 
 MADE_UP = ("motion_angle", "motion_rate", "motion_acceleration", "contact_forces", "energy", "momentum")
 SLIDES = [name for name, figure in CATALOGUE.items() if figure.of is SLIDING]
-_OF_OTHERS = (CLOSED, CONTROLLED, COUPLED, PRESCRIBED, FLEXIBLE, FORCED, TRACED, STOPPED, GEARED, SHAKEN)
-CLOSURES = [name for name, figure in CATALOGUE.items() if figure.needs in (*_OF_OTHERS, SWEPT, RANDOM)]
+CLOSURES = [name for name, figure in CATALOGUE.items() if figure.needs not in (None, FREE_BASE, POINTED)]
 LOOPS = [*CLOSURES, *(name for name, figure in CATALOGUE.items() if figure.of is LOOPED)]
 # Other files have those of made-up runs, closures, controllers, forces on links, flexible links, hysteresis,
 # stops, gears and shaken bases.
