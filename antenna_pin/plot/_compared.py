@@ -1,4 +1,4 @@
-"""Runs that a figure draws, their curves over time, and panels of these compared with the ideal run."""
+"""Runs of a figure, their curves over time, and panels that compare them."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from antenna_pin.plot._runs import (
     with_reference,
 )
 from antenna_pin.plot._style import Array, Width
-from antenna_pin.plot._thinned import Columns, closer, thinned_beside
+from antenna_pin.plot._thinned import Columns, closer, thinned
 from antenna_pin.plot.grammar import Axis, Curve, Panel, Sheet, in_rows, size_of
 from antenna_pin.trajectory import names_along
 
-#: Share of a panel's height within which lines cannot be told apart [-].
+#: Share of a panel's height within which lines are indistinguishable [-].
 COINCIDE = 0.01
 # More rows than these are folded into half as many: panels that are lower, and twice as many in a row.
 _TALL = 4
@@ -38,11 +38,11 @@ class Picked:
     """Runs of a figure.
 
     Attributes:
-        every: As they were given.
-        drawn: Those that the figure shows, the one to compare with last, so that it lies on top.
-        reference: The run to compare with, if there is one.
-        why: Reason that the others are left out for.
-        joint: The joint that the figure is of.
+        every: All given runs.
+        drawn: Runs in the figure, the reference last, so that it lies on top.
+        reference: Run to compare with, if there is one.
+        why: Reason given for runs that are not drawn.
+        joint: Joint of the figure.
     """
 
     every: list[LabelledRun]
@@ -67,14 +67,16 @@ class Picked:
 
     def thinned(self, columns: Columns) -> Picked:
         """Return the runs with as few samples as show what is drawn of them."""
-        drawn, reference = thinned_beside(self.drawn, self.reference, columns)
-        return replace(self, drawn=drawn, reference=reference)
+        return self._changed([thinned(run, columns) for run in self.drawn])
 
     def closer(self, window: tuple[float, float] | None, columns: Columns) -> Picked:
-        """Return the runs with all samples that a close view shows."""
-        near = [closer(run, window, columns) for run in self.drawn]
-        same = [new for new, old in zip(near, self.drawn, strict=True) if old is self.reference]
-        return replace(self, drawn=near, reference=same[0] if same else self.reference)
+        """Return the runs with all samples of a close view."""
+        return self._changed([closer(run, window, columns) for run in self.drawn])
+
+    def _changed(self, drawn: list[LabelledRun]) -> Picked:
+        """Return the runs with other samples, the reference among them."""
+        same = [new for new, old in zip(drawn, self.drawn, strict=True) if old is self.reference]
+        return replace(self, drawn=drawn, reference=same[0] if same else self.reference)
 
     def curves(self, values: Callable[[LabelledRun], Array | None]) -> list[Curve]:
         """Return a quantity of the runs that have it over time."""
@@ -86,7 +88,7 @@ class Picked:
         ]
 
     def deviations(self, of: Callable[[LabelledRun], tuple[Array, Array] | None]) -> list[Curve]:
-        """Return times and deviations from the ideal run, of the runs that can be compared with it."""
+        """Return the deviations of comparable runs from the ideal run over time."""
         looks = {run.label: (run, look) for run, look in self.styled}
         found = [(run, look, of(run)) for run, look in looks.values() if run is not self.reference]
         return [Curve(run.label, *one, look, many=run.many) for run, look, one in found if one is not None]
@@ -101,15 +103,15 @@ def pick(
     joint: tuple[JointKind, str | None] | None = None,
     why: str = "",
 ) -> Picked:
-    """Return the runs that a figure is to draw.
+    """Return the runs to draw.
 
     Args:
-        runs: As the figure is given them.
-        kind: Of the runs to be drawn; all if left out.
-        ideal: As the figure is given it.
-        compared: Whether one run is the one to compare with.
-        joint: Kind and name of the joint that the figure is of, if it is of one.
-        why: Reason that others are left out for, if it is to be said; by a kind of runs its own.
+        runs: Runs as given to the figure.
+        kind: Kind of the drawn runs; all if left out.
+        ideal: Reference as given to the figure.
+        compared: Whether one run is the reference.
+        joint: Kind and name of the figure's joint.
+        why: Reason given for runs that are not drawn; the kind's own if left out.
 
     Raises:
         InvalidParameterError: No run is of the kind.
@@ -137,16 +139,13 @@ def pick_touching(runs: Runs, joint: str | None) -> Picked:
 
 
 def above_round_off(panels: Sequence[Panel], runs: Iterable[LabelledRun]) -> tuple[list[Panel], str]:
-    """Return the panels that show more than round-off by the runs' own scales, and the others in words.
+    """Return panels above round-off, and a note on the others.
 
-    Where there would be none left, all are.
+    All panels are returned where none is above round-off by the runs' own scales.
     """
     scales = round_off_scales(*(run.whole.data for run in runs))
-    shown = [
-        panel
-        for panel in panels
-        if panel.largest != 0.0 and not is_round_off(panel.largest, panel.y.unit or "", scales)
-    ]
+    sizes = ((panel, panel.largest, panel.y.unit or "") for panel in panels)
+    shown = [panel for panel, size, unit in sizes if size != 0.0 and not is_round_off(size, unit, scales)]
     if not shown:
         return list(panels), "all of it is zero to round-off"
     left = dict.fromkeys(panel.title for panel in panels if panel not in shown)
@@ -154,10 +153,10 @@ def above_round_off(panels: Sequence[Panel], runs: Iterable[LabelledRun]) -> tup
 
 
 def with_differences(panels: Sequence[Panel]) -> list[Panel]:
-    """Return panels, each whose lines all coincide followed by one of what the others are less the first.
+    """Return panels, each followed by its differences where all its lines coincide.
 
-    Lines coincide that a line's width covers: a hundredth of the height. Between its samples the first is
-    straight, for across impacts no curve is better.
+    Lines coincide within a hundredth of the height. Between its samples the first line is straight, for
+    across impacts no curve is better.
     """
     return [one for panel in panels for one in (panel, _less_the_first(panel)) if one is not None]
 
@@ -167,33 +166,28 @@ def _less_the_first(panel: Panel) -> Panel | None:
     if panel.apart or len(panel.curves) < 2:
         return None
     first, *others = panel.curves
-    less = [replace(one, y=less_another(one, first)) for one in others]
+    less = [replace(one, y=one.y - straight(one.x, first.x, first.y)) for one in others]
     values = np.concatenate([one.y[np.isfinite(one.y)] for one in panel.curves])
     seen = COINCIDE * float(np.ptp(values)) if values.size else 0.0
     if not 0.0 < max(size_of(one.y) for one in less) < seen:
         return None
-    return Panel(
-        f"{panel.title}: less that of {first.label}", less, Axis("difference", panel.y.unit), apart=True
-    )
+    title = f"{panel.title}: less that of {first.label}"
+    return Panel(title, less, Axis("difference", panel.y.unit), apart=True)
 
 
-def less_another(one: Curve, first: Curve) -> Array:
-    """Return a line less another, at its own instants; NaN while the other does not last."""
-    own, index = np.unique(first.x, return_index=True)
-    return np.asarray(one.y - np.interp(one.x, own, first.y[index], left=np.nan, right=np.nan))
+def straight(places: Array, x: Array, y: Array) -> Array:
+    """Return a line through points at other places, NaN beyond its ends."""
+    own, index = np.unique(x, return_index=True)
+    return np.asarray(np.interp(places, own, y[index], left=np.nan, right=np.nan))
 
 
 def panels_sheet(
     panels: Sequence[Panel], width: Width, columns: int, notes: Sequence[str] = (), *, spikes: bool = False
 ) -> Sheet:
-    """Return panels over time row by row; those of one vector share their unit where sizes are comparable.
+    """Return panels over time row by row, with one unit where sizes are comparable.
 
-    Args:
-        panels: What to draw.
-        width: Named width.
-        columns: Panels in a row of a page; a column of print has one. Of more than four rows twice as many.
-        notes: Below them.
-        spikes: Whether scales are linear as far as the smooth lines reach, and logarithmic beyond.
+    A column of print has one panel in a row. More than four rows are folded into half as many. With
+    ``spikes`` scales are linear as far as smooth lines reach, and logarithmic beyond.
     """
     columns = columns if width == "page" else 1
     small = -(-len(panels) // columns) > _TALL

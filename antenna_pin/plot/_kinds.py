@@ -1,4 +1,4 @@
-"""Kinds of joints and runs that there are figures of, and the figure of runs that the catalogue declares."""
+"""Kinds of joints and runs of figures, and the catalogue's figure of runs."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from matplotlib.figure import Figure
 
 from antenna_pin.analysis import gears_of, is_round_off, shakes_of, stops_and_latches
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
-from antenna_pin.plot._runs import LabelledRun, Runs, long_enough
+from antenna_pin.plot._runs import LabelledRun, Runs, long_enough, unit_of
 from antenna_pin.plot._style import Width
 from antenna_pin.trajectory import names_along
 
-# Samples at which a joint is looked at to tell whether it moves.
+# Number of samples by which a joint's motion is detected.
 _LOOKS = 500
 
 
@@ -25,11 +25,11 @@ class JointKind:
     """Joints that a figure can be of.
 
     Attributes:
-        noun: What one is called in a refusal.
-        words: What a run must have, after "with".
-        names: Finds those of one run.
-        play: Whether figures are of those with play, where there is any; else they are of the others, each.
-        asked: Whether of mechanisms without play they are drawn only where they are asked for.
+        noun: Name in refusals.
+        words: Requirement on a run, after "with".
+        names: Returns such joints of a run.
+        play: Whether joints with play come first; else joints without play only.
+        asked: Whether mechanisms without play have such figures on request only.
     """
 
     noun: str
@@ -44,8 +44,8 @@ class RunKind:
     """Runs that a figure can be of.
 
     Attributes:
-        words: What a run must have, after "with".
-        holds: Whether a run is one.
+        words: Requirement on a run, after "with".
+        holds: Predicate of a run.
     """
 
     words: str
@@ -53,7 +53,7 @@ class RunKind:
 
 
 def _described(run: LabelledRun, table: str) -> list[str]:
-    """Return the keys of a table of a run's scenario; none if it has no such table or no scenario."""
+    """Return the keys of a table of a run's scenario, none without it."""
     try:
         return list(json.loads(run.data.attrs["scenario"])[table])
     except (KeyError, TypeError, ValueError):
@@ -67,17 +67,17 @@ def _sweeps(run: LabelledRun) -> bool:
 
 
 def _with_play(run: LabelledRun) -> list[str]:
-    """Return the joints with clearance, and those that the scenario describes one for, though ideal here."""
+    """Return joints with clearance in a run or in its scenario."""
     return list(dict.fromkeys([*run.clearance_joints, *_described(run, "clearance")]))
 
 
 def _moves(run: LabelledRun, joint: str) -> bool:
     """Return whether a joint's angle or position changes by more than round-off."""
-    for dim, variable, unit in (("joint", "motion_angle", "rad"), ("sliding_joint", "slide_position", "m")):
+    for dim, variable in (("joint", "motion_angle"), ("sliding_joint", "slide_position")):
         if joint in names_along(run.data, dim) and variable in run.data:
             some = run.data[variable].isel(time=slice(None, None, max(1, run.time.size // _LOOKS)))
             way = float(np.ptp(some.sel({dim: joint}).values))
-            return way > 0.0 and not is_round_off(way, unit, {"rad": 1.0, "m": 1.0})
+            return way > 0.0 and not is_round_off(way, unit_of(variable), {"rad": 1.0, "m": 1.0})
     return False
 
 
@@ -131,16 +131,19 @@ def _names(kind: JointKind, runs: Sequence[LabelledRun]) -> list[str]:
 
 def none_with(kind: JointKind | RunKind, runs: Sequence[LabelledRun]) -> InvalidParameterError:
     """Return the refusal of runs of which none is of a kind."""
-    rule = f"at least one run with {kind.words}"
+    return refusal(f"at least one run with {kind.words}", runs)
+
+
+def refusal(rule: str, runs: Sequence[LabelledRun]) -> InvalidParameterError:
+    """Return the refusal of runs of which none meets a rule."""
     return InvalidParameterError("figure", "runs", rule, ", ".join(run.label for run in runs))
 
 
 def joints_of(kind: JointKind, runs: Sequence[LabelledRun]) -> list[str]:
     """Return the joints of a kind that runs are about.
 
-    Of a kind without play all that have none in any of the runs. Of another one those with clearance in one
-    of the runs; of ideal runs those whose clearance the scenario describes; of
-    other runs the first of the kind. None if there is none of the kind.
+    Kinds without play have all joints without play. Others have joints with clearance in a run, else joints
+    with clearance in a scenario, else the first joint of the kind.
     """
     known = _names(kind, runs)
     if not kind.play:
@@ -162,7 +165,7 @@ def wanted_joints(kind: JointKind, runs: Sequence[LabelledRun]) -> list[str]:
 
 
 def choose_joint(kind: JointKind, runs: Sequence[LabelledRun], joint: str | None) -> str:
-    """Return the joint to draw: the one asked for, or the first that the runs are about.
+    """Return the requested joint, or the first that the runs are about.
 
     Raises:
         UnknownNameError: No run has such a joint of that name.
@@ -186,14 +189,14 @@ class RunFigure:
     """A figure of runs.
 
     Attributes:
-        name: What it is asked for by, and its file without a format.
-        title: What it shows; "{joint}" stands for the joint.
-        function: Draws it, from runs, ``options``, the joint if it is of one, and a width.
+        name: Name in the catalogue, and of its file without a format.
+        title: Title; "{joint}" stands for the joint.
+        function: Draws runs with ``options``, the joint if it is of one, and a width.
         options: Arguments of the function that make it this figure.
-        of: The joints that there is one each of; None for one of whole runs.
-        needs: Runs that it takes; None for all.
-        compares: Whether every run in it stands beside the ideal one.
-        standard: Whether it is drawn where none is asked for by name.
+        of: Kind of its joint; None for a figure of whole runs.
+        needs: Kind of its runs; None for all.
+        compares: Whether every run is drawn beside the ideal one.
+        standard: Whether it is drawn by default.
         reported: Whether it is in a report.
     """
 
@@ -223,8 +226,7 @@ class RunFigure:
 
         Args:
             runs: Trajectories, or pairs of a label and a dataset or trajectory.
-            joint: Name of the joint; the one that the runs are about if left out. Of no meaning for a figure
-                of whole runs.
+            joint: Name of the joint; the runs' own if left out. Unused for a figure of whole runs.
             width: "column" (88 mm) or "page" (180 mm).
             **options: Further arguments of the function, such as ``zoom``.
         """

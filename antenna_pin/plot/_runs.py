@@ -1,4 +1,4 @@
-"""Runs as figures see them: label, samples, whether joints are ideal, blows of a joint."""
+"""Runs in figures: label, samples, ideal or with play, blows of a joint."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.analysis import between_samples
-from antenna_pin.errors import FileFormatError, InvalidParameterError
+from antenna_pin.analysis import between_samples, spectrum
+from antenna_pin.errors import AntennaPinError, FileFormatError, InvalidParameterError
 from antenna_pin.plot._style import IDEAL, MANY, Array, distinct
 from antenna_pin.trajectory import contacts_of, elements_of, names_along, series
+from antenna_pin.trajectory.schema import VARIABLES
 
 
 class Recorded(Protocol):
@@ -32,14 +33,14 @@ Runs: TypeAlias = Iterable[Run] | Run
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LabelledRun:
-    """A run as the figures see it.
+    """Run in a figure.
 
     Attributes:
         label: Name in legends.
-        data: The samples, with the scenario among their attributes if it is known.
-        source: The dataset that was given.
-        kept: Which samples of the run ``data`` has, if not all.
-        all: The run with all its samples, if ``data`` has not all.
+        data: Samples, with the scenario among their attributes if it is known.
+        source: Dataset as given.
+        kept: Indices of the samples in ``data``, if not all.
+        all: Run with all samples, if ``data`` has not all.
     """
 
     label: str
@@ -60,7 +61,7 @@ class LabelledRun:
 
     @property
     def ideal(self) -> bool:
-        """True where neither a joint nor a gear has play, so the run is one that others are compared with."""
+        """True where neither a joint nor a gear has play."""
         return self.data.sizes.get("contact", 0) == 0 and not _backlash(self.data)
 
     @property
@@ -94,7 +95,7 @@ class LabelledRun:
         return names_along(self.data, "contact")
 
     def contacts_of(self, joint: str, *, flanges: bool | None = None) -> list[str]:
-        """Return the contacts of a joint: all, or those at flanges, or those in the bore."""
+        """Return the contacts of a joint: all, at flanges, or in the bore."""
         return contacts_of(self.data, joint, flanges=flanges)
 
     def values(self, name: str, **where: str) -> Array:
@@ -104,9 +105,15 @@ class LabelledRun:
         picked = self.data[name].sel(where) if where else self.data[name]
         return np.asarray(picked.values, dtype=float)
 
-    def unit(self, name: str, default: str) -> str:
-        """Return the unit of a variable."""
-        return str(self.data[name].attrs.get("units", default)) if name in self.data else default
+    def unit(self, name: str) -> str:
+        """Return the unit of a variable, by default the catalogue's."""
+        return str(self.data[name].attrs.get("units", unit_of(name))) if name in self.data else unit_of(name)
+
+
+def unit_of(variable: str, slides: bool = False) -> str:
+    """Return the catalogue's unit of a variable, or of one that slides."""
+    row = VARIABLES[variable]
+    return row.sliding if slides and row.sliding else row.units
 
 
 def _backlash(data: xr.Dataset) -> bool:
@@ -125,7 +132,7 @@ def labelled(runs: Runs) -> list[LabelledRun]:
     """Return runs with distinct labels; repeated labels get numbers.
 
     Raises:
-        InvalidParameterError: If there is no run, or none that holds two samples.
+        InvalidParameterError: There is no run, or none of two samples.
     """
     pair = isinstance(runs, tuple) and len(runs) == 2 and isinstance(runs[0], str)
     every = cast("Iterable[Run]", [runs] if pair or hasattr(runs, "data") else runs)
@@ -137,18 +144,14 @@ def labelled(runs: Runs) -> list[LabelledRun]:
         source, scenario = data, getattr(given, "scenario", None)
         if scenario is not None and "scenario" not in data.attrs:  # a file has it there
             data = data.assign_attrs(scenario=scenario.model_dump_json())
-        taken = [other.label for other in result]
-        copies = sum(name == label or name.startswith(f"{label} (") for name in taken)
+        copies = sum(other.label == label or other.label.startswith(f"{label} (") for other in result)
         result.append(LabelledRun(f"{label} ({copies + 1})" if copies else label, data, source))
     if not result:
         raise InvalidParameterError("figure", "runs", "at least one run", "none")
     if all(run.time.size < 2 for run in result):
-        ends = ", ".join(
-            f"{run.label} ({run.data.attrs.get('outcome', 'unknown outcome')})" for run in result
-        )
-        raise InvalidParameterError(
-            "figure", "runs", "at least one run of two samples or more", f"single samples from {ends}"
-        )
+        ends = (f"{run.label} ({run.data.attrs.get('outcome', 'unknown outcome')})" for run in result)
+        rule = "at least one run of two samples or more"
+        raise InvalidParameterError("figure", "runs", rule, f"single samples from {', '.join(ends)}")
     return result
 
 
@@ -164,10 +167,7 @@ def long_enough(runs: Sequence[LabelledRun]) -> list[LabelledRun]:
 
 
 def with_reference(runs: Runs, ideal: Run | None) -> tuple[list[LabelledRun], LabelledRun | None]:
-    """Return the runs and the one to compare with: the one given, else the first without contact.
-
-    A reference of a single sample is none.
-    """
+    """Return the runs and the reference: the given run, else the first ideal one."""
     every = labelled(runs)
     reference = labelled([ideal])[0] if ideal is not None else next((r for r in every if r.ideal), None)
     if reference is not None and ideal is not None:
@@ -180,23 +180,28 @@ def with_reference(runs: Runs, ideal: Run | None) -> tuple[list[LabelledRun], La
 
 
 def smooth(run: LabelledRun, joint: str) -> LabelledRun:
-    """Return a run with what is known of a joint with play between its samples (``between_samples``).
-
-    Samples of which there are many stand closer than a figure shows.
-    """
+    """Return a run of few samples with a joint's motion between them (``between_samples``)."""
     if not 2 <= run.time.size <= MANY:
         return run
     return replace(run, data=between_samples(run.data, joint))
 
 
 def styles(runs: Sequence[LabelledRun], reference: LabelledRun | None) -> list[dict[str, Any]]:
-    """Return how each run's line looks: the reference black and dashed, the others in the palette's order."""
+    """Return the looks of lines, the reference black and dashed."""
     numbers = itertools.count()
     return [IDEAL if run is reference else {**distinct(next(numbers)), "linewidth": 0.7} for run in runs]
 
 
+def spectrum_of(run: LabelledRun, values: Array) -> xr.Dataset:
+    """Return a spectrum in windows of half a run, or in one window."""
+    try:
+        return spectrum(run.time, values, segment=0.5 * float(run.time[-1] - run.time[0]))
+    except AntennaPinError:
+        return spectrum(run.time, values)
+
+
 def left_out(runs: Sequence[LabelledRun], drawn: Sequence[LabelledRun], why: str) -> str:
-    """Return a note naming the runs that a figure leaves out for a reason, or nothing."""
+    """Return a note on runs left out for a reason, or nothing."""
     shown = {run.label for run in drawn}
     names = [run.label for run in runs if run.label not in shown and run.time.size > 1]
     return f"not drawn, {why}: {', '.join(names)}" if names else ""
@@ -216,14 +221,14 @@ _MARGIN = 0.6
 
 @dataclass(frozen=True, slots=True)
 class Blow:
-    """The strongest blow of a joint in a run.
+    """Strongest blow of a joint in a run.
 
     Attributes:
-        contact: Name of the contact that takes most.
-        time: Of the largest force [s].
+        contact: Contact with the largest force.
+        time: Time of that force [s].
         force: That force [N].
-        window: What of the run shows it [s].
-        touching: Names of the contacts that exert a force in the window.
+        window: Span of its close view [s].
+        touching: Contacts that exert a force in the window.
     """
 
     contact: str
@@ -242,14 +247,10 @@ def episodes_of(run: LabelledRun, contacts: list[str]) -> NDArray[np.bool_]:
 
 
 def sharp(run: LabelledRun, curve: LabelledRun) -> NDArray[np.bool_]:
-    """Return which contact episodes have a peak that a line over the whole run hides, (episodes,).
+    """Return a mask of episodes whose peak is narrower than a line shows, (episodes,).
 
-    A lasting contact's smooth maximum, at half its height wider than ten samples, needs no mark: the line
-    shows it.
-
-    Args:
-        run: All of it.
-        curve: As its lines are drawn.
+    A lasting contact's smooth maximum, at half its height wider than ten samples of the run, needs no mark.
+    Forces are those of ``curve``, the run as its lines are drawn.
     """
     if run.data.sizes.get("episode", 0) == 0:
         return np.zeros(0, dtype=bool)
@@ -267,28 +268,18 @@ def sharp(run: LabelledRun, curve: LabelledRun) -> NDArray[np.bool_]:
 
 
 def _narrow(time: Array, force: Array, at: Array, half: float, level: Array) -> NDArray[np.bool_]:
-    """Return whether a force is below a level somewhere within half a width before and behind an instant."""
+    """Return a mask of peaks with forces below a level on both sides."""
     first = np.searchsorted(time, at - half)
     middle = np.searchsorted(time, at)
     last = np.searchsorted(time, at + half, side="right")
     sides = zip(first, middle, last, level, strict=True)
-    return np.array(
-        [
-            force[a:b].min(initial=np.inf) < limit and force[b:c].min(initial=np.inf) < limit
-            for a, b, c, limit in sides
-        ],
-        dtype=bool,
-    )
+    before_and_behind = ((force[a:b], force[b:c], limit) for a, b, c, limit in sides)
+    lows = [max(one.min(initial=np.inf) for one in both) < limit for *both, limit in before_and_behind]
+    return np.array(lows, dtype=bool)
 
 
 def strongest_blow(run: LabelledRun, curve: LabelledRun, joint: str) -> Blow | None:
-    """Return the blow with the largest normal force of one contact of a joint; None if it took none.
-
-    Args:
-        run: All of it.
-        curve: As its lines are drawn.
-        joint: The joint with play.
-    """
+    """Return the blow with the largest normal force in a joint, or None."""
     names = run.contacts_of(joint)
     blows = np.flatnonzero(episodes_of(run, names) & sharp(run, curve)) if names else np.empty(0, int)
     if not blows.size or "normal_force" not in curve.data:
@@ -311,7 +302,7 @@ def strongest_blow(run: LabelledRun, curve: LabelledRun, joint: str) -> Blow | N
 
 
 def _above(time: Array, force: Array, at: float, level: float) -> tuple[float, float]:
-    """Return from when to when a force is above a level without a break around an instant [s]."""
+    """Return the span around a time in which a force stays above a level [s]."""
     middle = int(np.searchsorted(time, at))
     low = np.flatnonzero(force < level)
     before, behind = low[low < middle], low[low > middle]

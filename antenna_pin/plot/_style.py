@@ -100,7 +100,7 @@ _DASHES: tuple[Any, ...] = ("-", (0, (6, 1, 1, 1)), (0, (1, 1)), (0, (5, 1, 1, 1
 
 
 def distinct(number: int) -> dict[str, Any]:
-    """Return colour and dashes of the line of a number, from 0 on: of 24 no two look alike."""
+    """Return colour and dashes of line ``number``; 24 lines are distinct."""
     turn, place = divmod(number, len(COLOURS))
     return {"color": COLOURS[place], "linestyle": _DASHES[turn % len(_DASHES)]}
 
@@ -118,7 +118,7 @@ def styled(function: Callable[P, R]) -> Callable[P, R]:
 
 @contextlib.contextmanager
 def _any_script() -> Iterator[None]:
-    """Keep quiet about letters that the font lacks, as in a case with a Chinese name: they become boxes."""
+    """Silence warnings of letters that the font lacks; they become boxes."""
     formulas = logging.getLogger("matplotlib.mathtext")  # titles with a bold letter go through it
     before = formulas.level
     formulas.setLevel(logging.ERROR)
@@ -131,18 +131,18 @@ def _any_script() -> Iterator[None]:
 
 
 def literal(text: str) -> str:
-    """Return a text that people chose, such as a case's name, so that its dollars start no formula."""
+    """Return a user's text with its dollars escaped."""
     return text.replace("$", r"\$")
 
 
 class Picture(Figure):
-    """A figure that shows itself in a notebook, with or without a backend of Matplotlib's."""
+    """Figure that displays itself in a notebook, with or without a backend."""
 
     # Whether it is being saved: Matplotlib then draws it twice, once without ink, to have its panels placed.
     _saving = False
 
     def savefig(self, *args: Any, **kwargs: Any) -> None:
-        """Save the figure, as Matplotlib does; places of panels are found without drawing what is in them."""
+        """Save the figure; panels are placed without drawing their content."""
         self._saving = True
         try:
             super().savefig(*args, **kwargs)
@@ -181,12 +181,9 @@ def letters() -> Iterator[str]:
 
 
 def legend_above(figure: Figure, panels: Iterable[Axes], formulas: bool = False) -> None:
-    """Put one legend for the given panels above the figure, each entry once, the ideal joint first.
+    """Draw one legend of some panels above the figure, the ideal joint first.
 
-    Args:
-        figure: The figure.
-        panels: Its panels whose lines have names.
-        formulas: Whether dollars in the names enclose formulas.
+    Dollars in names enclose formulas where ``formulas`` is true.
     """
     entries: dict[str, Any] = {}
     for axes in panels:
@@ -209,10 +206,7 @@ def legend_above(figure: Figure, panels: Iterable[Axes], formulas: bool = False)
 
 
 def footnote(figure: Figure, *parts: str) -> None:
-    """Say below the panels what is not drawn, or how to read what is, after what stands there already.
-
-    Empty parts say nothing.
-    """
+    """Append notes, those that are not empty, below the panels."""
     said = " ".join(figure.get_supxlabel().split())
     text = "; ".join(part for part in (said, *parts) if part)
     if text != said:
@@ -223,7 +217,7 @@ def footnote(figure: Figure, *parts: str) -> None:
 
 
 def panel_title(axes: Axes, letter: str, text: str) -> None:
-    """Head a panel with letter and text; without both, leave its title as it is."""
+    """Set a panel's title of letter and text, if there are any."""
     plain = literal(text)
     if letter or plain:
         axes.set_title(rf"$\bf{{({letter})}}$ {plain}" if letter else plain)
@@ -233,7 +227,7 @@ def panel_title(axes: Axes, letter: str, text: str) -> None:
 
 
 def parameter_words(key: str) -> str:
-    """Return what a key of a scenario is called by people: "radial clearance of pin"."""
+    """Return the readable name of a scenario key, as "radial clearance of pin"."""
     table, *rest = key.split(".")
     if not rest:
         return table.replace("_", " ")
@@ -255,7 +249,7 @@ _PREFIXES = (
 
 
 def prefixed(unit: str, largest: float) -> tuple[float, str]:
-    """Return the factor and the unit that bring values up to ``largest`` [unit] into a readable range."""
+    """Return factor and unit that make values up to ``largest`` [unit] readable."""
     printed = printed_unit(unit)
     if not (math.isfinite(largest) and largest > 0.0) or printed in ("", "-"):
         return 1.0, printed
@@ -283,7 +277,7 @@ def few_ticks(axes: Axes, x: int = 6, y: int = 5) -> None:
 
 
 def _nice_above(value: float) -> float:
-    """Return the smallest of 1, 2, 5 times a power of ten that is at least ``value``."""
+    """Return the next 1, 2 or 5 times a power of ten, not below ``value``."""
     decade = 10.0 ** math.floor(math.log10(value))
     return float(next(m * decade for m in (1.0, 2.0, 5.0, 10.0) if m * decade >= value * (1.0 - 1e-12)))
 
@@ -296,27 +290,23 @@ _LINE = 6.0 * _MILLIMETRE  # two lines of a footnote, of which panels must not l
 
 
 def explain_linear(figure: Figure) -> None:
-    """Write below the panels what the dotted lines of :func:`linear_then_log` mean."""
+    """Explain the dotted lines of :func:`linear_then_log` below the panels."""
     figure.set_figheight(figure.get_figheight() + _LINE)
     footnote(figure, LINEAR_BETWEEN)
 
 
 def linear_then_log(axes: Sequence[Axes], core: float, largest: float) -> float | None:
-    """Keep small values legible beside spikes: linear up to a limit, logarithmic beyond it.
+    """Set a scale linear up to a limit, and logarithmic beyond for spikes.
 
-    Nothing changes where ``largest`` is less than 10 times ``core``.
-
-    Args:
-        axes: The panels that share the scale.
-        core: Size of the values that must stay legible.
-        largest: Size of the spikes, same unit.
+    Nothing changes where ``largest``, the size of the spikes, is less than 10 times ``core``, the size of the
+    values that must stay legible (one unit).
 
     Returns:
-        The limit between the two parts, or None if the scale stays linear.
+        Limit between the two parts, or None if the scale stays linear.
     """
     if not (core > 0.0 and math.isfinite(largest)) or largest < 10.0 * core:
         return None
-    limit = _nice_above(1.2 * max(core, 1e-5 * largest))  # five decades are as many as can be told apart
+    limit = _nice_above(1.2 * max(core, 1e-5 * largest))  # more than five decades are not distinguishable
     top = 10.0 ** math.ceil(math.log10(largest))
     decades = math.log10(top / limit)
     # Ticks keep their distance in a panel of some 28 mm, where a decade takes 8 / decades mm.
@@ -356,32 +346,32 @@ _PIECES = 2_000
 Parts = Callable[[], Iterable[tuple[Array, Array]]]
 
 
-def draw_pieces(axes: Axes, points: Array, values: Array, kept: Any = slice(None), **looks: Any) -> None:
-    """Draw the pieces of a line, each in the colour of its own value, one after another.
+def draw_pieces(axes: Axes, points: Array, values: Array, order: Any = slice(None), **looks: Any) -> None:
+    """Draw a line's pieces one after another, each in the colour of its value.
 
     Long lines are made into paths part by part while they are drawn.
 
     Args:
         axes: Axes, whose limits are set elsewhere.
         points: (n, 2), in their units.
-        values: Of the pieces between them, (n - 1,).
-        kept: Which pieces, and in what order; all, as they come, if left out.
-        looks: As for ``LineCollection``.
+        values: Values of the pieces between them, (n - 1,).
+        order: Indices of pieces in their order; all if left out.
+        looks: Arguments of ``LineCollection``.
     """
-    pieces = np.stack([points[:-1], points[1:]], axis=1)[kept]
+    pieces = np.stack([points[:-1], points[1:]], axis=1)[order]
     if len(pieces) > _LONG_LINE:
-        axes.add_artist(_InParts(axes, lambda: [(pieces, values[kept])], looks))
+        axes.add_artist(_InParts(axes, lambda: [(pieces, values[order])], looks))
     else:
-        axes.add_collection(LineCollection(list(pieces), array=values[kept], **looks))
+        axes.add_collection(LineCollection(list(pieces), array=values[order], **looks))
 
 
 def draw_parts(axes: Axes, parts: Parts, **looks: Any) -> None:
-    """Draw a line as :func:`draw_pieces` does that is too long for memory: it is made while it is drawn.
+    """Draw a line that is too long for memory as :func:`draw_pieces` does.
 
     Args:
         axes: Axes, whose limits are set elsewhere.
         parts: Returns the line part by part.
-        looks: As for ``LineCollection``.
+        looks: Arguments of ``LineCollection``.
     """
 
     def pieces() -> Iterable[tuple[Array, Array]]:
@@ -392,7 +382,7 @@ def draw_parts(axes: Axes, parts: Parts, **looks: Any) -> None:
 
 
 class _InParts(Artist):
-    """Pieces of a line that become paths when they are drawn, so many at once."""
+    """Pieces of a line that become paths while they are drawn."""
 
     def __init__(self, axes: Axes, parts: Parts, looks: dict[str, Any]) -> None:
         super().__init__()

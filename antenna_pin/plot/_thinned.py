@@ -1,14 +1,14 @@
-"""Long runs with as few samples as show all there is to see.
+"""Long runs with the fewest samples that draw the same lines.
 
-A line of more samples than it has pixels looks the same with fewer: of the samples in each of 4096 equal
-parts of the time the first, the last, the lowest and the highest are kept, of every quantity that is drawn,
-so that none is moved or smoothed and no extreme is lost; beside a gap (NaN) both ends of it. So are the
-samples around 2050 even instants, by which sizes between spikes are told: they stay as they are.
+A line of more samples than it has pixels looks the same with fewer. In each of 4096 equal parts of the time
+the first, the last, the lowest and the highest sample of every drawn quantity are stored, and both ends of
+each gap (NaN), so that no sample moves and no extreme is lost. The samples around 2050 even times, by which
+sizes between spikes are determined, are stored as well.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 import numpy as np
@@ -28,12 +28,7 @@ _WINDOWS, _IN_WINDOW = 50, 41
 
 
 def thinned(run: LabelledRun, columns: Columns) -> LabelledRun:
-    """Return a long run with the samples only that show what is drawn of it; another one as it is.
-
-    Args:
-        run: All of it.
-        columns: What is drawn.
-    """
+    """Return a long run with the samples that draw its columns; others unchanged."""
     time = run.time
     if time.size <= LONG:
         return run
@@ -45,13 +40,7 @@ def thinned(run: LabelledRun, columns: Columns) -> LabelledRun:
 
 
 def closer(run: LabelledRun, window: tuple[float, float] | None, columns: Columns) -> LabelledRun:
-    """Return a thinned run with the samples that a close view of it shows besides.
-
-    Args:
-        run: As :func:`thinned` has left it.
-        window: Start and end of the close view [s]; None for none.
-        columns: What is drawn.
-    """
+    """Return a thinned run with further samples for a close view [s]."""
     if run.kept is None or window is None:
         return run
     whole = run.whole
@@ -64,80 +53,59 @@ def closer(run: LabelledRun, window: tuple[float, float] | None, columns: Column
     return _of(whole, np.union1d(run.kept, shown))
 
 
-def thinned_beside(
-    runs: Sequence[LabelledRun], reference: LabelledRun | None, columns: Columns
-) -> tuple[list[LabelledRun], LabelledRun | None]:
-    """Return runs thinned, and the one among them to compare with.
-
-    Args:
-        runs: What is drawn.
-        reference: One of them, or None.
-        columns: What is drawn of each.
-    """
-    fewer = [thinned(run, columns) for run in runs]
-    same = [new for new, old in zip(fewer, runs, strict=True) if old is reference]
-    return fewer, same[0] if same else reference
-
-
 def turning(angle: Array) -> Array:
-    """Return a column that has samples wherever an angle has turned by another radian.
+    """Return a column with samples wherever an angle has turned by another radian.
 
-    Between two samples that are kept an angle may then turn no further than half a turn, and it goes on where
-    it would jump by a whole one (``numpy.unwrap``), as it does with all samples.
+    Between two stored samples the angle then turns by less than half a turn, so that ``numpy.unwrap`` finds
+    the same turns as with all samples.
     """
     steps = np.floor(np.unwrap(angle))
     odd = np.mod(steps, 2.0) == 1.0
     return np.where(odd, np.nan, 0.0)
 
 
-def _of(run: LabelledRun, kept: _Indices) -> LabelledRun:
-    return replace(run, data=run.data.isel(time=kept), kept=kept, all=run)
+def _of(run: LabelledRun, indices: _Indices) -> LabelledRun:
+    return replace(run, data=run.data.isel(time=indices), kept=indices, all=run)
 
 
 def telling(place: Array, values: Array) -> _Indices:
-    """Return which points of a line show all of it, where it is drawn over thousands of pixels.
-
-    Args:
-        place: Along the axis, not decreasing, (n,).
-        values: (n,).
-    """
+    """Return indices of points that draw a line over ascending places, (n,) each."""
     starts = _starts(place, float(place[0]), float(place[-1]))
-    return np.unique(np.concatenate(_kept(values, starts, place.size)))
+    return np.unique(np.concatenate(_extremes_of(values, starts, place.size)))
 
 
 def _starts(place: Array, start: float, end: float) -> _Indices:
-    """Return where points enter another one of the equal parts between two places."""
+    """Return the first point in each of the equal parts between two places."""
     part = np.minimum((place - start) * (_PARTS / ((end - start) or 1.0)), _PARTS - 1).astype(int)
     return np.flatnonzero(np.diff(part, prepend=-1))
 
 
-def _kept(columns: Array, starts: _Indices, count: int) -> list[_Indices]:
+def _extremes_of(columns: Array, starts: _Indices, count: int) -> list[_Indices]:
     mine = [starts, starts[1:] - 1, np.array([count - 1])]
     for values in np.asarray(columns, dtype=float).reshape(count, -1).T:
         mine += _telling(values, starts)
     return mine
 
 
-def _shown(run: LabelledRun, columns: Columns, first: int, last: int) -> _Indices:
-    """Return which samples show all of some neighbours."""
-    data = run.data.isel(time=slice(first, last))
+def _shown(run: LabelledRun, columns: Columns, begin: int, last: int) -> _Indices:
+    """Return the samples that draw a range of a run."""
+    data = run.data.isel(time=slice(begin, last))
     start, end = (float(data["time"].values[k]) for k in (0, -1))
     found = []
-    begin = first
     for part in blocks(data):
         drawn = replace(run, data=part)
         time = drawn.time
         starts = _starts(time, start, end)
         mine = [starts, starts[1:] - 1, np.array([time.size - 1])]
         for column in columns(drawn):
-            mine += _kept(column, starts, time.size)
+            mine += _extremes_of(column, starts, time.size)
         found.append(begin + np.unique(np.concatenate(mine)))
         begin += time.size
     return np.concatenate(found).astype(int)
 
 
 def _telling(values: Array, starts: _Indices) -> list[_Indices]:
-    """Return where stretches of values have their least and their largest, and both sides of gaps."""
+    """Return the least and largest values of stretches, and both sides of gaps."""
     lengths = np.diff(starts, append=values.size)
     stretch = np.repeat(np.arange(starts.size), lengths)
     found = []
@@ -149,14 +117,10 @@ def _telling(values: Array, starts: _Indices) -> list[_Indices]:
 
 
 def between_spikes(time: Array, value: Array) -> float:
-    """Return the size that a quantity comes to where it has no spikes.
+    """Return the size of a quantity between its spikes, over samples of any spacing.
 
-    The largest, over fifty windows of equal length, of the size that it is below for half of the window: what
-    lasts shorter is a spike. So a slow oscillation counts whole, whatever impacts stand on it.
-
-    Args:
-        time: Of samples, (n,) [s]; they may stand closer around impacts.
-        value: (n,).
+    It is the largest, over fifty windows of equal length, of the median size: what lasts shorter than half a
+    window is a spike. So a slow oscillation counts whole, whatever impacts stand on it.
     """
     known = np.isfinite(value)
     time, size = time[known], np.abs(value[known])

@@ -1,4 +1,4 @@
-"""Motion of joints, base, bodies and boresight in all runs, with the deviations from the ideal run.
+"""Motion of joints, base, bodies and boresight, with deviations from the ideal run.
 
 As in the Figures 11 and 12 of Bai and Zhao (2020), 8 to 16 of You, Pan and Zhao (2010), and 5 to 7 of Chen
 and Cui (2021): the whole, and an enlarged view of what clearance does.
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 import xarray as xr
@@ -25,8 +25,15 @@ from antenna_pin.analysis import (
     moved_body,
     pointing_error,
 )
-from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
-from antenna_pin.plot._compared import Picked, above_round_off, panels_sheet, pick, with_differences
+from antenna_pin.errors import AntennaPinError, UnknownNameError
+from antenna_pin.plot._compared import (
+    Picked,
+    above_round_off,
+    panels_sheet,
+    pick,
+    straight,
+    with_differences,
+)
 from antenna_pin.plot._kinds import (
     FREE_BASE,
     GUIDED,
@@ -37,8 +44,9 @@ from antenna_pin.plot._kinds import (
     SLIDING,
     TURNING,
     RunFigure,
+    refusal,
 )
-from antenna_pin.plot._runs import LabelledRun, Run, Runs, left_out, too_short
+from antenna_pin.plot._runs import LabelledRun, Run, Runs, left_out, too_short, unit_of
 from antenna_pin.plot._style import Array, Width
 from antenna_pin.plot._thinned import turning
 from antenna_pin.plot.grammar import Axis, Curve, Panel, Sheet, figure
@@ -57,8 +65,6 @@ _UNITS = {
     "attitude": "rad",
     "angular_velocity": "rad/s",
     "angular_acceleration": "rad/s^2",
-    "angle": "rad",
-    "rate": "rad/s",
 }
 _FROM_IDEAL = "deviation: from the ideal run"
 
@@ -69,11 +75,11 @@ _FROM_IDEAL = "deviation: from the ideal run"
 def figure_joint(
     runs: Runs, *, joint: str | None = None, ideal: Run | None = None, width: Width = "page"
 ) -> Sheet:
-    """Return angle, rate, acceleration of one joint in all runs, each with its deviation from the ideal run.
+    """Return angle, rate and acceleration of one joint, with deviations from the ideal run.
 
-    Of a joint that slides, its position and the like. Without an ideal run, of runs that coincide what they
-    are less the first. What is zero to round-off is said below. Accelerations with spikes have a scale that
-    is linear as far as the motion between them reaches and logarithmic beyond.
+    A joint that slides has its position and the like. Without an ideal run, runs that coincide have their
+    differences from the first. Quantities that are zero to round-off are named below. Accelerations with
+    spikes have a scale that is linear as far as the motion between spikes reaches, and logarithmic beyond.
     """
     picked = pick(runs, ideal=ideal, joint=(GUIDED, joint), why="without this joint")
     name = picked.joint
@@ -91,17 +97,13 @@ def figure_joint(
     panels: list[Panel] = []
     for quantity, what in motions.items():
         words = f"{name.replace('_', ' ')} {quantity.removeprefix('slide ')}"
-        unit = picked.drawn[0].unit(what.variable, what.unit)
-        place = {what.dim: name}
-
-        def value(run: LabelledRun, variable: str = what.variable, place: dict[str, str] = place) -> Array:
-            return run.values(variable, **place)
+        unit = picked.drawn[0].unit(what.variable)
 
         def apart(run: LabelledRun, what: MotionQuantity = what) -> tuple[Array, Array] | None:
-            found = deviation_of(run, run.values(what.variable, **{what.dim: name}), reference, name, what)
+            found = deviation_of(run, what.values(run, name), reference, name, what)
             return None if found is None else (run.time, found)
 
-        panels.append(Panel(words, picked.curves(value), Axis(words, unit)))
+        panels.append(Panel(words, picked.curves(partial(what.values, joint=name)), Axis(words, unit)))
         panels += _deviation(f"{words}: deviation", picked.deviations(apart), unit)
     return _compared(panels, picked, width, _FROM_IDEAL, spikes=True, columns=0)
 
@@ -116,13 +118,8 @@ def _compared(
 ) -> Sheet:
     """Return panels in pairs with their deviations, or with differences of runs that coincide.
 
-    Args:
-        panels: What to draw.
-        picked: The runs.
-        width: Named width.
-        note: Said below; one on deviations where there are any only.
-        spikes: Whether scales are linear as far as the smooth lines reach, and logarithmic beyond.
-        columns: Panels in a row of a page without deviations; as many as there are, at most three, if 0.
+    A note on deviations is drawn where there are any only. ``columns`` is the number of panels in a row of a
+    page without deviations; 0 stands for as many as there are, at most three.
     """
     compared = any(panel.apart for panel in panels)
     shown, zero = above_round_off(panels if compared else with_differences(panels), picked.drawn)
@@ -146,7 +143,7 @@ def figure_between(
     base: str | None = None,
     width: Width = "page",
 ) -> Sheet:
-    """Return the motion of one joint in all runs, less that of the ideal run, and of another run."""
+    """Return the motion of one joint less the ideal run's and another run's."""
     what = MOTIONS[quantity]
     picked = pick(runs, ideal=ideal, joint=(what.of, joint))
     name = picked.joint
@@ -159,10 +156,10 @@ def figure_between(
     bases = [run for run in (picked.reference, first_of(picked)) if run is not None and run in picked.drawn]
 
     def value(run: LabelledRun) -> Array:
-        return run.values(what.variable, joint=name)
+        return what.values(run, name)
 
     def less(run: LabelledRun, other: LabelledRun) -> Array:
-        return value(run) - _at(other.whole, what.variable, name, run.time)
+        return value(run) - _at(other.whole, what, name, run.time)
 
     def columns(run: LabelledRun) -> list[Array]:
         return [value(run), *(less(run, one) for one in bases if one.source is not run.source)]
@@ -173,7 +170,7 @@ def figure_between(
     if base is not None and first is None:
         raise UnknownNameError("figure", "run", base, [run.label for run in others])
     words = f"{name.replace('_', ' ')} {quantity}"
-    unit = drawn[0].unit(what.variable, what.unit) if drawn else what.unit
+    unit = drawn[0].unit(what.variable) if drawn else unit_of(what.variable)
     panels = [Panel(words, picked.curves(value), Axis(words, unit))]
     if reference is not None and reference in drawn:
         ideal_one = reference
@@ -189,14 +186,12 @@ def figure_between(
     return panels_sheet(shown, width, 2, (zero, *picked.notes))
 
 
-def _at(run: LabelledRun, variable: str, joint: str, time: Array) -> Array:
-    """Return the motion of a run at other times, along straight lines: across impacts no curve is better."""
+def _at(run: LabelledRun, what: MotionQuantity, joint: str, time: Array) -> Array:
+    """Return a run's motion at other times, straight between samples because of impacts."""
     found = np.empty(time.size)
     for some, data in beside(run.data, time):
         part = replace(run, data=data)
-        own, index = np.unique(part.time, return_index=True)
-        values = part.values(variable, joint=joint)[index]
-        found[some] = np.interp(time[some], own, values, left=np.nan, right=np.nan)
+        found[some] = straight(time[some], part.time, what.values(part, joint))
     return found
 
 
@@ -208,20 +203,19 @@ _Compare = Callable[[xr.Dataset, xr.Dataset], xr.Dataset]
 def _apart(
     run: LabelledRun, reference: LabelledRun | None, compare: _Compare, name: str
 ) -> tuple[Array, Array] | None:
-    """Return times [s] of a run and deviations from the ideal one; None where they cannot be compared."""
+    """Return times [s] and deviations from the ideal run; None if not comparable."""
     if reference is None or not reference.ideal:
         return None
-    try:
-        found = compare(run.data, reference.whole.data)
-    except AntennaPinError:  # of another mechanism, or of another span of time
+    found = _or_none(compare, run.data, reference.whole.data)  # None of another mechanism or span of time
+    if found is None or name not in found:
         return None
-    return (np.asarray(found["time"].values), np.asarray(found[name].values)) if name in found else None
+    return np.asarray(found["time"].values), np.asarray(found[name].values)
 
 
 def _columns_apart(
     run: LabelledRun, reference: LabelledRun | None, compare: _Compare, name: str, size: bool = False
 ) -> list[Array]:
-    """Return the deviation of a part of a run, or its size, NaN where it cannot be compared."""
+    """Return the deviation of a run's part, or its size; NaN if not comparable."""
     if reference is None or run.source is reference.source:
         return []
     time, values = _apart(run, reference, compare, name) or (run.time, np.full(run.time.size, np.nan))
@@ -239,11 +233,11 @@ def _columns_apart(
 def figure_base(
     runs: Runs, quantity: BaseQuantity = "position", *, ideal: Run | None = None, width: Width = "page"
 ) -> Sheet:
-    """Return the motion of the base in all runs: three components, and the size of the deviation.
+    """Return the motion of the base: three components, and the size of the deviation.
 
     World axes; of position and attitude, the change since the start. The attitude is in angles of yaw, pitch
     and roll about the base's own axes in turn; its deviation is the angle between the two attitudes.
-    Accelerations with spikes have a scale that is linear as far as the motion between them reaches and
+    Accelerations with spikes have a scale that is linear as far as the motion between spikes reaches, and
     logarithmic beyond.
     """
     if quantity not in BASE_QUANTITIES:
@@ -294,19 +288,18 @@ def _of_base(run: LabelledRun, quantity: BaseQuantity) -> Array:
 def figure_joints(
     runs: Runs, quantity: Quantity = "angle", *, ideal: Run | None = None, width: Width = "page"
 ) -> Sheet:
-    """Return the motion of every joint in all runs, each with its deviation from the ideal run beside it."""
+    """Return the motion of every joint beside its deviation from the ideal run."""
     if quantity not in QUANTITIES:
         raise UnknownNameError("figure", "quantity", quantity, QUANTITIES)
     picked = pick(runs, lambda run: bool(run.joints), ideal)
     if not picked.drawn:
-        labels = ", ".join(run.label for run in picked.every)
-        raise InvalidParameterError("figure", "runs", "at least one run with a turning joint", labels)
+        raise refusal("at least one run with a turning joint", picked.every)
     variable, whole = f"motion_{quantity}", picked.reference
     picked = picked.thinned(
         lambda run: [run.values(variable), *_columns_apart(run, whole, deviation_over_time, quantity)]
     )
     reference = picked.reference
-    unit = picked.drawn[0].unit(variable, _UNITS.get(quantity, "rad/s^2"))
+    unit = picked.drawn[0].unit(variable)
     apart = {run.label: _apart(run, reference, deviation_over_time, quantity) for run in picked.drawn}
     panels = []
     for joint in dict.fromkeys(name for run in picked.drawn for name in run.joints):
@@ -333,7 +326,7 @@ def figure_body(
     ideal: Run | None = None,
     width: Width = "page",
 ) -> Sheet:
-    """Return the motion of the body that a joint moves in all runs, each component with its deviation.
+    """Return the motion of the body that a joint moves, with each component's deviation.
 
     World axes, without components that are zero to round-off; of the body's frame as the URDF has it. The
     deviation is from the ideal run. Accelerations with spikes have a scale that is linear as far as the ideal
@@ -379,11 +372,10 @@ def figure_pointing(runs: Runs, *, ideal: Run | None = None, width: Width = "pag
     picked = pick(runs, ideal=ideal)
     whole = picked.reference
     picked = picked.thinned(lambda run: _pointing_columns(run, whole))
-    looks = {run.label: _boresight(run) for run in picked.drawn}
+    looks = {run.label: _or_none(boresight, run.data) for run in picked.drawn}
     drawn = [run for run in picked.drawn if looks[run.label] is not None]
     if not drawn:
-        rule = "at least one whose scenario has a table [pointing]"
-        raise InvalidParameterError("figure", "runs", rule, ", ".join(run.label for run in picked.every))
+        raise refusal("at least one whose scenario has a table [pointing]", picked.every)
     errors = {
         run.label: None if run is picked.reference else _pointing_error(run, picked.reference)
         for run in drawn
@@ -400,16 +392,16 @@ def figure_pointing(runs: Runs, *, ideal: Run | None = None, width: Width = "pag
         Panel(f"{name} of the boresight in the world", [*map(_broken, of(looks, name))], Axis(name, "rad"))
         for name in ("azimuth", "elevation")
     ]
-    known = [one for one in errors.values() if one is not None]
+    known = {label: one for label, one in errors.items() if one is not None}
     for title, curves in (
         ("turn of the boresight about cross", of(errors, "boresight_error", cross_axis="cross")),
         ("turn of the boresight about up", of(errors, "boresight_error", cross_axis="up")),
         ("half-cone error", of(errors, "half_cone")),
     ):
         if curves:
-            named = [replace(one, label=run) for one, run in zip(curves, _known(errors), strict=True)]
+            named = [replace(one, label=run) for one, run in zip(curves, known, strict=True)]
             panels.append(Panel(title, named, Axis("error", "rad"), apart=True))
-    against = ", ".join(dict.fromkeys(str(one.attrs["against"]) for one in known))
+    against = ", ".join(dict.fromkeys(str(one.attrs["against"]) for one in known.values()))
     jumps = any(np.isnan(curve.y).any() for curve in panels[0].curves)
     notes = (
         f"error against the {against}" if against else "",
@@ -420,35 +412,27 @@ def figure_pointing(runs: Runs, *, ideal: Run | None = None, width: Width = "pag
     return panels_sheet(panels, width, 2, notes)
 
 
-def _known(errors: dict[str, xr.Dataset | None]) -> list[str]:
-    return [label for label, one in errors.items() if one is not None]
-
-
-def _boresight(run: LabelledRun) -> xr.Dataset | None:
-    """Return the boresight of a run; None where its scenario defines none."""
+def _or_none(function: Callable[..., xr.Dataset], *arguments: Any) -> xr.Dataset | None:
+    """Return a function's value, or None where runs do not have it."""
     try:
-        return boresight(run.data)
+        return function(*arguments)
     except AntennaPinError:
         return None
 
 
 def _pointing_error(run: LabelledRun, reference: LabelledRun | None) -> xr.Dataset | None:
-    """Return the pointing error of a run; None where there is nothing to compare with."""
-    try:
-        return pointing_error(run.data, None if reference is None else reference.whole.data)
-    except AntennaPinError:
-        return None
+    return _or_none(pointing_error, run.data, None if reference is None else reference.whole.data)
 
 
 def _broken(curve: Curve) -> Curve:
-    """Return an angle over time with a gap where it jumps: an azimuth, as the boresight passes the pole."""
+    """Return an angle with gaps where it jumps, as an azimuth at the pole."""
     jumps = np.flatnonzero(np.abs(np.diff(curve.y)) > _JUMP) + 1
     return replace(curve, x=np.insert(curve.x, jumps, curve.x[jumps]), y=np.insert(curve.y, jumps, np.nan))
 
 
 def _pointing_columns(run: LabelledRun, reference: LabelledRun | None) -> list[Array]:
-    """Return the lines of a part of a run; nothing without data of it."""
-    looks = _boresight(run)
+    """Return the lines of a part of a run; none without a boresight."""
+    looks = _or_none(boresight, run.data)
     if looks is None:
         return []
     found = [np.asarray(looks[name].values) for name in ("azimuth", "elevation")]

@@ -1,17 +1,27 @@
-"""Energy and momentum audits of runs, and one small picture of what runs came to."""
+"""Energy and momentum audits of runs, and one small overview picture."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from antenna_pin.plot._compared import Picked, pick
-from antenna_pin.plot._kinds import FREE_BASE, SLIDING, TOUCHING, TURNING, RunFigure, choose_joint, none_with
-from antenna_pin.plot._runs import LabelledRun, Run, Runs, labelled, long_enough, too_short, with_reference
+from antenna_pin.plot._kinds import FREE_BASE, TOUCHING, RunFigure, choose_joint, none_with
+from antenna_pin.plot._runs import (
+    LabelledRun,
+    Run,
+    Runs,
+    labelled,
+    long_enough,
+    too_short,
+    unit_of,
+    with_reference,
+)
 from antenna_pin.plot._style import COLOURS, IDEAL, MANY, Array, Width, distinct
 from antenna_pin.plot._thinned import Columns, thinned
 from antenna_pin.plot.grammar import (
@@ -26,6 +36,7 @@ from antenna_pin.plot.grammar import (
     largest_of,
     size_of,
 )
+from antenna_pin.plot.motion import MOTIONS, Quantity
 
 # Below this an error is round-off of round-off; the logarithmic scale ends there.
 _FLOOR = 1e-18
@@ -48,16 +59,17 @@ _LOST = (
     ("force_loss", "lost in elements on links", COLOURS[2]),
 )
 
+_DRIVES: dict[str, Any] = {**IDEAL, "zorder": 3}
+
 _MOMENTA = (("linear_momentum", "momentum_scale"), ("angular_momentum", "angular_momentum_scale"))
 
 
 @figure()
 def figure_energy(runs: Runs, *, width: Width = "page") -> Sheet:
-    """Return the energy ledger of each run: work and stored energy, losses, and the error of their balance.
+    """Return the energy ledger of each run: stored energy, losses, and error of balance.
 
-    Gravity's energy is drawn from its start, since its zero is a matter of choice. Of the error, the largest
-    so far is drawn, relative to the drives' gross work over the run, the integral of the
-    absolute power.
+    Gravity's energy is drawn from its start, since its zero is a matter of choice. The error is the largest
+    so far, relative to the drives' gross work over the run, the integral of the absolute power.
     """
     every = labelled(runs)
     drawn = [thinned(run, _ledger) for run in long_enough(every)]
@@ -72,7 +84,7 @@ def figure_energy(runs: Runs, *, width: Width = "page") -> Sheet:
         rows.append([])
         for run, book in zip(drawn, books, strict=True):
             lines = [
-                Curve(label, run.time, book[name], _look(colour))
+                Curve(label, run.time, book[name], _DRIVES if colour == "black" else {"color": colour})
                 for name, label, colour in parts
                 if np.any(book[name])
             ]
@@ -94,17 +106,13 @@ def figure_energy(runs: Runs, *, width: Width = "page") -> Sheet:
     return Sheet(sheet, width, 12.0 + 38.0 * len(sheet), (*notes, too_short(every)))
 
 
-def _look(colour: str) -> dict[str, Any]:
-    return {**IDEAL, "zorder": 3} if colour == "black" else {"color": colour}
-
-
 @figure()
 def figure_momentum(runs: Runs, *, width: Width = "page") -> Sheet:
     """Return the drift of linear and angular momentum of all runs with a free base.
 
-    Drawn is the largest change so far, relative to the largest sum, over the run, of the momentum magnitudes
-    of the bodies other than the base: the whole system's own momentum may be zero. What forces on links have
-    brought in, by their impulses, is taken off.
+    The drift is the largest change so far, relative to the largest sum, over the run, of the momentum
+    magnitudes of the bodies other than the base: the whole system's own momentum may be zero. Impulses of
+    forces on links are subtracted.
     """
     every = labelled(runs)
     drawn = [thinned(run, _drifting(run)) for run in long_enough(every) if FREE_BASE.holds(run)]
@@ -116,7 +124,7 @@ def figure_momentum(runs: Runs, *, width: Width = "page") -> Sheet:
     for name, scale_name in _MOMENTA:
         lines = []
         for run, look in zip(drawn, looks, strict=True):
-            momentum = _kept(run, name)
+            momentum = _without_impulses(run, name)
             scale = size_of(run.values(scale_name))
             drift = np.linalg.norm(momentum - momentum[0], axis=1) / (scale or 1.0)
             lines.append(_so_far(run.legend, run, drift, look))
@@ -130,8 +138,8 @@ def figure_momentum(runs: Runs, *, width: Width = "page") -> Sheet:
     return Sheet(rows, width, 66.0 if page else 110.0, notes, every=True)
 
 
-def _kept(run: LabelledRun, name: str) -> Array:
-    """Return a momentum without what forces on links have brought in, (n, 3)."""
+def _without_impulses(run: LabelledRun, name: str) -> Array:
+    """Return a momentum less the impulses of forces on links, (n, 3)."""
     impulse = {"linear_momentum": "force_impulse", "angular_momentum": "force_central_impulse"}[name]
     momentum = run.values(name)
     return momentum - run.values(impulse).sum(axis=1) if impulse in run.data else momentum
@@ -144,7 +152,10 @@ def _drifting(run: LabelledRun) -> Columns:
     def columns(part: LabelledRun) -> list[Array]:
         found = []
         for name, scale in _MOMENTA:
-            found += [np.linalg.norm(_kept(part, name) - _kept(start, name), axis=1), part.values(scale)]
+            found += [
+                np.linalg.norm(_without_impulses(part, name) - _without_impulses(start, name), axis=1),
+                part.values(scale),
+            ]
         return found
 
     return columns
@@ -157,7 +168,7 @@ def _ledger(run: LabelledRun) -> list[Array]:
 
 
 def _total(run: LabelledRun, name: str) -> Array:
-    """Return a ledger entry over time [J], summed over drives, springs or contacts; zeros if absent."""
+    """Return the total of a ledger entry over time [J]; zeros if absent."""
     if name not in run.data:
         return np.zeros(run.time.size)
     values = run.values(name)
@@ -165,13 +176,13 @@ def _total(run: LabelledRun, name: str) -> Array:
 
 
 def _so_far(label: str, run: LabelledRun, value: Array, look: dict[str, Any]) -> Curve:
-    """Return the largest of the values so far, for a logarithmic scale; exact zeros lie on its floor."""
+    """Return the largest values so far, exact zeros on the logarithmic scale's floor."""
     so_far = np.fmax.accumulate(np.maximum(value, _FLOOR))
     return Curve(label, run.time, so_far, look, many=run.many)
 
 
 def _in_decades(panels: Sequence[Panel]) -> list[Panel]:
-    """Return logarithmic panels with the same whole decades, at most some seven of them with a tick."""
+    """Return logarithmic panels over the same decades, with seven ticks at most."""
     values = np.concatenate([line.y for panel in panels for line in panel.curves])
     values = values[np.isfinite(values) & (values > _FLOOR)]
     limits = None
@@ -187,7 +198,7 @@ def _in_decades(panels: Sequence[Panel]) -> list[Panel]:
 
 @figure()
 def figure_glance(runs: Iterable[Run], *, joint: str | None = None) -> Sheet:
-    """Return the position of a joint in all runs and, where it has play, the peak force of every contact.
+    """Return the position of a joint and, with play, the peak force of every contact.
 
     It is of a column's width (88 mm), for the head of a page. A ball joint has no position, but peaks.
     """
@@ -202,21 +213,14 @@ def figure_glance(runs: Iterable[Run], *, joint: str | None = None) -> Sheet:
         return Sheet([[replace(blows, x=replace(blows.x, limits=ends))]], "column", 44.0)
     turns = any(run.joints for run in every) if joint is None else False
     slides = any(joint in run.sliding_joints for run in every) if joint is not None else not turns
-    kind, variable, dimension, word, unit = (
-        (SLIDING, "slide_position", "sliding_joint", "position", "m")
-        if slides
-        else (TURNING, "motion_angle", "joint", "angle", "rad")
-    )
-    picked = pick(runs, joint=(kind, joint))
-    name = picked.joint
-    picked = replace(picked, drawn=[run for run in picked.drawn if name in kind.names(run)])
-
-    def value(run: LabelledRun) -> Array:
-        return run.values(variable, **{dimension: name})
-
+    word: Quantity = "position" if slides else "angle"
+    what = MOTIONS[word]
+    picked = pick(runs, joint=(what.of, joint))
+    name, value = picked.joint, partial(what.values, joint=picked.joint)
+    picked = replace(picked, drawn=[run for run in picked.drawn if name in what.of.names(run)])
     picked = picked.thinned(lambda run: [value(run)])
-    x = replace(TIME, ticks=6, shared="time")
-    y = Axis(word, unit, ticks=3) if unit == "m" else Axis(f"{word} [{unit}]", ticks=3)
+    x, unit = replace(TIME, ticks=6, shared="time"), unit_of(what.variable)
+    y = Axis(word, unit, ticks=3) if slides else Axis(f"{word} [{unit}]", ticks=3)
     panels = [Panel(f"{name}, {word}", picked.curves(value), y, x)]
     struck = any(_peaks(run, name)[0].size for run in picked.drawn)
     if struck:

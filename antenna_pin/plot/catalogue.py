@@ -1,7 +1,7 @@
-"""All figures of runs: what ``plot``, ``report`` and the figures of papers draw.
+"""Catalogue of the figures of runs, which ``plot``, ``report`` and figures of papers draw.
 
-A figure is a function in a file of this room and a :class:`RunFigure` in that file's ``FIGURES``, which
-stands here in the place that it has in a folder, on a page and in the docs.
+A figure is a function in a file of this room and a :class:`RunFigure` in that file's ``FIGURES``, in the
+order of folders, pages and docs.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ CATALOGUE: dict[str, RunFigure] = {
 
 
 class Allowed(NamedTuple):
-    """A figure that runs allow, with the joint that it is of, None if it is of whole runs."""
+    """Figure of a joint (None: of whole runs) that runs allow."""
 
     figure: RunFigure
     joint: str | None
@@ -71,8 +71,8 @@ def allowed_figures(
 ) -> Iterator[Allowed]:
     """Yield the figures that runs of their kind have.
 
-    Those of a joint come joint by joint, of each that the runs are about: with clearance in one of them, or
-    in their scenario; or else the first. Every other joint that moves has one of all of its motion.
+    Figures of joints come joint by joint: of those with clearance in a run, or in a scenario; or else of the
+    first. Every other joint that moves has one of all of its motion.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset or trajectory.

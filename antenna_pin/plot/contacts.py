@@ -1,7 +1,8 @@
-"""Contact in a joint with clearance: forces, eccentricity and depth, scenarios over time; a column a run."""
+"""Contact in a joint: forces, eccentricity and depth, scenarios; a column a run."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
@@ -52,13 +53,13 @@ _SIGNS = {"-": " \N{MINUS SIGN}", "+": " +", "": ""}
 
 @figure()
 def figure_contact_forces(runs: Runs, *, joint: str | None = None, width: Width = "page") -> Sheet:
-    """Return the radial and axial forces on the journal, and the strongest blow from near, a column a run.
+    """Return radial and axial forces on the journal and the strongest blow.
 
-    As in the Figures 11 to 13 of Bai and Zhao (2020). The line is the resultant of all contacts, a smooth one
-    through the samples: its size across the bearing's axis, and its component along that axis. The peak
-    normal force of every blow is drawn as a stem: a line to the peak and a dot on it; an axial peak carries
-    the sign of its flange. The close view has the normal forces of all contacts in the strongest blow. What a
-    run has none of, or to round-off only, is said below.
+    As in the Figures 11 to 13 of Bai and Zhao (2020), a column a run. The line is the resultant of all
+    contacts, a smooth one through the samples: its size across the bearing's axis, and its component along
+    that axis. The peak normal force of every blow is drawn as a stem: a line to the peak and a dot on it; an
+    axial peak carries the sign of its flange. The close view has the normal forces of all contacts in the
+    strongest blow. Forces that are zero to round-off are named below.
     """
     picked = pick_touching(runs, joint)
     drawn, name = picked.drawn, picked.joint
@@ -68,14 +69,14 @@ def figure_contact_forces(runs: Runs, *, joint: str | None = None, width: Width 
         return _resultant(part, name, kinds).values()
 
     curves = [thinned(smooth(run, name), columns) for run in drawn]
-    blows = [strongest_blow(run, curve, name) for run, curve in zip(drawn, curves, strict=True)]
-    windows = (blow.window if blow else None for blow in blows)
-    curves = [closer(curve, window, columns) for curve, window in zip(curves, windows, strict=True)]
-    forces = [_resultant(curve, name, kinds) for curve in curves]
-    peaks = [
-        {kind: _peaks(run, curve, name, kind) for kind in kinds}
-        for run, curve in zip(drawn, curves, strict=True)
+    blows = list(map(strongest_blow, drawn, curves, itertools.repeat(name)))
+    curves = [
+        closer(curve, blow.window if blow else None, columns)
+        for curve, blow in zip(curves, blows, strict=True)
     ]
+    forces = [_resultant(curve, name, kinds) for curve in curves]
+    both = list(zip(drawn, curves, strict=True))
+    peaks = [{kind: _peaks(run, curve, name, kind) for kind in kinds} for run, curve in both]
     sizes = [
         {kind: largest_of([force[kind], peak[kind][1]]) for kind in kinds}
         for force, peak in zip(forces, peaks, strict=True)
@@ -88,7 +89,7 @@ def figure_contact_forces(runs: Runs, *, joint: str | None = None, width: Width 
         if size[kind] == 0.0 or is_round_off(size[kind], "N", scales)
     ]
     shown = [kind for kind in kinds if any((run, kind) not in still for run in drawn)] or list(kinds[:1])
-    unit = drawn[0].unit("joint_force", "N")
+    unit = drawn[0].unit("joint_force")
     rows: list[list[Panel | None]] = []
     for kind in shown:
         every = [size[kind] for size in sizes]
@@ -107,19 +108,18 @@ def figure_contact_forces(runs: Runs, *, joint: str | None = None, width: Width 
             rows[-1].append(Panel(f"{run.label}, {kind}", marks, y))
     if any(blows):
         names = _names(drawn, name)
-        every_blow = zip(drawn, curves, blows, strict=True)
         rows.append(
             [
-                None if blow is None else _blow(run, curve, blow, names, unit)
-                for run, curve, blow in every_blow
+                None if blow is None else _blow(*one, blow, names, unit)
+                for one, blow in zip(both, blows, strict=True)
             ]
         )
     sheet = in_blocks(rows, width)
-    return Sheet(sheet, width, 12.0 + 38.0 * len(sheet), (_said(still, name), *picked.notes[:1]))
+    return Sheet(sheet, width, 12.0 + 38.0 * len(sheet), (_zero(still, name), *picked.notes[:1]))
 
 
 def _names(runs: list[LabelledRun], joint: str) -> dict[str, str]:
-    """Return what the contacts of a joint are called in a legend."""
+    """Return the legend entries of a joint's contacts."""
     found = {}
     for run in runs:
         kinds, ends = contact_kinds(run.data), contact_ends(run.data)
@@ -129,8 +129,8 @@ def _names(runs: list[LabelledRun], joint: str) -> dict[str, str]:
     return found
 
 
-def _said(still: list[tuple[LabelledRun, str]], joint: str) -> str:
-    """Return what runs have none of, in words."""
+def _zero(still: list[tuple[LabelledRun, str]], joint: str) -> str:
+    """Return a note on forces that are zero to round-off."""
     parts = []
     for run, kind in still:
         can = run.contacts_of(joint, flanges=True) or kind != "axial"
@@ -139,7 +139,7 @@ def _said(still: list[tuple[LabelledRun, str]], joint: str) -> str:
 
 
 def _comparable(sizes: list[float]) -> bool:
-    """Return whether one scale shows all runs; on that of a far harder run the others would be flat."""
+    """Return whether one scale shows all runs, none of them flat."""
     touched = [size for size in sizes if size > 0.0]
     return not touched or min(touched) > 0.15 * max(touched)
 
@@ -151,10 +151,7 @@ def _kinds(runs: list[LabelledRun], joint: str) -> tuple[str, ...]:
 
 
 def _resultant(run: LabelledRun, joint: str, kinds: tuple[str, ...]) -> dict[str, Array]:
-    """Return the force on the journal: its size across the bearing's axis, its component along it [N].
-
-    With a ball among the runs, the size of the whole.
-    """
+    """Return the sizes of the force on the journal across and along the axis [N]."""
     force = run.values("joint_force", clearance_joint=joint)
     if kinds == ("contact",):
         return {"contact": np.linalg.norm(force, axis=1)}
@@ -163,7 +160,7 @@ def _resultant(run: LabelledRun, joint: str, kinds: tuple[str, ...]) -> dict[str
 
 
 def _peaks(run: LabelledRun, curve: LabelledRun, joint: str, kind: str) -> tuple[Array, Array]:
-    """Return times [s] and signed peak normal forces [N] of the blows of one kind of contact."""
+    """Return times [s] and signed peak normal forces [N] of a kind's blows."""
     if run.data.sizes.get("episode", 0) == 0:
         return np.empty(0), np.empty(0)
     names, ends = run.contacts, contact_ends(run.data)
@@ -192,7 +189,7 @@ def _stems(time: Array, force: Array) -> list[Curve]:
 
 
 def _blow(run: LabelledRun, curve: LabelledRun, blow: Blow, names: dict[str, str], unit: str) -> Panel:
-    """Return normal forces of the contacts in a blow, over the time from its peak on."""
+    """Return normal forces in a blow over the time from its peak on."""
     seen = np.flatnonzero((curve.time >= blow.window[0]) & (curve.time <= blow.window[1]))
     seen = np.arange(max(seen[0] - 1, 0), min(seen[-1] + 2, curve.time.size))
     lines = [
@@ -235,11 +232,11 @@ _LIMIT: dict[str, Any] = {"color": "#666666", "linewidth": 0.6, "linestyle": ":"
 
 @figure()
 def figure_eccentricity(runs: Runs, *, joint: str | None = None, width: Width = "page") -> Sheet:
-    """Return eccentricity, penetration depth and further play of the journal over time, a column a run.
+    """Return eccentricity, penetration depth and further play of the journal over time.
 
     The eccentricity is over the clearance: 1 where the surfaces touch. The depth's dots are the largest of
     every blow in the bore. Tilt, axial place, and turn about the axis are of joints in which they
-    have a limit; dotted lines say how far rigid parts could go.
+    have a limit; dotted lines are the limits of rigid parts. Each run has a column.
     """
     picked = pick_touching(runs, joint)
     name = picked.joint
@@ -294,7 +291,7 @@ def figure_eccentricity(runs: Runs, *, joint: str | None = None, width: Width = 
 
 
 def _columns(run: LabelledRun, joint: str) -> list[Array]:
-    """Return all that is drawn of a run's samples."""
+    """Return all drawn columns of a run's samples."""
     motion = journal_motion(run.data, joint)
     names = ("eccentricity_ratio", *(name for name, *_ in _BOUNDED))
     return [_sampled_depth(run, joint), *(motion[name].values for name in names)]
@@ -308,7 +305,7 @@ def _sampled_depth(run: LabelledRun, joint: str) -> Array:
 
 
 def _depths(run: LabelledRun, curve: LabelledRun, joint: str) -> tuple[Array, Array, Array]:
-    """Return the largest depth in the bore over time [m], and times [s] and depths [m] of the peaks."""
+    """Return depths in the bore [m], and times [s] and depths of peaks."""
     names = run.contacts_of(joint, flanges=False)
     sampled = _sampled_depth(curve, joint)
     if run.data.sizes.get("episode", 0) == 0:
@@ -328,7 +325,7 @@ _FINEST = 10_000  # parts of the width, far below a pixel, that separate many ba
 def figure_scenarios(
     runs: Runs, *, joint: str | None = None, zoom: _Span | None = None, width: Width = "page"
 ) -> Sheet:
-    """Return the contact scenario of a joint as a time line: where bore and flanges touch.
+    """Return the contact scenario of a joint as a time line of bore and flanges.
 
     Each scenario has its own line, filled while the joint is in it; on the right its share of the time. The
     close view is the fiftieth of the run with the most changes.
@@ -343,7 +340,7 @@ def figure_scenarios(
         flanged = bool(run.contacts_of(picked.joint, flanges=True))
         for kind in ("radial", "axial")[: 1 + flanged]:
             names = [name.replace("_", " ") for name in str(span[kind].attrs["flag_meanings"]).split()]
-            if not flanged:  # the others take two points that are told apart
+            if not flanged:  # the others distinguish two points
                 one = len(run.contacts_of(picked.joint)) == 1
                 names = [names[0], names[1] if one else "contact"]
             hidden = dict.fromkeys(range(len(names)), "") if width == "page" else None
@@ -399,7 +396,7 @@ def _bare(axes: Axes) -> None:
 
 
 def _with_shares(shares: Array) -> Any:
-    """Return what writes the shares of scenarios to the right of their lines."""
+    """Return a function that writes shares of scenarios beside their lines."""
 
     def finish(axes: Axes) -> None:
         _bare(axes)
@@ -421,7 +418,7 @@ def _shares(spans: xr.Dataset, kind: str, window: _Span) -> Array:
 
 
 def _joined(start: Array, length: Array, gap: float) -> tuple[Array, Array]:
-    """Return starts and lengths of ascending bars, with those nearer than a gap joined."""
+    """Return starts and lengths of ascending bars, those nearer than a gap joined."""
     end = start + length
     first = np.concatenate([[True], start[1:] - end[:-1] > gap])
     last = np.concatenate([first[1:], [True]])
@@ -429,7 +426,7 @@ def _joined(start: Array, length: Array, gap: float) -> tuple[Array, Array]:
 
 
 def _rectangles(start: Array, length: Array, below: float, height: float) -> Path:
-    """Return rectangles as one path, which in a file takes a fraction of the room of as many."""
+    """Return rectangles as one path, a fraction of the size of as many patches."""
     x, above = np.stack([start, start + length], axis=1), below + height
     corners = np.empty((start.size, 5, 2))
     corners[:, :, 0] = x[:, [0, 0, 1, 1, 0]]

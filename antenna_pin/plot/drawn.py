@@ -1,4 +1,4 @@
-"""The numbers of what a figure shows: lines, points, pieces and bars, as they were drawn."""
+"""Numbers of a drawn figure: lines, points, pieces and bars."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ class Drawn:
 
     Attributes:
         panel: Title of its panel.
-        label: Its name in the legend; empty if it has none.
-        names: What its columns are, with the units of the axes.
-        columns: Its numbers, each (n,), in those units.
+        label: Name in the legend; empty if it has none.
+        names: Names of its columns, with the units of the axes.
+        columns: Numbers, each (n,), in those units.
     """
 
     panel: str
@@ -41,13 +41,13 @@ class Drawn:
 
 @takes()
 def drawn_numbers(figure: Figure) -> list[Drawn]:
-    """Return what a figure shows as numbers, panel by panel, in the units of its axes.
+    """Return the numbers of a figure panel by panel, in the units of its axes.
 
-    Rules across a panel (zero, a limit) are none. What a close view shows of a line that another panel has
-    whole is not repeated.
+    Rules across a panel (zero, a limit) are left out. A close view of a line that another panel has whole is
+    not repeated.
 
     Args:
-        figure: One that a function of this room drew.
+        figure: Figure drawn by a function of this room.
     """
     found: list[Drawn] = []
     for axes in figure.axes:
@@ -121,7 +121,7 @@ def _pieces(path: Path) -> list[Array]:
 
 
 def _of_boxes(panel: str, names: tuple[str, str], label: str, every: list[Array]) -> Iterator[Drawn]:
-    """Tell of areas that all have four corners."""
+    """Yield the numbers of areas that all have four corners."""
     x, y = names
     if every and all(len(one) in (4, 5) for one in every):
         least, most = (np.array([pick(box, axis=0) for box in every]) for pick in (np.min, np.max))
@@ -130,7 +130,7 @@ def _of_boxes(panel: str, names: tuple[str, str], label: str, every: list[Array]
 
 
 def _is_part(one: Drawn, whole: Drawn) -> bool:
-    """Return whether a line is part of a line of the same quantity in another panel."""
+    """Return whether a line is part of another panel's line."""
     if one.label != whole.label or len(one.columns) != 2 or len(whole.columns) != 2:
         return False
     x, count = one.columns[0], one.columns[0].size
@@ -146,13 +146,13 @@ def _is_part(one: Drawn, whole: Drawn) -> bool:
 
 
 def _time_below(figure: Figure, axes: Axes) -> str:
-    """Return what a panel's axis is that has no label of its own: that of the next one below."""
+    """Return the x label of the next panel that has one."""
     later = figure.axes[figure.axes.index(axes) :]
     return next((label for one in later if (label := one.get_xlabel())), "")
 
 
 def _label_beside(figure: Figure, axes: Axes) -> str:
-    """Return the label of the first panel of a row, which is that of all of them."""
+    """Return the y label of another panel in the row."""
     place = axes.get_subplotspec()
     for one in figure.axes:
         other = one.get_subplotspec()
@@ -169,7 +169,7 @@ def _label(artist: Any) -> str:
 
 
 def _plain(text: str) -> str:
-    """Return a text without what is written for Matplotlib alone."""
+    """Return a text without Matplotlib's markup."""
     return " ".join(_LETTER.sub(r"\1", text).replace(r"\$", "$").split())
 
 

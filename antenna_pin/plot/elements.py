@@ -1,4 +1,4 @@
-"""Stops, latches, gears, flexible links, springs and controllers: what each does over time."""
+"""Motion and efforts of stops, latches, gears, flexible links, springs and controllers."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.analysis import drives_of, effort_unit, elastic_parts_of, spectrum
+from antenna_pin.analysis import drives_of, effort_unit, elastic_parts_of
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.plot._compared import Picked, pick
 from antenna_pin.plot._kinds import CONTROLLED, FLEXIBLE, GEARED, STOPPED, TRACED, RunFigure
-from antenna_pin.plot._runs import LabelledRun, Runs
+from antenna_pin.plot._runs import LabelledRun, Runs, spectrum_of, unit_of
 from antenna_pin.plot._style import PEAK, SHADE, Array, Width
 from antenna_pin.plot.grammar import (
     COLUMN_OR_PAGE,
@@ -41,21 +41,21 @@ _About = dict[str, dict[str, Any]]
 
 
 def _own(run: LabelledRun, *families: str, joint: str | None = None) -> _About:
-    """Return the elements of some families by place, those of a joint if it is given."""
+    """Return the elements of some families, or of one joint, by place."""
     every = elements_of(run.data).items()
     mine = ((place, one) for place, one in every if place.partition(".")[0] in families)
     return {place: one for place, one in mine if joint in (None, one["joint"])}
 
 
 def _first_ideal_last(picked: Picked) -> Picked:
-    """Return runs with the first ideal one of those drawn as the one to compare with."""
+    """Return runs with the first ideal one as the reference."""
     reference = next((run for run in picked.drawn if run.ideal), None)
     drawn = sorted(picked.drawn, key=lambda run: run is reference)
     return replace(picked, drawn=drawn, reference=reference)
 
 
 def _paired(pairs: Sequence[tuple[Panel, Panel]], width: Width, notes: Sequence[str]) -> Sheet:
-    """Return pairs of panels: how something moves, and beside it what it exerts."""
+    """Return pairs of panels: a motion, and beside it the effort."""
     rows = in_pairs(pairs, width)
     return Sheet(rows, width, 12.0 + 44.0 * len(rows), notes, every=width == "column")
 
@@ -63,7 +63,7 @@ def _paired(pairs: Sequence[tuple[Panel, Panel]], width: Width, notes: Sequence[
 def _within_bounds(
     title: str, curves: list[Curve], grounds: Iterable[tuple[float, float, str]], edges: list[float], y: Axis
 ) -> Panel:
-    """Return curves on coloured grounds, which end a little beyond all that is drawn, as the panel does."""
+    """Return curves on coloured grounds, with a margin around all that is drawn."""
     values = [one.y for one in curves]
     low, high = (float(pick([*(pick(one) for one in values), *edges])) for pick in (np.min, np.max))
     room = _BEYOND * ((high - low) or 1.0)
@@ -78,10 +78,13 @@ def _within_bounds(
 def _with_efforts(
     motion: Panel, points: Iterable[Points], title: str, efforts: Iterable[Curve], slides: bool
 ) -> tuple[Panel, Panel]:
-    """Return a panel with marks of events, and what is exerted, in curves that are named there."""
-    y = Axis("force", "N") if slides else Axis("torque", "N m")
-    exerted = Panel(title, [replace(one, label="") for one in efforts], y)
+    """Return a panel with marks of events, and a panel of efforts."""
+    exerted = Panel(title, [replace(one, label="") for one in efforts], _effort_axis(slides))
     return replace(motion, marks=[*motion.marks, *points]), exerted
+
+
+def _effort_axis(slides: bool) -> Axis:
+    return Axis("force" if slides else "torque", unit_of("element_effort", slides))
 
 
 # --- stops and latches ---
@@ -94,10 +97,10 @@ _MEANINGS |= {"x": "crosses: refusals", "v": "triangles: let go"}
 
 @figure()
 def figure_stops(runs: Runs, *, width: Width = "page") -> Sheet:
-    """Return the angle of each joint with stops or latches, and what these exert, in all runs.
+    """Return the angle of each joint with stops or latches, and their efforts.
 
-    What lies beyond a stop is grey, a latch's window blue. Marks tell where a stop was touched or struck and
-    where a latch captured, refused or let go.
+    The ground beyond a stop is grey, a latch's window blue. Marks stand where a stop was touched or struck
+    and where a latch captured, refused or released.
     """
     picked = _first_ideal_last(pick(runs, STOPPED, compared=False))
     families = ("stops", "latches")
@@ -151,7 +154,7 @@ def _position(run: LabelledRun, joint: str) -> Array:
 
 
 def _changes(run: LabelledRun, joint: str, look: dict[str, Any]) -> list[tuple[str, Points]]:
-    """Return what is marked of the stops and latches of a joint, by mark."""
+    """Return marks of changes of a joint's stops and latches."""
     mine = _own(run, "stops", "latches", joint=joint)
     found: dict[str, list[tuple[float, float]]] = {}
     for change in (one for family in ("stops", "latches") for one in mode_changes(run.whole.data, family)):
@@ -172,10 +175,10 @@ _MOST_MARKS = 200  # more would be a band
 
 @figure()
 def figure_gears(runs: Runs, *, width: Width = "page") -> Sheet:
-    """Return the deflection of each gear, belt and cable, and what it exerts, in all runs.
+    """Return the deflection of each gear, belt and cable, and its effort.
 
     Within the play, where nothing is in contact, the ground is grey; where both strands of a belt are taut it
-    is blue. Circles tell where a flank came into contact, or a strand became taut.
+    is blue. Circles stand where a flank came into contact, or a strand became taut.
     """
     picked = pick(runs, GEARED, compared=False).thinned(
         lambda run: [
@@ -218,7 +221,7 @@ def figure_gears(runs: Runs, *, width: Width = "page") -> Sheet:
 
 
 def _free(numbers: dict[str, float]) -> tuple[float, float, str]:
-    """Return between which deflections nothing is in contact (grey), or both strands are taut (blue)."""
+    """Return the deflections without contact (grey), or with both strands taut (blue)."""
     if "plus" not in numbers:
         return 0.0, 0.0, SHADE
     plus, minus = numbers["plus"], numbers.get("minus", -np.inf)
@@ -226,7 +229,7 @@ def _free(numbers: dict[str, float]) -> tuple[float, float, str]:
 
 
 def _onsets(run: LabelledRun, place: str) -> Array:
-    """Return times and deflections of the touches, (n, 2); none where they would be a band."""
+    """Return times and deflections of touches, (n, 2); none of very many."""
     numbers = _own(run, "gears")[place]["numbers"]
     found = [(one.onset, numbers[one.side]) for one in mesh_touches(run.whole.data) if one.stop == place]
     return np.array(found if len(found) <= _MOST_MARKS else []).reshape(-1, 2)
@@ -241,10 +244,10 @@ _DECADES = 6
 
 @figure()
 def figure_deflection(runs: Runs, *, width: Width = "page") -> Sheet:
-    """Return the deflections of elastic parts in all runs that have them, and their amplitude densities.
+    """Return deflections of elastic parts, and their amplitude densities.
 
-    Where there are many parts, those that deflect most. A dotted line marks the natural frequency with the
-    hub held. The densities are means over three windows, half of the run each, of a short run one.
+    Where there are many parts, those with the largest deflections. A dotted line marks the natural frequency
+    with the hub held. The densities are means over three windows, half of the run each, of a short run one.
     """
     picked = _first_ideal_last(pick(runs, FLEXIBLE, compared=False))
     parts, count = _largest(picked.drawn, _MOST[width])
@@ -257,7 +260,7 @@ def figure_deflection(runs: Runs, *, width: Width = "page") -> Sheet:
     pairs = []
     for part in parts:
         mine = [(run, look) for run, look in picked.styled if part in elastic_parts_of(run.data)]
-        unit = "m" if elastic_parts_of(mine[0][0].data)[part]["slides"] else "rad"
+        unit = unit_of("deflection", elastic_parts_of(mine[0][0].data)[part]["slides"])
         curves = picked.curves(lambda run, part=part: deflection(run, part))  # type: ignore[misc]
         motion = Panel(part.replace("_", " "), curves, Axis("deflection", unit))
         pairs.append((motion, _spectrum_panel(mine, part, unit)))
@@ -269,7 +272,7 @@ def figure_deflection(runs: Runs, *, width: Width = "page") -> Sheet:
 
 
 def _largest(runs: Sequence[LabelledRun], most: int) -> tuple[list[str], int]:
-    """Return the parts that deflect most, sliding and turning ones in turn, and how many there are."""
+    """Return the parts with the largest deflections, and the number of all."""
     peaks: dict[bool, dict[str, float]] = {True: {}, False: {}}
     for run in runs:
         found = np.asarray(run.data["peak_deflection"].values, dtype=float)
@@ -301,29 +304,23 @@ def _spectrum_panel(runs: Sequence[tuple[LabelledRun, dict[str, Any]]], part: st
         y = replace(y, limits=(high / 10.0**_DECADES, high))
         x = replace(x, limits=(start, max(last, 2.0 * start)))
     else:
+        none = "no motion, or fewer than 16 samples"
         marks.append(
-            ByHand(
-                lambda axes, *_: axes.text(
-                    0.5, 0.5, "no motion, or fewer than 16 samples", transform=axes.transAxes, ha="center"
-                )
-            )
+            ByHand(lambda axes, *_: axes.text(0.5, 0.5, none, transform=axes.transAxes, ha="center"))
         )
     return Panel("its amplitude density", marks, y, x)
 
 
 def _density(run: LabelledRun, part: str) -> tuple[Array, Array] | None:
-    """Return frequencies [Hz] and amplitude densities of a part's deflection; None of too few samples."""
+    """Return frequencies [Hz] and amplitude densities of a deflection, or None."""
     run = run.whole
-    values = run.values("deflection", elastic_part=part)
-    for segment in (0.5 * float(run.time[-1] - run.time[0]), None):
-        try:
-            found = spectrum(run.time, values, segment=segment)
-        except AntennaPinError:  # too few samples
-            continue
-        frequency = np.asarray(found["frequency"].values, dtype=float)
-        density = np.asarray(found["density"].values, dtype=float)
-        return frequency[frequency > 0.0], density[frequency > 0.0]
-    return None
+    try:
+        found = spectrum_of(run, run.values("deflection", elastic_part=part))
+    except AntennaPinError:  # too few samples
+        return None
+    frequency = np.asarray(found["frequency"].values, dtype=float)
+    density = np.asarray(found["density"].values, dtype=float)
+    return frequency[frequency > 0.0], density[frequency > 0.0]
 
 
 # --- springs ---
@@ -331,9 +328,9 @@ def _density(run: LabelledRun, part: str) -> tuple[Array, Array] | None:
 
 @figure()
 def figure_hysteresis(runs: Runs, *, width: Width = "page") -> Sheet:
-    """Return torque over angle of springs with a table, hysteresis or a constant torque, a panel each.
+    """Return torque over angle of springs with a table, hysteresis or constant torque.
 
-    The area inside a loop is the heat of a cycle. A dot marks where a run begins.
+    The area inside a loop is the heat of a cycle. A dot marks the start of a run.
     """
     picked = pick(runs, TRACED, compared=False)
     panels = []
@@ -350,11 +347,8 @@ def figure_hysteresis(runs: Runs, *, width: Width = "page") -> Sheet:
             dot = {"linestyle": "none", "marker": ".", "color": look.get("color"), "markersize": 4}
             marks.append(Curve(run.legend, angle, torque, look, many=run.many))
             marks.append(Curve("", angle[:1], torque[:1], dot))
-        x, y = (
-            (Axis("way", "m"), Axis("force", "N"))
-            if slides
-            else (Axis("angle", "rad"), Axis("torque", "N m"))
-        )
+        x = Axis("way", "m") if slides else Axis("angle", "rad")
+        y = _effort_axis(slides)
         panels.append(Panel(name.replace("_", " "), marks, y, x, margins=(0.03, 0.03)))
     rows = in_rows(panels, COLUMN_OR_PAGE[width] if len(panels) > 1 else 1, alone=False)
     notes = ("the area inside a loop is the heat of a cycle", *picked.notes)
@@ -371,9 +365,10 @@ _DASHES: tuple[Any, ...] = ("-", (0, (5.0, 1.5)), (0, (5.0, 1.0, 1.0, 1.0)))
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Signals:
-    """Signals of a run in one panel: their unit, times, values, and when limits held the command.
+    """Signals of a run in one panel.
 
-    Of a sampled one each value holds until the next.
+    Values of a sampled signal hold until the next (``steps``); ``held`` are spans in which limits held the
+    command.
     """
 
     unit: str
@@ -385,7 +380,7 @@ class _Signals:
 
 @figure()
 def figure_control(runs: Runs, *, width: Width = "page") -> Sheet:
-    """Return what the controllers of all runs measure and follow, and beside it what they command.
+    """Return measured values, references and commands of the controllers of all runs.
 
     A sampled controller's numbers are those of its instants, each held until the next; commands are drawn
     from where they were given, before any delay. A drive that follows a reference all the time has smooth
@@ -412,7 +407,7 @@ def figure_control(runs: Runs, *, width: Width = "page") -> Sheet:
 
 
 def _marks(signals: _Signals, label: str, looks: dict[str, dict[str, Any]]) -> Iterator[Mark]:
-    """Yield the lines of a run in a panel; of several runs a colour is a run's, of one a line's."""
+    """Yield the lines of a run in a panel."""
     number = 0
     for name, values in signals.lines.items():
         if name == "reference":
@@ -429,7 +424,7 @@ def _marks(signals: _Signals, label: str, looks: dict[str, dict[str, Any]]) -> I
 
 
 def _sampled(run: LabelledRun) -> list[tuple[str, _Signals]]:
-    """Return titles of panels of a run's sampled controllers, and what is in them."""
+    """Return panels of a run's sampled controllers."""
     if "tick_signal" not in run.data:
         return []
     found = []
@@ -454,7 +449,7 @@ def _sampled(run: LabelledRun) -> list[tuple[str, _Signals]]:
 
 
 def _grouped(own: dict[str, Array]) -> Iterator[tuple[str, list[str]]]:
-    """Yield what stands in one panel each: measured and reference, components of a vector, the commands."""
+    """Yield the signals of each panel: measured and reference, vectors, commands."""
     seen = [name for name in _SEEN if name in own]
     if seen:
         yield " and ".join(seen), seen
@@ -470,7 +465,7 @@ def _grouped(own: dict[str, Array]) -> Iterator[tuple[str, list[str]]]:
 
 
 def _spans(time: Array, on: NDArray[np.bool_]) -> list[tuple[float, float]]:
-    """Return from when to when something was on, from instant to instant."""
+    """Return the spans between samples in which a signal was on."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], on[:-1].astype(int), [0]])))
     return [(float(time[a]), float(time[b])) for a, b in edges.reshape(-1, 2)]
 

@@ -12,7 +12,7 @@ from antenna_pin.analysis import closures_of, couplings_of, drive_power, drives_
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.plot._compared import Picked, above_round_off, panels_sheet, pick
 from antenna_pin.plot._kinds import CLOSED, COUPLED, FORCED, LOOPED, MOVING, PRESCRIBED, RunFigure
-from antenna_pin.plot._runs import LabelledRun, Run, Runs
+from antenna_pin.plot._runs import LabelledRun, Run, Runs, unit_of
 from antenna_pin.plot._style import Array, Width, prefixed
 from antenna_pin.plot.grammar import Axis, Curve, Panel, Sheet, close_view, figure, in_rows, size_of
 from antenna_pin.trajectory import names_along
@@ -32,7 +32,7 @@ def figure_joint_load(
     zoom: _Span | None = None,
     width: Width = "page",
 ) -> Sheet:
-    """Return the size of the force through a joint in all runs, on a logarithmic scale.
+    """Return the size of the force through a joint on a logarithmic scale.
 
     The force is that of inverse dynamics of the recorded motion, so that an ideal joint has one as well. A
     run with clearance is sampled at the largest force of every contact, so its peaks are there. In free
@@ -65,10 +65,11 @@ def figure_steady_force(
     zoom: _Span | None = None,
     width: Width = "page",
 ) -> Sheet:
-    """Return the size of the force through a joint in the second half of all runs, on a linear scale.
+    """Return the size of the force through a joint in the run's second half.
 
-    When the impacts of the start have died away; the force is that of inverse dynamics of the recorded
-    motion, as in :func:`figure_joint_load`. The close view lies around the largest force of that half.
+    The impacts of the start have died away then, and the scale is linear; the force is that of inverse
+    dynamics of the recorded motion, as in :func:`figure_joint_load`. The close view lies around the largest
+    force of that half.
     """
     picked, curves = _forces(runs, ideal, joint)
     start, end = min(one.x[0] for one in curves), max(one.x[-1] for one in curves)
@@ -95,7 +96,7 @@ def _with_close_view(
     width: Width,
     notes: Sequence[str],
 ) -> Sheet:
-    """Return curves over a span and in a close view; of a linear scale only the parts in view."""
+    """Return curves over a span and in a close view."""
     linear = y.scale == "linear"
     panels: list[Panel] = []
     for words, span in zip((title, "close view of the shaded span"), spans, strict=True):
@@ -110,7 +111,7 @@ def _with_close_view(
 
 
 def _forces(runs: Runs, ideal: Run | None, joint: str | None) -> tuple[Picked, list[Curve]]:
-    """Return the runs that have the joint to draw, and the sizes of its force [N]."""
+    """Return the runs that have the joint, and the sizes of its force [N]."""
     picked = pick(runs, ideal=ideal, joint=(MOVING, joint))
     known = [joint_loads(run.data, [0])["moving_joint"].values for run in picked.drawn]
     has = [run for run, names in zip(picked.drawn, known, strict=True) if picked.joint in names]
@@ -133,13 +134,13 @@ def _force(run: LabelledRun, joint: str) -> Array:
 
 
 def _around(curve: Curve, start: float, end: float, half: float) -> _Span:
-    """Return the span of a half width around the largest force, within a start and an end."""
+    """Return the span of a half width around the largest force."""
     centre = min(max(float(curve.x[int(np.nanargmax(curve.y))]), start + half), end - half)
     return centre - half, centre + half
 
 
 def _ratios(picked: Picked, largest: list[float]) -> str:
-    """Return how many times the ideal joint's largest force each run reaches."""
+    """Return each run's largest force over that of the ideal joint."""
     reference = picked.reference
     if reference is None or reference not in picked.drawn:
         return ""
@@ -160,8 +161,8 @@ _Pick = Callable[[LabelledRun], Array | None]
 _Drawn = tuple[str, Axis, _Pick]
 
 
-def _of(dimension: str, name: str, variable: str) -> _Pick:
-    """Return what gives a variable of an element in a run that has it; of a vector its size."""
+def _read(dimension: str, name: str, variable: str, what: str) -> tuple[Axis, _Pick]:
+    """Return axis and reader of an element's variable, or of its size."""
 
     def values(run: LabelledRun) -> Array | None:
         if name not in names_along(run.data, dimension):
@@ -169,7 +170,7 @@ def _of(dimension: str, name: str, variable: str) -> _Pick:
         found = run.values(variable, **{dimension: name})
         return found if found.ndim == 1 else np.asarray(np.linalg.norm(found, axis=1))
 
-    return values
+    return Axis(what, unit_of(variable, what == "force")), values
 
 
 def _panels(
@@ -205,8 +206,8 @@ def figure_closure_forces(runs: Runs, *, ideal: Run | None = None, width: Width 
         every = (closures_of(run.data) for run in picked.drawn)
         title = f"{name} ({next(one[name]['kind'] for one in every if name in one)})"
         return [
-            (f"{title}, {what}", Axis(what, unit), _of("closure", name, f"closure_{what}"))
-            for what, unit in (("force", "N"), ("moment", "N m"))
+            (f"{title}, {what}", *_read("closure", name, f"closure_{what}", what))
+            for what in ("force", "moment")
         ]
 
     picked, panels = _panels(picked, "closure", drawn)
@@ -219,7 +220,7 @@ def figure_closure_forces(runs: Runs, *, ideal: Run | None = None, width: Width 
 
 @figure()
 def figure_coupling_torques(runs: Runs, *, ideal: Run | None = None, width: Width = "page") -> Sheet:
-    """Return the torque of every coupling on its follower in all runs; a force if it slides.
+    """Return the torque (a force if it slides) of every coupling on its follower.
 
     Scales are linear as far as the ideal run reaches and logarithmic beyond, where contacts make spikes.
     """
@@ -227,9 +228,9 @@ def figure_coupling_torques(runs: Runs, *, ideal: Run | None = None, width: Widt
 
     def drawn(name: str) -> list[_Drawn]:
         one = next(found[name] for run in picked.drawn if name in (found := couplings_of(run.data)))
-        what, unit = ("force", "N") if one["slides"] else ("torque", "N m")
+        what = "force" if one["slides"] else "torque"
         title = f"{name}, {what} on {one['follower']}"
-        return [(title, Axis(what, unit), _of("coupling", name, "coupling_torque"))]
+        return [(title, *_read("coupling", name, "coupling_torque", what))]
 
     picked, panels = _panels(picked, "coupling", drawn)
     return panels_sheet(panels, width, 2, picked.notes, spikes=True)
@@ -237,7 +238,7 @@ def figure_coupling_torques(runs: Runs, *, ideal: Run | None = None, width: Widt
 
 @figure()
 def figure_drive_efforts(runs: Runs, *, ideal: Run | None = None, width: Width = "page") -> Sheet:
-    """Return what every drive exerts in all runs, and its power beside it; of a motion, what holds it.
+    """Return the effort of every drive or prescribed motion, and its power.
 
     Scales are linear as far as the ideal run reaches and logarithmic beyond, where contacts make spikes.
     """
@@ -248,11 +249,10 @@ def figure_drive_efforts(runs: Runs, *, ideal: Run | None = None, width: Width =
             return drive_power(run.data, name) if name in names_along(run.data, "drive") else None
 
         has = (run for run in picked.drawn if name in names_along(run.data, "drive"))
-        unit = next(effort_unit(run.data, name) for run in has)
-        what = "force" if unit == "N" else "torque"
+        what = "force" if next(effort_unit(run.data, name) for run in has) == "N" else "torque"
         motion = any(drives_of(run.data).get(name, {}).get("motion") for run in picked.drawn)
         title = f"{'motion' if motion else 'drive'} {name}"
-        effort = (f"{title}, {what}", Axis(what, unit), _of("drive", name, "drive_torque"))
+        effort = (f"{title}, {what}", *_read("drive", name, "drive_torque", what))
         return [effort, (f"{title}, power", Axis("power", "W"), power)]
 
     picked, panels = _panels(picked, "drive", drawn)
@@ -261,16 +261,16 @@ def figure_drive_efforts(runs: Runs, *, ideal: Run | None = None, width: Width =
 
 @figure()
 def figure_applied_forces(runs: Runs, *, ideal: Run | None = None, width: Width = "page") -> Sheet:
-    """Return the sizes of the force and of the torque at every place where forces on links act, in all runs.
+    """Return the sizes of force and torque at every place of forces on links.
 
-    What is zero to round-off in all runs has no panel. Scales are linear as far as the ideal run reaches and
-    logarithmic beyond, where there are spikes.
+    Loads that are zero to round-off in all runs have no panel. Scales are linear as far as the ideal run
+    reaches and logarithmic beyond, where there are spikes.
     """
 
     def drawn(name: str) -> list[_Drawn]:
         return [
-            (f"{name}, {what}", Axis(what, unit), _of("force_place", name, f"applied_{what}"))
-            for what, unit in (("force", "N"), ("torque", "N m"))
+            (f"{name}, {what}", *_read("force_place", name, f"applied_{what}", what))
+            for what in ("force", "torque")
         ]
 
     picked, panels = _panels(pick(runs, FORCED, ideal), "force_place", drawn)

@@ -42,21 +42,21 @@ def save_figures(
     on_left_out: Callable[[str, str], None] | None = None,
     processes: int = 1,
 ) -> list[Path]:
-    """Draw the figures of the catalogue that the runs allow, write them, and return their paths.
+    """Draw the catalogue's figures that runs allow, write them, and return their paths.
 
     Each file bears its figure's name in :data:`CATALOGUE`, and that of the joint that it is of, as in
     ``journal_orbit-lower``; it is whole or not there at all.
 
     Args:
         runs: Trajectories, or pairs of a label and a dataset or trajectory.
-        folder: Where to write; made if it is missing.
+        folder: Folder of the files; made if it is missing.
         formats: Any of "png", "pdf" and "svg".
         joint: The one joint to draw; each with clearance if left out.
         names: The figures to draw; the standard ones if left out.
         width: "column" (88 mm) or "page" (180 mm).
-        on_left_out: Told the name of a figure that the data do not allow although the runs are of the kind
-            for it, or that was asked for by name, and the reason; nobody is if left out.
-        processes: How many draw, at most. More than one are forked from this one
+        on_left_out: Called with the name of a figure that the data do not allow although the runs are of its
+            kind, or that was requested by name, and the reason.
+        processes: Number of processes that draw, at most. More than one are forked from this one
             (:func:`antenna_pin.base.side_by_side.side_by_side`), which no other thread may be at work beside.
     """
     check_formats(formats)
@@ -116,18 +116,18 @@ def check_one_mechanism(runs: Iterable[Run]) -> None:
             )
 
 
-def _free_name(each: Allowed, taken: Collection[str]) -> str:
-    """Return the file's name for a figure: its own, of a joint with the joint's."""
+def _free_name(each: Allowed, others: Collection[str]) -> str:
+    """Return a figure's file name, with that of its joint."""
     name = each.figure.name
     if each.joint is not None:
         name += "-" + re.sub(r"[^\w.+-]", "_", each.joint)
-    while name in taken:
+    while name in others:
         name += "_"
     return name
 
 
 def processes_to_draw() -> int:
-    """Return how many processes this machine has cores and memory for, where they draw figures."""
+    """Return the number of drawing processes that cores and memory allow."""
     return cores_for(_MEMORY)
 
 
@@ -140,10 +140,10 @@ def check_formats(formats: Sequence[str]) -> None:
 
 @takes()
 def save_figure(figure: Figure, path: str | Path, formats: Sequence[str] = ("png",)) -> list[Path]:
-    """Write a figure in each format, the format added to the path, and return the files.
+    """Write a figure in each format, added to the path, and return the files.
 
     Args:
-        figure: What to write.
+        figure: Figure to write.
         path: Name without a format, in a folder that exists.
         formats: Any of "png", "pdf" and "svg".
     """
@@ -163,7 +163,7 @@ def folder_for_figures(folder: str | Path) -> Path:
 
 
 def _write(content: bytes, path: Path) -> Path:
-    """Write a file beside its place and move it there, so that no half figure is ever seen."""
+    """Write a file beside its place and move it there, so that it is whole."""
     with replacing(path) as partial:
         partial.write_bytes(content)
     return path
@@ -171,10 +171,10 @@ def _write(content: bytes, path: Path) -> Path:
 
 @takes()
 def rendered(figure: Figure, suffix: str, dpi: float = 300.0) -> bytes:
-    """Return a figure as the bytes of a file; letters of an SVG are outlines, which need no font.
+    """Return a figure as the bytes of a file; letters of an SVG are outlines.
 
     Args:
-        figure: One that a function of this room drew.
+        figure: Figure drawn by a function of this room.
         suffix: "png", "pdf" or "svg".
         dpi: Of "png", and of what is rasterised in the others [1/inch].
     """
@@ -184,7 +184,7 @@ def rendered(figure: Figure, suffix: str, dpi: float = 300.0) -> bytes:
 
 @styled
 def _as_file(figure: Figure, suffix: str, dpi: float | None = None, settings: Any = None) -> bytes:
-    """Return what a file of a figure holds; the resolution is the style's if left out."""
+    """Return a figure's file, by default at the style's resolution."""
     buffer = io.BytesIO()
     with matplotlib.rc_context(settings):
         figure.savefig(buffer, format=suffix, dpi=dpi, metadata={_LEFT_OUT[suffix]: None})

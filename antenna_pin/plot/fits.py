@@ -72,7 +72,7 @@ def curves_of_fit(fit: xr.Dataset) -> list[str]:
 def figure_fit(
     fit: xr.Dataset, curves: list[str] | None = None, *, bands: bool = True, width: Width = "page"
 ) -> Sheet:
-    """Return records against the fit of them, with residuals in standard deviations of the noise beneath.
+    """Return records against their fit, with residuals in standard deviations of the noise.
 
     Dark bands are where the model's curve may be, light ones where a new measurement may be.
 
@@ -121,7 +121,7 @@ def _record(rows: xr.Dataset, name: str, bands: bool) -> tuple[Panel, Panel]:
             look = {"color": colour, "label": words, "zorder": 1.0}
             ends = _values(rows, low, high)
             marks.append(Band(at, ends[0], ends[1], look))
-    marks.append(_measured("measured", at, data))
+    marks.append(_measurements("measured", at, data))
     alone = {"marker": "D" if len(at) == 1 else "", "markersize": 3.0}
     marks.append(Curve("fitted model", at, model, {"color": "C0", "linewidth": 0.9, "zorder": 3.0, **alone}))
     residual = (model - data) / noise
@@ -129,7 +129,7 @@ def _record(rows: xr.Dataset, name: str, bands: bool) -> tuple[Panel, Panel]:
     beneath: list[Mark] = [
         Ground(-1.96, 1.96, {"color": "#EEEEEE", "linewidth": 0.0, "zorder": 0.5}, "y"),
         _ZERO,
-        _measured("", at, residual),
+        _measurements("", at, residual),
     ]
     rms = f"residuals' rms {number(float(np.sqrt(np.mean(residual**2))), 3)} sd"
 
@@ -159,8 +159,8 @@ def _record(rows: xr.Dataset, name: str, bands: bool) -> tuple[Panel, Panel]:
     )
 
 
-def _measured(label: str, at: Array, values: Array) -> Curve:
-    """Return what was measured: dots, or of very many rows a line."""
+def _measurements(label: str, at: Array, values: Array) -> Curve:
+    """Return measured values as dots, or many as a line."""
     look: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2.6}
     line = {"linewidth": 0.5, "alpha": 0.8}
     return Curve(label, at, values, {"color": _DATA, "zorder": 2.0, **(look if len(at) <= _DOTS else line)})
@@ -168,7 +168,7 @@ def _measured(label: str, at: Array, values: Array) -> Curve:
 
 # --- how sure a fit is ---
 
-# Two parameters are hardly told apart from this correlation on.
+# Correlation from which on two parameters are hardly distinguishable.
 _STRONG = 0.95
 # Of names and colours beside the cells of correlations [inch].
 _BESIDE = 0.8
@@ -190,8 +190,8 @@ def _cells(axes: Axes, rows: Sequence[str], columns: Sequence[str]) -> None:
 def figure_correlation(fit: xr.Dataset, *, width: Width = "column") -> Figure:
     """Return the correlations of the parameters of a fit, of each with each.
 
-    Near 1 or -1 a record tells little more than one combination of two parameters. Those at a bound, and
-    those that it does not tell at all, have none.
+    Near 1 or -1 a record determines little more than one combination of two parameters. Parameters at a
+    bound, or undetermined, have none.
     """
     values = correlations(fit)
     names = [literal(str(one)) for one in fit["title"].values]
@@ -206,7 +206,7 @@ def figure_correlation(fit: xr.Dataset, *, width: Width = "column") -> Figure:
     size = 7.0 if count <= 8 else 5.0
     for (row, column), value in np.ndenumerate(values):
         known = math.isfinite(value)
-        # A number that rounds to one is none: the digits that tell are those of its distance.
+        # A number that rounds to one needs the digits of its distance from one.
         digits = 4 if row != column and abs(value) >= 0.995 else 2
         text = _minus(f"{round(value, digits) + 0.0:.{digits}f}") if known else "–"
         colour = "white" if known and abs(value) > 0.6 else "black"
@@ -225,7 +225,7 @@ def figure_correlation(fit: xr.Dataset, *, width: Width = "column") -> Figure:
 
 @takes()
 def correlations(fit: xr.Dataset) -> np.ndarray:
-    """Return the correlations of the parameters of a fit, (p, p) [-]; NaN of one that has none."""
+    """Return correlations of a fit's parameters, (p, p) [-]; NaN if undetermined."""
     covariance = np.asarray(fit["covariance"].values, dtype=float)
     error = np.sqrt(np.diag(covariance))
     error = np.where(np.isfinite(error) & (error > 0.0), error, np.nan)
@@ -242,7 +242,7 @@ def has_profiles(fit: xr.Dataset) -> bool:
 
 @figure(fit="Of :func:`antenna_pin.fit.open_fit`, with profiles.")
 def figure_profiles(fit: xr.Dataset, *, width: Width = "page") -> Sheet:
-    """Return the profile of each parameter: how the loss grows as it is held elsewhere, the others fitted.
+    """Return the profile of each parameter: growth of the loss, the others fitted.
 
     Dashed is the parabola of its standard error, which a linear model has; where the two part, intervals by
     standard errors are off. Of a parameter that is searched by its logarithm it is one of that, and where the
@@ -314,7 +314,7 @@ def _profile(one: xr.Dataset, reach: float, labelled: bool) -> Panel:
 def _span(
     values: np.ndarray, best: float, low: float, high: float, by_log: bool = False
 ) -> tuple[float, float]:
-    """Return the displayed range of a profile: beyond its ends, and part of an open side."""
+    """Return the displayed range of a profile."""
     if by_log:
         below, above = (math.log(end) if end > 0.0 else -math.inf for end in (low, high))
         left, right = _span(np.log(values), math.log(best), below, above)
@@ -335,7 +335,7 @@ _DOT: dict[str, Any] = {"linestyle": "none", "marker": "o", "clip_on": False}
 
 
 def _entry(label: str, marker: str, colour: str, **looks: Any) -> Curve:
-    """Return an entry of the legend, away from anything that is drawn."""
+    """Return an entry of the legend alone."""
     look = {"linestyle": "none", "marker": marker, "color": colour, "markersize": 2.3, **looks}
     return Curve(label, np.empty(0), np.empty(0), look)
 
@@ -354,8 +354,7 @@ def figure_identifiability(found: xr.Dataset, *, width: Width = "page") -> Sheet
     """Return the information of a test: expected errors of parameters, and determined directions.
 
     On the left half widths of intervals over the parameters' sizes, with all others unknown and with all
-    others known: what lies between is what parameters take from one another. On the right the error along
-    each direction, and of which parameters it is made.
+    others known. On the right the error along each direction, and its parts of parameters.
     """
     names = [literal(str(one)) for one in found["title"].values]
     size, half, alone = _values(found, "scale", "half", "alone")
@@ -411,7 +410,7 @@ def _with_plain_numbers(axes: Axes) -> None:
 
 
 def _directions(axes: Axes, found: xr.Dataset, names: list[str]) -> None:
-    """Draw of which parameters each direction is made, with the error along it."""
+    """Draw the parameters of each direction, with the error along it."""
     parts, singular = _values(found, "part", "singular")
     axes.imshow(parts**2, cmap="Blues", vmin=0.0, vmax=1.0, aspect="auto")
     for row, column in np.argwhere(parts**2 > 0.005):
@@ -425,9 +424,9 @@ def _directions(axes: Axes, found: xr.Dataset, names: list[str]) -> None:
 
 @figure(found="Of :func:`antenna_pin.fit.experiments_table`.")
 def figure_experiments(found: xr.Dataset, *, width: Width = "page") -> Sheet:
-    """Return experiments beside one another: the interval of each parameter to expect after each.
+    """Return experiments side by side: the interval of each parameter after each.
 
-    The best one stands first. A line is what the parameter's interval is before any of them.
+    The best one stands first. A line is the parameter's interval before any of them.
     """
     kept = min(found.sizes["experiment"], _MOST)
     shown = found.isel(experiment=slice(kept))
@@ -488,11 +487,12 @@ _RESULTS = 8  # and as many parameters as have a colour of their own
 
 @figure(sensitivity="Of :func:`antenna_pin.sensitivity.sensitivity_table`.")
 def figure_sensitivity(sensitivity: xr.Dataset, *, width: Width = "page") -> Sheet:
-    """Return by how much results change with each parameter, and the curve that changes most, over time.
+    """Return changes of results with parameters, and of the most sensitive curve.
 
     On the left bars, of the results that change most: the change per 1 % of each parameter (of its scale) in
-    per cent of the result, the parameters that matter most first; a line at their ends is what is in doubt.
-    On the right the change of one motion per 1 % of each, doubt as a band, where there are samples.
+    per cent of the result, the parameters that matter most first; a line at their ends is the error estimate.
+    On the right the change of one motion per 1 % of each, its error estimate as a band, where there are
+    samples.
     """
     size, change, doubt = _values(sensitivity, "value", "change", "doubt")
     size = np.abs(size)
@@ -518,7 +518,7 @@ def figure_sensitivity(sensitivity: xr.Dataset, *, width: Width = "page") -> She
         )
     wide, curves = width == "page", sensitivity.sizes["time"] > 1 and sensitivity.sizes["curve"] > 0
     if curves:
-        panels.append(_over_time(sensitivity, curve, order, names, named=not rows))
+        panels.append(_over_time(sensitivity, curve, order, names, in_legend=not rows))
     left = sensitivity.sizes["parameter"] - len(order)
     note = f"{left} parameters that matter less are not shown" if left else ""
     height = 34.0 + max(len(rows), 1) * (3.0 + 2.6 * len(order)) + (0.0 if wide or not curves else 62.0)
@@ -526,7 +526,7 @@ def figure_sensitivity(sensitivity: xr.Dataset, *, width: Width = "page") -> She
 
 
 def _most(sensitivity: xr.Dataset) -> tuple[int, Array]:
-    """Return the curve that changes most, over its doubt, and what each parameter makes of it."""
+    """Return the most sensitive curve, and its change with each parameter."""
     changes = np.nan_to_num(np.asarray(sensitivity["curve_change"].values, dtype=float))
     if not changes.size:
         return 0, np.zeros(changes.shape[2])
@@ -548,7 +548,7 @@ def _bars(axes: Axes, share: Array, doubt: Array, order: NDArray[np.intp], names
 
 
 def _over_time(
-    sensitivity: xr.Dataset, curve: int, order: NDArray[np.intp], names: list[str], *, named: bool
+    sensitivity: xr.Dataset, curve: int, order: NDArray[np.intp], names: list[str], *, in_legend: bool
 ) -> Panel:
     """Return the change of one curve with each parameter."""
     (time,) = _values(sensitivity, "time")
@@ -560,4 +560,4 @@ def _over_time(
         marks.append(Band(time, mine - apart, mine + apart, {"color": COLOURS[j], "alpha": 0.25}))
     y = Axis(f"change per 1 % [{sensitivity['curve_unit'].values[curve]}]")
     x = Axis("time [s]", ticks=3)  # beside long names of results little room is left
-    return Panel(str(sensitivity["curve"].values[curve]), [*marks, _ZERO], y, x, named=named)
+    return Panel(str(sensitivity["curve"].values[curve]), [*marks, _ZERO], y, x, named=in_legend)

@@ -1,8 +1,8 @@
-"""Grammar of figures: marks in panels, panels in the rows of a sheet, and the renderer of sheets.
+"""Grammar of figures: marks in panels, panels on sheets, and their renderer.
 
 A figure is a function that returns a :class:`Sheet`, under :func:`figure`, which draws it. Numbers of marks
 are in SI units: the renderer scales them by the axes' prefixes, labels, letters the panels, and puts one
-legend above and the notes below. What has no words here draws by hand (:class:`ByHand`).
+legend above and the notes below. Other drawings are functions (:class:`ByHand`).
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ Scale = Literal["linear", "log", "plain"]
 
 
 class Mark(Protocol):
-    """Anything in a panel."""
+    """Mark in a panel."""
 
     def draw(self, axes: Axes, across: float, up: float) -> None:
         """Draw on axes, numbers multiplied by the factors of the axes' prefixes."""
@@ -44,15 +44,13 @@ class Mark(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Curve:
-    """Line, or dots, through points.
+    """Line, or dots, through points (n,).
 
     Attributes:
         label: Name in the legend; none if empty.
-        x: (n,).
-        y: (n,).
-        look: As for ``Axes.plot``.
-        smooth: Whether it is the ideal run's: its size is what must stay legible beside spikes.
-        many: Whether it is of so many samples that it is drawn as pixels in a vector file.
+        look: Arguments of ``Axes.plot``.
+        smooth: Whether it is the ideal run's: its size must stay legible beside spikes.
+        many: Whether it is drawn as pixels in a vector file.
     """
 
     label: str
@@ -83,7 +81,7 @@ class Points:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rule:
-    """Line across a panel at a value of one of its axes: zero, a limit, a natural frequency."""
+    """Line across a panel at a value of an axis, such as a limit."""
 
     at: float
     look: Look = field(default_factory=lambda: {"color": "#999999", "linewidth": 0.6, "zorder": 0.8})
@@ -130,12 +128,12 @@ class Band:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ByHand:
-    """Mark that a function draws on the axes, given the factors of both prefixes."""
+    """Mark that a function draws on axes, given both prefixes' factors."""
 
     function: Callable[[Axes, float, float], object]
 
     def draw(self, axes: Axes, across: float, up: float) -> None:
-        """Let the function draw."""
+        """Draw the mark by the function."""
         self.function(axes, across, up)
 
 
@@ -152,15 +150,15 @@ class Axis:
     """Axis of a panel.
 
     Attributes:
-        label: Without the unit, if there is one.
-        unit: Of the values, SI; without one values are drawn as they are, and the label is all.
-        largest: Size that the prefix is chosen by; of the panel's curves if left out.
-        limits: Ends of the axis, in SI units; None where they follow from what is drawn.
+        label: Label without the unit, if there is one.
+        unit: SI unit of the values; without it values are drawn as they are.
+        largest: Size that determines the prefix; of the panel's curves if left out.
+        limits: Ends [unit]; None where they follow from the marks.
         scale: Linear or logarithmic.
-        ticks: How many, at most; those of Matplotlib if 0.
+        ticks: Number of ticks, at most; Matplotlib's own if 0.
         named: Places of ticks with their names.
         shared: Key of the panels that have this axis in common.
-        labelled: Whether the label stands there; if left out, where no panel below or to the left has it.
+        labelled: Whether the label is drawn; if left out, where no panel below or to the left has it.
         wrap: Letters of a line of the label; one line if 0.
     """
 
@@ -176,7 +174,7 @@ class Axis:
     wrap: int = 0
 
     def scaled(self, largest: float) -> tuple[float, str]:
-        """Return the factor of values up to a size, unless the axis has its own, and the label in full."""
+        """Return factor and full label for values up to a size."""
         size = largest if self.largest is None else self.largest
         factor, printed = (1.0, "") if self.unit is None else prefixed(self.unit, size)
         text = f"{self.label} [{printed}]".lstrip() if printed else self.label
@@ -191,17 +189,13 @@ class Panel:
     """Panel of a sheet.
 
     Attributes:
-        title: What it shows.
-        marks: What is drawn.
-        y: Axis upwards.
-        x: Axis across.
-        apart: Whether it shows a deviation, with a scale of its own.
+        apart: Whether it has a deviation, with a scale of its own.
         spiky: Whether the scale is linear as far as smooth curves reach, and logarithmic beyond.
         span: Size of smooth curves and of spikes, where several panels have one scale.
-        margins: Free shares of the axes beyond what is drawn, across and up; the style's if left out.
+        margins: Free shares of the axes beyond the marks, across and up; the style's if left out.
         named: Whether its curves are in the legend.
         lettered: Whether it has a letter, where panels have.
-        finish: What is left to be done on the axes.
+        finish: Called with the drawn axes.
     """
 
     title: str
@@ -228,7 +222,7 @@ class Panel:
 
     @property
     def core(self) -> float:
-        """Size of what is smooth: of the ideal run, and of every other between its spikes."""
+        """Largest size of smooth curves, and of others between their spikes."""
         return max(
             (size_of(one.y) if one.smooth else between_spikes(one.x, one.y) for one in self.curves),
             default=0.0,
@@ -240,18 +234,18 @@ class Sheet:
     """Figure as data.
 
     Attributes:
-        rows: Its panels; one alone in a row takes all of it, None is an empty place.
+        rows: Panels; one alone in a row takes all of it, None is an empty place.
         width: Named width.
-        height: [mm].
-        notes: Said below the panels, those that are not empty.
-        widths: Of columns, relative.
-        heights: Of rows, relative.
+        height: Height [mm].
+        notes: Notes below the panels; empty ones are left out.
+        widths: Relative widths of columns.
+        heights: Relative heights of rows.
         every: Whether every panel has the label of its x axis, though one below has the same.
         letters: Whether panels have letters; where there are several if left out.
-        label: Of the y axes of all panels together.
-        bar: Bar of colours: what is coloured, its label, and where it stands, as for ``Figure.colorbar``.
+        label: Label of the y axes of all panels together.
+        bar: Colour bar: its mappable, its label, and arguments of ``Figure.colorbar``.
         formulas: Whether dollars in names of the legend enclose formulas.
-        finish: What is left to be done with the panels, in their order.
+        finish: Called with the drawn panels in their order.
     """
 
     rows: Sequence[Sequence[Panel | None]]
@@ -282,7 +276,7 @@ def largest_of(values: Sequence[Array]) -> float:
 
 
 def in_rows(panels: Sequence[Panel], columns: int, *, alone: bool = True) -> list[list[Panel | None]]:
-    """Return panels in rows; one that is left over has the last row to itself, unless it is not to."""
+    """Return panels in rows; a single last one alone, if ``alone``."""
     rows: list[list[Panel | None]] = [
         list(panels[k : k + columns]) for k in range(0, len(panels), max(columns, 1))
     ]
@@ -292,12 +286,12 @@ def in_rows(panels: Sequence[Panel], columns: int, *, alone: bool = True) -> lis
 
 
 def in_pairs(pairs: Sequence[tuple[Panel, Panel]], width: Width) -> list[list[Panel | None]]:
-    """Return pairs of panels side by side on a page, one below the other in a column."""
+    """Return pairs of panels: a page has two columns, a column one."""
     return in_rows([panel for pair in pairs for panel in pair], COLUMN_OR_PAGE[width])
 
 
 def in_blocks(kinds: Sequence[Sequence[Panel | None]], width: Width) -> list[list[Panel | None]]:
-    """Return panels by kind and run in rows: a column a run, in blocks that fit the width."""
+    """Return panels by kind and run in rows, a column for each run."""
     count = max(map(len, kinds))
     columns = min(count, 3 if width == "page" else 1)
     rows: list[list[Panel | None]] = []
@@ -321,7 +315,7 @@ def in_blocks(kinds: Sequence[Sequence[Panel | None]], width: Width) -> list[lis
 
 @style.styled
 def render(sheet: Sheet) -> Figure:
-    """Return a sheet as a figure: the one place where panels are laid out, scaled and labelled."""
+    """Return a sheet as a figure: place, scale and label its panels."""
     found = style.new_figure(sheet.width, sheet.height)
     columns = max(map(len, sheet.rows))
     ratios = {"width_ratios": sheet.widths, "height_ratios": sheet.heights}
@@ -363,16 +357,20 @@ def render(sheet: Sheet) -> Figure:
 
 
 def colour_bar(
-    found: Figure, panels: Sequence[Axes] | Axes, shown: ScalarMappable, label: str, where: Mapping[str, Any]
+    drawing: Figure,
+    panels: Sequence[Axes] | Axes,
+    shown: ScalarMappable,
+    label: str,
+    where: Mapping[str, Any],
 ) -> Any:
     """Draw a bar of colours beside panels, and return it."""
-    bar = found.colorbar(shown, ax=panels, label=label, **where)
+    bar = drawing.colorbar(shown, ax=panels, label=label, **where)
     bar.outline.set_linewidth(0.4)
     return bar
 
 
 def _is_lowest(sheet: Sheet, i: int, k: int) -> bool:
-    """Return whether no panel below has the same x axis as one has, at the same place."""
+    """Return whether no panel below has the same x axis."""
     panel, below = sheet.rows[i][k], sheet.rows[i + 1] if i + 1 < len(sheet.rows) else ()
     assert panel is not None
     if sheet.every or len(below) != len(sheet.rows[i]):
@@ -382,11 +380,7 @@ def _is_lowest(sheet: Sheet, i: int, k: int) -> bool:
 
 
 def _draw(axes: Axes, panel: Panel, lowest: bool, leftmost: bool) -> bool:
-    """Draw a panel.
-
-    Returns:
-        Whether dotted lines mark where its scale is linear.
-    """
+    """Draw a panel; return whether dotted lines mark its linear scale."""
     across, along = panel.x.scaled(largest_of([one.x for one in panel.curves]))
     up, upward = panel.y.scaled(panel.largest)
     for mark in panel.marks:
@@ -440,7 +434,7 @@ def _scale(axes: Axes, drawn: DrawnAxis, axis: Axis, factor: float) -> None:
 
 
 def plain_numbers(drawn: DrawnAxis) -> None:
-    """Give a logarithmic axis plain numbers: 1, 2 and 5 of decades, or even ones of less than one."""
+    """Set plain numbers as ticks of a logarithmic axis."""
     low, high = drawn.get_view_interval()
     decade = high > 10.0 * low > 0.0
     drawn.set_major_locator(
@@ -462,12 +456,10 @@ _ARGUMENTS = {
 
 
 def figure(**own: str) -> Callable[[Callable[P, Sheet | Figure]], Callable[P, Figure]]:
-    """Return a decorator of a function that returns a sheet: it checks the arguments and draws the sheet.
-
-    What the arguments are stands in the docstring then, of those that figures have in common as well.
+    """Return a decorator that draws the sheet of a function and documents its arguments.
 
     Args:
-        **own: What the function's own arguments are.
+        **own: Descriptions of the function's own arguments; common ones have theirs here.
     """
 
     def decorated(function: Callable[P, Sheet | Figure]) -> Callable[P, Figure]:
@@ -478,8 +470,8 @@ def figure(**own: str) -> Callable[[Callable[P, Sheet | Figure]], Callable[P, Fi
         function.__doc__ = "\n".join([said, "", "Args:", *words]) + more
 
         @functools.wraps(function)
-        def draw(*arguments: P.args, **named: P.kwargs) -> Figure:
-            found = function(*arguments, **named)
+        def draw(*arguments: P.args, **keywords: P.kwargs) -> Figure:
+            found = function(*arguments, **keywords)
             return render(found) if isinstance(found, Sheet) else found
 
         return takes()(style.styled(draw))
@@ -487,16 +479,16 @@ def figure(**own: str) -> Callable[[Callable[P, Sheet | Figure]], Callable[P, Fi
     return decorated
 
 
-#: Of what lies apart the line at zero.
+#: Line at zero of deviations.
 ZERO = Rule(0.0, {**IDEAL, "linewidth": 0.6})
 
 
 class DatasetFigure(NamedTuple):
-    """A figure that a dataset, such as a study, allows.
+    """Figure that a dataset, such as a study, allows.
 
     Attributes:
-        name: As its file is called.
-        title: What it shows.
+        name: Name of its file.
+        title: Title.
         draw: Draws it; takes ``width``.
     """
 

@@ -1,4 +1,4 @@
-"""The journal in its bearing: its orbit inside the clearance circle, and the load around the bore."""
+"""Journal in its bearing: orbit within the clearance, and load around the bore."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ _SAME = 1e-6
 
 
 def _squares(width: Width, count: int, more: float) -> tuple[int, float]:
-    """Return columns of square panels, and the height of a figure with so much beside the panels [mm]."""
+    """Return columns of square panels, and the figure's height [mm]."""
     most = 4 if width == "page" else 2
     columns = min(count, most)
     if count > columns:  # rows of equal length where that is possible
@@ -60,12 +60,9 @@ def _squares(width: Width, count: int, more: float) -> tuple[int, float]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Shown:
-    """The axes that a picture of a bearing shows.
+    """Axes of a bearing's picture, turned from the bearing's by ``turn`` (3, 3).
 
-    Attributes:
-        turn: Rotation from bearing axes to them, (3, 3) [-].
-        names: Of each, for its label.
-        up: Direction against gravity, bearing axes, (3,) [-]; None where the picture has no "up".
+    ``up`` is the direction against gravity in bearing axes, (3,) [-], None without it.
     """
 
     turn: Array
@@ -74,17 +71,14 @@ class _Shown:
 
     @property
     def turned(self) -> bool:
-        """Return whether these are other axes than the bearing's."""
         return bool(np.abs(self.turn - np.eye(3)).max() > _SAME)
 
 
 def _shown_axes(data: xr.Dataset, joint: str, *, spatial: bool) -> _Shown:
-    """Return the axes to show a bearing in: its own without a steady gravity, else with one of them upwards.
+    """Return the axes of a bearing's picture: its own, or one of them against gravity.
 
-    Args:
-        data: Of a run.
-        joint: A clearance joint.
-        spatial: Whether the third axis is shown upwards; else the second is, about the bearing's own third.
+    Without a steady gravity the axes are the bearing's own. The third axis points up in space, else the
+    second, about the bearing's own third.
     """
     up = steady_up(data, joint)
     if up is not None and not spatial and np.hypot(up[0], up[1]) < _ACROSS:
@@ -115,21 +109,14 @@ def _name(direction: Array) -> str:
 
 
 def _mark_axes(axes: Axes, shown: _Shown, across: int, up: int) -> None:
-    """Draw the bearing's axes into the corner of a panel that shows others than its own.
-
-    Args:
-        axes: The panel, of equal scales.
-        shown: What it shows.
-        across: The axis across.
-        up: The axis upwards.
-    """
+    """Draw the bearing's axes in a corner, where others are across and up."""
     if not shown.turned:
         return
     size = 0.075
     for k, name in enumerate("xyz"):
         way = shown.turn[[across, up], k]
         if np.hypot(*way) < 0.2:
-            continue  # it points at who looks
+            continue  # it points out of the picture
         x, y = (0.16 + size * way).tolist()
         arrow = {"arrowstyle": "->", "linewidth": 0.6, "shrinkA": 0.0, "shrinkB": 0.0}
         axes.annotate("", (x, y), (0.16, 0.16), "axes fraction", arrowprops=arrow)
@@ -149,21 +136,16 @@ def _farthest(run: LabelledRun, joint: str) -> float:
 class _Path:
     """Path of the journal's axis or centre at one place of the bearing.
 
-    Args:
-        run: Its samples.
-        motion: Of the journal in the first part of them, which is all of a run that is not long.
-        joint: The joint with clearance.
-        place: Number of the place.
-        turn: Turns offsets to the axes that are shown, and scales them, (3, 3).
+    ``motion`` is that of the first part of the samples, which is all of a run that is not long; ``turn`` maps
+    offsets to the drawn axes and their scale, (3, 3).
     """
 
     def __init__(self, run: LabelledRun, motion: xr.Dataset, joint: str, place: int, turn: Array) -> None:
-        """Look at how long it is."""
         self._run, self._motion, self._joint, self._place, self._turn = run, motion, joint, place, turn
         self.long = run.time.size > LONG
 
     def parts(self) -> Iterator[tuple[Array, Array]]:
-        """Yield offsets (m, 3) and times (m,) [s], each part from the last sample of the one before on."""
+        """Yield offsets (m, 3) and times (m,) [s]; parts share their ends."""
         if not self.long:
             yield self._motion["offset"].values[:, self._place] @ self._turn.T, self._run.time
             return
@@ -202,14 +184,14 @@ def figure_orbit(
 
     A revolute joint has two panels: where the journal's axis passes through the plane of each end of the
     bore. Outside the circle the surfaces are pressed into each other, by a hundredth of the clearance or so.
-    A ball joint has the three projections of its ball's centre. A slider's axis is seen at its own two ends,
+    A ball joint has the three projections of its ball's centre. A slider's axis is drawn at its own two ends,
     inside the rectangle that its guide leaves it. Between samples the path is that of their places and
     velocities. Where the largest clearance is more than twice the smallest, every run is drawn in its own.
 
-    Of a journal that crosses its play many times the last of it is in colour, what was before in grey.
+    The last part of a journal's path that crosses its play many times is in colour, the part before in grey.
 
-    Under gravity "up" is against it, as far as the bearing keeps still: the labels say which axis of the
-    bearing that is, and a triad in the corner shows its axes where others than x and y are across and up.
+    Under gravity "up" is against it, as far as the bearing keeps still: labels name that axis of the bearing,
+    and a triad in the corner shows its axes where others than x and y are across and up.
     """
     if shade not in ("time", "load"):
         raise UnknownNameError("figure", "shade", shade, ("time", "load"))
@@ -288,7 +270,7 @@ def figure_orbit(
 
 
 def _last_turns(run: LabelledRun, motion: xr.Dataset, joint: str) -> float:
-    """Return from when on the path is so long that it can be followed, its start if all of it can be [s]."""
+    """Return the start of the last part of a path without tangles [s]."""
     outline = motion.attrs["outline"]
     across = float(np.linalg.norm(np.diff(outline, axis=0, append=outline[:1]), axis=1).sum()) / np.pi
     inside = Path(_AWAY * outline)
@@ -317,7 +299,7 @@ def _bore_forces(run: LabelledRun, joint: str) -> Array:
 
 
 def _line(axes: Axes, path: _Path, ways: list[int], load: Array | None, looks: dict[str, Any]) -> None:
-    """Draw a path: the colour of a piece is the mean time of its ends, or its load, the hardest last."""
+    """Draw a path in the colours of time, or of load, the hardest last."""
     looks = {**looks, "capstyle": "round", "zorder": 2}
     if load is not None:
         points = path.whole[:, ways]
@@ -345,7 +327,7 @@ def _line(axes: Axes, path: _Path, ways: list[int], load: Array | None, looks: d
 # --- the load around the bore ---
 
 _MOST_RINGS = 1000
-# Of both ends, dark and light: told apart in grey as well.
+# Of both ends, dark and light: distinguishable in grey as well.
 _LOOKS = {
     ("radial", "+"): ("end +", COLOURS[0]),
     ("radial", "-"): ("end \N{MINUS SIGN}", COLOURS[4]),
@@ -358,7 +340,7 @@ _LOOKS = {
 def figure_bore_load(
     runs: Runs, *, joint: str | None = None, sectors: int = 36, width: Width = "page"
 ) -> Figure:
-    """Return the load around the bore: the impulse of the normal force that each sector took.
+    """Return the impulse of the normal force in each sector of the bore.
 
     Bars of the two ends of a bore stand on one another. The angle is that of the bearing's surface, from the
     bearing's x axis towards its y axis; of a single run on a page it stands over time as well. Under gravity
@@ -408,7 +390,7 @@ def _kinds_of(run: LabelledRun, joint: str) -> list[str]:
 
 
 def _look(kind: str, end: str) -> tuple[str, str]:
-    """Return name and colour of a contact; of a guide's corner those of its end."""
+    """Return name and colour of a contact; corners have those of their end."""
     key = ("radial", end[-2:-1]) if kind in ("wall", "key") else (kind, end)
     return _LOOKS.get(key, (kind + end, COLOURS[2]))
 
@@ -447,7 +429,7 @@ def _bars(axes: PolarAxes, run: LabelledRun, load: xr.Dataset) -> str:
 
 
 def _over_time(axes: Axes, run: LabelledRun, joint: str) -> None:
-    """Draw the direction in which the bore was pressed over time, and rings where it took blows."""
+    """Draw the direction of contacts over time, with rings at blows."""
     kinds, ends = contact_kinds(run.data), contact_ends(run.data)
     blows = sharp(run, run)
     hardest = float(run.values("peak_force")[blows].max(initial=0.0)) if blows.any() else 0.0
@@ -482,7 +464,7 @@ def _over_time(axes: Axes, run: LabelledRun, joint: str) -> None:
 
 
 def _direction(run: LabelledRun, contact: str) -> Array:
-    """Return the direction of a contact, from the bearing's x axis [deg]; NaN while it does not press."""
+    """Return a contact's direction from the x axis [deg]; NaN without pressure."""
     x, y, _ = run.values("contact_point", contact=contact).T
     pressed = run.values("normal_force", contact=contact) > 0.0
     return np.where(pressed, np.degrees(np.arctan2(y, x)), np.nan)

@@ -1,4 +1,4 @@
-"""Contact laws, for papers: force over depth, restitution, and the measured pin joint of Liu et al. 2013."""
+"""Contact laws: force over depth, restitution, and Liu et al.'s pin joint (2013)."""
 
 from __future__ import annotations
 
@@ -28,18 +28,20 @@ from antenna_pin.plot.grammar import Axis, Curve, Ground, Mark, Panel, Rule, She
 
 _DASHES: tuple[Any, ...] = ("-", (0, (4, 1.2)), (0, (1, 1)), (0, (4, 1, 1, 1)))
 _LABEL_HEIGHT = 3.0  # of one line of text beside a panel [mm]
-_FAR = 0.1  # a dissipation further than this from what it is asked for has its place in the first panel [-]
+_FAR = 0.1  # least deviation of a dissipation in the first panel [-]
 
 
 @takes()
 def save_contact_figures(
     figures: Mapping[str, Figure], folder: str | Path, formats: Sequence[str] = ("png",)
 ) -> list[Path]:
-    """Write figures by name to a folder and return their paths. Each appears whole or not at all.
+    """Write figures by name to a folder and return their paths.
+
+    Each file appears whole or not at all.
 
     Args:
         figures: Figures by the stem of their file's name.
-        folder: Where to write; made if it is missing.
+        folder: Folder of the files; made if it is missing.
         formats: Any of "png", "pdf" and "svg".
     """
     check_formats(formats)
@@ -122,7 +124,7 @@ def _coinciding(curves: Mapping[str, Array]) -> dict[str, Array]:
 
 
 def _label_ends(axes: Axes, lines: Sequence[Any]) -> None:
-    """Name curves to the right of a panel, in the order of their ends, with a line from each to its name."""
+    """Write names of curves beside a panel, each with a line to its curve."""
     assert isinstance(axes.figure, Figure)
     bottom, top = np.log10(axes.get_ylim())
     height = axes.figure.get_figheight() * 25.4 - 14.0  # of the panel, about [mm]
@@ -164,10 +166,10 @@ def _label_ends(axes: Axes, lines: Sequence[Any]) -> None:
 def figure_restitution(
     rows: Iterable[RestitutionRow], *, closed_form: Iterable[RestitutionRow] = (), width: Width = "page"
 ) -> Figure:
-    """Return the restitution that dissipations deliver over the one asked for.
+    """Return the delivered restitution of dissipations over the given one.
 
-    Dissipations that deliver something else by more than 0.1 stand in the first panel; of the others the
-    second panel shows the difference. Lines are closed forms, circles impacts that were integrated.
+    Dissipations that deviate by more than 0.1 stand in the first panel; of the others the
+    second panel shows the difference. Lines are closed forms, circles integrated impacts.
     """
     points = list(rows)
     lines = [*points, *closed_form]
@@ -216,7 +218,7 @@ def figure_restitution(
 
 
 def _delivered(rows: Iterable[RestitutionRow], dissipation: str) -> Array:
-    """Return the restitution asked for and the one delivered by the closed form, shape (points, 2)."""
+    """Return given and delivered restitution by the closed form, (points, 2)."""
     return np.array(sorted((row.asked, row.closed_form) for row in rows if row.dissipation == dissipation))
 
 
@@ -229,11 +231,11 @@ _Load = Callable[[float, float], float]  # [N] for a radial play [m] and a displ
 def figures_of_experiment(
     *, journal_radius: float = 5e-3, length: float = 1e-3, width: Width = "page"
 ) -> dict[str, Figure]:
-    """Return the paper's figures 3, 5 and 6 by the stem of their file, with what this project adds.
+    """Return the paper's figures 3, 5 and 6 with further laws, by file stem.
 
     Args:
-        journal_radius: Of the pin [m]; the paper gives none.
-        length: Of the contact [m]; the paper takes 1 mm.
+        journal_radius: Radius of the pin [m]; the paper gives none.
+        length: Length of the contact [m]; the paper takes 1 mm.
         width: "column" (88 mm) or "page" (180 mm); the last figure is a column wide.
     """
     modulus = effective_modulus(LIU_2013_STEEL, LIU_2013_STEEL)
@@ -275,7 +277,7 @@ def figures_of_experiment(
     "range."
 )
 def figure_experiment(laws: Mapping[str, Callable[[float, float], float]], *, width: Width = "page") -> Sheet:
-    """Return load over displacement of Liu et al. 2013's joint, measured and by laws, a panel a play."""
+    """Return load over displacement of Liu et al. 2013's joint, measured and by laws."""
     deepest = 1.05 * max(point.depth for point in LIU_2013)
     grid = np.linspace(0.0, deepest, 150)[1:]
     x = Axis("displacement [µm]", limits=(0.0, 1e6 * deepest), shared="depth")
@@ -299,10 +301,10 @@ def figure_experiment(laws: Mapping[str, Callable[[float, float], float]], *, wi
 
 @figure(law="The pin joint.")
 def figure_contact_width(law: LiuPinJoint, *, width: Width = "column") -> Sheet:
-    """Return depth over half-width of the contact, by Liu et al.'s (24) and by (5) and (11) of Hertz's kind.
+    """Return depth over half-width of the contact, by Liu et al.'s (24) and by Hertz.
 
-    Both of the latter are a^2 = R depth with R = R_i R_j / (R_i - R_j): they let the contact grow wider than
-    the pin, which (24) does not.
+    Equations (5) and (11) of Hertz's kind are a^2 = R depth with R = R_i R_j / (R_i - R_j): they let the
+    contact grow wider than the pin, which (24) does not.
     """
     radius = law.bearing_radius * law.journal_radius / law.clearance
     depths = np.geomspace(1e-4 * law.depth_limit, law.depth_limit, 400)

@@ -15,7 +15,7 @@ from matplotlib.axes import Axes
 
 from antenna_pin.analysis import LONG, beside, is_round_off, resampled, round_off_scales
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.plot._compared import COINCIDE, pick
+from antenna_pin.plot._compared import COINCIDE, pick, straight
 from antenna_pin.plot._kinds import SLIDING, TURNING, JointKind, RunFigure
 from antenna_pin.plot._runs import LabelledRun, Run, too_short
 from antenna_pin.plot._style import IDEAL, Array, Width, distinct, prefixed
@@ -33,7 +33,6 @@ class MotionQuantity(NamedTuple):
     """A quantity of a joint's motion."""
 
     variable: str
-    unit: str
     derivative: str | None
     of: JointKind
     # Largest half width of the zoom, as a share of the whole span.
@@ -42,17 +41,21 @@ class MotionQuantity(NamedTuple):
 
     @property
     def dim(self) -> str:
-        """Along which the joints are."""
+        """Dimension of the joints."""
         return "sliding_joint" if self.of is SLIDING else "joint"
+
+    def values(self, run: LabelledRun, joint: str) -> Array:
+        """Return the quantity of a joint of a run, (n,)."""
+        return run.values(self.variable, **{self.dim: joint})
 
 
 MOTIONS: dict[Quantity, MotionQuantity] = {
-    "angle": MotionQuantity("motion_angle", "rad", "motion_rate", TURNING),
-    "rate": MotionQuantity("motion_rate", "rad/s", "motion_acceleration", TURNING),
-    "acceleration": MotionQuantity("motion_acceleration", "rad/s^2", None, TURNING, 0.01, True),
-    "position": MotionQuantity("slide_position", "m", "slide_rate", SLIDING),
-    "slide rate": MotionQuantity("slide_rate", "m/s", "slide_acceleration", SLIDING),
-    "slide acceleration": MotionQuantity("slide_acceleration", "m/s^2", None, SLIDING, 0.01, True),
+    "angle": MotionQuantity("motion_angle", "motion_rate", TURNING),
+    "rate": MotionQuantity("motion_rate", "motion_acceleration", TURNING),
+    "acceleration": MotionQuantity("motion_acceleration", None, TURNING, 0.01, True),
+    "position": MotionQuantity("slide_position", "slide_rate", SLIDING),
+    "slide rate": MotionQuantity("slide_rate", "slide_acceleration", SLIDING),
+    "slide acceleration": MotionQuantity("slide_acceleration", None, SLIDING, 0.01, True),
 }
 
 #: Those of joints that turn.
@@ -72,10 +75,10 @@ def figure_motion(
     zoom: Span | None = None,
     width: Width = "page",
 ) -> Sheet:
-    """Return the motion of one joint in all runs: whole span, close view, deviation from the ideal joint.
+    """Return the motion of one joint: whole span, close view, deviation from the ideal joint.
 
     The close view lies around the largest deviation from the ideal run, if the whole span does not show it.
-    What runs that coincide are less the first of them has a panel of its own. For the acceleration, whose
+    Differences of runs that coincide from the first have a panel of their own. For the acceleration, whose
     contact spikes dwarf the ideal curve, each run has a strip of its own with a scale that is linear as far
     as the motion between spikes reaches and logarithmic beyond, and the deviation is left out.
     """
@@ -90,7 +93,7 @@ def figure_motion(
     drawn, reference, name = picked.drawn, picked.reference, picked.joint
     curves = _curves_of(drawn, reference, name, what)
 
-    def seen(windows: Sequence[Span | None]) -> list[_MotionCurve]:
+    def with_close_views(windows: Sequence[Span | None]) -> list[_MotionCurve]:
         """Return the curves with all samples in close views."""
         if all(run.kept is None for run in drawn):
             return curves
@@ -99,16 +102,18 @@ def figure_motion(
             near = replace(near.closer(window, columns), reference=reference)
         return _curves_of(near.drawn, reference, name, what)
 
-    unit = drawn[0].unit(what.variable, what.unit)
+    unit = drawn[0].unit(what.variable)
     label = f"{name.replace('_', ' ')} {quantity.removeprefix('slide ')}"
     short = too_short(picked.every)
     if what.spiky and any(not c.is_ideal for c in curves):
         windows = [zoom or _zoom_of([_from_rest(c)], what) for c in curves if not c.is_ideal]
-        return _strips(seen(windows), windows, f"{label} [{prefixed(unit, 1.0)[1]}]", width, short)
+        return _strips(
+            with_close_views(windows), windows, f"{label} [{prefixed(unit, 1.0)[1]}]", width, short
+        )
     scales = round_off_scales(*(run.whole.data for run in drawn)) if len(drawn) > 1 else {}
     plain, still = _without_round_off(curves, unit, scales)
     window = zoom or (_zoom_of(plain, what) if not still and _seen_from_near_only(plain) else None)
-    shown, _ = _without_round_off(seen([window]), unit, scales)
+    shown, _ = _without_round_off(with_close_views([window]), unit, scales)
     first, less = _less_the_first(shown)
     if less and is_round_off(max(size_of(one.value) for one in less), unit, scales):
         less, still = [], "; ".join(filter(None, (still, f"less that of {first}: zero to round-off")))
@@ -126,7 +131,7 @@ def _panels(
     width: Width,
     differences: tuple[str, Sequence[_MotionCurve]],
 ) -> list[Panel]:
-    """Return the whole span, the close view, the deviation, and the differences of runs that coincide."""
+    """Return whole span, close view, deviation, and differences of runs that coincide."""
     others = sum(not curve.is_ideal for curve in curves)
     # Those below are wider: of runs that nearly coincide, all are seen.
     wide = {curve.label: 0.9 + 0.5 * (others - 1 - k) for k, curve in enumerate(curves)}
@@ -155,7 +160,7 @@ def _panels(
 def _strips(
     curves: Sequence[_MotionCurve], windows: Sequence[Span | None], label: str, width: Width, note: str
 ) -> Sheet:
-    """Return one strip per run with the ideal run on top: spikes of several runs would hide each other."""
+    """Return one strip per run with the ideal run on top."""
     ideal = [curve for curve in curves if curve.is_ideal][:1]
     others = [curve for curve in curves if not curve.is_ideal]
     columns, page = 1 if all(window is None for window in windows) else 2, width == "page"
@@ -197,7 +202,7 @@ def _strips(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _MotionCurve:
-    """Line of a run: times [s], values, and the deviation from the ideal run (None without one)."""
+    """Line of a run: times [s], values, deviation from the ideal run (None without)."""
 
     label: str
     time: Array
@@ -209,7 +214,7 @@ class _MotionCurve:
     many: bool = False
 
     def line(self, values: Array, linewidth: float, span: Span | None = None) -> Curve:
-        """Return the line of some values, or the part in a span (with one sample more on either side)."""
+        """Return the line of some values, or its part in a span."""
         time, many = self.time, self.many
         if span is not None:
             first = max(int(np.searchsorted(time, span[0])) - 1, 0)
@@ -222,14 +227,14 @@ class _MotionCurve:
 def _curves_of(
     runs: Sequence[LabelledRun], reference: LabelledRun | None, joint: str, what: MotionQuantity
 ) -> list[_MotionCurve]:
-    """Return what is to be drawn, the ideal run last so that it lies on top."""
+    """Return the drawn curves, the ideal run's last, on top."""
     curves: list[_MotionCurve] = []
     numbers = itertools.count()
     for run in runs:
         if joint not in what.of.names(run):
             continue
         is_ideal = _is(run, reference)
-        value = run.values(what.variable, **{what.dim: joint})
+        value = what.values(run, joint)
         label, look = (run.legend, {}) if is_ideal else (run.label, distinct(next(numbers)))
         spacing = float(np.median(np.diff(run.whole.time[:LONG])))  # of a long run that of its first samples
         deviation = deviation_of(run, value, reference, joint, what)
@@ -238,12 +243,12 @@ def _curves_of(
 
 
 def drawn_columns(reference: LabelledRun | None, joint: str, what: MotionQuantity) -> Columns:
-    """Return what is drawn of a run: its motion, its deviation, and the motion less that."""
+    """Return a reader of drawn columns: motion, deviation, and their difference."""
 
     def columns(run: LabelledRun) -> list[Array]:
         if joint not in what.of.names(run):
             return []
-        value = run.values(what.variable, **{what.dim: joint})
+        value = what.values(run, joint)
         deviation = deviation_of(run, value, reference, joint, what)
         return [value] if deviation is None else [value, deviation, value - deviation]
 
@@ -257,7 +262,7 @@ def _is(run: LabelledRun, reference: LabelledRun | None) -> bool:
 def deviation_of(
     run: LabelledRun, value: Array, reference: LabelledRun | None, joint: str, what: MotionQuantity
 ) -> Array | None:
-    """Return a run's motion less that of the smooth one, NaN outside its span; None if there is no such."""
+    """Return the deviation from the smooth run, NaN outside its span, or None."""
     if reference is None or _is(run, reference) or joint not in what.of.names(reference):
         return None
     place, smooth, time = {what.dim: joint}, reference.whole, run.time
@@ -273,7 +278,7 @@ def deviation_of(
 def _without_round_off(
     curves: Sequence[_MotionCurve], unit: str, scales: dict[str, float]
 ) -> tuple[list[_MotionCurve], str]:
-    """Return curves without deviations that are zero to round-off in all runs, and that in words."""
+    """Return curves without deviations that are round-off, and a note on these."""
     sizes = [size_of(c.deviation) for c in curves if c.deviation is not None]
     if not sizes or not is_round_off(max(sizes), unit, scales):
         return list(curves), ""
@@ -282,12 +287,12 @@ def _without_round_off(
 
 
 def _from_rest(curve: _MotionCurve) -> _MotionCurve:
-    """Return a curve with its deviation, from zero if there is no ideal run to deviate from."""
+    """Return a curve with its deviation, by default from zero."""
     return curve if curve.deviation is not None else replace(curve, deviation=curve.value)
 
 
 def _zoom_of(curves: Sequence[_MotionCurve], what: MotionQuantity) -> Span | None:
-    """Return the span around the largest deviation in which that deviation is a good part of the height."""
+    """Return a span in which the largest deviation fills much of the height."""
     spread = _spread(curves)
     if spread is None:
         return None
@@ -313,7 +318,7 @@ def _zoom_of(curves: Sequence[_MotionCurve], what: MotionQuantity) -> Span | Non
 
 
 def _seen_from_near_only(curves: Sequence[_MotionCurve]) -> bool:
-    """Return whether the largest deviation is less than a twentieth of the height."""
+    """Return whether the largest deviation is below a twentieth of the height."""
     spread = _spread(curves)
     if spread is None:
         return False
@@ -322,16 +327,15 @@ def _seen_from_near_only(curves: Sequence[_MotionCurve]) -> bool:
     return size_of(spread[1]) < _SEEN * height
 
 
-def _less(one: _MotionCurve, first: _MotionCurve) -> Array:
-    """Return the motion of a run less that of another, at its own instants."""
-    own, index = np.unique(first.time, return_index=True)
-    return np.asarray(one.value - np.interp(one.time, own, first.value[index], left=np.nan, right=np.nan))
+def _less(one: _MotionCurve, other: _MotionCurve) -> Array:
+    """Return the motion of a run less that of another, at its own times."""
+    return one.value - straight(one.time, other.time, other.value)
 
 
 def _less_the_first(curves: Sequence[_MotionCurve]) -> tuple[str, list[_MotionCurve]]:
-    """Return runs with play less the first of them, and its name; none where distinguishable.
+    """Return the differences from the first run with play, and its name, where runs coincide.
 
-    They are told apart by their deviations from the ideal run where there is one.
+    Runs are distinguished by their deviations from the ideal run where there is one.
     """
     others = [curve for curve in curves if not curve.is_ideal]
     if len(others) < 2:
@@ -345,7 +349,7 @@ def _less_the_first(curves: Sequence[_MotionCurve]) -> tuple[str, list[_MotionCu
 
 
 def _spread(curves: Sequence[_MotionCurve]) -> tuple[_MotionCurve, Array] | None:
-    """Return the curve that deviates most, and by how much: from the ideal run, else from the first run."""
+    """Return the curve with the largest deviation from the ideal or first run."""
     compared = [
         (c, c.deviation) for c in curves if c.deviation is not None and np.isfinite(c.deviation).any()
     ]

@@ -43,12 +43,7 @@ _KINDS = {
 
 
 class Track(NamedTuple):
-    """A branch in one number: pieces of one stability each, and where something happens to it.
-
-    Attributes:
-        pieces: Stability, values of the parameter and of the number, (m,) each.
-        marks: Kind, value of the parameter and of the number.
-    """
+    """Branch in one number: pieces of one stability, and marks by kind."""
 
     pieces: list[tuple[str, Array, Array]]
     marks: list[tuple[str, float, float]]
@@ -57,9 +52,10 @@ class Track(NamedTuple):
 def track(branch: xr.Dataset, numbers: Array) -> Track:
     """Return a branch in one number of its orbits, (points,).
 
-    What happens to it lies on the line between the points about it, at its value of the parameter; a fold, or
-    what else neither comes to, where the size of the largest multiplier on that line is 1. Stability changes
-    there, or, between two points that differ without any of it, where that size is 1: that is marked too.
+    An event lies on the line between the points about it, at its value of the parameter; a fold, or another
+    event that neither point reaches, where the size of the largest multiplier on that line is 1. Stability
+    changes there, or, between two points that differ without an event, where that size is 1: that is marked
+    too.
     """
     values = np.asarray(branch["value"].values, dtype=float)
     said = [str(one) for one in branch["stability"].values]
@@ -97,7 +93,7 @@ def track(branch: xr.Dataset, numbers: Array) -> Track:
 
 
 def _to_one(sizes: Array, k: int) -> float:
-    """Return how far from a point to the next a size is 1, as a share of that way; half if it nowhere is."""
+    """Return the share of an interval where a size is 1, by default half."""
     if k + 1 >= len(sizes) or (sizes[k] - 1.0) * (sizes[k + 1] - 1.0) >= 0.0:
         return 0.5
     return float((1.0 - sizes[k]) / (sizes[k + 1] - sizes[k]))
@@ -110,7 +106,7 @@ def _largest(branch: xr.Dataset) -> Array:
 
 
 def _numbers(branch: xr.Dataset, coordinate: str | None) -> Iterator[tuple[str, Array]]:
-    """Yield labels and numbers of the panels of the orbits' places."""
+    """Yield labels and numbers of the orbits' panels."""
     dims = {"q": "configuration", "v": "coordinate"}
     names = {
         f"{symbol}[{name}]": (symbol, dim, k)
@@ -148,9 +144,9 @@ def _parameter(data: xr.Dataset, **more: Any) -> Axis:
     "amplitudes that the branch has, or else the first velocity.",
 )
 def figure_branch(branch: xr.Dataset, coordinate: str | None = None, *, width: Width = "page") -> Sheet:
-    """Return a branch of periodic solutions over its parameter, and the size of the largest multiplier.
+    """Return periodic solutions over their parameter, and the size of the largest multiplier.
 
-    Stable orbits are a solid line, unstable ones a dashed one; what happens to the branch is marked by kind.
+    Stable orbits are a solid line, unstable ones a dashed one; events of the branch are marked by kind.
 
     Raises:
         UnknownNameError: There is no such coordinate.
@@ -166,21 +162,16 @@ def figure_branch(branch: xr.Dataset, coordinate: str | None = None, *, width: W
     return Sheet([[one] for one in panels], width, 20.0 + 46.0 * len(shown), (note,))
 
 
-def _track_curves(found: Track, black: bool = False) -> list[Curve]:
-    """Return a branch: stable pieces solid, unstable ones dashed, what happens to it marked by kind.
-
-    Args:
-        found: Of :func:`track`.
-        black: Whether lines are black, as over dots that have colours of their own.
-    """
+def _track_curves(branch: Track, black: bool = False) -> list[Curve]:
+    """Return a branch's pieces by stability, and its events, black over coloured dots."""
     curves = []
-    for said, x, y in found.pieces:
+    for said, x, y in branch.pieces:
         colour = "black" if black else "C0" if said == "stable" else "#555555"
         look = {"linestyle": _LINES[said], "linewidth": 0.9, "zorder": 3.0 if black else 2.0}
         words = f"orbit, {_WORDS[said]}" if black else _WORDS[said]
         curves.append(Curve(words, x, y, {**look, "color": colour}))
     looks = {"linestyle": "none", "markersize": 4.0, "markeredgecolor": "white", "markeredgewidth": 0.4}
-    for kind, at, level in found.marks:
+    for kind, at, level in branch.marks:
         shape, colour = _MARKS[kind]
         look = {**looks, "marker": shape, "color": colour, "zorder": 4}
         curves.append(Curve(_KINDS.get(kind, kind), np.array([at]), np.array([level]), look))
@@ -229,13 +220,12 @@ def figure_multipliers(found: xr.Dataset, *, width: Width = "column") -> Sheet:
 _COLOURS = {"fresh": "#7F7F7F", "forward": "C0", "backward": "C1"}
 _BRANCHES = {"fresh": "from the start", "forward": "forward", "backward": "backward"}
 _UNSETTLED = "#CC3311"
-# A fixed point is not looked at from nearer than this part of its size: what is seen then is what is left of
-# the way to it.
+# Smallest range about a fixed point over its size: below it only the rest of the approach is visible.
 _NEAREST = 0.02
 
 
-def _within(data: xr.Dataset, name: str, limited: bool = True) -> Axis:
-    """Return the axis of a quantity of a section, which ends a little beyond its values."""
+def _section_axis(data: xr.Dataset, name: str, limited: bool = True) -> Axis:
+    """Return the axis of a section's quantity, a little beyond its values."""
     label = _with_unit(name, str(data[name].attrs.get("units", "")))
     if not limited:
         return Axis(label, ticks=0, shared="across")
@@ -258,9 +248,14 @@ def figure_section(section: xr.Dataset, *, width: Width = "column") -> Sheet:
     look = {"linestyle": "none", "markersize": 3.0, "markeredgewidth": 0.5} | (
         {"marker": ".", "color": "C0"} if settled else {"marker": "x", "color": _UNSETTLED}
     )
-    x = replace(_within(section, across, len(names) > 1), shared="across")
+    x = replace(_section_axis(section, across, len(names) > 1), shared="across")
     panels = [
-        Panel("", [Curve("", section[across].values, section[name].values, look)], _within(section, name), x)
+        Panel(
+            "",
+            [Curve("", section[across].values, section[name].values, look)],
+            _section_axis(section, name),
+            x,
+        )
         for name in others
     ]
     rows = [[replace(panel, margins=(0.05, 0.05))] for panel in panels]
@@ -286,7 +281,7 @@ def figure_bifurcation(
 
     Points that had not settled are crosses; values that failed are ticks at the lower edge. Over them lie
     periodic solutions where they pass the section: stable ones as a solid line, unstable ones, which no
-    motion comes to, as a dashed one, and what happens to them marked by kind.
+    motion approaches, as a dashed one, and their events marked by kind.
 
     Raises:
         UnknownNameError: The diagram has no such quantity.
@@ -319,7 +314,7 @@ def figure_bifurcation(
 
 
 def _check_over_the_same(diagram: xr.Dataset, branches: Sequence[xr.Dataset], names: Sequence[str]) -> None:
-    """Raise if a branch is not of the diagram's parameter, or lacks its quantities in the section."""
+    """Raise if a branch has another parameter, or lacks quantities."""
     over = str(diagram.attrs["parameter"])
     for branch in branches:
         if branch.attrs["parameter"] != over:
@@ -332,7 +327,7 @@ def _check_over_the_same(diagram: xr.Dataset, branches: Sequence[xr.Dataset], na
 
 
 def _points(diagram: xr.Dataset, name: str) -> tuple[list[Mark], list[str]]:
-    """Return the points of a diagram, and what its marks mean."""
+    """Return the points of a diagram, and the meaning of its marks."""
     values = np.asarray(diagram["value"].values, dtype=float)
     settled = np.asarray(diagram["settled"].values, dtype=bool)
     said: dict[str, None] = {}
@@ -372,7 +367,7 @@ _NAMED = 6  # exponents that have a colour and an entry of their own
 
 @figure(exponents="Of :func:`antenna_pin.nonlinear.exponents_table`.")
 def figure_exponents(exponents: xr.Dataset, *, width: Width = "page") -> Sheet:
-    """Return Lyapunov exponents as they were after each interval, and at the end with a standard error."""
+    """Return Lyapunov exponents after each interval, and finally with a standard error."""
     time, running, values, errors = (
         np.asarray(exponents[name].values, dtype=float) for name in ("time", "running", "value", "error")
     )
@@ -397,7 +392,7 @@ def figure_exponents(exponents: xr.Dataset, *, width: Width = "page") -> Sheet:
 
 
 def _range(running: np.ndarray, values: np.ndarray, errors: np.ndarray) -> tuple[float, float]:
-    """Return limits that show where exponents go to; the first tenth of their way may leave them."""
+    """Return limits around final exponents; their first tenth may exceed them."""
     later = running[len(running) // 10 :]
     low = min(float(later.min()), float((values - errors).min()), 0.0)
     high = max(float(later.max()), float((values + errors).max()), 0.0)

@@ -1,4 +1,4 @@
-"""Phase portraits in the plane and in space, and attractors side by side with their sections."""
+"""Phase portraits in the plane and in space, and attractors with their sections."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def figure_phase(portrait: PhasePortrait, *, shade: PhaseShade = "time", width: 
 
 
 def thinned(points: Array) -> npt.NDArray[np.intp]:
-    """Return the indices of the points, (n, d), at which a line enters or leaves a cell of the picture."""
+    """Return indices of points, (n, d), where a line changes its cell."""
     low, span = points.min(axis=0), np.ptp(points, axis=0)
     cell = np.floor((points - low) / np.where(span > 0.0, span, 1.0) * _CELLS)
     moves = np.any(cell[1:] != cell[:-1], axis=1)
@@ -96,7 +96,7 @@ def thinned(points: Array) -> npt.NDArray[np.intp]:
     return np.flatnonzero(kept)
 
 
-def _line(found: Figure, points: Array, time: Array) -> tuple[Axes, ScalarMappable]:
+def _line(drawing: Figure, points: Array, time: Array) -> tuple[Axes, ScalarMappable]:
     norm = Normalize(float(time[0]), float(time[-1]))
     finite = np.isfinite(points).all(axis=1)
     points, time = points[finite], time[finite]
@@ -112,7 +112,7 @@ def _line(found: Figure, points: Array, time: Array) -> tuple[Axes, ScalarMappab
     }
     if points.shape[1] == 3:
         pieces = np.stack([line[:-1], line[1:]], axis=1)
-        space = found.add_subplot(projection="3d")
+        space = drawing.add_subplot(projection="3d")
         assert isinstance(space, Axes3D)
         space.add_collection3d(Line3DCollection(list(pieces), array=values, **looks))
         for name, column in zip("xyz", points.T, strict=True):
@@ -122,18 +122,18 @@ def _line(found: Figure, points: Array, time: Array) -> tuple[Axes, ScalarMappab
             axis.pane.set(facecolor="white", edgecolor="#BBBBBB")
         space.view_init(elev=24.0, azim=-58.0)
         # Labels stand outside the box, where no layout makes room for them.
-        space.set_box_aspect(None, zoom=0.9 if found.get_figwidth() > 5.0 else 0.7)
+        space.set_box_aspect(None, zoom=0.9 if drawing.get_figwidth() > 5.0 else 0.7)
         return space, ScalarMappable(norm, SEQUENTIAL)
-    axes = found.add_subplot()
+    axes = drawing.add_subplot()
     draw_pieces(axes, line, values, **looks)
     axes.set(xlim=_limits(points[:, 0]), ylim=_limits(points[:, 1]))
     few_ticks(axes)
     return axes, ScalarMappable(norm, SEQUENTIAL)
 
 
-def _density(found: Figure, points: Array, time: Array) -> tuple[Axes, ScalarMappable]:
+def _density(drawing: Figure, points: Array, time: Array) -> tuple[Axes, ScalarMappable]:
     """Draw the share of the time in each cell, along straight lines between the samples."""
-    axes = found.add_subplot()
+    axes = drawing.add_subplot()
     finite = np.isfinite(points).all(axis=1)
     even = np.linspace(time[finite][0], time[finite][-1], _EVEN)
     dense = [np.interp(even, time[finite], column[finite]) for column in points.T]
@@ -148,7 +148,7 @@ def _density(found: Figure, points: Array, time: Array) -> tuple[Axes, ScalarMap
 
 
 def _limits(column: Array) -> tuple[float, float]:
-    """Return limits with a margin; about a constant, wide enough to show that it is one."""
+    """Return limits with a margin, wide about a constant."""
     low, high = float(column.min()), float(column.max())
     margin = 0.04 * (high - low) or 0.05 * abs(low) or 1.0
     return low - margin, high + margin
@@ -163,7 +163,7 @@ SAME = 1e-6
 SEEN = 5e-3
 # Of these the words say more than the kind: the period, and how many bands of chaos there are.
 _IN_FULL = (RecurrenceKind.PERIODIC, RecurrenceKind.CHAOTIC)
-# Points are not looked at from nearer than this part of the line's range: what is nearer is one point.
+# Smallest range of a map over the line's: points closer together are one.
 _NEAREST = 1e-2
 
 
@@ -172,9 +172,9 @@ class Attractor:
     """A settled motion.
 
     Attributes:
-        label: What it is called.
-        section: Its points (:func:`antenna_pin.nonlinear.poincare`).
-        run: A stretch of it.
+        label: Name.
+        section: Points (:func:`antenna_pin.nonlinear.poincare`).
+        run: Stretch of the motion.
     """
 
     label: str
@@ -199,17 +199,15 @@ class Attractor:
         return np.column_stack([np.asarray(self.section[name].values, dtype=float) for name in names])
 
     def ranges(self, *names: str) -> Array:
-        """Return from end to end how far the motion goes in some quantities, on the section and off it."""
+        """Return the extent of the motion in some quantities."""
         lines = [quantity(self.run, name).values for name in names]
         ends = zip(lines, self.points(*names).T, strict=True)
         return np.array([np.ptp(np.concatenate([line, column])) for line, column in ends])
 
     def recurs(self, *names: str, tolerance: float = SAME) -> Recurrence:
-        """Return how its points recur, by the range of the motion in each quantity.
+        """Return the recurrence of its points, by the range of the motion in each quantity.
 
-        Args:
-            names: The quantities.
-            tolerance: Share of the range below which points are the same [-]: above the error of the run.
+        Points within a share ``tolerance`` of the range are the same [-]: above the error of the run.
         """
         span = self.ranges(*names)
         points, scale = self.points(*names), np.where(span > 0.0, span, 1.0)
@@ -220,12 +218,12 @@ class Attractor:
         return recurrence(points, scale=scale, tolerance=min(tolerance, 1e-2 * self.spread(*names)))
 
     def spread(self, *names: str) -> float:
-        """Return the largest extent of its points, as a share of that of the motion [-]."""
+        """Return the points' largest extent, as a share of the motion's [-]."""
         span = self.ranges(*names)
         return float((np.ptp(self.points(*names), axis=0) / np.where(span > 0.0, span, 1.0)).max())
 
     def words(self, *names: str, tolerance: float = SAME) -> str:
-        """Say how it recurs; of what is not periodic, over what share of the range its points lie as well."""
+        """Describe the recurrence; aperiodic motion also by its points' extent."""
         if not self.settled:
             return "not settled"
         found = self.recurs(*names, tolerance=tolerance)
@@ -242,7 +240,7 @@ class Attractor:
 def figure_attractors(
     attractors: Sequence[Attractor], x: str, y: str, *, tolerance: float = SAME, width: Width = "page"
 ) -> Sheet:
-    """Return phase trajectories and Poincare maps of settled motions in two quantities, a row for each.
+    """Return phase trajectories and Poincare maps of settled motions, a row for each.
 
     A map is drawn as near as its points lie, but no nearer than a hundredth of the trajectory's range.
     """

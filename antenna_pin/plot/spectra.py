@@ -1,4 +1,4 @@
-"""Spectra of runs, what a shaken base makes of what it carries, and frequency responses of small motions."""
+"""Spectra of runs, responses to a shaken base, and frequency responses."""
 
 from __future__ import annotations
 
@@ -27,15 +27,14 @@ from antenna_pin.analysis import (
     shakes_of,
     shock_spectrum,
     spectrogram,
-    spectrum,
     swept_response,
 )
 from antenna_pin.base.readable import printed_unit
 from antenna_pin.elements import density_at
-from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
+from antenna_pin.errors import AntennaPinError, UnknownNameError
 from antenna_pin.plot._compared import pick
-from antenna_pin.plot._kinds import MOVING, RANDOM, SHAKEN, SWEPT, RunFigure
-from antenna_pin.plot._runs import LabelledRun, Run, Runs, left_out, too_short
+from antenna_pin.plot._kinds import MOVING, RANDOM, SHAKEN, SWEPT, RunFigure, refusal
+from antenna_pin.plot._runs import LabelledRun, Run, Runs, left_out, spectrum_of, too_short, unit_of
 from antenna_pin.plot._style import COLOURS, SHADE, Array, Width
 from antenna_pin.plot._thinned import telling
 from antenna_pin.plot.grammar import (
@@ -55,7 +54,12 @@ from antenna_pin.plot.grammar import (
 
 Signal = Literal["acceleration", "base acceleration", "force"]
 SIGNALS: tuple[Signal, ...] = get_args(Signal)
-_UNITS = {"acceleration": "rad/s^2", "base acceleration": "m/s^2", "force": "N"}
+# Of each signal the variable with its unit.
+_VARIABLES = {
+    "acceleration": "motion_acceleration",
+    "base acceleration": "slide_acceleration",
+    "force": "joint_force",
+}
 
 # What is this much smaller than the largest is not drawn [decades of the density].
 _SPECTRUM_DECADES = 8
@@ -82,7 +86,7 @@ class _Density(NamedTuple):
 def figure_spectra(
     runs: Runs, *, joint: str | None = None, ideal: Run | None = None, width: Width = "page"
 ) -> Sheet:
-    """Return the amplitude densities of the joint's and the base's acceleration and of the joint's force.
+    """Return amplitude densities of the joint's and base's acceleration, and of the joint's force.
 
     Of a vector, the root of the sum over its components. The mean over three windows, half of the run each;
     of a run of fewer than 32 samples one, all of it. Above a fifth of the sample rate, shaded, samples do not
@@ -93,8 +97,7 @@ def figure_spectra(
     found = {kind: _densities(picked.drawn, kind, picked.joint) for kind in SIGNALS}
     every = [one for of_kind in found.values() for one in of_kind]
     if not every:
-        rule = "at least one run of 16 samples or more"
-        raise InvalidParameterError("figure", "runs", rule, ", ".join(run.label for run in picked.every))
+        raise refusal("at least one run of 16 samples or more", picked.every)
     panels = []
     for kind, mine in found.items():
         if not mine:
@@ -124,10 +127,10 @@ def figure_spectra(
 def figure_spectrogram(
     runs: Runs, signal: Signal | None = None, *, joint: str | None = None, width: Width = "page"
 ) -> Sheet:
-    """Return how the spectral density of a signal changes over the run, one panel per run with contact.
+    """Return the change of a signal's spectral density over each run with contact.
 
-    Runs without any contact are drawn if there is no other. What samples do not resolve of impacts, above a
-    fifth of the sample rate, is not drawn.
+    Runs without any contact are drawn if there is no other. Frequencies above a fifth of the sample rate,
+    where samples do not resolve impacts, are not drawn.
     """
     if signal is not None and signal not in SIGNALS:
         raise UnknownNameError("figure", "signal", signal, SIGNALS)
@@ -144,25 +147,24 @@ def figure_spectrogram(
             maps.append(shown)
             windows.append(window)
     if not drawn:
-        rule = f"at least one of 64 samples or more with {_words(kind, name)}"
-        raise InvalidParameterError("figure", "runs", rule, ", ".join(run.label for run in picked.every))
+        raise refusal(f"at least one of 64 samples or more with {_words(kind, name)}", picked.every)
     largest = max(float(density.max()) for _, _, density in maps) or 1.0
     norm = LogNorm(largest / 10.0**_SPECTROGRAM_DECADES, largest)
     colours = matplotlib.colormaps["Blues"]  # none is white, much is dark
     panels = []
     for run, (time, frequency, density) in zip(drawn, maps, strict=True):
         known = frequency <= 2.0 * _RESOLVED * frequency[-1]  # the last is half the sample rate
-        seen, values = frequency[known], np.maximum(density[known], float(norm.vmin or 0.0))
+        resolved, values = frequency[known], np.maximum(density[known], float(norm.vmin or 0.0))
 
         def field(
-            axes: Axes, *_: float, time: Array = time, seen: Array = seen, values: Array = values
+            axes: Axes, *_: float, time: Array = time, up: Array = resolved, values: Array = values
         ) -> None:
             looks: dict[str, Any] = {"shading": "nearest", "rasterized": True}
-            axes.pcolormesh(time, seen, values, norm=norm, cmap=colours, **looks)
+            axes.pcolormesh(time, up, values, norm=norm, cmap=colours, **looks)
             axes.grid(visible=False)
 
         x = replace(TIME, limits=(time[0], time[-1]), shared="time")
-        y = Axis("frequency [Hz]", limits=(0.0, seen[-1]), shared="frequency")
+        y = Axis("frequency [Hz]", limits=(0.0, resolved[-1]), shared="frequency")
         panels.append(Panel(f"{run.label}, {_words(kind, name)}", [ByHand(field)], y, x))
     rows = in_rows(panels, min(len(drawn), 3 if width == "page" else 1), alone=False)
     bar = (ScalarMappable(norm, colours), _label(kind), {"aspect": 30.0 * len(rows), "pad": 0.02})
@@ -172,7 +174,7 @@ def figure_spectrogram(
 
 
 def _map(run: LabelledRun, kind: Signal, joint: str) -> tuple[tuple[Array, Array, Array] | None, str]:
-    """Return times, frequencies and densities of a signal, and a note on its windows; None if it has none."""
+    """Return times, frequencies and densities (None without), and a note on windows."""
     if run.time.size > LONG:
         read = _reader(run, kind, joint)
         if read is None:
@@ -191,16 +193,8 @@ def _map(run: LabelledRun, kind: Signal, joint: str) -> tuple[tuple[Array, Array
     return (parts[0]["time"].values, parts[0]["frequency"].values, np.sqrt(power)), ""
 
 
-def _spectrum(run: LabelledRun, values: Array) -> xr.Dataset:
-    """Return the spectrum of a signal, of a short run in one window."""
-    try:
-        return spectrum(run.time, values, segment=0.5 * float(run.time[-1] - run.time[0]))
-    except AntennaPinError:
-        return spectrum(run.time, values)
-
-
 def _spectrogram(run: LabelledRun, values: Array) -> xr.Dataset:
-    """Return the spectrogram of a signal, in windows of a fortieth of the run; of a short run in longer."""
+    """Return the spectrogram in windows of a fortieth of the run, or longer."""
     span = float(run.time[-1] - run.time[0])
     for share in (0.025, 0.05):
         with contextlib.suppress(AntennaPinError):
@@ -209,18 +203,18 @@ def _spectrogram(run: LabelledRun, values: Array) -> xr.Dataset:
 
 
 def _label(kind: Signal) -> str:
-    unit = printed_unit(_UNITS[kind])
+    unit = printed_unit(unit_of(_VARIABLES[kind]))
     return f"density [({unit})/√Hz]" if "/" in unit else f"density [{unit}/√Hz]"
 
 
 def _words(kind: Signal, joint: str) -> str:
-    """Return what a signal is called."""
+    """Return the name of a signal."""
     name = joint.replace("_", " ")
     return {"acceleration": f"{name} acceleration", "force": f"force through {name}"}.get(kind, kind)
 
 
 def _signal(run: LabelledRun, kind: Signal, joint: str) -> Array | None:
-    """Return the values of a signal, (n, components); None if the run does not have it."""
+    """Return the values of a signal, (n, components); None if absent."""
     if kind == "acceleration":
         if joint not in run.joints:
             return None
@@ -236,7 +230,7 @@ def _signal(run: LabelledRun, kind: Signal, joint: str) -> Array | None:
 
 
 def _densities(runs: Sequence[LabelledRun], kind: Signal, joint: str) -> list[_Density]:
-    """Return the densities of a signal of the runs that have it and are long enough."""
+    """Return the densities of a signal of long enough runs."""
     result = []
     for run in runs:
         if run.time.size > LONG:
@@ -248,7 +242,7 @@ def _densities(runs: Sequence[LabelledRun], kind: Signal, joint: str) -> list[_D
         if values is None or not np.any(values):
             continue
         try:
-            found = _spectrum(run, values)
+            found = spectrum_of(run, values)
         except AntennaPinError:  # too few samples
             continue
         frequency = np.asarray(found["frequency"].values, dtype=float)
@@ -259,33 +253,33 @@ def _densities(runs: Sequence[LabelledRun], kind: Signal, joint: str) -> list[_D
 
 
 def _reader(run: LabelledRun, kind: Signal, joint: str) -> Callable[[int, int], Array] | None:
-    """Return what reads a signal of a long run from one sample up to another; None if it has no such."""
+    """Return a reader of a long run's signal between samples, or None."""
 
-    def read(first: int, last: int) -> Array:
-        found = _signal(replace(run, data=run.data.isel(time=slice(first, last))), kind, joint)
+    def read(begin: int, end: int) -> Array:
+        found = _signal(replace(run, data=run.data.isel(time=slice(begin, end))), kind, joint)
         assert found is not None
         return found
 
     return None if _signal(replace(run, data=run.data.isel(time=[0])), kind, joint) is None else read
 
 
-def _long_density(run: LabelledRun, found: xr.Dataset) -> list[_Density]:
-    """Return the density of a long run as a list of one; of none if it is zero throughout.
+def _long_density(run: LabelledRun, result: xr.Dataset) -> list[_Density]:
+    """Return a long run's density in a list, empty if it is zero throughout.
 
-    Of the frequencies in each of 4096 equal parts of the logarithmic axis those with the least and the
-    largest density are kept: a line of more has no room.
+    In each of 4096 equal parts of the logarithmic axis the frequencies with the least and the
+    largest density are stored: a line of more has no room.
     """
-    frequency = np.asarray(found["frequency"].values, dtype=float)[1:]
-    density = np.sqrt(np.asarray(found["power"].values, dtype=float).sum(axis=1))[1:]
+    frequency = np.asarray(result["frequency"].values, dtype=float)[1:]
+    density = np.sqrt(np.asarray(result["power"].values, dtype=float).sum(axis=1))[1:]
     if not density.any():
         return []
     kept = telling(np.log(frequency), density)
-    return [_Density(run, frequency[kept], density[kept], float(found.attrs["rate"]), _windows(run, found))]
+    return [_Density(run, frequency[kept], density[kept], float(result.attrs["rate"]), _windows(run, result))]
 
 
-def _windows(run: LabelledRun, found: xr.Dataset, where: str = "") -> str:
+def _windows(run: LabelledRun, result: xr.Dataset, where: str = "") -> str:
     """Return a note on the windows of a long run's spectrum."""
-    segment, count = found.attrs["segment"], found.attrs["segments"]
+    segment, count = result.attrs["segment"], result.attrs["segments"]
     return f"{run.label}: mean over the windows of {segment:.3g} s{where}, {count} in all"
 
 
@@ -310,7 +304,7 @@ def figure_swept(
     periods: float = 10.0,
     width: Width = "page",
 ) -> Sheet:
-    """Return gain and distortion over frequency of what a swept base makes, a colour for each run.
+    """Return gain and distortion over frequency on a swept base, a colour for each run.
 
     The way up is a full line, the way down a dashed one: where they differ, play or friction makes the answer
     depend on what was before.
@@ -342,14 +336,13 @@ def figure_swept(
         name = name or str(linear["target"].values[0])
     unit = "" if unit == "(m/s^2)/(m/s^2)" else unit
     x = replace(_PLAIN, shared="frequency")
+    title, y = (
+        "what does not follow the sweep, over what does",
+        Axis("distortion [%]", limits=(0.0, None), ticks=0),
+    )
     panels = [
         Panel(name, gains, Axis(f"gain [{printed_unit(unit) or '-'}]", scale="plain"), x),
-        Panel(
-            "what does not follow the sweep, over what does",
-            distortions,
-            Axis("distortion [%]", limits=(0.0, None), ticks=0),
-            x,
-        ),
+        Panel(title, distortions, y, x),
     ]
     notes = ("over the base's acceleration; full: swept up, dashed: down", *picked.notes)
     return Sheet([[one] for one in panels], width, 100.0, notes, heights=[1.6, 1.0])
@@ -359,7 +352,7 @@ def figure_swept(
 def figure_density(
     runs: Runs, target: str | None = None, *, segment: float | None = None, width: Width = "page"
 ) -> Sheet:
-    """Return power spectral densities of what a base shaken at random makes, with 95 % confidence."""
+    """Return power spectral densities on a randomly shaken base, with 95 % confidence."""
     picked = pick(runs, RANDOM, compared=False)
     marks: list[Mark] = []
     top, name, unit = 0.0, "", ""
@@ -396,7 +389,7 @@ def _prescribed(run: LabelledRun) -> list[Curve]:
 def figure_shock(
     runs: Runs, target: str | None = None, *, quality: float = 10.0, width: Width = "page"
 ) -> Sheet:
-    """Return shock response spectra of an acceleration: the largest of an oscillator, over its frequency."""
+    """Return shock response spectra: an oscillator's largest acceleration over its frequency."""
     picked = pick(runs, SHAKEN, compared=False)
     every = [
         (run.legend, quantity(run.data, target or shaken_target(run.data)), look)
@@ -468,21 +461,12 @@ FIGURES = (
     RunFigure(
         "spectrogram", "Spectrogram, {joint}", figure_spectrogram, of=MOVING, compares=False, reported=False
     ),
-    RunFigure("swept_response", "Response to the swept base", figure_swept, needs=SWEPT, compares=False),
-    RunFigure(
-        "random_density",
-        "Power spectral density on the shaken base",
-        figure_density,
-        needs=RANDOM,
-        compares=False,
-    ),
-    RunFigure(
-        "shock_spectrum",
-        "Shock response spectrum on the shaken base",
-        figure_shock,
-        needs=SHAKEN,
-        compares=False,
-        standard=False,
-        reported=False,
+    *(
+        RunFigure(name, title, function, needs=needs, compares=False, standard=standard, reported=standard)
+        for name, title, function, needs, standard in (
+            ("swept_response", "Response to the swept base", figure_swept, SWEPT, True),
+            ("random_density", "Power spectral density on the shaken base", figure_density, RANDOM, True),
+            ("shock_spectrum", "Shock response spectrum on the shaken base", figure_shock, SHAKEN, False),
+        )
     ),
 )

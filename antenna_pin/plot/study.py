@@ -1,8 +1,8 @@
-"""Figures of a parameter study: a response over one parameter and two, its distribution, all against all.
+"""Figures of a parameter study: responses over parameters, distributions, all against all.
 
 A study is a dataset whose dimensions are the parameters of a grid, and ``sample``; parameters are its
-coordinates, responses its variables. Runs without a number, for they failed or are still to be made, are left
-out, and a footnote says how many.
+coordinates, responses its variables. Runs without a number, failed or still to be made, are left
+out, and a footnote gives their number.
 """
 
 from __future__ import annotations
@@ -61,14 +61,13 @@ _MOST_TICKS = 7
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A parameter or response of all runs, in a unit that suits it.
+    """Parameter or response of all runs, in a unit that suits it.
 
     Attributes:
-        name: Its name.
-        label: What its axis is called, with the unit.
-        values: Of all runs, (runs,).
-        texts: Of a parameter that is words.
-        ticks: The values of a parameter that has few.
+        label: Label of its axis, with the unit.
+        values: Values of all runs, (runs,).
+        texts: Values of a parameter of words.
+        ticks: Values of a parameter that has few.
         logarithmic: Whether it is a parameter whose values are spaced by factors.
     """
 
@@ -97,10 +96,8 @@ def quantity_of(study: xr.Dataset, name: str) -> Quantity:
     if found.dtype.kind not in "fi":
         words = [str(value) for value in found.values]
         numbers = xr.DataArray(np.arange(len(words), dtype=float), dims=found.dims)
-        return Quantity(
-            name, text, np.ravel(numbers.broadcast_like(like).transpose(*like.dims).values), tuple(words)
-        )
-    values = np.ravel(found.broadcast_like(like).transpose(*like.dims).values).astype(float)
+        return Quantity(name, text, _of_runs(numbers, like), tuple(words))
+    values = _of_runs(found, like).astype(float)
     sizes = np.abs(values[np.isfinite(values)])
     chosen = name in names_of(study, "parameters")
     by_factors = chosen and is_spaced_by_factors(values)
@@ -113,8 +110,12 @@ def quantity_of(study: xr.Dataset, name: str) -> Quantity:
     return Quantity(name, label, factor * values, ticks=ticks, logarithmic=by_factors)
 
 
+def _of_runs(values: xr.DataArray, like: xr.DataArray) -> Array:
+    return np.ravel(values.broadcast_like(like).transpose(*like.dims).values)
+
+
 def is_spaced_by_factors(values: Array) -> bool:
-    """Return whether values are spaced more evenly by their logarithms, over a decade or nearly so."""
+    """Return whether logarithms of values are more even, over about a decade."""
     own = np.unique(values[np.isfinite(values)])
     if own.size < 3 or own[0] <= 0.0 or own[-1] < 8.0 * own[0]:
         return False
@@ -123,7 +124,7 @@ def is_spaced_by_factors(values: Array) -> bool:
 
 
 def cell_edges(values: Array, logarithmic: bool) -> Array:
-    """Return the edges of cells around ascending values, halfway between two, by factors or not."""
+    """Return the edges of cells around ascending values, halfway, by factors or not."""
     own = np.log(values) if logarithmic else values
     middles = 0.5 * (own[1:] + own[:-1])
     if not middles.size:
@@ -135,7 +136,7 @@ def cell_edges(values: Array, logarithmic: bool) -> Array:
 
 
 def left_out(*quantities: Quantity) -> tuple[Any, str]:
-    """Return which runs have all the numbers, and the words for those that have not."""
+    """Return a mask of runs with all numbers, and a note on the others."""
     there = np.logical_and.reduce([np.isfinite(one.values) for one in quantities])
     missing = int(np.count_nonzero(~there))
     return there, f"{missing} of {there.size} runs without a result are not drawn" if missing else ""
@@ -148,12 +149,12 @@ _RESPONSE = "Name of the response."
 
 
 def _broken(label: str, length: int = 32) -> str:
-    """Return a label in lines that an axis has room for; a title may be a sentence."""
+    """Return a label in lines; a title may be a sentence."""
     return "\n".join(textwrap.wrap(label, length))
 
 
 def _axis(quantity: Quantity, ticks: int = 0) -> Axis:
-    """Return the axis of a quantity; a parameter of words, or of few values, has them as ticks."""
+    """Return the axis of a quantity, with words or few values as ticks."""
     named = {value: f"{value:.4g}" for value in quantity.ticks}
     named |= {float(k): literal(text) for k, text in enumerate(quantity.texts)}
     scale: Scale = "log" if quantity.logarithmic else "linear"
@@ -162,7 +163,7 @@ def _axis(quantity: Quantity, ticks: int = 0) -> Axis:
 
 @figure(study=_STUDY, response=_RESPONSE, parameter="Name of the parameter.")
 def study_response(study: xr.Dataset, response: str, parameter: str, *, width: Width = "column") -> Sheet:
-    """Draw a response against a parameter: lines over a grid of two parameters, else a point a run."""
+    """Draw a response over a parameter: lines over a grid, else points."""
     x, y = quantity_of(study, parameter), quantity_of(study, response)
     there, said = left_out(x, y)
     others = [dim for dim in study["outcome"].dims if dim != study[parameter].dims[0]]
@@ -186,7 +187,7 @@ def study_response(study: xr.Dataset, response: str, parameter: str, *, width: W
 
 
 def _lines(study: xr.Dataset, others: Sequence[str]) -> list[tuple[str, Any]] | None:
-    """Return name and runs of each line over a grid; None where runs are to be points."""
+    """Return name and runs of each line over a grid; None for points."""
     shape, dims = study["outcome"].shape, list(study["outcome"].dims)
     if not others:
         return None if _SAMPLE in dims else [("", np.ones(int(np.prod(shape)), dtype=bool))]
@@ -206,7 +207,7 @@ def _lines(study: xr.Dataset, others: Sequence[str]) -> list[tuple[str, Any]] | 
 
 @figure(study=_STUDY, response=_RESPONSE, first="Parameter along x.", second="Parameter along y.")
 def study_map(study: xr.Dataset, response: str, first: str, second: str, *, width: Width = "column") -> Sheet:
-    """Draw a response over two parameters: a heat map with contours over a grid, else coloured points."""
+    """Draw a response over two parameters: a heat map with contours, else points."""
     x, y, z = (quantity_of(study, name) for name in (first, second, response))
     there, said = left_out(x, y, z)
     dims = (study[second].dims[0], study[first].dims[0])
@@ -238,23 +239,19 @@ def study_map(study: xr.Dataset, response: str, first: str, second: str, *, widt
 
 @figure(study=_STUDY, response=_RESPONSE)
 def study_distribution(study: xr.Dataset, response: str, *, width: Width = "column") -> Sheet:
-    """Draw how a response is distributed over the runs, with quantiles: a histogram and the share below."""
+    """Draw a response's histogram, the share of runs below, and quantiles."""
     x = quantity_of(study, response)
     there, said = left_out(x)
     values = np.sort(x.values[there])
-    y = Axis("Runs", ticks=0)
+    bins = min(60, max(5, int(2.0 * math.sqrt(values.size))))
+    bars = ByHand(lambda axes, *_: axes.hist(values, bins=bins, color="#A9CCE3", zorder=2))
     finish = _with_shares(values) if values.size else None
-    panel = Panel("", [ByHand(_histogram(values))] if values.size else [], y, _axis(x), finish=finish)
+    panel = Panel("", [bars] if values.size else [], Axis("Runs", ticks=0), _axis(x), finish=finish)
     return Sheet([[panel]], width, 66.0, (said,))
 
 
-def _histogram(values: Array) -> Callable[..., object]:
-    bins = min(60, max(5, int(2.0 * math.sqrt(values.size))))
-    return lambda axes, *_: axes.hist(values, bins=bins, color="#A9CCE3", zorder=2)
-
-
 def _with_shares(values: Array) -> Callable[[Axes], None]:
-    """Return what draws the share of the runs below, and quantiles, over a histogram of ordered values."""
+    """Return a function that draws shares below and quantiles over a histogram."""
 
     def finish(axes: Axes) -> None:
         above = axes.twinx()
@@ -284,7 +281,7 @@ def _with_shares(values: Array) -> Callable[[Axes], None]:
 
 @figure(study=_STUDY, names="Of parameters and responses.")
 def study_scatter(study: xr.Dataset, names: Sequence[str]) -> Sheet:
-    """Draw parameters and responses all against all, with a histogram of each, as wide as a page."""
+    """Draw parameters and responses all against all, with histograms, page-wide."""
     found = [quantity_of(study, name) for name in names]
     there, said = left_out(*found)
     dots = {"linestyle": "none", "marker": ".", "markersize": 1.8, "alpha": 0.6}
@@ -319,7 +316,7 @@ def _against(
 
 @figure(found="As :func:`antenna_pin.sweep.sensitivities` returns it.", title="Of the response.")
 def study_sensitivities(found: xr.Dataset, title: str = "", *, width: Width = "column") -> Sheet:
-    """Draw which parameters a response depends on, with the intervals of the confidence."""
+    """Draw the sensitivities of a response to parameters, with confidence intervals."""
     names = [literal(str(name)) for name in found["factor"].values]
     morris = found.attrs["method"] == "morris"
     bars = (
@@ -353,7 +350,7 @@ def study_figures(study: xr.Dataset) -> Iterator[StudyFigure]:
     """Yield the figures that a study allows, but sensitivities.
 
     Args:
-        study: What :func:`antenna_pin.open_study` returns.
+        study: Of :func:`antenna_pin.open_study`.
     """
     parameters, responses = names_of(study, "parameters"), names_of(study, "responses")
     varied = [name for name in parameters if study[name].size > 1]

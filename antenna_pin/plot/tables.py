@@ -1,4 +1,4 @@
-"""The figures of datasets that commands save beside runs, by the kind of each."""
+"""Figures of datasets that commands save beside runs, by kind."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ _OF: dict[str, tuple[tuple[str, str, Callable[..., Figure]], ...]] = {
 
 @takes()
 def table_figures(table: xr.Dataset) -> Iterator[TableFigure]:
-    """Yield the figures that a dataset of what motions, fits and tests come to allows.
+    """Yield the figures of a dataset of motions, fits or tests.
 
     Args:
         table: A dataset as :func:`antenna_pin.trajectory.open_table` returns it.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from antenna_pin.record.contact_arrows import sparse
 from antenna_pin.record.key_frames import Impacts, KeyFrames
 from antenna_pin.record.magnified import MagnifiedJournal, MagnifiedSlider, default_magnification
-from antenna_pin.record.scene import Scene, camera, nice, packed_doubles, packed_floats
+from antenna_pin.record.scene import Scene, camera, nice, packed_doubles, packed_floats, track
 from antenna_pin.record.shapes import Box, lathe, line, ring, solid
 from antenna_pin.trajectory import contacts_of
 
@@ -23,6 +24,7 @@ BEARING = (0.34, 0.52, 0.74)
 REST = (0.34, 0.52, 0.74, 0.10)  # the half that is cut away
 JOURNAL = (0.78, 0.79, 0.81)
 MARK = (0.20, 0.22, 0.26)
+SIGNS = (1.0, -1.0)  # of ends at +z and -z
 TRACES = ("#0072B2", "#009E73")  # of the journal's axis at the +z and -z end
 RIM = (0.16, 0.28, 0.45)
 #: Light to dark, even steps of lightness, so that it can be read without colour; no step of it is the colour
@@ -42,12 +44,10 @@ _LEVEL = 0.1  # sine of an axis' inclination up to which it counts as level; one
 
 
 def drawn_axes(up: Array | None) -> Array:
-    """Return the rotation (3, 3) from bearing axes to those drawn, of which z points up in the picture.
+    """Return the rotation (3, 3) from bearing axes to drawn ones, z pointing up.
 
-    The bearing's axis lies across the picture, to the right, unless it stands upright.
-
-    Args:
-        up: Against gravity, bearing axes, unit vector (3,) [-]; without it bearing y is drawn upwards.
+    The bearing's axis lies across the picture, to the right, unless it stands upright. Without ``up``, the
+    unit vector against gravity in bearing axes, bearing y is drawn upwards.
     """
     z = np.array([0.0, 1.0, 0.0]) if up is None else up
     along = np.array([0.0, 0.0, 1.0])
@@ -64,7 +64,7 @@ class JointPicture:
     Attributes:
         radius: Of the bore or socket as drawn [m].
         clearance: Radial, as it is [m].
-        factor: How many times as wide gaps are drawn [-].
+        factor: Magnification of gaps [-].
     """
 
     radius: float
@@ -112,7 +112,7 @@ class JointPicture:
         raise NotImplementedError
 
     def _spin(self, chosen: xr.Dataset, name: str) -> Array:
-        """Return the journal's rotation about the bearing's axis (n,) [rad]; the joint's is its child's."""
+        """Return the journal's rotation about the bearing's axis (n,) [rad]."""
         if name in chosen["joint"].values:
             angle = np.asarray(chosen["motion_angle"].sel(joint=name).values, dtype=float)
             return -angle if self.place.get("bearing_on") == "child" else angle
@@ -122,7 +122,7 @@ class JointPicture:
         raise NotImplementedError
 
     def drawn_points(self) -> Array:
-        """Return where the contacts are drawn, (n, contacts, 3) [m]."""
+        """Return the drawn contacts, (n, contacts, 3) [m]."""
         raise NotImplementedError
 
     def extent(self) -> Array:
@@ -144,11 +144,7 @@ class JointPicture:
             length = 0.9 * self.radius
             contacts = {
                 "items": [
-                    {
-                        "name": name,
-                        "path": "run",
-                        **sparse(self.force[:, k], points[:, k]),
-                    }
+                    {"name": name, "path": "run", **sparse(self.force[:, k], points[:, k])}
                     for k, name in enumerate(self.contacts)
                 ],
                 "colour": "#222222",
@@ -178,11 +174,43 @@ class JointPicture:
         }
 
     def cut_open(self, path: str, inner: Array, outer: Array) -> None:
-        """Draw a hollow body of revolution: the half behind, and faintly the half before the cut."""
+        """Draw a hollow body of revolution, its front half faintly."""
         quarter = 0.5 * np.pi
         cut = float(np.arctan2(self.camera[1], self.camera[0]))  # the camera's [rad]
         self.scene.add(path, lathe(inner, outer, cut + quarter, cut + 3.0 * quarter), BEARING)
         self.scene.add(f"{path} cut away", lathe(inner, outer, cut - quarter, cut + quarter), REST)
+
+    def draw_shaft(self, path: str, radius: float, ends: Array) -> None:
+        """Draw a cylinder between two heights, with three stripes that make its spin visible."""
+        self.scene.add(f"{path}/body", lathe(*solid(radius, *ends)), JOURNAL)
+        for k in range(3):
+            angle = 2.0 * np.pi * k / 3.0
+            inner, outer = line(0.9 * radius, ends), line(1.012 * radius, ends)
+            part = lathe(inner, outer, angle - 0.07, angle + 0.07, segments=4)
+            self.scene.add(f"{path}/stripe{k}", part, MARK)
+
+    def draw_rims(self, ends: Array) -> None:
+        """Draw the edges of a bore."""
+        for end in ends:
+            self.scene.add(f"run/rim {end:+.6f}", ring(self.radius, end, 0.008 * self.radius), RIM)
+
+    def trail(self, points: Array, colour: str) -> dict[str, Any]:
+        """Return the recent path of a point, (n, 3) [m], as the player draws it."""
+        return {
+            "path": "run",
+            "times": packed_doubles(self.times),
+            "points": packed_floats(points),
+            "colour": colour,
+            "radius": 0.006 * self.radius,
+            "tail": 0.04 * float(self.times[-1] - self.times[0]),
+            "above": True,
+        }
+
+
+def circle() -> Array:
+    """Return points of the unit circle, (2, 24)."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    return np.stack([np.cos(angle), np.sin(angle)])
 
 
 def length_text(metres: float) -> str:
@@ -197,7 +225,7 @@ def length_text(metres: float) -> str:
 
 
 class JournalPicture(JointPicture):
-    """A revolute or planar joint."""
+    """Picture of a revolute or planar joint."""
 
     def _build(self, place: dict[str, Any], magnify: float | None) -> None:
         dimensions = place["dimensions"]
@@ -214,7 +242,7 @@ class JournalPicture(JointPicture):
             self.tilt = self._tilt()
             self.flange = [
                 shape.flange(sign, self.gap[:, 2 + k], self.tilt, self.centres)
-                for k, sign in enumerate((1.0, -1.0))
+                for k, sign in enumerate(SIGNS)
             ]
             self.shift = 0.5 * (self.flange[0][:, 2, 3] + self.flange[1][:, 2, 3])
         else:
@@ -222,8 +250,7 @@ class JournalPicture(JointPicture):
         self.barrel = shape.barrel(self.centres, self.shift)
         ends = np.array([-half, half])
         self.cut_open("run/bearing", line(shape.bore_radius, ends), line(shape.outer_radius, ends))
-        for end in ends:
-            self.scene.add(f"run/rim {end:+.6f}", ring(shape.bore_radius, end, 0.008 * self.radius), RIM)
+        self.draw_rims(ends)
         # The shaft goes on behind one flange; the journal carries marks so that its spin is seen.
         self.reach = (
             half
@@ -232,20 +259,9 @@ class JournalPicture(JointPicture):
             + min(0.35 * shape.length, shape.bore_radius)
         )
         start = self.start = -self.reach if not shape.flanges else -half - 1.02 * shape.flange_gap
-        self.scene.add(
-            "run/barrel/spin/body", lathe(*solid(shape.journal_radius, start, self.reach)), JOURNAL
-        )
-        for k in range(3):
-            angle = 2.0 * np.pi * k / 3.0
-            stripe = lathe(
-                line(0.9 * shape.journal_radius, np.array([start, self.reach])),
-                line(1.012 * shape.journal_radius, np.array([start, self.reach])),
-                angle - 0.07,
-                angle + 0.07,
-                segments=4,
-            )
-            self.scene.add(f"run/barrel/spin/stripe{k}", stripe, MARK)
-        for k, sign in enumerate((1.0, -1.0) if shape.flanges else ()):
+        shaft = np.array([start, self.reach])
+        self.draw_shaft("run/barrel/spin", shape.journal_radius, shaft)
+        for k, sign in enumerate(SIGNS if shape.flanges else ()):
             low, high = sorted((0.0, sign * shape.flange_thickness))
             path = f"run/flange{k}/spin"
             self.scene.add(f"{path}/body", lathe(*solid(shape.flange_radius, low, high)), (*JOURNAL, 0.42))
@@ -253,13 +269,9 @@ class JournalPicture(JointPicture):
             for i in range(3):
                 angle = 2.0 * np.pi * i / 3.0
                 edge = np.array([low - 1e-3 * self.radius, high + 1e-3 * self.radius])
-                inner, outer = (
-                    line(0.93 * shape.flange_radius, edge),
-                    line(1.005 * shape.flange_radius, edge),
-                )
-                self.scene.add(
-                    f"{path}/mark{i}", lathe(inner, outer, angle - 0.022, angle + 0.022, segments=4), MARK
-                )
+                inner, outer = (line(share * shape.flange_radius, edge) for share in (0.93, 1.005))
+                part = lathe(inner, outer, angle - 0.022, angle + 0.022, segments=4)
+                self.scene.add(f"{path}/mark{i}", part, MARK)
 
     def _tilt(self) -> Array:
         """Return x and y of the journal's axis in bearing axes (n, 2) [-]."""
@@ -272,63 +284,43 @@ class JournalPicture(JointPicture):
             parts |= {f"run/flange{k}": placement for k, placement in enumerate(self.flange)}
         spin = np.zeros((len(self.times), 7))
         spin[:, 5], spin[:, 6] = np.sin(0.5 * self.spin), np.cos(0.5 * self.spin)
-        packed = packed_floats(spin)
         tracks = []
         for path, placement in parts.items():
-            name = path.removeprefix("run/")
-            data = packed_floats(placement.reshape(-1, 12))
-            tracks.append({"kind": "matrix", "name": name, "path": path, "data": data})
-            tracks.append({"kind": "pose", "name": f"{name} spin", "path": f"{path}/spin", "data": packed})
+            tracks += [
+                track(path, placement),
+                track(f"{path}/spin", spin, f"{path.removeprefix('run/')} spin"),
+            ]
         return tracks
 
     def drawn_points(self) -> Array:
         shape = self.shape
         if not shape.flanges:
             return shape.radial_points(0.0, self.point[:, 0])[:, None]
-        found = [shape.radial_points(sign, self.point[:, k]) for k, sign in enumerate((1.0, -1.0))]
+        found = [shape.radial_points(sign, self.point[:, k]) for k, sign in enumerate(SIGNS)]
         found += [
-            shape.axial_points(sign, self.point[:, 2 + k], self.flange[k])
-            for k, sign in enumerate((1.0, -1.0))
+            shape.axial_points(sign, self.point[:, 2 + k], self.flange[k]) for k, sign in enumerate(SIGNS)
         ]
         return np.stack(found, axis=1)
 
     def extent(self) -> Array:
         shape = self.shape
         half = 0.5 * shape.length
-        angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
-        circle = np.stack([np.cos(angle), np.sin(angle)])
-        bearing = [np.vstack([shape.outer_radius * circle, np.full((1, 24), end)]).T for end in (-half, half)]
+        unit = circle()
+        bearing = [np.vstack([shape.outer_radius * unit, np.full((1, 24), end)]).T for end in (-half, half)]
         some = np.unique(np.linspace(0, len(self.times) - 1, min(200, len(self.times))).astype(int))
-        rim = np.vstack([shape.flange_radius * circle, np.zeros((1, 24)), np.ones((1, 24))])
+        rim = np.vstack([shape.flange_radius * unit, np.zeros((1, 24)), np.ones((1, 24))])
         moving = [(placement[some] @ rim).transpose(0, 2, 1).reshape(-1, 3) for placement in self.flange]
-        ends = np.vstack(
-            [
-                np.tile(shape.journal_radius * circle, 2),
-                np.repeat([self.start, self.reach], 24),
-                np.ones(48),
-            ]
-        )
+        heights = np.repeat([self.start, self.reach], 24)
+        ends = np.vstack([np.tile(shape.journal_radius * unit, 2), heights, np.ones(48)])
         moving.append((self.barrel[some] @ ends).transpose(0, 2, 1).reshape(-1, 3))
         return np.concatenate([*bearing, *moving])
 
     def trails(self) -> list[dict[str, Any]]:
-        """Return where the journal's axis went of late, in the planes of the bore's ends."""
+        """Return recent paths of the journal's axis in the bore's end planes."""
         found = []
-        signs = (1.0, -1.0) if self.shape.flanges else (0.0,)
-        tail = 0.04 * float(self.times[-1] - self.times[0])
-        for k, sign in enumerate(signs):
+        for k, sign in enumerate(SIGNS if self.shape.flanges else (0.0,)):
             at = np.full((len(self.times), 1), 0.5 * sign * self.shape.length)
-            found.append(
-                {
-                    "path": "run",
-                    "times": packed_doubles(self.times),
-                    "points": packed_floats(np.hstack([self.centres[:, k], at])),
-                    "colour": TRACES[k],
-                    "radius": 0.006 * self.radius,
-                    "tail": tail,
-                    "above": True,
-                }
-            )
+            found.append(self.trail(np.hstack([self.centres[:, k], at]), TRACES[k]))
         return found
 
     def facts(self) -> list[str]:
@@ -351,11 +343,9 @@ class JournalPicture(JointPicture):
 
 # --- slider in a guide --------------------------------------------------------------------------------------
 
-_SIGNS = (1.0, -1.0)
-
 
 class SliderPicture(JointPicture):
-    """A slider in a guide; the guide's walls before it are drawn faintly."""
+    """Picture of a slider in a guide, whose front walls are faint."""
 
     def _build(self, place: dict[str, Any], magnify: float | None) -> None:
         dimensions = place["dimensions"]
@@ -384,20 +374,17 @@ class SliderPicture(JointPicture):
         thick, thin = 0.12 * self.radius, 0.012 * self.radius
         half = 0.5 * shape.guide
         camera = self.camera @ shape.turn  # section axes
-        for axis in (0, 1):
-            for sign in _SIGNS:
-                centre, size = np.zeros(3), np.full(3, self.length)
-                centre[axis] = sign * (half[axis] + 0.5 * thick)
-                size[axis], size[1 - axis] = thick, 2.0 * (half[1 - axis] + thick * axis)
-                before = sign * camera[axis] > 0.0
-                self._box(f"run/wall {'xy'[axis]}{sign:+.0f}", size, centre, REST if before else BEARING)
-        for end in _SIGNS:
-            for axis in (0, 1):
-                for sign in _SIGNS:
-                    centre, size = np.zeros(3), np.full(3, thin)
-                    centre[axis], centre[2] = sign * half[axis], 0.5 * end * self.length
-                    size[1 - axis] = 2.0 * half[1 - axis]
-                    self._box(f"run/rim {'xy'[axis]}{sign:+.0f}{end:+.0f}", size, centre, RIM)
+        for axis, sign in itertools.product((0, 1), SIGNS):
+            centre, size = np.zeros(3), np.full(3, self.length)
+            centre[axis] = sign * (half[axis] + 0.5 * thick)
+            size[axis], size[1 - axis] = thick, 2.0 * (half[1 - axis] + thick * axis)
+            before = sign * camera[axis] > 0.0
+            self._box(f"run/wall {'xy'[axis]}{sign:+.0f}", size, centre, REST if before else BEARING)
+        for end, axis, sign in itertools.product(SIGNS, (0, 1), SIGNS):
+            centre, size = np.zeros(3), np.full(3, thin)
+            centre[axis], centre[2] = sign * half[axis], 0.5 * end * self.length
+            size[1 - axis] = 2.0 * half[1 - axis]
+            self._box(f"run/rim {'xy'[axis]}{sign:+.0f}{end:+.0f}", size, centre, RIM)
 
     def _draw_slider(self) -> None:
         size = self.shape.size
@@ -405,14 +392,11 @@ class SliderPicture(JointPicture):
         thin = 0.02 * self.radius
         for axis in range(3):  # its edges, so that tilt and turn are seen
             others = [k for k in range(3) if k != axis]
-            for first in _SIGNS:
-                for second in _SIGNS:
-                    centre, long = np.zeros(3), np.full(3, thin)
-                    centre[others] = 0.5 * size[others] * [first, second] - 0.49 * thin * np.array(
-                        [first, second]
-                    )
-                    long[axis] = size[axis] * 1.002
-                    self._box(f"run/slider/edge {axis}{first:+.0f}{second:+.0f}", long, centre, MARK)
+            for signs in itertools.product(SIGNS, SIGNS):
+                centre, long = np.zeros(3), np.full(3, thin)
+                centre[others] = 0.5 * size[others] * signs - 0.49 * thin * np.array(signs)
+                long[axis] = size[axis] * 1.002
+                self._box("run/slider/edge {}{:+.0f}{:+.0f}".format(axis, *signs), long, centre, MARK)
 
     def _box(self, path: str, size: Array, centre: Array, colour: tuple[float, ...]) -> None:
         """Draw a box given in the section's axes."""
@@ -423,8 +407,7 @@ class SliderPicture(JointPicture):
         self.scene.add(path, Box((width, height, length)), colour, placement)
 
     def tracks(self) -> list[dict[str, Any]]:
-        data = packed_floats(self.placed.reshape(-1, 12))
-        return [{"kind": "matrix", "name": "slider", "path": "run/slider", "data": data}]
+        return [track("run/slider", self.placed)]
 
     def drawn_points(self) -> Array:
         return np.stack([self.shape.point(end, self.position, self.attitude) for end in self.ends], axis=1)
@@ -434,24 +417,13 @@ class SliderPicture(JointPicture):
         if self.shape.length:
             long = max(long, float(np.abs(self.placed[:, 2, 3]).max()) + 0.5 * float(self.shape.size[2]))
         half = np.append(0.5 * self.shape.guide + 0.12 * self.radius, long)
-        signs = np.array([[x, y, z] for x in _SIGNS for y in _SIGNS for z in _SIGNS])
+        signs = np.array(list(itertools.product(SIGNS, repeat=3)))
         return np.asarray((signs * half) @ self.shape.turn.T)
 
     def trails(self) -> list[dict[str, Any]]:
-        """Return where the slider's axis went of late, at both of its ends."""
-        tail = 0.04 * float(self.times[-1] - self.times[0])
-        return [
-            {
-                "path": "run",
-                "times": packed_doubles(self.times),
-                "points": packed_floats(self.shape.axis(self.position, self.attitude, sign)),
-                "colour": colour,
-                "radius": 0.006 * self.radius,
-                "tail": tail,
-                "above": True,
-            }
-            for sign, colour in zip(_SIGNS, TRACES, strict=True)
-        ]
+        """Return recent paths of both ends of the slider's axis."""
+        ends = (self.shape.axis(self.position, self.attitude, sign) for sign in SIGNS)
+        return [self.trail(end, colour) for end, colour in zip(ends, TRACES, strict=True)]
 
     def facts(self) -> list[str]:
         factor = self.shape.factor

@@ -18,8 +18,6 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism import Mechanism
 from antenna_pin.trajectory import Trajectory
 
-__all__ = ["bending_magnification", "check_bending", "drawn_poses", "said_of_bending"]
-
 Array = NDArray[np.float64]
 
 # What a magnification that is chosen for a picture makes of the largest deflection: an angle [rad], or a way
@@ -28,7 +26,7 @@ _ANGLE, _WAY = 0.1, 0.04
 
 
 def check_bending(run: Trajectory, magnify: float | None) -> float:
-    """Return how many times farther elastic parts are drawn out of rest; 1 if left out.
+    """Return the magnification of deflections, 1 if left out.
 
     Raises:
         InvalidParameterError: It is no positive number, or the run has no elastic parts.
@@ -66,20 +64,17 @@ def bending_magnification(run: Trajectory) -> float | None:
     )
 
 
-def said_of_bending(run: Trajectory, magnify: float) -> str:
-    """Return in words how far elastic parts are drawn out of rest; nothing if as far as they go."""
+def bending_note(run: Trajectory, magnify: float) -> str:
+    """Return a note on magnified deflections, or nothing."""
     if magnify == 1.0 or not elastic_parts_of(run):
         return ""
     return f"deflections of flexible links are drawn {magnify:g} times as large"
 
 
 def drawn_poses(run: Trajectory, times: NDArray[np.int64], magnify: float) -> xr.Dataset:
-    """Return the poses at which bodies are drawn, as :func:`antenna_pin.analysis.body_poses` does.
+    """Return the drawn poses of bodies, as of :func:`antenna_pin.analysis.body_poses`.
 
-    Args:
-        run: The run.
-        times: Indices of samples.
-        magnify: How many times farther elastic parts are drawn out of rest [-].
+    Deflections are drawn ``magnify`` times as large [-].
     """
     about = elastic_parts_of(run)
     if not about:
@@ -110,7 +105,7 @@ def drawn_poses(run: Trajectory, times: NDArray[np.int64], magnify: float) -> xr
 
 
 def _unit_twist(mechanism: Mechanism, part: str) -> Array:
-    """Return the twist of a part's body for a unit rate, at the hub's origin and in its axes, (6,)."""
+    """Return a part's twist for a unit rate, in the hub's frame, (6,)."""
     joint, axis = mechanism.urdf.joint(part), mechanism.urdf.axis(part)
     if joint.type == "prismatic":
         return np.concatenate([axis, np.zeros(3)])
@@ -118,7 +113,7 @@ def _unit_twist(mechanism: Mechanism, part: str) -> Array:
 
 
 def _exponential(twists: Array) -> tuple[Rotation, Array]:
-    """Return the motions that constant twists (n, 6) lead to in a unit of time: turns, and shifts (n, 3)."""
+    """Return rotations and shifts (n, 3) of constant twists (n, 6) in unit time."""
     linear, angular = twists[:, :3], twists[:, 3:]
     angle = np.linalg.norm(angular, axis=1)[:, None]
     small = angle < 1e-4  # where the series is exact to round-off

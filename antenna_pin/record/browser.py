@@ -24,17 +24,6 @@ if TYPE_CHECKING:
 
     from antenna_pin.record.recording import Recording
 
-__all__ = [
-    "Browser",
-    "BROWSER_VARIABLE",
-    "BrowserPrograms",
-    "Camera",
-    "check_size",
-    "DRIVER_VARIABLE",
-    "find_browser",
-    "open_browser",
-    "open_camera",
-]
 
 # --- browser ------------------------------------------------------------------------------------------------
 #
@@ -81,12 +70,7 @@ _FLAGS = (
 
 @dataclass(frozen=True, slots=True)
 class BrowserPrograms:
-    """Programs that open pages.
-
-    Attributes:
-        browser: Path of Chromium or Chrome.
-        driver: Path of its ChromeDriver, of the same version.
-    """
+    """Paths of Chromium or Chrome and of its ChromeDriver, of one version."""
 
     browser: str
     driver: str
@@ -128,13 +112,13 @@ def _program(what: str, names: tuple[str, ...], variable: str) -> str:
 
 @contextlib.contextmanager
 def _answering() -> Iterator[None]:
-    """Turn what fails between us and the browser into one line."""
+    """Convert failures of browser and driver into one line."""
     from selenium.common.exceptions import WebDriverException
 
     try:
         yield
     except WebDriverException as error:
-        raise MissingToolError(f"the browser must do as it is told, got: {_reason(error)}") from error
+        raise MissingToolError(f"the browser must execute its commands, got: {_reason(error)}") from error
     except Exception as error:  # of the layers below, when the browser or its driver has gone
         raise MissingToolError(
             f"the browser must stay until its work is done, got: {_reason(error)}"
@@ -146,27 +130,21 @@ def _reason(error: Exception) -> str:
 
 
 class Browser:
-    """A browser with one page, as :func:`open_browser` yields it.
-
-    Args:
-        driver: Selenium's driver of it.
-    """
+    """Browser with one page, as :func:`open_browser` yields it."""
 
     def __init__(self, driver: WebDriver) -> None:
-        """Take over a driver."""
+        """Take over Selenium's driver."""
         self._driver = driver
 
     def open(self, url: str) -> None:
-        """Load a page and return when it is there (``load`` event)."""
+        """Load a page; return after its ``load`` event."""
         with _answering():
             self._driver.get(url)
 
     def run(self, code: str, *arguments: Any) -> Any:
-        """Return what JavaScript returns: the body of a function, which may ``await``.
+        """Return the value of JavaScript: the body of a function, which may ``await``.
 
-        Args:
-            code: The body; its arguments are ``a[0]``, ``a[1]``, ...
-            arguments: Numbers, text, and lists or dicts of them.
+        Arguments, numbers, text, and lists or dicts of them, are ``a[0]``, ``a[1]``, ...
         """
         with _answering():
             body = f"const a = arguments; return (async () => {{ {code} }})();"
@@ -178,13 +156,9 @@ class Browser:
             return self._driver.execute("executeCdpCommand", {"cmd": name, "params": parameters})["value"]
 
     def resize(self, width: int, height: int, *, scale: float = 1.0, mobile: bool = False) -> None:
-        """Give the page another view.
+        """Set the page's view [px], and the picture's pixels per unit of the page.
 
-        Args:
-            width: Of the view, in units of the page [px].
-            height: Likewise.
-            scale: Pixels of a picture per unit of the page [-].
-            mobile: Whether it is laid out as on a phone.
+        A ``mobile`` page is laid out as on a phone.
         """
         self.command(
             "Emulation.setDeviceMetricsOverride",
@@ -200,10 +174,9 @@ class Browser:
         return base64.b64decode(shot["data"])
 
     def log(self, kind: str) -> list[dict[str, Any]]:
-        """Return what has been logged since the last call.
+        """Return the log entries since the last call; needs ``logs=True``.
 
-        Args:
-            kind: "browser" for the console, "performance" for the network; needs ``logs=True``.
+        The kind is "browser" for the console, "performance" for the network.
         """
         found: list[dict[str, Any]] = self._driver.execute("getLog", {"type": kind})["value"]
         return found
@@ -216,8 +189,8 @@ def open_browser(
     """Start a browser without a screen, with settings of its own, and end it afterwards.
 
     Args:
-        programs: Which; found if not given.
-        logs: Whether to keep the console's messages and the network's requests.
+        programs: Browser and driver; found if not given.
+        logs: Whether the console's messages and the network's requests are logged.
         timeout: For a page to load and for a script to return [s].
         here: Whether pages may reach servers on this machine; none reaches another.
 
@@ -256,21 +229,17 @@ def open_browser(
 
 
 def _temporary_folder() -> str:
-    """Return where temporary files go, or a shorter place: names of sockets have 107 characters at most."""
+    """Return a folder for temporary files with names short enough for sockets."""
     usual = tempfile.gettempdir()
     return usual if len(usual) <= _LONGEST_FOLDER else "/tmp"
 
 
 @contextlib.contextmanager
 def _running_driver(program: str, folder: str) -> Iterator[str]:
-    """Start the browser's driver and yield its address; end it and what it has started afterwards.
+    """Start the browser's driver and yield its address; end all its processes afterwards.
 
-    Args:
-        program: The driver.
-        folder: For its temporary files.
-
-    They are a group of processes of their own: Ctrl-C is for us, who then end them in good order. A shell
-    leads the group and ends it when its input closes, so also when we are killed.
+    They are a group of processes of their own: Ctrl-C reaches only this process, which then ends them in good
+    order. A shell leads the group and ends it when its input closes, so also when this process is killed.
     """
     group = subprocess.Popen(
         ["/bin/sh", "-c", '"$0" --port=0 <&- & exec >&-; read -r _; kill -s KILL 0', program],
@@ -360,18 +329,14 @@ _ADVANCE = "window.recording.advance(a[0], a[1]); window.recording.render();"
 
 
 def check_size(size: tuple[int, int]) -> tuple[int, int]:
-    """Return a size of pictures that can be made, else raise.
-
-    Raises:
-        InvalidParameterError: It is too small or too large.
-    """
+    """Return a size of pictures that can be made, else raise InvalidParameterError."""
     if not all(_SMALLEST <= pixels <= _LARGEST for pixels in size):
         raise InvalidParameterError("pictures", "size", f"{_SMALLEST} to {_LARGEST} pixels each way", size)
     return size
 
 
 def _scale(width: int, height: int) -> float:
-    """Return the pixels per unit of the page, the most that leave it the usual view and divide the size."""
+    """Return the largest scale that divides the size and leaves the usual view."""
     for scale in _SCALES:
         view = (width / scale, height / scale)
         if all(v.is_integer() and v >= usual for v, usual in zip(view, _VIEW, strict=True)):
@@ -380,27 +345,21 @@ def _scale(width: int, height: int) -> float:
 
 
 class Camera:
-    """Takes pictures of a recording that a browser shows.
-
-    Args:
-        browser: With the page of the recording, ready.
-    """
+    """Camera of a recording that is ready in a browser."""
 
     def __init__(self, browser: Browser) -> None:
-        """Take over a browser."""
+        """Take over a browser with the page."""
         self._browser = browser
 
     def seek(self, time: float) -> bytes:
-        """Return the picture at a time [s], a PNG file; it depends on nothing but the time."""
+        """Return the picture at a time [s], a PNG file of that time alone."""
         self._browser.run(_SEEK, time)
         return self._browser.picture()
 
     def advance(self, time: float, wall: float) -> bytes:
-        """Return the picture at a later time, with the impacts since the picture before it.
+        """Return the picture at a later time [s], with the impacts since the last picture.
 
-        Args:
-            time: Of the run [s].
-            wall: Since the picture before, for who watches [s]; arrows of force fade with it.
+        Arrows of force fade with ``wall``, the display time since that picture [s].
         """
         self._browser.run(_ADVANCE, time, wall)
         return self._browser.picture()
@@ -414,13 +373,9 @@ def open_camera(
     still: bool = False,
     programs: BrowserPrograms | None = None,
 ) -> Iterator[Camera]:
-    """Show a recording in a browser, of its controls the line of time only.
+    """Open a recording in a browser with the line of time only.
 
-    Args:
-        recording: What is filmed.
-        size: Of the pictures, width and height [px].
-        still: Whether line of time and speed are left out, as of a single picture.
-        programs: Browser and driver; found if not given.
+    A ``still`` picture has neither line of time nor speed.
 
     Raises:
         InvalidParameterError: The size is too small or too large.

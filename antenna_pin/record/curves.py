@@ -16,8 +16,6 @@ from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.record.scene import packed_doubles
 from antenna_pin.trajectory import Trajectory
 
-__all__ = ["curves_of", "thinned"]
-
 Array = NDArray[np.float64]
 
 # What is offered by itself: variables in this order, then others as the run has them. So many series, by the
@@ -44,7 +42,7 @@ _NOT = ("q", "v", "a", "base_attitude", "journal_attitude", "contact_point")
 _BYTES = 2 * 8 * 4 / 3  # of a sample, its time and its value in base64
 _SAMPLES = (200, 1000)  # of a series, at least and at most
 _OFF = 1e-4  # of the range, by which no sample may be off the curve
-# So many samples are all looked at; of more those about the least and greatest of so many stretches.
+# Largest number of samples that are all compared; number of stretches whose extremes are compared beyond it.
 _ALL, _STRETCHES = 200_000, 20_000
 
 
@@ -58,19 +56,19 @@ def curves_of(
     joint: str | None = None,
     megabytes: float = 1.0,
 ) -> dict[str, Any]:
-    """Return the series that a page offers, as the player takes them, and which of them it shows first.
+    """Return the series of a page in a span, and the first one displayed.
 
     Times and values are those of the run's samples to the last bit.
 
     Args:
         run: The run.
-        start: Of the recording [s].
-        end: Of the recording [s].
+        start: Start of the recording [s].
+        end: End of the recording [s].
         ideal: A run whose series of the same names stand beside, where it has them.
         wanted: Names of quantities (:func:`antenna_pin.analysis.quantity`) that come first; no series at
             all if empty, the strongest contact's force first if left out.
-        joint: Clearance joint whose series alone are offered by themselves; all if left out.
-        megabytes: What they may take [MB].
+        joint: Clearance joint whose series alone are offered by default; all if left out.
+        megabytes: Largest size [MB].
 
     Raises:
         UnknownNameError: The run has no such quantity.
@@ -104,17 +102,12 @@ def curves_of(
 
 
 def thinned(times: Array, values: Array, most: int) -> tuple[NDArray[np.intp], float]:
-    """Return which samples draw a curve, and by how much others lie off it at most.
+    """Return at most ``most`` samples that draw a curve, and the largest error.
 
-    The curve goes straight from one to the next. To the ends and the least and greatest of all, that sample
-    is added which lies farthest off (Ramer, Douglas and Peucker, along the values), until no other is off by
+    The curve is straight between them, 4 at least. To the ends and the least and greatest of all, the sample
+    farthest off is added (Ramer, Douglas and Peucker, along the values), until no other is off by
     more than a ten-thousandth of the range, or there are enough. Beside a blow the samples of zero are added:
-    the straight line from peak to peak would be a force where there is none.
-
-    Args:
-        times: Of the samples, not decreasing, (n,) [s].
-        values: (n,).
-        most: How many of them, at least 4.
+    the straight line from peak to peak would be a force where there is none. Times do not decrease, (n,) [s].
     """
     every = np.arange(len(times))
     if len(times) <= 4:
@@ -143,47 +136,47 @@ def thinned(times: Array, values: Array, most: int) -> tuple[NDArray[np.intp], f
 
 
 def _farthest_first(times: Array, values: Array, most: int) -> NDArray[np.intp]:
-    """Return the samples that draw a curve in the order in which they are added."""
+    """Return the samples that draw a curve in the order of their addition."""
     kept = sorted({0, int(np.argmin(values)), int(np.argmax(values)), len(times) - 1})
     waiting: list[tuple[float, int, int, int]] = []
     least = _OFF * float(np.ptp(values))
 
-    def look(first: int, last: int) -> None:
+    def look(begin: int, end: int) -> None:
         """Note the sample between two that lies farthest off the line through them."""
-        if last - first < 2:
+        if end - begin < 2:
             return
-        span = times[last] - times[first]
-        inside = slice(first + 1, last)
-        share = (times[inside] - times[first]) / span if span > 0.0 else np.zeros(last - first - 1)
-        off = np.abs(values[first] + share * (values[last] - values[first]) - values[inside])
+        span = times[end] - times[begin]
+        inside = slice(begin + 1, end)
+        share = (times[inside] - times[begin]) / span if span > 0.0 else np.zeros(end - begin - 1)
+        off = np.abs(values[begin] + share * (values[end] - values[begin]) - values[inside])
         k = int(np.argmax(off))
         if off[k] > least:
-            heapq.heappush(waiting, (-float(off[k]), first, first + 1 + k, last))
+            heapq.heappush(waiting, (-float(off[k]), begin, begin + 1 + k, end))
 
-    for first, last in itertools.pairwise(kept):
-        look(first, last)
+    for begin, end in itertools.pairwise(kept):
+        look(begin, end)
     while waiting and len(kept) < most:
-        _, first, middle, last = heapq.heappop(waiting)
+        _, begin, middle, end = heapq.heappop(waiting)
         kept.append(middle)
-        look(first, middle)
-        look(middle, last)
+        look(begin, middle)
+        look(middle, end)
     return np.array(kept)
 
 
-def _with_rests(values: Array, kept: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Return some samples, sorted, and those of about zero next to them that the line would pass over."""
-    kept = np.unique(kept)
+def _with_rests(values: Array, chosen: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Return sorted samples, with nearby rests that the line would miss."""
+    chosen = np.unique(chosen)
     rest = np.abs(values) <= _OFF * float(np.ptp(values))
     places = np.arange(len(values))
     before = np.maximum.accumulate(np.where(rest, places, -1))  # the last at rest up to each sample
     after = np.minimum.accumulate(np.where(rest, places, len(values))[::-1])[::-1]
-    left, right = kept[:-1], kept[1:]
+    left, right = chosen[:-1], chosen[1:]
     passed = after[left] < right
-    return np.unique(np.concatenate([kept, after[left][passed], before[right][passed]]))
+    return np.unique(np.concatenate([chosen, after[left][passed], before[right][passed]]))
 
 
 def _extremes(times: Array, values: Array, stretches: int) -> NDArray[np.intp]:
-    """Return the samples that are least and greatest in stretches of time, its ends, and ends of gaps."""
+    """Return extremes of stretches of time, its ends, and ends of gaps."""
     edges = np.searchsorted(times, np.linspace(times[0], times[-1], max(stretches, 1) + 1)[1:-1])
     known = np.isfinite(values)
     low, high = np.where(known, values, np.inf), np.where(known, values, -np.inf)
@@ -198,7 +191,7 @@ def _extremes(times: Array, values: Array, stretches: int) -> NDArray[np.intp]:
 
 
 def _offered(run: Trajectory, joint: str | None) -> Iterator[str]:
-    """Yield names of quantities in the order in which they are of interest; of a vector its length alone."""
+    """Yield names of quantities in order of interest, of vectors the length."""
     ranked: list[tuple[int, int, str]] = []
     for number, name in enumerate(quantities(run)):
         said = QuantityName.parse(name)
@@ -220,7 +213,7 @@ def _moves(values: Array) -> bool:
 
 
 def _same(ideal: Trajectory, name: str) -> Quantity | None:
-    """Return what another run has of a quantity; None if it has none, as of a contact without play."""
+    """Return a run's quantity; None if it has none, as without play."""
     try:
         return quantity(ideal, name)
     except (UnknownNameError, InvalidParameterError):
@@ -228,7 +221,7 @@ def _same(ideal: Trajectory, name: str) -> Quantity | None:
 
 
 def _drawn(one: Quantity, start: float, end: float, most: int) -> dict[str, Any]:
-    """Return the samples that draw a quantity, how many there are, and by how much others are off."""
+    """Return a quantity's drawn samples, their number, and the largest error."""
     inside = (one.time >= start) & (one.time <= end)
     times, values = one.time[inside], np.asarray(one.values, dtype=float)[inside]
     kept, off = thinned(times, values, most)

@@ -11,13 +11,11 @@ from numpy.typing import NDArray
 from antenna_pin.analysis import body_twists
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Impacts", "KeyFrames", "impacts_of", "key_frames", "rate_of_turns"]
-
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-# Largest turn of a body between two key frames [rad], and of how many samples its rate is looked at. The rate
-# that all but a hundredth of them stay below counts: what an impact has spun up is not to be looked at.
+# Largest turn of a body between two key frames [rad]; number of samples that determine its rate; quantile of
+# the rates that counts, so that short spins after impacts do not.
 _TURN, _SAMPLES, _SHARE = 0.1, 500, 0.99
 
 
@@ -38,7 +36,7 @@ class Impacts:
     events: Array
 
     def hardest(self, otherwise: float) -> float:
-        """Return when the hardest of them is at its peak [s], or another time where there is none."""
+        """Return the time of the hardest peak [s], or another without impacts."""
         return float(self.times[np.argmax(self.peaks)]) if len(self.times) else otherwise
 
     def only(self, chosen: Indices) -> Impacts:
@@ -52,10 +50,10 @@ class KeyFrames:
     """Samples of a recording.
 
     Attributes:
-        indices: Of samples of the run, times strictly increasing, (frames,).
+        indices: Samples of the run, times strictly increasing, (frames,).
         rate: Regular frames per second [Hz].
-        impacts: Those whose onset, peak and release are kept.
-        left_out: Impacts that were left out to keep to a limit, the weakest ones.
+        impacts: Impacts with onset, peak and release among the samples.
+        left_out: Number of weakest impacts left out to meet a limit.
     """
 
     indices: Indices
@@ -65,13 +63,7 @@ class KeyFrames:
 
 
 def impacts_of(data: xr.Dataset, start: float, end: float) -> Impacts:
-    """Return the contact episodes with their peak in a span, in order of time.
-
-    Args:
-        data: Of a run.
-        start: Of the span [s].
-        end: Of the span [s].
-    """
+    """Return episodes with their peak in a span [s], in order of time."""
     if "peak_time" not in data or not data.sizes.get("episode"):
         return Impacts(np.zeros(0), np.zeros(0), np.zeros(0, dtype=np.int64), np.zeros((3, 0)))
     times = np.asarray(data["peak_time"].values, dtype=float)
@@ -87,11 +79,7 @@ def impacts_of(data: xr.Dataset, start: float, end: float) -> Impacts:
 
 
 def rate_of_turns(data: xr.Dataset) -> float:
-    """Return the key frames per second that make every body's turn between two of them small [Hz].
-
-    Args:
-        data: Of a run.
-    """
+    """Return the frame rate at which bodies turn little between frames [Hz]."""
     samples = np.unique(np.linspace(0, data.sizes["time"] - 1, _SAMPLES).astype(int))
     spin = np.linalg.norm(body_twists(data, samples)["angular_velocity"].values, axis=-1)
     return float(np.quantile(spin, _SHARE, axis=0).max()) / _TURN
@@ -100,19 +88,11 @@ def rate_of_turns(data: xr.Dataset) -> float:
 def key_frames(
     times: Array, impacts: Impacts, rate: float, start: float, end: float, most: int | None = None
 ) -> KeyFrames:
-    """Choose the samples of a recording.
+    """Choose the samples of a recording from ``start`` to ``end`` [s].
 
-    They are the samples nearest to a regular rate, and those at every onset, peak and release of a contact.
-    Where that is more than ``most``, first the rate is lowered, down to a quarter of ``most``; then impacts
-    are left out, the weakest first.
-
-    Args:
-        times: Of the samples, not decreasing [s].
-        impacts: Contact episodes in the span.
-        rate: Regular frames per second [Hz].
-        start: First time kept [s].
-        end: Last time kept [s].
-        most: Largest number of frames; None for no limit.
+    They are the samples nearest to a regular rate [Hz], and those at every onset, peak and release of a
+    contact. Where that is more than ``most``, first the rate is lowered, down to a quarter of ``most``; then
+    impacts are left out, the weakest first. Times of samples do not decrease.
     """
     if not rate > 0.0:
         raise InvalidParameterError("recording", "fps", "positive [1/s]", rate)
@@ -136,7 +116,7 @@ def key_frames(
 
 
 def _nearest(times: Array, wanted: Array) -> Indices:
-    """Return the index of the sample nearest to each time wanted; the last one's where that is NaN."""
+    """Return indices of the samples nearest to times, the last for NaN."""
     upper = np.clip(np.searchsorted(times, wanted), 1, max(len(times) - 1, 1))
     lower = upper - 1
     upper = np.minimum(upper, len(times) - 1)

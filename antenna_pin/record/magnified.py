@@ -10,13 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-__all__ = [
-    "default_magnification",
-    "MagnifiedBall",
-    "MagnifiedJournal",
-    "MagnifiedSlider",
-]
-
 # --- journal in a bore --------------------------------------------------------------------------------------
 #
 # A play of a tenth of a millimetre cannot be seen beside a journal of ten. Here the parts keep their size,
@@ -43,14 +36,10 @@ _LONGEST = 10.0  # times its bore's radius a bearing is drawn long at most; beyo
 
 
 def default_magnification(radius: float, clearance: float) -> float:
-    """Return a magnification that draws the play about a third as wide as the journal's radius, at least 1.
+    """Return the magnification that draws play as a third of a radius [m].
 
-    It is 1, 1.5, 2, 3, 5 or 7 times a power of ten. With more a ball would lie in a bowl; with less what it
-    does in its play is not seen.
-
-    Args:
-        radius: Of the journal or ball [m].
-        clearance: Radial play [m].
+    It is 1, 1.5, 2, 3, 5 or 7 times a power of ten, at least 1. With more a ball would lie in a bowl; with
+    less its motion in the play is not visible.
     """
     wanted = max(_DRAWN * radius / clearance, 1.0)
     power = 10.0 ** np.floor(np.log10(wanted))
@@ -72,8 +61,8 @@ class MagnifiedJournal:
         factor: M [-].
         journal_radius: R_j, drawn as it is [m].
         bore_radius: Of the drawn bore [m].
-        length: Of bore and bearing as drawn [m]: as it is, or that of a long one shortened.
-        shortened: How many times [-].
+        length: Of bore and bearing as drawn [m]; a long one is shortened.
+        shortened: Real length over the drawn one [-].
         edge_radius: Of the edge at which flanges touch, as it is [m]; 0 without flanges.
         drawn_edge: Of the same as drawn [m].
         outer_radius: Of the drawn bearing [m].
@@ -85,22 +74,16 @@ class MagnifiedJournal:
     journal_radius: float
     bore_radius: float
     length: float
-    shortened: float
-    edge_radius: float
-    drawn_edge: float
     outer_radius: float
-    flange_radius: float
-    flange_gap: float
+    shortened: float = 1.0
+    edge_radius: float = 0.0
+    drawn_edge: float = 0.0
+    flange_radius: float = 0.0
+    flange_gap: float = 0.0
 
     @classmethod
     def of(cls, dimensions: dict[str, Any], factor: float) -> MagnifiedJournal:
-        """Return the drawing of a joint.
-
-        Args:
-            dimensions: Of its shape, as the run carries them [m]; one without a ``bearing_length`` has no
-                flanges.
-            factor: M, positive [-].
-        """
+        """Return the drawing of a joint of some dimensions, M times its play."""
         journal = float(dimensions["journal_radius"])
         play = factor * (float(dimensions["bearing_radius"]) - journal)
         bore = journal + play
@@ -110,12 +93,7 @@ class MagnifiedJournal:
                 journal_radius=journal,
                 bore_radius=bore,
                 length=max(1.6 * journal, 0.5 * bore),  # it has none of its own
-                shortened=1.0,
-                edge_radius=0.0,
-                drawn_edge=0.0,
                 outer_radius=1.16 * bore,
-                flange_radius=0.0,
-                flange_gap=0.0,
             )
         real_outer, real_flange = (float(dimensions[k]) for k in ("bearing_outer_radius", "flange_radius"))
         real_length = float(dimensions["bearing_length"])
@@ -146,7 +124,7 @@ class MagnifiedJournal:
 
     @property
     def covered(self) -> bool:
-        """Return whether the flanges cover the bearing's edge, so that this edge touches."""
+        """Return whether the flanges cover the bearing's edge, which then touches."""
         return self.drawn_edge == self.outer_radius
 
     @property
@@ -155,21 +133,14 @@ class MagnifiedJournal:
         return 0.12 * self.bore_radius
 
     def eccentricity(self, gap: Array, point: Array) -> Array:
-        """Return the drawn centres of the journal at the radial contacts, (n, contacts, 2) [m].
-
-        Args:
-            gap: Of the radial contacts, as recorded, (n, contacts) [m].
-            point: Candidate contacts, bearing axes, (n, contacts, 3) [m].
-        """
+        """Return drawn centres at radial contacts (n, contacts, 2) [m], by recorded gaps and points."""
         play = (self.bore_radius - self.journal_radius) / self.factor
         return self.factor * (play - gap)[..., None] * _directions(point[..., :2])
 
     def barrel(self, centres: Array, shift: Array) -> Array:
         """Return the placement of the drawn barrel, a shear, (n, 3, 4).
 
-        Args:
-            centres: What :meth:`eccentricity` returned: one column, or those of the +z and -z ends.
-            shift: Of the journal along the axis, as drawn, (n,) [m]; it shows at the barrel's ends only.
+        ``centres`` are those of :meth:`eccentricity`, ``shift`` that along the axis as drawn, (n,) [m].
         """
         upper, lower = centres[:, 0], centres[:, -1]
         result = np.zeros((len(centres), 3, 4))
@@ -181,7 +152,7 @@ class MagnifiedJournal:
         return result
 
     def flange(self, sign: float, gap: Array, tilt: Array, centres: Array) -> Array:
-        """Return the placement of a drawn flange, its inner face at z = 0 of its own axes, (n, 3, 4).
+        """Return the placement of a drawn flange's inner face, (n, 3, 4).
 
         Args:
             sign: +1 for the flange at +z, -1 for the other.
@@ -207,24 +178,13 @@ class MagnifiedJournal:
         return result
 
     def radial_points(self, sign: float, point: Array) -> Array:
-        """Return drawn contacts in the bore, (n, 3) [m].
-
-        Args:
-            sign: +1 or -1 for the end circles, 0 for a joint in its plane.
-            point: As recorded, bearing axes, (n, 3) [m].
-        """
+        """Return drawn contacts in the bore, (n, 3) [m]; ``sign`` 0 in a plane."""
         result = np.full(point.shape, 0.5 * sign * self.length)
         result[:, :2] = self.bore_radius * _directions(point[:, :2])
         return result
 
     def axial_points(self, sign: float, point: Array, placement: Array) -> Array:
-        """Return drawn contacts at a flange, (n, 3) [m].
-
-        Args:
-            sign: +1 for the flange at +z, -1 for the other.
-            point: As recorded, bearing axes, (n, 3) [m].
-            placement: What :meth:`flange` returned.
-        """
+        """Return drawn contacts at a flange, (n, 3) [m], by its :meth:`flange`."""
         result = np.full(point.shape, 0.5 * sign * self.length)
         # With parallel axes a point load acts on the axis, so its place is neither rim.
         out = point[:, :2] / self.edge_radius
@@ -236,13 +196,7 @@ class MagnifiedJournal:
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class MagnifiedBall:
-    """The drawn parts of a ball joint and their motion, bearing axes.
-
-    Attributes:
-        factor: M [-].
-        ball_radius: Drawn as it is [m].
-        socket_radius: Of the drawn socket [m].
-    """
+    """Drawn ball and socket, bearing axes: M [-] and radii [m]."""
 
     factor: float
     ball_radius: float
@@ -250,23 +204,13 @@ class MagnifiedBall:
 
     @classmethod
     def of(cls, dimensions: dict[str, Any], factor: float) -> MagnifiedBall:
-        """Return the drawing of a joint.
-
-        Args:
-            dimensions: Of its shape, as the run carries them [m].
-            factor: M, positive [-].
-        """
+        """Return the drawing of a joint of some dimensions, M times its play."""
         ball = float(dimensions["ball_radius"])
         play = float(dimensions["socket_radius"]) - ball
         return cls(factor=factor, ball_radius=ball, socket_radius=ball + factor * play)
 
     def centre(self, gap: Array, position: Array) -> Array:
-        """Return the drawn centre of the ball, (n, 3) [m].
-
-        Args:
-            gap: As recorded, (n,) [m].
-            position: Of the ball's centre in the socket, (n, 3) [m].
-        """
+        """Return the drawn centre of the ball, (n, 3) [m], by gap and place."""
         play = (self.socket_radius - self.ball_radius) / self.factor
         return self.factor * (play - gap)[:, None] * _directions(position)
 
@@ -312,12 +256,7 @@ class MagnifiedSlider:
 
     @classmethod
     def of(cls, dimensions: dict[str, Any], factor: float) -> MagnifiedSlider:
-        """Return the drawing of a joint.
-
-        Args:
-            dimensions: Of its shape, as the run carries them [m, rad].
-            factor: M, positive [-].
-        """
+        """Return the drawing of a joint of some dimensions, M times its play."""
         size = np.array([float(dimensions[f"slider_{side}"]) for side in ("width", "height", "length")])
         guide = np.array([float(dimensions[f"guide_{side}"]) for side in ("width", "height")])
         return cls(
@@ -336,7 +275,7 @@ class MagnifiedSlider:
         return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
     def _affine(self, position: Array, attitude: Array) -> tuple[Array, Array]:
-        """Return what the centres of roundings are drawn by, section axes: (n, 3, 3) and (n, 3)."""
+        """Return the affine map of drawn rounding centres, section axes."""
         turn = self.turn
         real = turn.T @ Rotation.from_quat(attitude).as_matrix() @ turn
         stretch = np.array([self.factor, self.factor, 1.0])[:, None]
@@ -344,11 +283,9 @@ class MagnifiedSlider:
         return np.eye(3) + stretch * (real - np.eye(3)), (position @ turn) * [self.factor, self.factor, along]
 
     def slider(self, position: Array, attitude: Array) -> Array:
-        """Return the placement of the drawn slider, a box of its size in bearing axes, (n, 3, 4).
+        """Return the placement of the drawn slider, a box in bearing axes, (n, 3, 4).
 
-        Args:
-            position: Of the slider's centre, bearing axes, (n, 3) [m].
-            attitude: Its quaternions xyzw, (n, 4).
+        ``position`` of its centre (n, 3) [m] and ``attitude`` (quaternions xyzw, (n, 4)) are as recorded.
         """
         matrix, shift = self._affine(position, attitude)
         half, r = 0.5 * self.size, self.corner_radius
@@ -358,23 +295,14 @@ class MagnifiedSlider:
         return np.concatenate([turn @ placed @ turn.T, (shift @ turn.T)[:, :, None]], axis=2)
 
     def axis(self, position: Array, attitude: Array, sign: float) -> Array:
-        """Return where the slider's axis is drawn at its end at +z or -z, bearing axes, (n, 3) [m].
-
-        Args:
-            position: As of :meth:`slider`.
-            attitude: As of :meth:`slider`.
-            sign: +1 or -1.
-        """
+        """Return the drawn end of the slider's axis, +z or -z, (n, 3) [m]."""
         placed = self.slider(position, attitude)
         return np.asarray(placed[:, :, 3] + 0.5 * sign * self.size[2] * placed[:, :, 2])
 
     def point(self, end: str, position: Array, attitude: Array) -> Array:
         """Return a drawn contact, on its wall at its corner, bearing axes, (n, 3) [m].
 
-        Args:
-            end: Of the contact, such as ``+x-y+z``: the wall at +x and there the corner at -y and +z.
-            position: As of :meth:`slider`.
-            attitude: As of :meth:`slider`.
+        The end ``+x-y+z`` is the wall at +x and there the corner at -y and +z.
         """
         sign = {end[k + 1]: 1.0 if end[k] == "+" else -1.0 for k in (0, 2, 4)}
         signs, wall = np.array([sign[axis] for axis in "xyz"]), "xy".index(end[1])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,21 +13,9 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.mechanism import Mechanism, frame_aligning_z
 from antenna_pin.record.bending import drawn_poses
-from antenna_pin.record.scene import Scene, packed_doubles, packed_floats
+from antenna_pin.record.scene import Scene, packed_doubles, track
 from antenna_pin.record.shapes import Box, Cylinder, Geometry, Sphere, ring
 from antenna_pin.trajectory import Trajectory, elements_of
-
-__all__ = [
-    "JOINT",
-    "Label",
-    "Mark",
-    "mark_gears",
-    "mark_joints",
-    "mark_stops",
-    "Marking",
-    "PLAY",
-    "rgb",
-]
 
 # --- parts --------------------------------------------------------------------------------------------------
 
@@ -39,11 +27,9 @@ class Marking:
     """Data for marks.
 
     Attributes:
-        run: The run.
-        mechanism: What it is of.
-        samples: Those of the run that are key frames, (frames,).
-        scene: What marks are put into.
-        paths: Of the links in the scene, by name; what is put below one moves with it.
+        samples: Samples of the run that are key frames, (frames,).
+        scene: Scene of the marks.
+        paths: Paths of the links in the scene, by name; things below one move with it.
         position: Of the links at the key frames, (frames, links, 3) [m].
         attitude: Likewise, quaternions xyzw, (frames, links, 4) [-]; links in the order of ``paths``.
         size: Of the mechanism [m].
@@ -64,33 +50,24 @@ class Marking:
         return np.asarray(self.run.data["time"].values, dtype=float)[self.samples]
 
     def path(self, link: str) -> str:
-        """Return what a thing on a link is put below; one of the world's stands by itself."""
+        """Return the path of things on a link, or in the world."""
         return self.paths.get(link, "world")
 
     def seat(self, joint: str) -> tuple[str, Array]:
-        """Return what a joint's parent is called in the scene, and the joint's place in it, z along the axis.
-
-        Args:
-            joint: Its name.
-
-        Returns:
-            The path, and the placement (4, 4) [-, m].
-        """
+        """Return the path of a joint's parent, and the joint's placement, z along its axis."""
         urdf = self.mechanism.urdf
-        turn = np.eye(4)
-        turn[:3, :3] = frame_aligning_z(np.asarray(self.mechanism.joint(joint).axis, dtype=float))
-        return self.path(urdf.joint(joint).parent), np.asarray(urdf.placement(joint)) @ turn
+        return self.path(urdf.joint(joint).parent), np.asarray(urdf.placement(joint)) @ self.axis(joint)
+
+    def axis(self, joint: str) -> Array:
+        """Return the placement in a joint's frame with z along its axis, (4, 4) [-]."""
+        found = np.eye(4)
+        found[:3, :3] = frame_aligning_z(np.asarray(self.mechanism.joint(joint).axis, dtype=float))
+        return found
 
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """A name in the picture.
-
-    Attributes:
-        text: What it says.
-        path: In the scene, of what it goes with.
-        at: Where in its frame, (3,) [m].
-    """
+    """Name in the picture, at a point in the frame of a path, (3,) [m]."""
 
     text: str
     path: str
@@ -99,15 +76,15 @@ class Label:
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """Objects in the scene that are shown or hidden together.
+    """Group of things in the scene with common visibility.
 
     Attributes:
-        text: What the page calls them.
-        colour: Beside it, ``#RRGGBB``.
-        paths: Of the things.
-        tracks: How they move beside their links, as an actor of the recording takes them.
-        shown: Whether they are from the first; else they can be switched on.
-        labels: Names of theirs.
+        text: Name in the page.
+        colour: Colour beside it, ``#RRGGBB``.
+        paths: Paths of the things.
+        tracks: Their motion beside their links, as tracks of an actor of the recording.
+        shown: Whether they are visible at first.
+        labels: Their names.
     """
 
     text: str
@@ -118,14 +95,12 @@ class Mark:
     labels: tuple[Label, ...] = ()
 
     def listed(self) -> dict[str, Any]:
-        """Return it as the page takes it."""
+        """Return the mark in the page's format."""
         found: dict[str, Any] = {"text": self.text, "colour": self.colour, "paths": list(self.paths)}
         if not self.shown:
             found["shown"] = False
         if self.labels:
-            found["labels"] = [
-                {"text": label.text, "path": label.path, "at": list(label.at)} for label in self.labels
-            ]
+            found["labels"] = [{**asdict(label), "at": list(label.at)} for label in self.labels]
         return found
 
 
@@ -145,11 +120,7 @@ _BALL = 0.007
 
 
 def mark_joints(marking: Marking) -> Mark | None:
-    """Put a pin on each moving joint, a ball where it is one; drawn over what hides them.
-
-    Args:
-        marking: What it is made of.
-    """
+    """Draw a pin on each moving joint, or a ball, over all else."""
     places = json.loads(marking.run.data.attrs.get("clearance_joints", "{}"))
     found, labels = [], []
     for name in marking.mechanism.joints:
@@ -188,11 +159,7 @@ _HELD_MODE = 2  # of a latch
 
 
 def mark_stops(marking: Marking) -> Mark | None:
-    """Put marks at joints with stops or latches.
-
-    Args:
-        marking: What they are made of.
-    """
+    """Draw marks at joints with stops or latches."""
     run = marking.run
     found: list[str] = []
     tracks: list[dict[str, Any]] = []
@@ -210,8 +177,8 @@ def mark_stops(marking: Marking) -> Mark | None:
         for what, seat, shape, colours, active in _modal_parts(place, one, marking.size, mode):
             path = f"{marks.parent}/{name} {what}"
             found.append(path)
-            for colour, seen in zip(colours, (~active, active), strict=True):
-                tracks.append(marks.put(f"{path}/{colour[1:]}", seat, shape, colour, seen))
+            for colour, visible in zip(colours, (~active, active), strict=True):
+                tracks.append(marks.put(f"{path}/{colour[1:]}", seat, shape, colour, visible))
     if not found:
         return None
     words = "stops (orange: touched) and latches (green: holding)"
@@ -221,7 +188,7 @@ def mark_stops(marking: Marking) -> Mark | None:
 def _modal_parts(
     place: str, one: Mapping[str, Any], size: float, mode: NDArray[Any]
 ) -> list[tuple[str, float, Geometry, tuple[str, str], NDArray[np.bool_]]]:
-    """Return of each part: its name, where it is, its shape, its colours, and when it is touched or holds."""
+    """Return name, place, shape, colours and activity of an element's parts."""
     numbers = one["numbers"]
     if place.startswith("latches."):
         pin = Cylinder(_LATCH_PIN[0] * size, _LATCH_PIN[1] * size)
@@ -241,12 +208,11 @@ class _Marks:
         self.scene, self.size, self.slides = marking.scene, marking.size, slides
         self.times = marking.times
         self.parent, self.in_parent = marking.seat(joint)
-        self.in_child = np.eye(4)
-        self.in_child[:3, :3] = frame_aligning_z(np.asarray(marking.mechanism.joint(joint).axis, dtype=float))
+        self.in_child = marking.axis(joint)
         self.child = marking.path(marking.mechanism.urdf.joint(joint).child)
 
     def _seat(self, way: float) -> Array:
-        """Return where something sits at an angle (or a way) of the joint, in the frame of its axis."""
+        """Return the placement at an angle (or displacement) in the axis' frame."""
         found = np.eye(4)
         reach = np.array([_REACH * self.size, 0.0, 0.0])
         if self.slides:
@@ -266,17 +232,13 @@ class _Marks:
         return path
 
     def put(
-        self, path: str, way: float, shape: Geometry, colour: str, seen: NDArray[np.bool_]
+        self, path: str, way: float, shape: Geometry, colour: str, visible: NDArray[np.bool_]
     ) -> dict[str, Any]:
         """Draw a part on the parent; return the track of its visibility."""
         self.scene.add(path, shape, rgb(colour), self.in_parent @ self._seat(way))
-        changes = self.times[np.flatnonzero(np.diff(seen, prepend=False))]
-        return {
-            "kind": "shown",
-            "name": path.rpartition("/")[0],
-            "path": path,
-            "data": packed_doubles(changes),
-        }
+        changes = self.times[np.flatnonzero(np.diff(visible, prepend=False))]
+        name = path.rpartition("/")[0]
+        return {"kind": "shown", "name": name, "path": path, "data": packed_doubles(changes)}
 
 
 # --- gears, racks, belts and cables -------------------------------------------------------------------------
@@ -297,7 +259,7 @@ _SMALLEST = 1e-6  # a part that is not seen is so small; none at all would have 
 
 
 class _Joint(NamedTuple):
-    """A joint of a gear: its frame with z along the axis, in its child and in its parent; radius [m]."""
+    """Joint of a gear: axis frames in child and parent; radius [m]."""
 
     name: str
     child: str
@@ -309,11 +271,7 @@ class _Joint(NamedTuple):
 
 
 def mark_gears(marking: Marking) -> Mark | None:
-    """Put marks at joints with gears, belts or cables.
-
-    Args:
-        marking: What they are made of.
-    """
+    """Draw marks at joints with gears, belts or cables."""
     run, samples, scene, size = marking.run, marking.samples, marking.scene, marking.size
     every = {place: one for place, one in elements_of(run.data).items() if place.startswith("gears.")}
     if not every:
@@ -324,7 +282,7 @@ def mark_gears(marking: Marking) -> Mark | None:
     for place, one in every.items():
         name = place.replace("/", " ")
         mode = np.asarray(run.data["element_mode"].sel(element=place).values)[samples]
-        ends = [_joint(marking.mechanism, joint, k, one, size) for k, joint in enumerate(one["joints"])]
+        ends = [_joint(marking, joint, k, one) for k, joint in enumerate(one["joints"])]
         strands = one["kind"] in ("Belt", "Cable")
         meshes = (mode != 0) if "plus" in one["numbers"] and not strands else None
         for end in ends:
@@ -332,31 +290,29 @@ def mark_gears(marking: Marking) -> Mark | None:
                 path = f"{marking.path(end.child)}/{name} {end.name} {what}"
                 put = _put(scene, path, shape, end.in_child @ seat, meshes, what == "circle")
                 found += [one_path for one_path, _ in put]
-                tracks += [track for _, track in put if track is not None]
+                tracks += [motion for _, motion in put if motion is not None]
         if strands:
             for side, taut, beginning, ending in _strands(ends, one, mode, poses):
-                for path, track in _strand(scene, f"gears/{name} {side}", taut, beginning, ending, size):
+                for path, motion in _strand(scene, f"gears/{name} {side}", taut, beginning, ending, size):
                     found.append(path)
-                    tracks.append(track)
+                    tracks.append(motion)
     words = "gears (in ratio, up to 10 : 1; orange: meshing), pulleys and strands (pale: slack)"
     return Mark(words, APART, tuple(found), tuple(tracks))
 
 
-def _joint(mechanism: Mechanism, name: str, k: int, one: Mapping[str, Any], size: float) -> _Joint:
+def _joint(marking: Marking, name: str, k: int, one: Mapping[str, Any]) -> _Joint:
     """Return a joint of a gear, the first or the second."""
-    joint = mechanism.urdf.joint(name)
-    axis = np.eye(4)
-    axis[:3, :3] = frame_aligning_z(np.asarray(mechanism.joint(name).axis, dtype=float))
-    in_parent = np.asarray(mechanism.urdf.placement(name)) @ axis
+    joint = marking.mechanism.urdf.joint(name)
     shares = abs(one["numbers"]["a"]), abs(one["numbers"]["b"])
     # In ways per angle a share is a radius; a gear's are as one to the other.
-    radius = shares[k] if one["slides"] else _GEAR * size * max(shares[k] / max(shares), _LEAST)
+    radius = shares[k] if one["slides"] else _GEAR * marking.size * max(shares[k] / max(shares), _LEAST)
     slides = bool(one["kind"] == "Rack" and k == 1)
-    return _Joint(name, joint.child, joint.parent, axis, in_parent, radius, slides)
+    in_child, in_parent = marking.axis(name), marking.seat(name)[1]
+    return _Joint(name, joint.child, joint.parent, in_child, in_parent, radius, slides)
 
 
 def _meshing_parts(end: _Joint, size: float) -> Iterator[tuple[str, Geometry, Array]]:
-    """Yield what is drawn on a joint's child: name, shape, place in the frame of the axis."""
+    """Yield name, shape and placement of parts on a joint's child."""
     seat = np.eye(4)
     if end.slides:
         yield "rack", Box((_RACK[1] * size, _RACK[1] * size, _RACK[0] * size)), seat
@@ -369,7 +325,7 @@ def _meshing_parts(end: _Joint, size: float) -> Iterator[tuple[str, Geometry, Ar
 def _put(
     scene: Scene, path: str, shape: Geometry, place: Array, meshes: NDArray[np.bool_] | None, changes: bool
 ) -> list[tuple[str, dict[str, Any] | None]]:
-    """Draw a part that turns with a link; twice if its colour changes, one visible at a time."""
+    """Draw a part on a link, in both colours if these change."""
     if meshes is None or not changes:
         scene.add(path, shape, rgb(APART), place)
         return [(path, None)]
@@ -379,14 +335,14 @@ def _put(
         scene.add(f"{own}/part", shape, rgb(colour))
         data = np.repeat(place[None, :3, :], len(seen), axis=0)
         data[:, :, :3] *= np.where(seen, 1.0, _SMALLEST)[:, None, None]
-        found.append((own, _track(own, data)))
+        found.append((own, track(own, data)))
     return found
 
 
 def _strands(
     ends: list[_Joint], one: Mapping[str, Any], mode: NDArray[Any], poses: Any
 ) -> Iterator[tuple[str, NDArray[np.bool_], Array, Array]]:
-    """Yield the strands: side, whether it is taut, and its two ends in the world at each key frame."""
+    """Yield side, tautness and both ends in the world of each strand."""
     numbers = one["numbers"]
     (first, second), (r, s) = (_places(end, poses) for end in ends), (end.radius for end in ends)
     axis = first[:, :3, 2]
@@ -408,7 +364,7 @@ def _strands(
 
 
 def _places(end: _Joint, poses: Any) -> Array:
-    """Return the frame of a joint on its parent in the world at each key frame, (n, 4, 4)."""
+    """Return a joint's frame on its parent in the world, (n, 4, 4)."""
     k = [str(body) for body in poses["body"].values].index(end.parent)
     found = np.tile(np.eye(4), (poses.sizes["time"], 1, 1))
     found[:, :3, :3] = Rotation.from_quat(np.asarray(poses["attitude"].values)[:, k]).as_matrix()
@@ -430,8 +386,4 @@ def _strand(
         data = np.empty((len(seen), 3, 4))
         data[:, :, :3] = turned * np.where(seen, 1.0, _SMALLEST)[:, None, None]
         data[:, :, 3] = 0.5 * (begins + ends)
-        yield own, _track(own, data)
-
-
-def _track(path: str, data: Array) -> dict[str, Any]:
-    return {"kind": "matrix", "name": path.rpartition("/")[2], "path": path, "data": packed_floats(data)}
+        yield own, track(own, data)

@@ -1,8 +1,9 @@
-"""The whole mechanism in the world: bodies, contact forces, boresight and trace, an ideal run as a ghost."""
+"""View of the mechanism in the world: bodies, forces, boresight, and an ideal ghost."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,11 +14,11 @@ from antenna_pin.analysis import closures_of, mechanism_of
 from antenna_pin.base.directions import direction
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import Mechanism, Urdf, frame_aligning_z
-from antenna_pin.record.bending import check_bending, drawn_poses, said_of_bending
-from antenna_pin.record.contact_arrows import applied_arrows, contact_arrows, force_scale
+from antenna_pin.record.bending import bending_note, check_bending, drawn_poses
+from antenna_pin.record.contact_arrows import applied_arrows, contact_arrows, force_scale, placement_of
 from antenna_pin.record.key_frames import Impacts, KeyFrames
 from antenna_pin.record.marks import Label, Mark, Marking, mark_gears, mark_joints, mark_stops, rgb
-from antenna_pin.record.scene import Scene, camera, clearest, packed_doubles, packed_floats, triad
+from antenna_pin.record.scene import Scene, camera, clearest, packed_doubles, packed_floats, track, triad
 from antenna_pin.record.shapes import (
     Cylinder,
     Geometry,
@@ -30,9 +31,6 @@ from antenna_pin.record.shapes import (
     visual_shapes,
 )
 from antenna_pin.trajectory import Trajectory
-
-__all__ = ["Boresight", "mechanism_view"]
-
 
 Array = NDArray[np.float64]
 
@@ -52,11 +50,7 @@ _NO_SPRINGS = ("friction",)  # kinds that stand among the springs of a scenario
 
 
 def mark_springs(marking: Marking) -> Mark | None:
-    """Draw the springs of the run's scenario; a system built in Python names none.
-
-    Args:
-        marking: What it is made of.
-    """
+    """Draw the springs of the run's scenario; systems built in Python have none."""
     springs: dict[str, Any] = getattr(marking.run.scenario, "springs", None) or {}
     size = marking.size
     found, tracks, labels = [], [], []
@@ -77,8 +71,7 @@ def mark_springs(marking: Marking) -> Mark | None:
             continue
         found.append(f"world/spring {name}")
         marking.scene.add(f"{found[-1]}/coil", coil(_BETWEEN * size, 1.0, _WIRE * size), rgb(SPRING))
-        data = packed_floats(_between(first, second).reshape(-1, 12))
-        tracks.append({"kind": "matrix", "name": f"spring {name}", "path": found[-1], "data": data})
+        tracks.append(track(found[-1], _between(first, second), f"spring {name}"))
         labels.append(Label(name, found[-1], (0.0, 0.0, 0.5)))
     if not found:
         return None
@@ -86,7 +79,7 @@ def mark_springs(marking: Marking) -> Mark | None:
 
 
 def _places(marking: Marking, side: Any) -> Array | None:
-    """Return where one end of a spring is at the key frames, (frames, 3) [m]; None if not known."""
+    """Return the points of one end of a spring, (frames, 3) [m], or None."""
     link = getattr(side, "link", None) or getattr(side, "frame", None)
     if link is None:
         return None
@@ -100,26 +93,20 @@ def _places(marking: Marking, side: Any) -> Array | None:
     return np.asarray(marking.position[:, k] + turned)
 
 
-def _between(first: Array, second: Array) -> Array:
-    """Return the placements that lay z from 0 to 1 along lines between points, (n, 3, 4)."""
-    along = second - first
+def _between(begins: Array, ends: Array) -> Array:
+    """Return placements with z from 0 to 1 between points, (n, 3, 4)."""
+    along = ends - begins
     level = np.abs(along[:, :1]) < 0.9 * np.linalg.norm(along, axis=1)[:, None]
     helper = np.where(level, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
     x = np.cross(helper, along)
     x /= np.maximum(np.linalg.norm(x, axis=1), 1e-300)[:, None]
     y = np.cross(along, x)
     y /= np.maximum(np.linalg.norm(y, axis=1), 1e-300)[:, None]
-    return np.stack([x, y, along, first], axis=2)
+    return np.stack([x, y, along, begins], axis=2)
 
 
 def coil(radius: float, length: float, wire: float) -> Mesh:
-    """Return a coil about z, from z = 0 to its length if that is 1, else about the middle.
-
-    Args:
-        radius: Of its turns [m].
-        length: Along the axis [m].
-        wire: Radius of its wire [m].
-    """
+    """Return a coil about z [m], from 0 for length 1, else about the middle."""
     turn = np.linspace(0.0, 2.0 * np.pi * _TURNS, _TURNS * _STEPS + 1)
     share = turn / turn[-1] - (0.0 if length == 1.0 else 0.5)
     around = np.linspace(0.0, 2.0 * np.pi, _SIDES + 1)
@@ -139,11 +126,7 @@ _AXIS = (0.0016, 0.06)  # radius and length, as shares of the mechanism's size
 
 
 def mark_frames(marking: Marking) -> Mark | None:
-    """Put its axes on each link; hidden at first.
-
-    Args:
-        marking: What it is made of.
-    """
+    """Draw the axes of each link; hidden at first."""
     radius, length = (share * marking.size for share in _AXIS)
     found = []
     for path in marking.paths.values():
@@ -152,14 +135,8 @@ def mark_frames(marking: Marking) -> Mark | None:
             place = np.eye(4)
             place[:3, :3] = Rotation.from_euler("xyz", turn, degrees=True).as_matrix()
             place[:3, 3] = 0.5 * length * place[:3, 2]
-            marking.scene.add(
-                f"{path}/frame/{name}",
-                Cylinder(radius, length),
-                rgb(colour),
-                place,
-                unlit=True,
-                depthTest=False,
-            )
+            axis, looks = Cylinder(radius, length), {"unlit": True, "depthTest": False}
+            marking.scene.add(f"{path}/frame/{name}", axis, rgb(colour), place, **looks)
     return Mark("frames of links: x red, y green, z blue", "#2F5FA8", tuple(found), shown=False)
 
 
@@ -173,13 +150,10 @@ _BALL = 0.006
 
 
 def mark_closures(marking: Marking) -> Mark | None:
-    """Put a mark on each closure of a loop.
+    """Draw a mark on each closure of a loop.
 
-    A mark moves with the second side's link, or stands where that is the world; both sides are in one place.
+    A mark moves with the second side's link, or with the first where that is the world; both sides coincide.
     Closures that hold a joint of the tree close no loop of their own, and have no mark.
-
-    Args:
-        marking: What it is made of.
     """
     size = marking.size
     found, labels = [], []
@@ -188,13 +162,11 @@ def mark_closures(marking: Marking) -> Mark | None:
             continue
         side = "second" if closure["second_body"] in marking.paths else "first"
         on = marking.path(closure[f"{side}_body"])
-        place: NDArray[np.float64] = np.eye(4)
-        seven = np.array(closure[f"{side}_placement"], dtype=float)
-        place[:3, 3], place[:3, :3] = seven[:3], Rotation.from_quat(seven[3:]).as_matrix()
+        place = placement_of(closure[f"{side}_placement"])
         pin = closure["axis"] and closure["kind"] != "universal"
         shape: Geometry = Cylinder(_PIN[0] * size, _PIN[1] * size) if pin else Sphere(_BALL * size)
         found.append(f"{on}/closure {name}")
-        x, y, z = map(float, seven[:3])
+        x, y, z = map(float, place[:3, 3])
         labels.append(Label(name, on, (x, y, z)))
         marking.scene.add(found[-1], shape, (*rgb(CLOSURE), 0.85), place, unlit=True, depthTest=False)
     if not found:
@@ -203,10 +175,7 @@ def mark_closures(marking: Marking) -> Mark | None:
     return Mark(words, CLOSURE, tuple(found), labels=tuple(labels))
 
 
-# --- marks beside a mechanism's bodies: one list, each made by a function ---
-#
-# To add a mark is to write a function of :class:`Marking` in a file of its own and one line of ``MARKS``.
-
+#: Marks beside a mechanism's bodies in the order of a page; each function returns None without its kind.
 MARKS: tuple[Callable[[Marking], Mark | None], ...] = (
     mark_closures,
     mark_stops,
@@ -215,16 +184,6 @@ MARKS: tuple[Callable[[Marking], Mark | None], ...] = (
     mark_joints,
     mark_frames,
 )
-"""In the order in which a page lists them; each returns None where there is nothing of its kind."""
-
-
-def marks_of(marking: Marking) -> list[Mark]:
-    """Put all marks into a scene; return those that there are.
-
-    Args:
-        marking: What they are made of.
-    """
-    return [mark for make in MARKS if (mark := make(marking)) is not None]
 
 
 BORESIGHT = "#0072B2"
@@ -232,22 +191,16 @@ GHOST = "#AA4499"
 _CLEAR = 0.32  # opacity of the ghost
 _OPAQUE = 0.9  # what is less so hides nothing
 _TRAIL = 1500  # points of a trace
-_FRAMED = 300  # key frames looked at to frame the motion
-_LOOKED_AT = 7  # of which it is looked at who hides whom
-_DIRECTION = (1.0, -0.75, 0.55)  # from where the camera looks
+_FRAMED = 300  # key frames by which the motion is framed
+_COMPARED = 7  # key frames at which bodies are compared for hiding one another
+_DIRECTION = (1.0, -0.75, 0.55)  # of the camera
 
 
 class Boresight:
-    """A line on a body that is drawn with its trace.
-
-    Args:
-        body: Name of the link.
-        axis: Direction in the link's frame, (3,) [-].
-        bodies: Names of the links there are.
-    """
+    """Line along an axis (3,) [-] of a link, drawn with its trace."""
 
     def __init__(self, body: str, axis: ArrayLike, bodies: list[str]) -> None:
-        """Check the body and the axis."""
+        """Check the body, one of ``bodies``, and the axis."""
         if body not in bodies:
             raise UnknownNameError("recording", "body", body, bodies)
         self.body = body
@@ -267,12 +220,12 @@ def mechanism_view(
 
     Args:
         run: The run.
-        frames: Its key frames.
+        frames: Key frames of the run.
         impacts: Contact episodes in the span.
-        places: Where bearings are (its attribute ``clearance_joints``).
-        ideal: A run to be drawn as a ghost, and its key frames.
-        boresight: Body and axis of the line to be drawn.
-        magnify: How many times farther elastic parts are drawn out of rest [-]; 1 if left out.
+        places: Bearings (the run's attribute ``clearance_joints``).
+        ideal: Run drawn as a ghost, and its key frames.
+        boresight: Body and axis of the drawn line.
+        magnify: Magnification of deflections [-]; 1 if left out.
     """
     scene = Scene()
     factor = check_bending(run, magnify)
@@ -281,7 +234,7 @@ def mechanism_view(
     size = motion.size
     reach = 0.55 * size
     facts: list[dict[str, Any]] = []
-    if bent := said_of_bending(run, factor):
+    if bent := bending_note(run, factor):
         facts.append({"text": bent})
     trails = []
     extent = [motion.extent]
@@ -299,7 +252,8 @@ def mechanism_view(
                 "recording", "ideal", "a run of the same mechanism", f"one of {', '.join(ghost.names)}"
             )
         actors.append(ghost.actor())
-        text = f"ideal run ({_case(ideal[0])}), translucent"
+        names = ideal[0].data.attrs
+        text = f"ideal run ({names.get('case') or names.get('title') or 'ideal'}), translucent"
         facts.append({"text": text, "colour": GHOST, "paths": [ghost.run]})
         if line is not None and line.body in ghost.names:
             trails.append(ghost.draw_boresight(line, reach, GHOST, size))
@@ -316,7 +270,7 @@ def mechanism_view(
         attitude=motion.attitude,
         size=size,
     )
-    for mark in marks_of(marking):
+    for mark in filter(None, (make(marking) for make in MARKS)):
         facts.append(mark.listed())
         actors[0]["tracks"] += mark.tracks
     contacts, arrow_tips = contact_arrows(marking, impacts, places)
@@ -345,12 +299,8 @@ def mechanism_view(
     }
 
 
-def _case(run: Trajectory) -> str:
-    return str(run.data.attrs.get("case") or run.data.attrs.get("title") or "ideal")
-
-
 class _Body:
-    """The bodies of a run: shapes put into a scene, poses at the key frames."""
+    """Bodies of a run: shapes in a scene, poses at the key frames."""
 
     def __init__(
         self,
@@ -383,53 +333,42 @@ class _Body:
 
     def _draw(self, k: int, shape: Shape) -> None:
         path = f"{self.paths[shape.body]}/{k}"
-        if self.ghost is None:
-            self.scene.add(path, shape.geometry, shape.colour, shape.placement)
-            return
         # Pushed back a little, so that the ghost does not show where it coincides with the body itself.
-        self.scene.add(
-            path,
-            shape.geometry,
-            self.ghost,
-            shape.placement,
-            polygonOffset=True,
-            polygonOffsetFactor=1.0,
-            polygonOffsetUnits=1.0,
-        )
+        back = {"polygonOffset": True, "polygonOffsetFactor": 1.0, "polygonOffsetUnits": 1.0}
+        looks: dict[str, Any] = {} if self.ghost is None else back
+        self.scene.add(path, shape.geometry, self.ghost or shape.colour, shape.placement, **looks)
 
     def _extent(self) -> Array:
-        """Return the corners of all shapes at some of the key frames, in the world, (n, 3) [m]."""
-        some = np.unique(np.linspace(0, len(self.times) - 1, min(_FRAMED, len(self.times))).astype(int))
-        found = []
-        for k, body in enumerate(self.names):
-            mine = [shape for shape in self.shapes if shape.body == body]
-            points = [
-                corners(shape.geometry) @ shape.placement[:3, :3].T + shape.placement[:3, 3] for shape in mine
-            ] or [np.zeros((1, 3))]
-            turn = Rotation.from_quat(self.attitude[some, k]).as_matrix()
-            local = np.concatenate(points)
-            found.append(
-                (np.einsum("tij,pj->tpi", turn, local) + self.position[some, k, None]).reshape(-1, 3)
-            )
-        return np.concatenate(found)
+        """Return corners of all shapes at some key frames, (n, 3) [m]."""
+        points = [self._points(body, corners) or [np.zeros((1, 3))] for body in self.names]
+        return np.concatenate([one.reshape(-1, 3) for one in self._in_world(points, _FRAMED)])
 
     def surfaces(self) -> list[Array]:
-        """Return points on each body at some key frames, in the world, (instants, points, 3) each [m]."""
-        some = np.unique(np.linspace(0, len(self.times) - 1, _LOOKED_AT).astype(int))
-        found = []
-        for k, body in enumerate(self.names):
-            points = [
-                surface(shape.geometry, self.size) @ shape.placement[:3, :3].T + shape.placement[:3, 3]
-                for shape in self.shapes
-                if shape.body == body and shape.colour[3] > _OPAQUE
-            ]
-            turn = Rotation.from_quat(self.attitude[some, k]).as_matrix()
-            local = np.concatenate([np.zeros((0, 3)), *points])
-            found.append(np.einsum("tij,pj->tpi", turn, local) + self.position[some, k, None])
-        return found
+        """Return surface points of each body at some key frames, in the world [m]."""
+        spread = partial(surface, size=self.size)
+        points = [[np.zeros((0, 3)), *self._points(body, spread, _OPAQUE)] for body in self.names]
+        return self._in_world(points, _COMPARED)
+
+    def _points(self, body: str, of: Callable[[Geometry], Array], opacity: float = -1.0) -> list[Array]:
+        """Return points of a body's shapes above an opacity, (n, 3) [m] each."""
+        mine = (one for one in self.shapes if one.body == body and one.colour[3] > opacity)
+        return [of(one.geometry) @ one.placement[:3, :3].T + one.placement[:3, 3] for one in mine]
+
+    def _in_world(self, points: list[list[Array]], most: int) -> list[Array]:
+        """Return points on bodies at some key frames in the world [m]."""
+        some = self._some(most)
+        turns = (Rotation.from_quat(self.attitude[some, k]).as_matrix() for k in range(len(points)))
+        return [
+            np.einsum("tij,pj->tpi", turn, np.concatenate(local)) + self.position[some, k, None]
+            for k, (turn, local) in enumerate(zip(turns, points, strict=True))
+        ]
+
+    def _some(self, most: int) -> NDArray[np.int_]:
+        """Return evenly spaced key frames."""
+        return np.unique(np.linspace(0, len(self.times) - 1, min(most, len(self.times))).astype(int))
 
     def listed(self, urdf: Urdf) -> list[dict[str, Any]]:
-        """Return the links with what they hang on and their shapes, as the player takes them."""
+        """Return links with parents and shapes in the player's format."""
         parents = {joint.child: joint.parent for joint in urdf.robot.joints}
         return [
             {
@@ -444,23 +383,22 @@ class _Body:
         ]
 
     def actor(self) -> dict[str, Any]:
-        """Return the poses as the player takes them."""
+        """Return the poses in the player's format."""
         return {
             "name": self.run,
             "times": packed_doubles(self.times),
             "tracks": [
-                {
-                    "kind": "pose",
-                    "name": body if self.ghost is None else f"ideal {body}",
-                    "path": self.paths[body],
-                    "data": packed_floats(np.hstack([self.position[:, k], self.attitude[:, k]])),
-                }
+                track(
+                    self.paths[body],
+                    np.hstack([self.position[:, k], self.attitude[:, k]]),
+                    body if self.ghost is None else f"ideal {body}",
+                )
                 for k, body in enumerate(self.names)
             ],
         }
 
     def draw_boresight(self, line: Boresight, reach: float, colour: str, size: float) -> dict[str, Any]:
-        """Put the line and its tip onto its body; return the tip's trace."""
+        """Draw the line and its tip on its body; return the tip's trace."""
         k = self.names.index(line.body)
         path = self.paths[line.body]
         placement = np.eye(4)
@@ -472,7 +410,7 @@ class _Body:
         self.scene.add(f"{path}/tip", Sphere(5.0 * thin), rgb(colour), placement, unlit=True)
         turn = Rotation.from_quat(self.attitude[:, k])
         self.tips = self.position[:, k] + turn.apply(reach * line.axis)
-        some = np.unique(np.linspace(0, len(self.times) - 1, min(_TRAIL, len(self.times))).astype(int))
+        some = self._some(_TRAIL)
         return {
             "path": self.trace,
             "times": packed_doubles(self.times[some]),
@@ -484,6 +422,6 @@ class _Body:
 
 
 def _upright(mechanism: Mechanism) -> Array:
-    """Return the rotation (3, 3) from the world to axes whose z points up: against gravity, if any."""
+    """Return the rotation (3, 3) from the world to axes against gravity."""
     gravity = np.array(mechanism.model.gravity.linear)
     return frame_aligning_z(-gravity).T if gravity.any() else np.eye(3)

@@ -1,4 +1,4 @@
-"""The HTML around recordings: what they share, each recording's own part, and a page of one recording."""
+"""HTML of recordings: shared head, embedded parts, and whole pages."""
 
 from __future__ import annotations
 
@@ -14,9 +14,6 @@ from typing import Any, NamedTuple
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.views import policy, script
 from antenna_pin.record.scene import viewer_licences, viewer_script
-
-__all__ = ["SharedHead", "embedded", "page", "page_of_several", "shared_head", "viewer_megabytes"]
-
 
 # The parts of the player, in the order in which they need one another.
 _PARTS = ("numbers", "page", "triad", "scene", "eye", "overlay", "curve", "panel", "bar", "player", "slots")
@@ -36,7 +33,7 @@ def _json(data: Any) -> str:
     return json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", r"\u003c")
 
 
-# What a script element with a deflated text (RFC 1950, base64) is told by.
+# Attribute of a script element with a deflated text (RFC 1950, base64).
 _PACKED = 'type="application/zlib"'
 
 
@@ -53,42 +50,34 @@ class SharedHead(NamedTuple):
 
 @takes()
 def shared_head(*, packed: bool = False) -> SharedHead:
-    """Return style and scripts that recordings need, once per page, for its head.
+    """Return style and scripts of recordings, once per page, for its head.
 
     Args:
         packed: Whether the viewer is deflated, to a third: then recordings appear some time after the page.
     """
     scripts = script(viewer_script()), script(_player())
-    running = "".join(f"<script>{text}</script>\n" for text in scripts)
+    viewer, player = (f"<script>{text}</script>\n" for text in scripts)
     if packed:
-        viewer, player = scripts
-        running = (
-            f'<script {_PACKED} class="ap-viewer">{_deflated(viewer)}</script>\n<script>{player}</script>\n'
-        )
+        viewer = f'<script {_PACKED} class="ap-viewer">{_deflated(scripts[0])}</script>\n'
     return SharedHead(
         f"<style>\n{_asset('player.css')}</style>\n"
         f'<script type="text/plain" class="ap-licences">{script(viewer_licences())}</script>\n'
-        f"{running}",
+        f"{viewer}{player}",
         scripts,
     )
 
 
 @functools.cache
 def viewer_megabytes() -> float:
-    """Return what style and scripts take of a page [MB]."""
+    """Return the size of style and scripts in a page [MB]."""
     return 1e-6 * len(shared_head().html.encode())
 
 
 def embedded(data: dict[str, Any], identity: str, height: str = "30rem", *, packed: bool = False) -> str:
-    """Return the part of a page that shows one recording; the page's head must have :func:`shared_head`.
+    """Return a recording's part of a page whose head has :func:`shared_head`.
 
-    Its scene is built when it is scrolled into view, so that a page may have many.
-
-    Args:
-        data: Of the recording.
-        identity: The element's id, unique in the page.
-        height: Of the element, CSS.
-        packed: Whether its data are deflated.
+    Its scene is built when it is scrolled into view, so that a page may have many. ``identity`` is the
+    element's unique id, ``height`` its CSS height; ``packed`` data are deflated.
     """
     name = html.escape(identity, quote=True)
     kind, text = (_PACKED, _deflated(_json(data))) if packed else ('type="application/json"', _json(data))
@@ -99,57 +88,42 @@ def embedded(data: dict[str, Any], identity: str, height: str = "30rem", *, pack
 
 
 def page(data: dict[str, Any]) -> str:
-    """Return a page that shows one recording and nothing else; ``window.recording`` is its player."""
-    head = shared_head()
-    title = html.escape(" - ".join(text for text in (data["title"], data["subtitle"]) if text))
-    return f"""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-{policy(*head.scripts)}<meta name="viewport" content="width=device-width, initial-scale=1">
-<link rel="icon" href="data:,">
-<title>{title}</title>
-<style>
-html {{ color-scheme: light dark; }} html, body {{ margin: 0; height: 100%; }}
-#recording {{ height: 100vh; height: 100dvh; }}
-</style>
-{head.html}</head>
-<body>
-<div id="recording" class="ap-whole"></div>
-<script type="application/json" id="recording-data">{_json(data)}</script>
-</body>
-</html>
-"""
+    """Return a page of one recording; ``window.recording`` is its player."""
+    return _page(
+        " - ".join(text for text in (data["title"], data["subtitle"]) if text),
+        "html { color-scheme: light dark; } html, body { margin: 0; height: 100%; }\n"
+        "#recording { height: 100vh; height: 100dvh; }",
+        '<div id="recording" class="ap-whole"></div>\n'
+        f'<script type="application/json" id="recording-data">{_json(data)}</script>\n',
+    )
 
 
 def page_of_several(recordings: Sequence[tuple[str, dict[str, Any]]], title: str) -> str:
-    """Return a page that shows several recordings, one below the other, each with its heading.
-
-    Args:
-        recordings: Heading and data of each.
-        title: Of the page.
-    """
+    """Return a page of recordings below one another, each with its heading."""
     parts = "".join(
         f"<h2>{html.escape(heading)}</h2>\n{embedded(data, f'recording-{k}')}"
         for k, (heading, data) in enumerate(recordings)
     )
+    style = """html { color-scheme: light dark; }
+body { margin: 0 auto; max-width: 60rem; padding: 0 1rem 2rem; font: 1rem/1.4 system-ui, sans-serif; }
+h1 { font-size: 1.3rem; } h2 { font-size: 1rem; margin: 1.6rem 0 0.4rem; }"""
+    return _page(title, style, f"<h1>{html.escape(title)}</h1>\n{parts}")
+
+
+def _page(title: str, style: str, body: str) -> str:
     head = shared_head()
-    said = html.escape(title)
     return f"""<!DOCTYPE html>
 <html lang="en">
 <head>
 <meta charset="utf-8">
 {policy(*head.scripts)}<meta name="viewport" content="width=device-width, initial-scale=1">
 <link rel="icon" href="data:,">
-<title>{said}</title>
+<title>{html.escape(title)}</title>
 <style>
-html {{ color-scheme: light dark; }}
-body {{ margin: 0 auto; max-width: 60rem; padding: 0 1rem 2rem; font: 1rem/1.4 system-ui, sans-serif; }}
-h1 {{ font-size: 1.3rem; }} h2 {{ font-size: 1rem; margin: 1.6rem 0 0.4rem; }}
+{style}
 </style>
 {head.html}</head>
 <body>
-<h1>{said}</h1>
-{parts}</body>
+{body}</body>
 </html>
 """

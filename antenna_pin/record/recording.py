@@ -24,20 +24,21 @@ from antenna_pin.record import page
 from antenna_pin.record._joint_pictures import (
     JOURNAL,
     MARK,
-    RIM,
+    SIGNS,
     TRACES,
     Array,
     JointPicture,
     JournalPicture,
     SliderPicture,
+    circle,
     length_text,
 )
 from antenna_pin.record.curves import curves_of
 from antenna_pin.record.key_frames import Impacts, KeyFrames, impacts_of, key_frames, rate_of_turns
 from antenna_pin.record.magnified import MagnifiedBall, default_magnification
 from antenna_pin.record.mechanism_view import mechanism_view
-from antenna_pin.record.scene import packed_doubles, packed_floats, triad
-from antenna_pin.record.shapes import Mesh, Sphere, arc, lathe, line, ring, solid
+from antenna_pin.record.scene import packed_doubles, packed_floats, track, triad
+from antenna_pin.record.shapes import Mesh, Sphere, arc, lathe, line, ring
 from antenna_pin.scenario import Scenario
 from antenna_pin.trajectory import Counts, Outcome, Trajectory, series
 
@@ -46,11 +47,9 @@ __all__ = ["Recording", "View", "record"]
 
 # --- a round slider in its guide close up, drawn as :mod:`antenna_pin.record.magnified` has it ---
 
-_SIGNS = (1.0, -1.0)
-
 
 class RodPicture(JointPicture):
-    """A round slider in a round guide."""
+    """Picture of a round slider in a round guide."""
 
     def _build(self, place: dict[str, Any], magnify: float | None) -> None:
         size = {name: float(value) for name, value in place["dimensions"].items()}
@@ -76,25 +75,15 @@ class RodPicture(JointPicture):
         self.position = position
         ends = np.array([-self.reach, self.reach])
         self.cut_open("run/guide", line(self.radius, ends), line(1.16 * self.radius, ends))
-        for end in ends:
-            self.scene.add(f"run/rim {end:+.6f}", ring(self.radius, end, 0.008 * self.radius), RIM)
-        self.scene.add("run/rod/body", lathe(*solid(self.rod, -self.half, self.half)), JOURNAL)
-        for k in range(3):
-            angle_k = 2.0 * np.pi * k / 3.0
-            along = np.array([-self.half, self.half])
-            stripe = lathe(
-                line(0.9 * self.rod, along), line(1.012 * self.rod, along), angle_k - 0.07, angle_k + 0.07,
-                segments=4,
-            )  # fmt: skip
-            self.scene.add(f"run/rod/stripe{k}", stripe, MARK)
+        self.draw_rims(ends)
+        self.draw_shaft("run/rod", self.rod, np.array([-self.half, self.half]))
 
     def tracks(self) -> list[dict[str, Any]]:
         placed = np.concatenate([self.matrix, self.shift[:, :, None]], axis=2)
-        data = packed_floats(placed.reshape(-1, 12))
-        return [{"kind": "matrix", "name": "rod", "path": "run/rod", "data": data}]
+        return [track("run/rod", placed)]
 
     def drawn_points(self) -> Array:
-        """Return contacts on the drawn guide, where the drawn slider comes nearest to it."""
+        """Return contacts on the drawn guide, where the drawn slider is nearest."""
         own = np.einsum("nji,nkj->nki", self.turns, self.point - self.position[:, None])
         drawn = np.einsum("nij,nkj->nki", self.matrix, own) + self.shift[:, None]
         across = np.linalg.norm(drawn[..., :2], axis=2, keepdims=True)
@@ -102,25 +91,14 @@ class RodPicture(JointPicture):
         return np.asarray(drawn)
 
     def extent(self) -> Array:
-        angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
-        circle = 1.16 * self.radius * np.stack([np.cos(angle), np.sin(angle)])
+        outside = 1.16 * self.radius * circle()
         long = max(self.reach, float(np.abs(self.shift[:, 2]).max()) + self.half)
-        return np.concatenate([np.vstack([circle, np.full((1, 24), end)]).T for end in (-long, long)])
+        return np.concatenate([np.vstack([outside, np.full((1, 24), end)]).T for end in (-long, long)])
 
     def trails(self) -> list[dict[str, Any]]:
-        """Return where the slider's axis went of late, at both of its ends."""
-        return [
-            {
-                "path": "run",
-                "times": packed_doubles(self.times),
-                "points": packed_floats(self.shift + sign * self.half * self.matrix[:, :, 2]),
-                "colour": colour,
-                "radius": 0.006 * self.radius,
-                "tail": 0.04 * float(self.times[-1] - self.times[0]),
-                "above": True,
-            }
-            for sign, colour in zip(_SIGNS, TRACES, strict=True)
-        ]
+        """Return recent paths of both ends of the slider's axis."""
+        ends = (self.shift + sign * self.half * self.matrix[:, :, 2] for sign in SIGNS)
+        return [self.trail(end, colour) for end, colour in zip(ends, TRACES, strict=True)]
 
     def facts(self) -> list[str]:
         drawn = length_text(self.factor * self.clearance)
@@ -136,7 +114,7 @@ class RodPicture(JointPicture):
 
 
 class BallPicture(JointPicture):
-    """A ball joint."""
+    """Picture of a ball joint."""
 
     def _build(self, place: dict[str, Any], magnify: float | None) -> None:
         dimensions = place["dimensions"]
@@ -155,12 +133,13 @@ class BallPicture(JointPicture):
             hoop = ring(shape.ball_radius, 0.0, 0.02 * shape.ball_radius)
             order = ["xyz".index(axis) for axis in turn]
             self.scene.add(f"run/ball/ring{k}", Mesh(hoop.vertices[:, order], hoop.faces), MARK)
-        self.scene.add("run/ball/pole", Sphere(0.1 * shape.ball_radius), MARK, _shifted(shape.ball_radius))
+        pole = np.eye(4)
+        pole[2, 3] = shape.ball_radius
+        self.scene.add("run/ball/pole", Sphere(0.1 * shape.ball_radius), MARK, pole)
 
     def tracks(self) -> list[dict[str, Any]]:
         attitude = np.asarray(self.journal["journal_attitude"].values, dtype=float)
-        data = packed_floats(np.hstack([self.centre, attitude]))
-        return [{"kind": "pose", "name": "ball", "path": "run/ball", "data": data}]
+        return [track("run/ball", np.hstack([self.centre, attitude]))]
 
     def drawn_points(self) -> Array:
         return self.shape.points(self.point[:, 0])[:, None]
@@ -178,12 +157,6 @@ class BallPicture(JointPicture):
             "ball's radius and rotation as they are",
             f"play {length_text(self.clearance)} drawn {length_text(factor * self.clearance)}",
         ]
-
-
-def _shifted(z: float) -> Array:
-    result = np.eye(4)
-    result[2, 3] = z
-    return result
 
 
 # --- a clearance joint close up: its bearing cut open, play magnified, contacts coloured by load ---
@@ -211,11 +184,11 @@ def joint_view(
 
     Args:
         run: The run.
-        frames: Its key frames.
+        frames: Key frames of the run.
         impacts: Contact episodes in the span.
-        places: Shapes of the clearance joints (its attribute ``clearance_joints``).
+        places: Shapes of the clearance joints (the run's attribute ``clearance_joints``).
         joint: Name of the joint; the first one with clearance if left out.
-        magnify: How many times wider gaps are drawn [-]; chosen by the play if left out.
+        magnify: Magnification of gaps [-]; chosen by the play if left out.
     """
     if not places or "gap" not in run.data:
         raise InvalidParameterError(
@@ -234,15 +207,12 @@ def joint_view(
         raise UnknownNameError("recording", "kind of clearance joint", place["kind"], LOOKS)
     made = PICTURES[LOOKS[place["kind"]].picture]
     picture = made(run.data, frames, impacts, name, place, magnify, steady_up(run, name))
-    seen = picture.data()
     count = len(frames.indices)
     some = np.unique(np.linspace(0, count - 1, min(_DIRECTIONS, count)).astype(int))
     up = bearing_up(run, name, frames.indices[some]) if "mechanism" in run.data.attrs else None
     gravity = None if up is None else -up @ picture.turn.T
-    drawn = {"play": picture.factor}
-    return (
-        seen | drawn | {"triad": triad("axes of the bearing", picture.turn.T, gravity, picture.times[some])}
-    )
+    axes = triad("axes of the bearing", picture.turn.T, gravity, picture.times[some])
+    return picture.data() | {"play": picture.factor, "triad": axes}
 
 
 View = Literal["mechanism", "joint"]
@@ -255,17 +225,17 @@ _CURVES = 1.0  # what the curves under the slider take at most [MB]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recording:
-    """A 3D recording: its data, and the page that plays it without a network.
+    """3D recording: its data, and the page that plays it without a network.
 
     Attributes:
-        data: What the player takes, as JSON would hold it: texts (``title``, ``subtitle``, ``facts``,
-            ``warnings``, what was ``thinned``), ``times`` of the key frames and the ``impacts`` marked on the
+        data: Input of the player, as in JSON: texts (``title``, ``subtitle``, ``facts``,
+            ``warnings``, ``thinned``), ``times`` of the key frames and the ``impacts`` marked on the
             slider, the viewer's ``commands`` that build the scene, ``actors`` whose ``tracks`` move parts of
             it (poses of seven numbers, placements of twelve, or times from which and until which it is
-            shown), ``bodies``, ``contacts``, ``trails``, ``camera``, ``curves``, ``speed``, and the time of
+            visible), ``bodies``, ``contacts``, ``trails``, ``camera``, ``curves``, ``speed``, and the time of
             its ``poster`` for paper. Numbers in bulk are base64 of little-endian floats, 64 bits for times
             and series and 32 for the rest.
-        frames: The samples of the run that became key frames.
+        frames: Samples of the run that became key frames.
     """
 
     data: dict[str, Any]
@@ -303,7 +273,7 @@ class Recording:
         return target
 
     def _repr_html_(self) -> str:
-        """Show the recording in a notebook, in a frame of its own."""
+        """Return the recording in a frame, for a notebook."""
         return in_frame(self.html, "30rem")
 
 
@@ -332,31 +302,30 @@ def record(
 
     Args:
         run: The run, or its data.
-        ideal: A run whose bodies are drawn as a ghost beside, and its curves beside those of the run, usually
+        ideal: A run whose bodies are drawn as a ghost, and its curves beside those of the run, usually
             with ideal joints. For the mechanism.
         view: ``mechanism``, all bodies in the world, or ``joint``, a clearance joint close up.
-        joint: Which clearance joint; the first one if left out. For a joint.
-        magnify: Of a joint how many times wider gaps are drawn [-], so many that its play is drawn
-            a third as wide as its pin if left out; of a
-            mechanism with flexible links how many times larger their deflections are drawn, 1 if left out.
+        joint: Name of the clearance joint; the first one if left out. For a joint.
+        magnify: Magnification [-]: of a joint's gaps, by default so that its play is drawn a third as wide as
+            its pin; of deflections of flexible links in the view of a mechanism, 1 by default.
         body: Link whose boresight is drawn; the scenario's pointing body if left out. For the mechanism.
         boresight: Its direction in the link's frame, (3,) [-]; the scenario's, or x, if left out. For the
             mechanism.
-        fps: Regular key frames per second of the run [1/s]; if left out 500, or as many as keep every body's
-            turn between two of them below 0.1 rad.
+        fps: Regular key frames per second of the run [1/s]; if left out 500, or as many as limit every body's
+            turn between two of them to 0.1 rad.
         speed: Seconds of the run per second at first [-]; if left out, real time or, for a run below 4 s, so
             slow that it takes that long; ten times slower for a joint.
         start: First time recorded [s]; the run's start if left out.
         end: Last time recorded [s]; the run's end if left out.
-        max_megabytes: Size of the page that is not exceeded [MB]; key frames are thinned to keep to it.
+        max_megabytes: Largest size of the page [MB]; key frames are thinned to meet it.
         curves: Names of quantities (:func:`antenna_pin.analysis.quantity`) that the curve under the slider
             offers first; if left out, it begins with the greatest contact force. No curve if empty.
-        package_path: Folders to look for packages of ``package://`` in, before those of the run.
+        package_path: Folders of packages of ``package://``, searched before those of the run.
 
     Raises:
         InvalidParameterError: Values that make no sense, or a joint's view of a run without clearance.
-        UnknownNameError: A body, joint or quantity that there is not.
-        FileFormatError: The run does not carry what its bodies were.
+        UnknownNameError: A body, joint or quantity that does not exist.
+        FileFormatError: The run lacks the description of its bodies.
     """
     if view not in ("mechanism", "joint"):
         raise InvalidParameterError("recording", "view", "mechanism or joint", view)
@@ -374,7 +343,7 @@ def record(
     ideal = None if ideal is None else _looking_in(folders, _trajectory(ideal))
     first, last = _span(run, start, end)
     line = _boresight(run, body, boresight)
-    places = _places(run)
+    places: dict[str, dict[str, Any]] = json.loads(run.data.attrs.get("clearance_joints", "{}"))
     impacts = impacts_of(run.data, first, last)
     own = None if view == "mechanism" else joint or next(iter(places), None)
     share = min(_CURVES, 0.2 * max(max_megabytes - page.viewer_megabytes(), 0.0))
@@ -415,7 +384,7 @@ def record(
 
 
 def _looking_in(folders: list[str], run: Trajectory) -> Trajectory:
-    """Return a run whose meshes are looked for in packages of some folders too, and there first."""
+    """Return a run with further folders of packages, searched first."""
     if not folders or "mechanism" not in run.data.attrs:
         return run
     about = json.loads(run.data.attrs["mechanism"])
@@ -460,16 +429,16 @@ def _span(run: Trajectory, start: float | None, end: float | None) -> tuple[floa
 
 
 def _ghost_frames(
-    ideal: Trajectory, frames: KeyFrames, turning: float, first: float, last: float, most: int | None
+    ideal: Trajectory, frames: KeyFrames, turning: float, start: float, end: float, most: int | None
 ) -> KeyFrames:
     times = np.asarray(ideal.data["time"].values, dtype=float)
     nothing = impacts_of(ideal.data, np.inf, np.inf)
     rate = min(frames.rate, max(_GHOST_RATE, turning))
-    if not ((times >= first) & (times <= last)).any():
+    if not ((times >= start) & (times <= end)).any():
         raise InvalidParameterError(
-            "recording", "ideal", f"a run with samples between {first:g} and {last:g} s", f"{times[-1]:g} s"
+            "recording", "ideal", f"a run with samples between {start:g} and {end:g} s", f"{times[-1]:g} s"
         )
-    return key_frames(times, nothing, rate, first, last, most)
+    return key_frames(times, nothing, rate, start, end, most)
 
 
 def _boresight(
@@ -488,24 +457,18 @@ def _boresight(
     return None
 
 
-def _places(run: Trajectory) -> dict[str, dict[str, Any]]:
-    """Return what the clearance joints are, by name."""
-    found: dict[str, dict[str, Any]] = json.loads(run.data.attrs.get("clearance_joints", "{}"))
-    return found
-
-
 def _data(
     run: Trajectory,
     view: View,
     frames: KeyFrames,
-    seen: dict[str, Any],
+    view_data: dict[str, Any],
     fps: float,
     speed: float | None,
-    first: float,
-    last: float,
+    start: float,
+    end: float,
 ) -> dict[str, Any]:
     attributes = run.data.attrs
-    warnings = list(seen["warnings"])
+    warnings = list(view_data["warnings"])
     if not run.completed:
         warnings.append(f"the run {run.outcome.verdict}: {run.message}")
     thinned = []
@@ -520,7 +483,7 @@ def _data(
         warnings.append("the run has one sample in this span; there is no motion to play")
     impacts = frames.impacts
     if speed is None:
-        speed = _speed(last - first) * (1.0 if view == "mechanism" else 0.1)
+        speed = _speed(end - start) * (1.0 if view == "mechanism" else 0.1)
     elif not 0.0 < speed < np.inf:
         raise InvalidParameterError("recording", "speed", "positive and finite", speed)
     title, case = str(attributes.get("title") or ""), str(attributes.get("case") or "")
@@ -533,15 +496,15 @@ def _data(
         "speed": float(speed),
         "times": packed_doubles(np.asarray(run.data["time"].values, dtype=float)[frames.indices]),
         "impacts": {"times": packed_doubles(impacts.times), "peaks": packed_floats(impacts.peaks)},
-        "poster": impacts.hardest(0.5 * (first + last)),
-        **seen,
+        "poster": impacts.hardest(0.5 * (start + end)),
+        **view_data,
         "warnings": warnings,
         "thinned": thinned,
     }
 
 
 def _speed(span: float) -> float:
-    """Return the greatest speed, real time or a power of ten below, at which a span takes 4 s or more [-]."""
+    """Return the greatest speed that makes a span last 4 s [-]."""
     steps = [step for k in range(7) for step in (10.0**-k, 0.5 * 10.0**-k)]
     return next((step for step in steps if span >= 4.0 * step), 1.0)
 

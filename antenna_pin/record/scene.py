@@ -1,10 +1,11 @@
-"""Scene of meshcat as commands, packed for its viewer, with axes and the first view of the camera."""
+"""Scene of meshcat as commands for its viewer, axes, and first view."""
 
 from __future__ import annotations
 
 import base64
 import json
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,19 +20,6 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.record import shapes
 
-__all__ = [
-    "camera",
-    "clearest",
-    "nice",
-    "packed_counts",
-    "packed_doubles",
-    "packed_floats",
-    "Scene",
-    "triad",
-    "viewer_licences",
-    "viewer_script",
-]
-
 # --- scene --------------------------------------------------------------------------------------------------
 
 Array = NDArray[np.float64]
@@ -42,19 +30,22 @@ _CYLINDER = np.eye(4)
 _CYLINDER[:3, :3] = Rotation.from_euler("x", 90.0, degrees=True).as_matrix()
 
 
-def packed_floats(values: ArrayLike) -> str:
-    """Return numbers as little-endian 32-bit floats in base64."""
-    return base64.b64encode(np.ascontiguousarray(values, dtype="<f4").tobytes()).decode()
+def _packed(kind: str, values: ArrayLike) -> str:
+    return base64.b64encode(np.ascontiguousarray(values, dtype=kind).tobytes()).decode()
 
 
-def packed_doubles(values: ArrayLike) -> str:
-    """Return numbers as little-endian 64-bit floats in base64."""
-    return base64.b64encode(np.ascontiguousarray(values, dtype="<f8").tobytes()).decode()
+#: Numbers in base64, little-endian: 32-bit floats, 64-bit floats, 32-bit counts.
+packed_floats, packed_doubles, packed_counts = (partial(_packed, kind) for kind in ("<f4", "<f8", "<u4"))
 
 
-def packed_counts(values: ArrayLike) -> str:
-    """Return counts as little-endian 32-bit integers in base64."""
-    return base64.b64encode(np.ascontiguousarray(values, dtype="<u4").tobytes()).decode()
+def track(path: str, data: Array, name: str | None = None) -> dict[str, Any]:
+    """Return the motion of a path by placements (n, 3, 4) or poses (n, 7)."""
+    return {
+        "kind": "pose" if data.ndim == 2 else "matrix",
+        "name": path.rpartition("/")[2] if name is None else name,
+        "path": path,
+        "data": packed_floats(data),
+    }
 
 
 def _viewer_folder() -> Path:
@@ -67,7 +58,7 @@ def viewer_script() -> str:
 
 
 def viewer_licences() -> str:
-    """Return the licences of meshcat's viewer and of what is in it; copies must carry them."""
+    """Return the licences of meshcat's viewer and its parts, for its copies."""
     folder = _viewer_folder()
     parts = json.loads(
         (folder / "dist" / "main.min.js.THIRD_PARTY_LICENSES.json").read_text(encoding="utf-8")
@@ -78,7 +69,7 @@ def viewer_licences() -> str:
 
 
 class Scene:
-    """Collects the commands that build a scene; things are named by paths such as ``run/base``."""
+    """Commands that build a scene of things at paths such as ``run/base``."""
 
     def __init__(self) -> None:
         """Begin with an empty scene before a light background."""
@@ -103,10 +94,10 @@ class Scene:
         """Add a shape.
 
         Args:
-            path: Its name; what is before the last stroke is what it moves with.
-            geometry: What it is.
+            path: Name; it moves with the path before the last stroke.
+            geometry: Shape.
             colour: Red, green, blue and, if it is not opaque, opacity, 0 to 1 [-].
-            placement: In the frame it moves with, (4, 4) [-, m].
+            placement: Placement in the frame that it moves with, (4, 4) [-, m].
             material: Properties of the viewer's material, such as ``depthWrite=False``.
         """
         red, green, blue, *alpha = colour
@@ -128,7 +119,7 @@ class Scene:
         self.place(path, matrix)
 
     def place(self, path: str, placement: ArrayLike) -> None:
-        """Place something in the frame it moves with, (4, 4) [-, m]."""
+        """Place a thing in the frame that it moves with, (4, 4) [-, m]."""
         matrix = np.asarray(placement, dtype=float)
         self._commands.append(SetTransform(matrix, _path(path)).lower())
 
@@ -147,13 +138,12 @@ def _geometry(geometry: shapes.Geometry) -> Any:
     if isinstance(geometry, shapes.Cylinder):
         return meshes.Cylinder(geometry.length, geometry.radius)
     if isinstance(geometry, shapes.Sphere):
-        sphere = meshes.Sphere(geometry.radius)
-        return sphere
+        return meshes.Sphere(geometry.radius)
     return meshes.TriangularMeshGeometry(geometry.vertices, geometry.faces)
 
 
 def _plain(value: Any) -> Any:
-    """Return a command with numpy's numbers made Python's, which is what msgpack takes."""
+    """Return a command with numpy's numbers as Python's, for msgpack."""
     if isinstance(value, dict):
         return {key: _plain(entry) for key, entry in value.items()}
     if isinstance(value, list):
@@ -167,13 +157,13 @@ def _plain(value: Any) -> Any:
 def triad(
     label: str, axes: ArrayLike, gravity: ArrayLike | None = None, times: ArrayLike = (0.0,)
 ) -> dict[str, Any]:
-    """Return a triad as the player takes it, all in the axes of the scene.
+    """Return a triad in the player's format, all in the axes of the scene.
 
     Args:
-        label: Whose axes they are.
+        label: Name of the axes.
         axes: Unit vectors x, y and z, (3, 3), a row each [-].
-        gravity: Its direction over time, (n, 3), any length [-]; None or zero without gravity.
-        times: Of these directions, (n,) [s].
+        gravity: Direction over time, (n, 3), any length [-]; None or zero without gravity.
+        times: Times of these directions, (n,) [s].
     """
     pull = np.zeros((1, 3)) if gravity is None else np.atleast_2d(np.asarray(gravity, dtype=float))
     moments = np.asarray(times, dtype=float)
@@ -198,19 +188,17 @@ _CELLS = 48  # over the greatest way of all that moves, by which it is counted w
 
 
 def nice(value: float) -> float:
-    """Return the largest 1, 2 or 5 times a power of ten that is not above a positive value."""
+    """Return the next 1, 2 or 5 times a power of ten, not above."""
     power = 10.0 ** np.floor(np.log10(value))
     digit = max(step for step in (1.0, 2.0, 5.0) if step * power <= value * (1.0 + 1e-12))
     return float(f"{digit * power:.1g}")
 
 
 def camera(points: Array, direction: ArrayLike, upright: ArrayLike | None = None) -> dict[str, Any]:
-    """Return what the player frames: the outermost of the points, their middle, and from where it looks.
+    """Return the outermost of points (n, 3) [m], their middle, and the camera's direction.
 
-    Args:
-        points: (n, 3) [m].
-        direction: From the middle to the camera, (3,) [-]; in axes of which z points up.
-        upright: Rotation from the points' axes to those, (3, 3) [-]; none if left out.
+    ``direction`` points from the middle to the camera, (3,) [-], in axes of which z points up; ``upright`` is
+    the rotation from the points' axes to those, (3, 3) [-].
     """
     k = np.arange(256)
     z = 1.0 - (2.0 * k + 1.0) / len(k)
@@ -226,21 +214,20 @@ def camera(points: Array, direction: ArrayLike, upright: ArrayLike | None = None
     }
 
 
-def clearest(places: Sequence[Array], first: ArrayLike, upright: Array) -> Array:
-    """Return the direction from which the bodies hide one another least, (3,) [-].
+def clearest(places: Sequence[Array], default: ArrayLike, upright: Array) -> Array:
+    """Return the direction in which bodies hide one another least, (3,) [-].
 
-    Of each direction it is counted, at some instants, in how many cells of a coarse picture each body lies in
-    front, as a share of the most that any direction has of it. The mean of the shares' square roots counts: a
-    body that is not seen at all weighs more than a tenth of many that is hidden.
+    For each direction and some instants, the cells of a coarse picture with a body in front are counted, as a
+    share of the body's most over the directions. The mean of the shares' square roots counts: a body that is
+    hidden weighs more than a tenth of many that is hidden.
 
     Args:
         places: Points of the surface of each body at the instants, (instants, points, 3) each [m].
-        first: Direction that is taken where no other shows more, (3,) [-]; as the result, in axes of which z
-            points up.
+        default: Default direction, (3,) [-]; as the result, in axes of which z points up.
         upright: Rotation from the points' axes to those, (3, 3) [-].
     """
     some = [points @ upright.T for points in places if points.size]
-    start: Array = np.asarray(first, dtype=float) / np.linalg.norm(first)
+    start: Array = np.asarray(default, dtype=float) / np.linalg.norm(default)
     if len(some) < 2:
         return start
     azimuth = np.arctan2(start[1], start[0])
@@ -261,7 +248,7 @@ def clearest(places: Sequence[Array], first: ArrayLike, upright: Array) -> Array
 
 
 def _in_front(places: Sequence[Array], way: Array, step: float) -> Array:
-    """Return in how many cells of the picture, a step wide, each body lies in front, (instants, bodies)."""
+    """Return the number of picture cells with each body in front, (instants, bodies)."""
     right = np.cross([0.0, 0.0, 1.0], way)
     right /= np.linalg.norm(right)
     axes = np.stack([right, np.cross(way, right), way])

@@ -13,8 +13,6 @@ from antenna_pin.record.page import page_of_several
 from antenna_pin.record.recording import record
 from antenna_pin.trajectory import Trajectory
 
-__all__ = ["record_several"]
-
 # Key frames of each in all; short runs have as many as they have samples.
 _FPS = 1e6
 
@@ -23,16 +21,16 @@ _FPS = 1e6
 def record_several(
     runs: Iterable[Trajectory], path: str | os.PathLike[str], title: str, max_megabytes: float = 5.0
 ) -> Path:
-    """Write one page with a recording of each run, headed by its case; return its path.
+    """Write one page with a recording of each run, headed by its case.
 
     Every sample is a key frame, and there are no curves: for runs of few samples, such as the swings of mode
     shapes, which have no series but their motion.
 
     Args:
         runs: The runs, one or more.
-        path: Of the page, ``NAME.html``.
-        title: Of the page.
-        max_megabytes: Size that each recording keeps to, the viewer included [MB].
+        path: Path of the page, ``NAME.html``; returned.
+        title: Title of the page.
+        max_megabytes: Largest size of each recording, the viewer included [MB].
 
     Raises:
         AntennaPinError: A run that cannot be recorded, or a page that cannot be written.

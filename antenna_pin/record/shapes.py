@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -10,20 +11,6 @@ import trimesh
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.mechanism import Urdf
-
-__all__ = [
-    "Box",
-    "corners",
-    "Cylinder",
-    "Geometry",
-    "grid",
-    "lathe",
-    "Mesh",
-    "Shape",
-    "Sphere",
-    "surface",
-    "visual_shapes",
-]
 
 Array = NDArray[np.float64]
 
@@ -47,23 +34,14 @@ _FARTHEST = 1e9  # of a vertex [m]; pictures are drawn in single precision, wher
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """A box about its centre.
-
-    Attributes:
-        size: Lengths along x, y, z, (3,) [m].
-    """
+    """Box about its centre, of lengths along x, y, z, (3,) [m]."""
 
     size: tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
 class Cylinder:
-    """A cylinder about its centre, along z.
-
-    Attributes:
-        radius: [m].
-        length: [m].
-    """
+    """Cylinder about its centre, along z [m]."""
 
     radius: float
     length: float
@@ -71,23 +49,14 @@ class Cylinder:
 
 @dataclass(frozen=True, slots=True)
 class Sphere:
-    """A ball about its centre.
-
-    Attributes:
-        radius: [m].
-    """
+    """Ball about its centre [m]."""
 
     radius: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mesh:
-    """Triangles; vertices are shared where the surface is smooth.
-
-    Attributes:
-        vertices: (n, 3) [m].
-        faces: Indices of vertices, (m, 3).
-    """
+    """Triangles (m, 3) of vertices (n, 3) [m], shared where the surface is smooth."""
 
     vertices: Array
     faces: NDArray[np.int64]
@@ -98,14 +67,7 @@ Geometry: TypeAlias = Box | Cylinder | Sphere | Mesh
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shape:
-    """Shape to draw on a body.
-
-    Attributes:
-        body: Name of the link.
-        geometry: What it is.
-        placement: In the link's frame, (4, 4) [-, m].
-        colour: Red, green, blue and opacity, (4,), 0 to 1 [-].
-    """
+    """Shape on a body: placement in the link's frame, (4, 4), and colour with opacity."""
 
     body: str
     geometry: Geometry
@@ -114,9 +76,9 @@ class Shape:
 
 
 def visual_shapes(urdf: Urdf) -> tuple[list[Shape], list[str]]:
-    """Return the visual shapes of all links, and a line for each that cannot be drawn.
+    """Return the visual shapes of all links, and a line for each failure.
 
-    Links without a colour of their own get one that tells them apart.
+    Links without a colour of their own get a distinct one.
     """
     colours = {
         material.name: tuple(map(float, material.color.rgba))
@@ -153,7 +115,7 @@ def visual_shapes(urdf: Urdf) -> tuple[list[Shape], list[str]]:
 
 
 class _NotDrawnError(Exception):
-    """Why a shape cannot be drawn."""
+    """Reason why a shape cannot be drawn."""
 
 
 class _MissingError(Exception):
@@ -200,14 +162,14 @@ def _read_mesh(name: str, urdf: Urdf) -> Mesh:
 
 
 def _palette_colour(number: int) -> tuple[float, float, float, float]:
-    """Return the colour of the link that is so many links without a colour behind the first."""
+    """Return the colour of the link ``number`` without its own."""
     dark = _DARKER ** (number // len(_PALETTE))
     red, green, blue = (dark * part for part in _PALETTE[number % len(_PALETTE)])
     return red, green, blue, 1.0
 
 
 def _colour(material: Any, known: dict[str, tuple[float, ...]]) -> tuple[float, float, float, float] | None:
-    """Return red, green, blue and opacity that a URDF gives; None if it gives none."""
+    """Return red, green, blue and opacity of a URDF's material, or None."""
     rgba = None
     if material is not None:
         rgba = material.color.rgba if material.color is not None else known.get(material.name)
@@ -218,7 +180,7 @@ def _colour(material: Any, known: dict[str, tuple[float, ...]]) -> tuple[float, 
 
 
 def corners(geometry: Geometry) -> Array:
-    """Return the corners of the box around a shape in its own frame, (8, 3) [m]."""
+    """Return the corners of a shape's box in its own frame, (8, 3) [m]."""
     if isinstance(geometry, Mesh):
         low, high = geometry.vertices.min(axis=0), geometry.vertices.max(axis=0)
     else:
@@ -229,17 +191,14 @@ def corners(geometry: Geometry) -> Array:
         else:
             high = np.full(3, geometry.radius)
         low = -high
-    return np.array(
-        [[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
-    )
+    return np.array(list(itertools.product(*zip(low, high, strict=True))))
 
 
 def surface(geometry: Geometry, size: float) -> Array:
-    """Return points spread over a shape's surface in its own frame, (n, 3) [m], the same ones each time.
+    """Return points spread over a shape's surface in its own frame, (n, 3) [m].
 
-    Args:
-        geometry: The shape.
-        size: Of the whole that it is part of [m]: a square of a fortieth of it gets about two points.
+    They are the same each time: a square of a fortieth of ``size``, of the whole mechanism [m], has about
+    two.
     """
     if isinstance(geometry, Mesh):
         mesh = trimesh.Trimesh(geometry.vertices, geometry.faces, process=False)
@@ -265,14 +224,10 @@ def surface(geometry: Geometry, size: float) -> Array:
 def lathe(
     inner: ArrayLike, outer: ArrayLike, start: float = 0.0, end: float = 2.0 * np.pi, segments: int = 96
 ) -> Mesh:
-    """Return a body of revolution about z, cut open if it is not turned fully, its cuts closed.
+    """Return a body of revolution about z from ``start`` to ``end`` [rad], its cuts closed.
 
-    Args:
-        inner: Its inner surface from low to high: radius and z, (n, 2) [m]; smooth between its two ends.
-        outer: Its outer surface, likewise, (n, 2) [m].
-        start: Angle at which it begins [rad].
-        end: Angle at which it ends [rad].
-        segments: Steps of the turn.
+    Inner and outer surface are lines of radius and z from low to high, (n, 2) [m]; the inner one is smooth
+    between its two ends.
     """
     inside, outside = np.asarray(inner, dtype=float), np.asarray(outer, dtype=float)
     angles = np.linspace(start, end, segments + 1)
@@ -291,7 +246,7 @@ def lathe(
 
 
 def _turned(line: Array, angles: Array) -> Mesh:
-    """Return the surface that a line (n, 2) sweeps; it faces to the right of the line as seen with z up."""
+    """Return the surface swept by a line (n, 2), facing to its right."""
     n, m = len(line), len(angles)
     x = np.cos(angles)[:, None] * line[:, 0]
     y = np.sin(angles)[:, None] * line[:, 0]
@@ -299,8 +254,8 @@ def _turned(line: Array, angles: Array) -> Mesh:
     return Mesh(vertices, grid(m, n))
 
 
-def _cut(inner: Array, outer: Array, angle: float, first: bool) -> Mesh:
-    lines = np.stack([inner, outer] if first else [outer, inner])
+def _cut(inner: Array, outer: Array, angle: float, begins: bool) -> Mesh:
+    lines = np.stack([inner, outer] if begins else [outer, inner])
     x, y = lines[..., 0] * np.cos(angle), lines[..., 0] * np.sin(angle)
     vertices = np.stack([x, y, lines[..., 1]], axis=2).reshape(-1, 3)
     return Mesh(vertices, grid(2, lines.shape[1]))
@@ -335,7 +290,7 @@ def arc(radius: float) -> Array:
 
 
 def ring(radius: float, height: float, thick: float) -> Mesh:
-    """Return a thin ring about the axis at a height, of a wire of the radius ``thick`` [m]."""
+    """Return a thin ring about the axis, of wire of radius ``thick`` [m]."""
     angle = np.linspace(0.0, np.pi, 9)
     across = np.stack([thick * np.cos(angle), thick * np.sin(angle)], axis=1)
     middle = np.array([radius, height])

@@ -1,7 +1,7 @@
-"""Pictures and videos of recordings, taken by a real browser without a screen (the extra ``video``).
+"""Pictures and videos of recordings by a real browser (the extra ``video``).
 
 Each picture is taken at its exact time, however long it takes to draw. In a video, an impact that falls
-between two pictures is not lost: the later one shows its largest force.
+between two pictures is not lost: the later one has its largest force.
 """
 
 from __future__ import annotations
@@ -31,8 +31,6 @@ from antenna_pin.record.recording import Recording
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-__all__ = ["Filmed", "check_film", "film_times", "save_frames", "save_picture", "save_video"]
-
 
 # --- files of moving pictures: MP4 by FFmpeg's libraries (PyAV), GIF by Pillow ---
 
@@ -44,14 +42,7 @@ _HOLD = 1000  # [ms] that a GIF shows its last picture before it begins again
 
 
 def check_writers(suffix: str) -> None:
-    """Raise if what writes such files is not installed.
-
-    Args:
-        suffix: ``.mp4`` or ``.gif``.
-
-    Raises:
-        MissingToolError: A package of the extra ``video`` is missing.
-    """
+    """Raise MissingToolError if the package that writes ``.mp4`` or ``.gif`` files is missing."""
     package, name = {".mp4": ("av", "av"), ".gif": ("PIL", "pillow")}[suffix]
     if importlib.util.find_spec(package) is None:
         raise MissingToolError(
@@ -68,14 +59,7 @@ def _image(png: bytes) -> Image:
 
 
 def write_mp4(path: Path, pictures: Iterable[bytes], size: tuple[int, int], fps: float) -> None:
-    """Write H.264 video in pixels that every player shows (yuv420p).
-
-    Args:
-        path: Of the file.
-        pictures: PNG files, taken one by one.
-        size: Of each, even numbers [px].
-        fps: Pictures per second [1/s].
-    """
+    """Write PNG pictures as H.264 video in pixels of every player (yuv420p)."""
     import av
 
     rate = Fraction(fps).limit_denominator(1001)
@@ -97,7 +81,7 @@ def write_mp4(path: Path, pictures: Iterable[bytes], size: tuple[int, int], fps:
 
 
 def palette_of(pictures: Sequence[bytes]) -> Image:
-    """Return the colours that fit pictures best; one set for all of a GIF prevents flicker.
+    """Return the colours that fit pictures best; one set for all prevents flicker.
 
     A colour counts by the square root of its pixels, else the background takes nearly all of the palette.
     """
@@ -115,13 +99,10 @@ def palette_of(pictures: Sequence[bytes]) -> Image:
 
 
 def write_gif(path: Path, pictures: Iterable[bytes], palette: Image, fps: float) -> None:
-    """Write an animation that repeats for ever.
+    """Write PNG pictures as an animation that repeats for ever.
 
-    Args:
-        path: Of the file.
-        pictures: PNG files; all are kept until the last has come, 1 byte for each pixel.
-        palette: Their colours.
-        fps: Pictures per second [1/s]; times are in hundredths of a second, rounded without drift.
+    All pictures are stored until the last has come, 1 byte for each pixel. Display times are in hundredths of
+    a second, rounded without drift.
     """
     from PIL import Image
 
@@ -153,8 +134,8 @@ class Filmed:
 
     Attributes:
         path: The file, or the folder of frames.
-        frames: Pictures taken.
-        planned: Pictures that the whole film has.
+        frames: Number of pictures taken.
+        planned: Number of pictures of the whole film.
     """
 
     path: Path
@@ -169,10 +150,10 @@ class Filmed:
 
 @takes()
 def check_film(path: str | os.PathLike[str], suffix: str) -> Path:
-    """Return the path if a film can be made and written there; else raise before any work is done.
+    """Return the path if a film can be made and written there, else raise.
 
     Args:
-        path: Of the file, or of the folder of frames.
+        path: Path of the file, or of the folder of frames.
         suffix: ``.png``, ``.mp4``, ``.gif``, or nothing for a folder of frames.
 
     Raises:
@@ -194,10 +175,10 @@ def check_film(path: str | os.PathLike[str], suffix: str) -> Path:
 
 @takes()
 def film_times(recording: Recording, fps: float) -> NDArray[np.float64]:
-    """Return the times of the run that the pictures of a film show [s], from its first to its last.
+    """Return the times of a film's pictures in the run [s], from first to last.
 
     Args:
-        recording: It has span and speed.
+        recording: Recording with span and speed.
         fps: Pictures per second of the film [1/s].
     """
     start, end = _span(recording)
@@ -217,9 +198,9 @@ def save_picture(
     """Write a picture of a recording at a time, a PNG file; return its path.
 
     Args:
-        recording: What is seen.
-        path: Of the file.
-        time: Of the run [s]; the recording's start if not given.
+        recording: Recording to draw.
+        path: Path of the file.
+        time: Time of the run [s]; the recording's start if not given.
         size: Width and height [px]; 1280 x 720 if not given.
 
     Raises:
@@ -246,12 +227,12 @@ def save_frames(
     size: tuple[int, int] | None = None,
     progress: Progress | None = None,
 ) -> Filmed:
-    """Write the pictures of a film one by one, with a table of their times (``frames.csv``).
+    """Write a film's pictures one by one, with a table of their times (``frames.csv``).
 
-    Ctrl-C ends it; the pictures done are kept.
+    Ctrl-C ends it; the pictures done remain.
 
     Args:
-        recording: What is filmed, with its speed.
+        recording: Recording to film, with its speed.
         folder: New or empty; made if missing.
         fps: Pictures per second of the film [1/s]; 30 if not given.
         size: Width and height [px]; 1280 x 720 if not given.
@@ -295,8 +276,8 @@ def save_video(
     Ctrl-C ends it; the file then has the pictures done.
 
     Args:
-        recording: What is filmed, with its speed.
-        path: Of the file, ``.mp4`` or ``.gif``.
+        recording: Recording to film, with its speed.
+        path: Path of the file, ``.mp4`` or ``.gif``.
         fps: Pictures per second of the film [1/s]; 30, or 20 for a GIF, if not given.
         size: Width and height [px]; 1280 x 720, or 800 x 450 for a GIF, if not given.
         progress: Called with the pictures done and planned.
@@ -368,7 +349,7 @@ def _pictures(
 
 
 def _typical(recording: Recording, times: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return times that show all colours of a film: spread over it, and its hardest impact."""
+    """Return times with all colours of a film, the hardest impact among them."""
     chosen = np.unique(np.linspace(0, len(times) - 1, _PALETTE_PICTURES).round().astype(int))
     spread: NDArray[np.float64] = times[chosen]
     impacts = recording.frames.impacts

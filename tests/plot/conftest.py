@@ -126,6 +126,32 @@ def make_run(
     )
 
 
+def lines_of(axes) -> dict:
+    """Return the lines of a panel by their labels."""
+    return {line.get_label(): line for line in axes.lines}
+
+
+def title_of(axes) -> str:
+    """Return the title of a panel without its letter."""
+    return axes.get_title("left").rpartition("$ ")[2]
+
+
+def panels_of(figure) -> dict:
+    """Return panels by their titles."""
+    return {title_of(axes): axes for axes in figure.axes}
+
+
+def note_of(figure) -> str:
+    """Return the notes below the panels, in one line."""
+    return " ".join(figure.get_supxlabel().split())
+
+
+def factor_of(label: str, unit: str) -> float:
+    """Return the factor of values in SI, from the prefix that an axis names."""
+    text = label[label.rindex("[") + 1 : label.rindex("]")]
+    return 1.0 / {"": 1.0, "m": 1e-3, "µ": 1e-6, "n": 1e-9, "k": 1e3}[text.removesuffix(unit)]
+
+
 def check_texts(figure) -> None:
     """Assert that no two texts of a figure overlap, and that none is cut off at its edge."""
     FigureCanvasAgg(figure)

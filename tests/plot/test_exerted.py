@@ -19,6 +19,8 @@ from antenna_pin.plot import (
     figure_drive_efforts,
 )
 
+from .conftest import factor_of, lines_of, panels_of
+
 PANEL = Path(__file__).parents[2] / "scripts" / "examples" / "panel" / "scenario.toml"
 
 
@@ -29,19 +31,10 @@ def runs(tmp_path_factory):
     return [(case, simulate(load_scenario(path, case=case))) for case in ("play", "ideal", "held")]
 
 
-def panels_of(figure):
-    """Panels by their titles, each with its lines by their labels."""
-    return {
-        axes.get_title("left").rpartition("$ ")[2]: {line.get_label(): line for line in axes.lines}
-        for axes in figure.axes
-    }
-
-
-def factor_of(figure, title):
-    """What SI values were multiplied with in a panel, from the prefix that its axis names."""
-    (axes,) = (axes for axes in figure.axes if axes.get_title("left").endswith(title))
-    unit = axes.get_ylabel().partition("[")[2].partition("]")[0]
-    return {"m": 1e3, "k": 1e-3, "µ": 1e6}.get(unit[0], 1.0) if unit not in ("N", "N m", "W") else 1.0
+def check_line(axes, label, values, unit):
+    """Assert that a panel has the values of a run."""
+    line = next(line for name, line in lines_of(axes).items() if name.startswith(label))
+    np.testing.assert_allclose(line.get_ydata(), factor_of(axes.get_ylabel(), unit) * values, rtol=1e-14)
 
 
 def test_lines_are_the_sizes_of_forces_and_moments(runs):
@@ -52,10 +45,9 @@ def test_lines_are_the_sizes_of_forces_and_moments(runs):
     for label, run in runs:
         for what in ("force", "moment"):
             title = f"rocker_pin (revolute), {what}"
-            line = next(line for name, line in panels[title].items() if name.startswith(label))
             size = np.linalg.norm(run.data[f"closure_{what}"].sel(closure="rocker_pin").values, axis=1)
-            np.testing.assert_allclose(line.get_ydata(), factor_of(figure, title) * size, rtol=1e-14)
-    held = [name for name in panels["crank_pin (revolute), force"] if not name.startswith("_")]
+            check_line(panels[title], label, size, {"force": "N", "moment": "N m"}[what])
+    held = [name for name in lines_of(panels["crank_pin (revolute), force"]) if not name.startswith("_")]
     assert held == ["held (ideal)"]
     assert figure.get_supxlabel() == "of redundant equations, the least loads that hold the loops"
 
@@ -71,12 +63,9 @@ def test_lines_of_a_motion_are_torque_and_power(runs):
     panels = panels_of(figure)
     assert set(panels) == {"motion crank, torque", "motion crank, power"}
     for label, run in runs:
-        for title, values in (
-            ("motion crank, torque", run.data["drive_torque"].sel(drive="crank").values),
-            ("motion crank, power", drive_power(run, "crank")),
-        ):
-            line = next(line for name, line in panels[title].items() if name.startswith(label))
-            np.testing.assert_allclose(line.get_ydata(), factor_of(figure, title) * values, rtol=1e-14)
+        torque = run.data["drive_torque"].sel(drive="crank").values
+        check_line(panels["motion crank, torque"], label, torque, "N m")
+        check_line(panels["motion crank, power"], label, drive_power(run, "crank"), "W")
 
 
 @pytest.mark.parametrize("width", ["column", "page"])
@@ -110,23 +99,14 @@ def fingers(tmp_path_factory):
 
 def test_lines_are_torques_and_forces_on_followers(fingers, readable):
     figure = figure_coupling_torques([fingers])
-    panels = {axes.get_title("left").rpartition("$ ")[2]: axes for axes in figure.axes}
+    panels = panels_of(figure)
     assert set(panels) == {"finger, torque on finger", "rack, force on rack"}
-    for name, title in (("finger", "finger, torque on finger"), ("rack", "rack, force on rack")):
-        (line,) = (line for line in panels[title].lines if len(line.get_ydata()) > 2)
-        unit = panels[title].get_ylabel().partition("[")[2].partition("]")[0]
-        factor = {"m": 1e3}.get(unit[0], 1.0)
-        values = fingers.data.coupling_torque.sel(coupling=name).values
-        np.testing.assert_allclose(line.get_ydata(), factor * values, rtol=1e-14)
+    for name, title, unit in (
+        ("finger", "finger, torque on finger", "N m"),
+        ("rack", "rack, force on rack", "N"),
+    ):
+        check_line(panels[title], "run", fingers.data.coupling_torque.sel(coupling=name).values, unit)
     readable(figure)
-
-
-def test_a_run_without_couplings_has_no_such_figure(tmp_path):
-    path = write_coupled_fingers(tmp_path / "fingers")
-    text = path.read_text() + "[mechanism.joints.finger]\nmimic = false\n"
-    path.write_text(text.replace('[couplings.rack]\nleader = "thumb"\nmultiplier = "10 mm/rad"\n', ""))
-    with pytest.raises(InvalidParameterError, match="at least one run with a coupling of joints"):
-        figure_coupling_torques([simulate(load_scenario(path))])
 
 
 # --- forces on links ---

@@ -8,6 +8,8 @@ from antenna_pin.analysis import body_motion, mechanism_of, moved_body
 from antenna_pin.plot import CATALOGUE, allowed_figures, figure_body
 from antenna_pin.plot._kinds import LOOPED
 
+from .conftest import note_of, title_of
+
 LOOPS = [name for name, figure in CATALOGUE.items() if figure.of is LOOPED]
 
 
@@ -52,12 +54,12 @@ def test_figures_of_loops_are_of_the_joint_with_play(platform_runs, slider_runs)
 
 def test_a_slider_is_drawn_along_its_guide_only(slider_runs):
     figure = figure_body(slider_runs)
-    assert [axes.get_title("left").rpartition("$ ")[2] for axes in figure.axes] == [
+    assert [title_of(axes) for axes in figure.axes] == [
         "slider position, x",
         "deviation along x from the ideal run",
     ]
     left = [f"slider position, {k}, deviation along {k} from the ideal run" for k in "yz"]
-    assert f"zero to round-off: {', '.join(left)}" in " ".join(figure.get_supxlabel().split())
+    assert f"zero to round-off: {', '.join(left)}" in note_of(figure)
     line = next(line for line in figure.axes[0].lines if line.get_label() == "planar")
     expected = body_motion(slider_runs[1][1], "slider")["position"].values[:, 0]
     np.testing.assert_allclose(line.get_ydata(), expected, rtol=1e-12)

@@ -33,6 +33,9 @@ from antenna_pin.scenario import scenario_toml
 from antenna_pin.scenario.merge import toml_value
 from antenna_pin.sweep import load_study
 
+from .test_fits import fit
+from .test_periodic import branch
+
 #: What TeX and Matplotlib would stumble over.
 ODD = "%$\\frac{_^\\"
 
@@ -136,24 +139,11 @@ def test_names_in_other_figures_are_no_formulas():
     assert check_names(figure_phase(portrait)) == 3
     assert check_names(figure_force_curves({f"law {ODD}": LAW}, depths=[1e-6, 1e-5])) > 0
     assert check_names(figure_sensitivity(sensitivity(labels))) > 0
-    assert check_names(figure_branch(branch(labels))) > 0
-    fit = xr.Dataset(
-        {
-            "value": ("parameter", [10.0, 3.0]),
-            "sd": ("parameter", [2.0, 1.0]),
-            "covariance": (("parameter", "other"), np.array([[4.0, 1.0], [1.0, 1.0]])),
-            "title": ("parameter", labels),
-            "units": ("parameter", ["m", "N/m"]),
-            "profile_value": (("parameter", "step"), np.array([[6.0, 10.0, 14.0], [2.0, 3.0, 4.0]])),
-            "profile_root": (("parameter", "step"), np.array([[-1.0, 0.0, 1.0]] * 2)),
-            "profile_end": (("parameter", "side"), np.array([[6.1, 13.7], [2.1, 3.9]])),
-            "profile_how": (("parameter", "side"), np.full((2, 2), "crossed", dtype=object)),
-            "profile_reach": ((), 1.96),
-        },
-        coords={"parameter": labels, "other": labels},
-        attrs={"format": "antenna_pin fit 1"},
-    )
-    assert check_names(figure_correlation(fit)) > 0 and check_names(figure_profiles(fit)) > 0
+    odd = branch().assign_attrs(parameter=f"drives.{labels[0]}.amplitude")
+    odd = odd.assign_coords(configuration=labels[:1], coordinate=labels[:1])
+    assert check_names(figure_branch(odd)) > 0
+    named = fit().assign(title=("parameter", labels)).assign_coords(parameter=labels, other=labels)
+    assert check_names(figure_correlation(named)) > 0 and check_names(figure_profiles(named)) > 0
 
 
 def test_titles_in_figures_of_studies_are_no_formulas(pendulum, tmp_path):
@@ -205,30 +195,6 @@ def sensitivity(labels):
             "curve_unit": ("curve", ["m"]),
         },
         coords={"result": labels, "parameter": labels, "curve": labels[:1], "time": [0.0, 1.0, 2.0]},
-    )
-
-
-def branch(labels):
-    """Return a branch of periodic solutions over an odd parameter."""
-    return xr.Dataset(
-        {
-            "stability": ("point", np.array(["stable"] * 3, dtype=object)),
-            "multiplier_real": (("point", "multiplier"), np.full((3, 1), 0.5)),
-            "multiplier_imaginary": (("point", "multiplier"), np.zeros((3, 1))),
-            "q": (("point", "configuration"), np.ones((3, 1))),
-            "v": (("point", "coordinate"), np.ones((3, 1))),
-            "kind": ("bifurcation", np.array([], dtype=object)),
-            "at": ("bifurcation", np.array([])),
-            "after": ("bifurcation", np.array([], dtype=int)),
-        },
-        coords={
-            "value": ("point", [0.0, 1.0, 2.0], {"units": "N"}),
-            "configuration": labels[:1],
-            "configuration_unit": ("configuration", ["m"]),
-            "coordinate": labels[:1],
-            "coordinate_unit": ("coordinate", ["m/s"]),
-        },
-        attrs={"parameter": f"drives.{labels[0]}.amplitude", "message": ""},
     )
 
 

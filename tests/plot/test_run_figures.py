@@ -1,6 +1,5 @@
 """Figures of real, short runs: what they show equals what the run holds, and all of it can be read."""
 
-import dataclasses
 import json
 import re
 
@@ -26,7 +25,7 @@ from antenna_pin.analysis import (
     scenario_shares,
     spectrum,
 )
-from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.plot import (
     BASE_QUANTITIES,
     BODY_QUANTITIES,
@@ -54,26 +53,10 @@ from antenna_pin.plot import (
 )
 from antenna_pin.plot import journal as journal_figures
 from antenna_pin.plot._compared import panels_sheet
-from antenna_pin.plot._kinds import (
-    CLOSED,
-    CONTROLLED,
-    COUPLED,
-    FLEXIBLE,
-    FORCED,
-    GEARED,
-    LOOPED,
-    MOVING,
-    PLAYLESS,
-    PRESCRIBED,
-    RANDOM,
-    SHAKEN,
-    SLIDING,
-    STOPPED,
-    SWEPT,
-    TOUCHING,
-    TRACED,
-)
+from antenna_pin.plot._kinds import FREE_BASE, LOOPED, MOVING, PLAYLESS, POINTED, SLIDING, TOUCHING
 from antenna_pin.plot.grammar import Axis, Curve, Panel, render
+
+from .conftest import factor_of, lines_of, note_of, title_of
 
 
 @pytest.fixture(scope="module")
@@ -91,26 +74,6 @@ def rigs():
         run = simulate(scenario)
         runs.append((case, run.data.assign_attrs(scenario=scenario.model_dump_json())))
     return runs
-
-
-def lines_of(axes):
-    return {line.get_label(): line for line in axes.lines}
-
-
-def title_of(axes):
-    """Title of a panel without its letter."""
-    return axes.get_title("left").rpartition("$ ")[2]
-
-
-def note_of(figure):
-    """What stands below the panels, in one line."""
-    return " ".join(figure.get_supxlabel().split())
-
-
-def factor_of(label, unit):
-    """What values in SI were multiplied with, from the prefix that an axis names."""
-    text = label[label.rindex("[") + 1 : label.rindex("]")]
-    return 1.0 / {"": 1.0, "m": 1e-3, "µ": 1e-6, "n": 1e-9, "k": 1e3}[text.removesuffix(unit)]
 
 
 # --- the journal in its bearing ---
@@ -141,15 +104,20 @@ def test_orbit_stays_inside_the_clearance_circle_but_for_the_depth(real_runs):
     assert [axes.get_title("left").rpartition(" ")[2] for axes in ends] == ["+", "\N{MINUS SIGN}"]
     for axes, contact in zip(ends, ("elevation.radial+", "elevation.radial-"), strict=True):
         factor = factor_of(axes.get_xlabel(), "m")
-        (orbit,) = (each for each in axes.collections if isinstance(each, LineCollection))
-        points = np.array([piece[0] for piece in orbit.get_segments()] + [orbit.get_segments()[-1][1]])
-        radius = np.hypot(*points.T) / factor
+        radius = np.hypot(*path_of(axes).T)
         clearance = np.hypot(*axes.patches[0].get_xy()[0]) / factor
         assert clearance == pytest.approx(2e-4, rel=1e-9, abs=0.0)
         depth = -data["gap"].sel(contact=contact).values
         radius = radius[sampled(data)]
         np.testing.assert_allclose(radius - clearance, depth, rtol=0.0, atol=0.33e-6)
         assert np.any(radius > clearance)
+
+
+def path_of(axes):
+    """Points of the orbit in a panel, (n, 2) [m]."""
+    (orbit,) = (each for each in axes.collections if isinstance(each, LineCollection))
+    pieces = orbit.get_segments()
+    return np.array([*(piece[0] for piece in pieces), pieces[-1][1]]) / factor_of(axes.get_xlabel(), "m")
 
 
 def sampled(data, joint="elevation"):
@@ -175,17 +143,6 @@ def test_runs_of_very_different_clearances_are_each_drawn_in_its_own(real_runs):
         assert starts == pytest.approx(expected, rel=1e-9, abs=1e-12)
 
 
-def test_orbit_of_a_planar_joint_is_its_centre(real_runs):
-    data = real_runs["case2-planar"]
-    axes = figure_orbit(("planar", data), width="column").axes[0]
-    (orbit,) = (each for each in axes.collections if isinstance(each, LineCollection))
-    starts = np.array([piece[0] for piece in orbit.get_segments()]) / factor_of(axes.get_xlabel(), "m")
-    starts = starts[sampled(data)[:-1]]
-    # A path keeps what it is given; the factor costs a rounding.
-    expected = data["journal_position"].values[:-1, 0, :2]
-    np.testing.assert_allclose(starts, expected, rtol=1e-12, atol=1e-18)
-
-
 @pytest.mark.parametrize("gravity", [(0.0, 0.0, -9.81), (9.81, 0.0, 0.0), (0.0, -6.0, -8.0), (0.0, 0.0, 0.0)])
 def test_orbit_and_bore_load_have_up_against_gravity(real_runs, gravity):
     """What is drawn is what was recorded, turned: the direction against gravity, worked out here, is up."""
@@ -197,9 +154,7 @@ def test_orbit_and_bore_load_have_up_against_gravity(real_runs, gravity):
     turn *= Rotation.from_quat(bearing["bearing_placement"][3:])
     up = -turn.inv().apply(gravity)[:2]
     axes = figure_orbit(("planar", data)).axes[0]
-    (orbit,) = (each for each in axes.collections if isinstance(each, LineCollection))
-    starts = np.array([piece[0] for piece in orbit.get_segments()]) / factor_of(axes.get_xlabel(), "m")
-    starts = starts[sampled(data)[:-1]]
+    starts = path_of(axes)[:-1][sampled(data)[:-1]]
     offset = data["journal_position"].values[:-1, 0, :2]
     (polar,) = (each for each in figure_bore_load(("planar", data)).axes if each.name == "polar")
     if np.hypot(*up) < 0.1 * np.linalg.norm(gravity) + 1e-9:  # along the axis, or none: as it was
@@ -464,8 +419,7 @@ def test_the_steady_force_is_that_of_the_second_half(runs):
 
 MADE_UP = ("motion_angle", "motion_rate", "motion_acceleration", "contact_forces", "energy", "momentum")
 SLIDES = [name for name, figure in CATALOGUE.items() if figure.of is SLIDING]
-_OF_OTHERS = (CLOSED, CONTROLLED, COUPLED, PRESCRIBED, FLEXIBLE, FORCED, TRACED, STOPPED, GEARED, SHAKEN)
-CLOSURES = [name for name, figure in CATALOGUE.items() if figure.needs in (*_OF_OTHERS, SWEPT, RANDOM)]
+CLOSURES = [name for name, figure in CATALOGUE.items() if figure.needs not in (None, FREE_BASE, POINTED)]
 LOOPS = [*CLOSURES, *(name for name, figure in CATALOGUE.items() if figure.of is LOOPED)]
 # Other files have those of made-up runs, closures, controllers, forces on links, flexible links, hysteresis,
 # stops, gears and shaken bases.
@@ -526,6 +480,19 @@ def test_colours_are_told_apart_in_grey_where_they_stand_on_one_another(real_run
     axes = figure_bore_load(("case3", real_runs["case3"])).axes[0]
     one, other = (np.dot(bars[0].get_facecolor()[:3], [0.299, 0.587, 0.114]) for bars in axes.containers)
     assert abs(one - other) > 0.2
+
+
+@pytest.fixture(scope="module")
+def plain():
+    """A run with none of the elements that figures of whole runs are of."""
+    return simulate(load_scenario("impact_pair"), duration=1e-3)
+
+
+@pytest.mark.parametrize("name", CLOSURES)
+def test_figures_of_kinds_of_runs_refuse_others(plain, name):
+    assert name not in {each.figure.name for each in allowed_figures([plain])}
+    with pytest.raises(InvalidParameterError, match=f"at least one run with {CATALOGUE[name].needed}"):
+        CATALOGUE[name].draw([plain])
 
 
 # --- files ---
@@ -685,20 +652,6 @@ def test_findings_are_the_analysis_own_numbers(runs):
     figure = paper_figures("bai2020")[0]
     expected = deviation(runs[2][1], runs[0][1])["elevation angle"].maximum
     assert f"case3 {1e6 * expected:.3g} µrad" in figure.describe(runs)
-
-
-def test_runs_may_be_trajectories(runs):
-    @dataclasses.dataclass
-    class Trajectory:
-        data: object
-
-    figure = paper_figures("bai2020")[0]
-    assert figure.draw([Trajectory(data) for _, data in runs]).axes
-
-
-def test_refusals_are_the_packages_own():
-    with pytest.raises(AntennaPinError, match="at least one run"):
-        figure_base([])
 
 
 def test_an_azimuth_that_jumps_at_a_pole_has_a_gap_there(monkeypatch):

@@ -1,10 +1,7 @@
 """Marks of closures: each at its place on its link, none for a joint of the tree that is held."""
 
-import base64
-
 import numpy as np
 import pytest
-import umsgpack
 from driven_four_bar import write_driven_four_bar
 from scipy.spatial.transform import Rotation
 from single_loops import bricard
@@ -12,6 +9,8 @@ from single_loops import bricard
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import body_poses, closures_of
 from antenna_pin.record import record
+
+from .conftest import placed
 
 
 @pytest.fixture(scope="module")
@@ -22,14 +21,7 @@ def path(tmp_path_factory):
 def marks(recording):
     """Return the placements of all marks, (4, 4), by the paths that the player lists."""
     fact = next((fact for fact in recording.data["facts"] if "closure" in fact["text"]), None)
-    placed = {}
-    for text in recording.data["commands"]:
-        command = umsgpack.unpackb(base64.b64decode(text))
-        if command["type"] == "set_transform":
-            placed[command["path"].lstrip("/").removeprefix("meshcat/")] = (
-                np.array(command["matrix"]).reshape(4, 4).T
-            )
-    return {} if fact is None else {name: placed[name] for name in fact["paths"]}
+    return {} if fact is None else {name: placed(recording)[name] for name in fact["paths"]}
 
 
 def test_a_mark_is_where_both_links_meet(path):

@@ -11,13 +11,11 @@ from antenna_pin.elements import OutsideForce, Thruster
 from antenna_pin.plot import figure_momentum
 from antenna_pin.record import record
 
+from .conftest import doubles, floats
+
 BODY = """<robot name="body"><link name="body"><inertial><mass value="2"/>
 <inertia ixx="1" iyy="1.2" izz="1.5" ixy="0" ixz="0" iyz="0"/></inertial>
 <visual><geometry><box size="0.4 0.3 0.2"/></geometry></visual></link></robot>"""
-
-
-def floats(text, width):
-    return np.frombuffer(base64.b64decode(text), dtype="<f4").reshape(-1, width)
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +36,7 @@ def test_arrows_are_the_forces(run):
     data = record(run).data
     assert data["contacts"] is None
     items = {item["name"]: item for item in data["applied"]["items"]}
-    times = np.frombuffer(base64.b64decode(data["times"]), dtype="<f8")
+    times = doubles(data["times"])
     at = np.searchsorted(run.data["time"].values, times)
     attitude = Rotation.from_quat(run.data["base_attitude"].values[at])
     for name, item in items.items():

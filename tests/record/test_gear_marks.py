@@ -1,6 +1,5 @@
 """Marks of gears and belts in recordings: circles that turn with their links, strands as long as they are."""
 
-import base64
 import math
 
 import numpy as np
@@ -9,7 +8,7 @@ import pytest
 from antenna_pin import load_scenario, simulate
 from antenna_pin.record import record
 
-from .conftest import shapes_in
+from .conftest import floats, shapes_in
 
 
 def tracks_of(run, **more):
@@ -18,7 +17,7 @@ def tracks_of(run, **more):
     found = {}
     for track in actor["tracks"]:
         if track["name"].startswith("gears."):
-            data = np.frombuffer(base64.b64decode(track["data"]), dtype="<f4").reshape(-1, 3, 4)
+            data = floats(track["data"], 12).reshape(-1, 3, 4)
             found[track["name"]] = data
     return found
 

@@ -1,10 +1,7 @@
 """Marks beside the bodies: each where the result has it, shown when the result says so."""
 
-import base64
-
 import numpy as np
 import pytest
-import umsgpack
 from scipy.spatial.transform import Rotation
 
 from antenna_pin import load_scenario, simulate
@@ -12,18 +9,7 @@ from antenna_pin.analysis import body_poses
 from antenna_pin.linear import modes, swing
 from antenna_pin.record import record
 
-from .conftest import shapes_in
-
-
-def placed(recording):
-    """Return the placements of all things in the scene, (4, 4), by their paths."""
-    found = {}
-    for text in recording.data["commands"]:
-        command = umsgpack.unpackb(base64.b64decode(text))
-        if command["type"] == "set_transform":
-            matrix = np.array(command["matrix"]).reshape(4, 4).T
-            found[command["path"].lstrip("/").removeprefix("meshcat/")] = matrix
-    return found
+from .conftest import doubles, floats, placed, shapes_in
 
 
 def listed(recording, begins):
@@ -45,7 +31,7 @@ def test_stops_and_latches_are_shown_by_their_modes(array_run):
     assert {0, 2} <= set(modes)
     for colour, wanted in (("4D5866", modes != 2), ("D55E00", modes == 2)):
         (path,) = (one for one in shown if one.endswith(f"stops.second upper/{colour}"))
-        changes = np.frombuffer(base64.b64decode(shown[path]), dtype="<f8")
+        changes = doubles(shown[path])
         assert np.array_equal(np.searchsorted(changes, times, side="right") % 2 == 1, wanted)
 
 
@@ -122,7 +108,7 @@ def test_a_spring_between_points_goes_from_one_to_the_other(tmp_path):
     run = simulate(load_scenario(tmp_path / "swing.toml"))
     recording = record(run)
     (track,) = (one for one in recording.data["actors"][0]["tracks"] if one["name"] == "spring string")
-    drawn = np.frombuffer(base64.b64decode(track["data"]), dtype="<f4").reshape(-1, 3, 4)
+    drawn = floats(track["data"], 12).reshape(-1, 3, 4)
     pose = body_poses(run, times=recording.frames.indices).sel(body="arm")
     end = pose["position"].values + Rotation.from_quat(pose["attitude"].values).apply([0.8, 0.0, 0.02])
     assert np.ptp(end, axis=0).max() > 0.05

@@ -9,7 +9,6 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-import umsgpack
 from scipy.spatial.transform import Rotation
 from value_classes import changeable
 
@@ -23,13 +22,7 @@ from antenna_pin.record.scene import clearest
 from antenna_pin.record.shapes import visual_shapes
 from antenna_pin.trajectory import Outcome, Trajectory
 
-
-def doubles(text):
-    return np.frombuffer(base64.b64decode(text), dtype="<f8")
-
-
-def floats(text, width):
-    return np.frombuffer(base64.b64decode(text), dtype="<f4").reshape(-1, width)
+from .conftest import doubles, drawn_meshes, floats
 
 
 class Loads(HTMLParser):
@@ -340,11 +333,6 @@ def test_a_recording_says_what_it_is_in_one_line(clearance_run):
     assert "\n" not in said
 
 
-def test_data_alone_will_do(clearance_run, tmp_path):
-    data = Trajectory.load(clearance_run.save(tmp_path / "run.nc")).data
-    assert record(data).html == record(clearance_run).html
-
-
 def test_a_span(clearance_run):
     times = doubles(record(clearance_run, start=0.01, end=0.02).data["times"])
     assert times[0] >= 0.01 and times[-1] <= 0.02 and len(times) > 5
@@ -426,19 +414,6 @@ def test_the_same_run_gives_the_same_page(clearance_run, tmp_path):
 def test_values_are_frozen():
     """They stay what they were checked to be, and take no attribute of a misspelt name."""
     assert changeable("record") == set()
-
-
-def drawn_meshes(recording):
-    """Return the vertices (n, 3) [m] of what is drawn as triangles, by path."""
-    found = {}
-    for text in recording.data["commands"]:
-        command = umsgpack.unpackb(base64.b64decode(text))
-        for geometry in command.get("object", {}).get("geometries", ()):
-            position = geometry.get("data", {}).get("attributes", {}).get("position")
-            if position is not None:
-                array = np.frombuffer(position["array"].data, dtype="<f4").reshape(-1, 3).astype(float)
-                found[command["path"].lstrip("/").removeprefix("meshcat/")] = array
-    return found
 
 
 @pytest.mark.parametrize(("run", "hollow"), [("clearance_run", "bearing"), ("ball_run", "socket")])

@@ -1,4 +1,4 @@
-"""The figures of papers that shipped models repeat: which cases each takes, and how it is drawn.
+"""Figures of papers that shipped models repeat, with their cases.
 
 Nothing is simulated here: give the runs of the cases, or let ``antenna-pin figures`` make them.
 """
@@ -33,7 +33,7 @@ ATTRACTORS: dict[str, tuple[AttractorFigure | DiagramFigure, ...]] = {"chen2021"
 
 @takes()
 def paper_figures(model: str) -> tuple[PaperFigure, ...]:
-    """Return the figures of the paper that a shipped model repeats, in the paper's order.
+    """Return a paper's figures that a shipped model repeats, in the paper's order.
 
     Args:
         model: Name of the model, such as "bai2020".

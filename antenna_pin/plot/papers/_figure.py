@@ -1,10 +1,10 @@
-"""Figures of a paper, of runs and of settled motions: what each shows there, and what shows the same here."""
+"""Figures of a paper, of runs and of settled motions, and their equivalents."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
@@ -18,6 +18,7 @@ from antenna_pin.plot.catalogue import run_figure
 from antenna_pin.plot.periodic import figure_bifurcation
 from antenna_pin.plot.phase import SAME, SEEN, Attractor, figure_attractors
 
+T = TypeVar("T")
 #: The runs of a figure by case, in its order.
 Cases = dict[str, xr.Dataset]
 
@@ -28,6 +29,15 @@ def with_unit(value: float, unit: str) -> str:
     return f"{three_digits(factor * value)} {printed}"
 
 
+def _chosen(figure: str, what: str, names: Iterable[str], known: Mapping[str, T]) -> dict[str, T]:
+    """Return the known things of some names, or raise InvalidParameterError."""
+    missing = [name for name in names if name not in known]
+    if missing:
+        rule = f"with {' and '.join(missing)} among them"
+        raise InvalidParameterError(figure, what, rule, ", ".join(known) or "none")
+    return {name: known[name] for name in names}
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PaperFigure:
     """Figure of a paper.
@@ -36,14 +46,14 @@ class PaperFigure:
         number: Number in the paper.
         name: File name without a format.
         cases: Cases of the model that it draws.
-        shows: What the paper's figure shows.
-        figure: What shows the same here: its name in the catalogue.
-        finding: Says in numbers what the runs show.
-        joint: Joint that it is of; None for one of whole runs.
+        shows: Content of the paper's figure.
+        figure: Name of the equivalent in the catalogue.
+        finding: Returns the runs' result in numbers.
+        joint: Joint of the figure; None for one of whole runs.
         close_view: Start and end of its close view, as shares of the last case's time; the figure's own
             choice if left out.
         options: Further arguments of the figure.
-        agrees: Whether the runs show what the paper's figure is said to show; None where that is not judged.
+        agrees: Returns whether the runs show the paper's result; None where that is not judged.
     """
 
     number: int
@@ -61,8 +71,7 @@ class PaperFigure:
         """Return the figure.
 
         Args:
-            runs: Trajectories, or pairs of a label and a dataset; those whose case it does not take are left
-                aside.
+            runs: Trajectories, or pairs of a label and a dataset; other cases are ignored.
             width: "column" (88 mm) or "page" (180 mm).
 
         Raises:
@@ -79,24 +88,20 @@ class PaperFigure:
         return figure.draw(list(cases.items()), joint=self.joint, width=width, **options)
 
     def describe(self, runs: Iterable[Run]) -> str:
-        """Return in one line what the runs show, in numbers."""
+        """Return the runs' result in one line of numbers."""
         return self.finding(self.picked(runs))
 
     def judge(self, runs: Iterable[Run]) -> bool | None:
-        """Return whether the runs show what the paper's figure shows; None if that is not judged."""
+        """Return whether runs show the paper's result; None if not judged."""
         return None if self.agrees is None else self.agrees(self.picked(runs))
 
     def picked(self, runs: Iterable[Run]) -> Cases:
-        """Return the data of the runs it takes, by case."""
+        """Return the data of the figure's runs by case."""
         known: Cases = {}
         for run in runs:
             label, data = run[0] if isinstance(run, tuple) else "", samples_of(run)
             known.setdefault(str(data.attrs.get("case") or label), data)
-        missing = [case for case in self.cases if case not in known]
-        if missing:
-            rule = f"with {' and '.join(missing)} among them"
-            raise InvalidParameterError(f"figure {self.number}", "runs", rule, ", ".join(known) or "none")
-        return {case: known[case] for case in self.cases}
+        return _chosen(f"figure {self.number}", "runs", self.cases, known)
 
 
 # --- of settled motions: attractors of some cases, and diagrams over a parameter ---
@@ -104,12 +109,12 @@ class PaperFigure:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Diagram:
-    """A shipped diagram of a model, and how the paper counts its parameter.
+    """Shipped diagram of a model, and the paper's parameter.
 
     Attributes:
-        name: Of the shipped diagram, as ``chen2021/friction``.
-        label: What the parameter is called in figures.
-        zero: What stands at zero there, in SI units.
+        name: Name of the shipped diagram, as ``chen2021/friction``.
+        label: Name of the parameter in figures.
+        zero: Value at zero there, in SI units.
     """
 
     name: str
@@ -117,7 +122,7 @@ class Diagram:
     zero: float = 0.0
 
     def relabelled(self, diagram: xr.Dataset) -> xr.Dataset:
-        """Return a diagram over what figures call the parameter, in a readable unit."""
+        """Return a diagram over the figures' parameter, in a readable unit."""
         values = np.asarray(diagram["value"].values, dtype=float) - self.zero
         factor, unit = prefixed(str(diagram["value"].attrs.get("units", "")), float(np.abs(values).max()))
         return diagram.assign_coords(value=("value", factor * values, {"units": unit})).assign_attrs(
@@ -132,12 +137,12 @@ class AttractorFigure:
     Attributes:
         number: Number in the paper.
         name: File name without a format.
-        over: The parameter.
-        values: Of it, as text with a unit, each with what it is called in the figure.
+        over: Parameter.
+        values: Values of the parameter, as text with a unit, each with its label.
         x: Name of the quantity across.
-        y: Of the quantity upward.
-        shows: What the paper's figure shows.
-        there: What the paper calls the motion at each value.
+        y: Name of the quantity upward.
+        shows: Content of the paper's figure.
+        there: The paper's verdict on the motion at each value.
     """
 
     number: int
@@ -153,7 +158,7 @@ class AttractorFigure:
         """Return the figure.
 
         Args:
-            attractors: By value; those it does not take are left aside.
+            attractors: Motions by value; others are ignored.
             width: "column" (88 mm) or "page" (180 mm).
 
         Raises:
@@ -162,7 +167,7 @@ class AttractorFigure:
         return figure_attractors(self._picked(attractors), self.x, self.y, width=width)
 
     def describe(self, attractors: Mapping[str, Attractor]) -> str:
-        """Return in one line what the motions are."""
+        """Return the kinds of the motions in one line."""
         picked = self._picked(attractors)
         said = []
         for one in picked:
@@ -173,7 +178,7 @@ class AttractorFigure:
         return "; ".join(said)
 
     def judge(self, attractors: Mapping[str, Attractor]) -> bool:
-        """Return whether each is what the paper calls it, by eye: points of one dot are one point."""
+        """Return whether each verdict agrees with the paper, by eye."""
         picked = self._picked(attractors)
         return all(
             one.settled and _verdict(one, self.x, self.y) == said
@@ -181,17 +186,11 @@ class AttractorFigure:
         )
 
     def _picked(self, attractors: Mapping[str, Attractor]) -> list[Attractor]:
-        missing = [value for value in self.values if value not in attractors]
-        if missing:
-            rule = f"with {' and '.join(missing)} among them"
-            raise InvalidParameterError(
-                f"figure {self.number}", "attractors", rule, ", ".join(attractors) or "none"
-            )
-        return [attractors[value] for value in self.values]
+        return [*_chosen(f"figure {self.number}", "attractors", self.values, attractors).values()]
 
 
 def _verdict(one: Attractor, *names: str) -> Verdict:
-    """Return what a motion is to the eye; what has no period there is what it is when looked at closely."""
+    """Return the verdict by eye, or on a closer look without a period."""
     for tolerance in (SEEN, SAME):
         found = one.recurs(*names, tolerance=tolerance)
         if found.kind is RecurrenceKind.PERIODIC:
@@ -206,10 +205,10 @@ class DiagramFigure:
     Attributes:
         number: Number in the paper.
         name: File name without a format.
-        diagram: Over what.
-        quantities: Which of its quantities are drawn.
-        shows: What the paper's figure shows.
-        agrees: Whether verdicts over the shown values, those that settled, are what the paper says.
+        diagram: Diagram over the parameter.
+        quantities: Its drawn quantities.
+        shows: Content of the paper's figure.
+        agrees: Returns whether verdicts over the settled values are the paper's.
     """
 
     number: int
@@ -220,11 +219,11 @@ class DiagramFigure:
     agrees: Callable[[Sequence[float], Sequence[Verdict]], bool]
 
     def draw(self, diagram: xr.Dataset, *, width: Width = "page") -> Figure:
-        """Return the figure of a diagram of fresh starts (:func:`antenna_pin.nonlinear.bifurcation`)."""
+        """Return the figure of fresh starts (:func:`antenna_pin.nonlinear.bifurcation`)."""
         return figure_bifurcation(self.diagram.relabelled(diagram), quantities=self.quantities, width=width)
 
     def describe(self, diagram: xr.Dataset) -> str:
-        """Return in one line at which values the motion is what, and how far its points lie apart at most."""
+        """Return the motions over the values, and the largest extents."""
         shown = self.diagram.relabelled(diagram)
         unit = str(shown["value"].attrs["units"])
         verdicts = diagram_verdicts(diagram, self.quantities, vector=True)
@@ -241,12 +240,12 @@ class DiagramFigure:
         return "; ".join(said) + f". Points farthest apart: {', '.join(widest)}"
 
     def judge(self, diagram: xr.Dataset) -> bool | None:
-        """Return whether the motion is what the paper's figure shows; None if less than half has settled."""
+        """Return whether motions agree; None if less than half has settled."""
         values, verdicts = self.verdicts(diagram)
         return self.agrees(values, verdicts) if 2 * len(values) >= diagram.sizes["value"] else None
 
     def verdicts(self, diagram: xr.Dataset) -> tuple[list[float], list[Verdict]]:
-        """Return the values whose points have settled, as figures show them, and what the motion is there."""
+        """Return the settled values, as in figures, and their verdicts."""
         every = zip(
             self.diagram.relabelled(diagram)["value"].values.tolist(),
             diagram_verdicts(diagram, self.quantities, vector=True),

@@ -26,7 +26,7 @@ from antenna_pin.plot.papers._figure import Cases, with_unit
 
 
 def deviations(cases: Cases, of: str) -> str:
-    """Return the largest deviation of each case from the first, the ideal one, as of "elevation angle"."""
+    """Return the largest deviation, as of "elevation angle", of each case."""
     (_, ideal), *others = cases.items()
     parts = []
     for case, data in others:
@@ -40,7 +40,7 @@ def deviations(cases: Cases, of: str) -> str:
 
 
 def of_base(cases: Cases, quantity: str) -> str:
-    """Return the largest deviation of the base from the ideal run, and the ideal run's own largest size."""
+    """Return the base's largest deviation, and the ideal run's own size."""
     ideal = base_motion(next(iter(cases.values())))
     name = "rotation" if quantity == "attitude" else quantity
     values = ideal[name].values - (ideal[name].values[0] if quantity == "position" else 0.0)
@@ -56,7 +56,7 @@ def of_joints(cases: Cases, quantity: str) -> str:
 
 
 def of_body(cases: Cases, quantity: str, joint: str) -> str:
-    """Return how far the body that a joint moves is from the ideal run: at most, and in the second half."""
+    """Return a body's deviation from the ideal run, in all and late."""
     (_, ideal), *others = cases.items()
     body, parts = moved_body(ideal, joint), []
     for case, data in others:
@@ -77,7 +77,7 @@ def of_body(cases: Cases, quantity: str, joint: str) -> str:
 
 
 def steady_forces(cases: Cases, joint: str) -> str:
-    """Return between which sizes the force through a joint stays in the second half of each run."""
+    """Return the range of the force through a joint in each second half."""
     parts = []
     for case, data in cases.items():
         force = joint_loads(data)["force"].sel(moving_joint=joint)
@@ -106,7 +106,7 @@ def peak_accelerations(cases: Cases, joint: str) -> str:
 
 
 def contact_peaks(cases: Cases) -> str:
-    """Return the largest and the mean force of the contacts of each case, radial and axial."""
+    """Return largest and mean radial and axial contact forces of each case."""
     parts = []
     for case, data in cases.items():
         loads = load_statistics(data)
@@ -123,7 +123,7 @@ def contact_peaks(cases: Cases) -> str:
 
 
 def penetration(cases: Cases) -> str:
-    """Return how deep and how long the journal was pressed in, and when the last impact was."""
+    """Return number, depth and end of the journal's impacts."""
     parts = []
     for case, data in cases.items():
         motion, rows = journal_motion(data), impacts(data)
@@ -141,13 +141,13 @@ def penetration(cases: Cases) -> str:
 
 
 def _settled(data: xr.Dataset) -> str:
-    """Return from when on the journal stays in contact."""
+    """Return the start of lasting contact."""
     found = settling(data)[0]
     return f"lasting contact from {found.time:.3g} s on" if found.time is not None else "no lasting contact"
 
 
 def force_ratio(cases: Cases, joint: str) -> str:
-    """Return the largest joint force over that of the first, ideal case: of impacts, and of the whole."""
+    """Return the largest force over the ideal case's, of impacts and in all."""
     (ideal, base), *others = cases.items()
     parts = []
     for case, data in others:
@@ -171,14 +171,14 @@ def _largest_force(data: xr.Dataset, joint: str, until: float) -> float:
     return float(np.linalg.norm(held, axis=1).max())
 
 
-# --- whether runs show what a paper says that its figures show ---
+# --- agreement of runs with a paper's figures ---
 
 # By how much one number has to exceed another to be seen in a figure.
 _SEEN = 1.05
 
 
 def rising_deviations(runs: Cases, of: str, cases: Sequence[str]) -> bool:
-    """Return whether the largest deviation from the first run grows from each case to the next."""
+    """Return whether the largest deviation from the first run grows case by case."""
     ideal = next(iter(runs.values()))
     try:
         return _rises([deviation(runs[case], ideal)[of].maximum for case in cases])
@@ -193,7 +193,7 @@ def rising_accelerations(runs: Cases, joint: str, cases: Sequence[str]) -> bool:
 
 
 def higher_axial_peaks(runs: Cases, case: str, than: str) -> bool:
-    """Return whether the largest force along the axis is higher in one case than in another."""
+    """Return whether one case has the higher largest axial force."""
     peaks = []
     for name in (than, case):
         loads = load_statistics(runs[name])

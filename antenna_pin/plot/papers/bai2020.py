@@ -11,8 +11,6 @@ from functools import partial
 from antenna_pin.plot.papers import _findings
 from antenna_pin.plot.papers._figure import PaperFigure
 
-__all__ = ["FIGURES"]
-
 _JOINT = "elevation"
 _FIRST = ("case1", "case2-planar", "case3")
 _PLAY = ("case2-planar", "case3")

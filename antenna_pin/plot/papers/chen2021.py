@@ -1,8 +1,9 @@
-"""Figures 5 to 16 of Chen and Cui (2021), J. Harbin Institute of Technology (New Series) 28(3), 61-78.
+"""Figures 5 to 16 of Chen and Cui (2021).
 
+J. Harbin Institute of Technology (New Series) 28(3), 61-78.
 Of Figures 5 to 8 the paper draws two to four periods after fifty of them; these begin at the start, and their
 numbers are of the second half of the run. ``--duration 110s`` goes as far as the paper's. Figures 9 to 16
-are of settled motions, looked at once a period of the drives.
+are of settled motions, sampled once a period of the drives.
 """
 
 from __future__ import annotations
@@ -14,8 +15,6 @@ from antenna_pin.analysis import Verdict
 from antenna_pin.plot.against_ideal import BodyQuantity
 from antenna_pin.plot.papers import _findings
 from antenna_pin.plot.papers._figure import AttractorFigure, Diagram, DiagramFigure, PaperFigure
-
-__all__ = ["ATTRACTORS", "FIGURES"]
 
 _JOINT = "s2"
 _TWO = ("ideal", "friction-005", "friction-010")
@@ -79,14 +78,14 @@ _OVER_CLEARANCE = Diagram(name="chen2021/clearance", label="clearance", zero=15e
 
 
 def _mostly_single(values: Sequence[float], verdicts: Sequence[Verdict]) -> bool:
-    """Return whether the motion is single-period, but for the smaller half of the values at most."""
+    """Return whether motion is single-period above the smaller half of values."""
     other = [value for value, one in zip(values, verdicts, strict=True) if one != _ONE]
     middle = 0.5 * (values[0] + values[-1]) if values else 0.0
     return len(other) < 0.5 * len(values) and all(value < middle for value in other)
 
 
 def _chaotic_then_quasi(values: Sequence[float], verdicts: Sequence[Verdict]) -> bool:
-    """Return whether no motion has a period; too few points for a test of chaos decide nothing."""
+    """Return whether no motion has a period; few points decide nothing else."""
     return bool(values) and not any(one.startswith("period") for one in verdicts)
 
 

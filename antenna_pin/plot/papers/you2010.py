@@ -1,4 +1,7 @@
-"""Figures 6 to 16 of You, Pan and Zhao (2010), Journal of Astronautics 31(10), 2251-2258 (in Chinese)."""
+"""Figures 6 to 16 of You, Pan and Zhao (2010).
+
+Journal of Astronautics 31(10), 2251-2258 (in Chinese).
+"""
 
 from __future__ import annotations
 
@@ -8,8 +11,6 @@ from antenna_pin.plot.against_ideal import BaseQuantity
 from antenna_pin.plot.motion import Quantity
 from antenna_pin.plot.papers import _findings
 from antenna_pin.plot.papers._figure import PaperFigure
-
-__all__ = ["FIGURES"]
 
 _JOINT = "joint2"
 _BOTH = ("ideal", "planar")
