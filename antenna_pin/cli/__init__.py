@@ -1,4 +1,4 @@
-"""Command line: parse, call, print. What it does, the Python API does in as few lines.
+"""Command line: thin face of the Python API; parses, calls, prints.
 
 Rooms are imported inside the commands, so ``--help`` and ``list`` do not wait for the mechanics.
 
@@ -83,7 +83,7 @@ def main() -> None:
 
 
 def _have_streams() -> None:
-    """Take up the places of standard streams that are closed, or the next file that is opened would.
+    """Occupy the places of closed standard streams, so that no opened file takes them.
 
     Complaints then go nowhere; what is printed fails, as it must, on a file that is open for reading only.
     """

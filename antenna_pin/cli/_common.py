@@ -1,4 +1,4 @@
-"""What the commands share: refusals in one line, arguments, results to read, files to write, tables to print.
+"""Parts shared by the commands: one-line refusals, common options, files, figures.
 
 Rooms are imported inside the functions, so ``--help`` does not wait for them.
 """
@@ -46,14 +46,14 @@ PackagePathOption = Annotated[
 ]
 
 
-def package_folders(given: list[Path] | None) -> list[Path]:
-    """Return the folders of the option as absolute paths, or end the command where one is none."""
-    for folder in given or ():
+def package_folders(folders: list[Path] | None) -> list[Path]:
+    """Return the option's folders as absolute paths; refuse one that is none."""
+    for folder in folders or ():
         if not folder.is_dir():
             refuse(
                 f"--package-path {folder}: must be a folder, got {'a file' if folder.exists() else 'none'}"
             )
-    return [folder.absolute() for folder in given or ()]
+    return [folder.absolute() for folder in folders or ()]
 
 
 REFUSED, ENDED_EARLY, UNBALANCED, DOUBTFUL = 2, 3, 4, 5
@@ -69,7 +69,7 @@ R = TypeVar("R")
 
 
 class Engine(StrEnum):
-    """What makes the steps of a run."""
+    """Engine of a run."""
 
     PINOCCHIO = "pinocchio"
     COMPILED = "compiled"
@@ -93,7 +93,7 @@ STANDARD_OUTPUT = "standard output cannot be written"
 
 
 class StandardOutput(io.TextIOWrapper):
-    """The standard output, whose errors say that they are of it."""
+    """Standard output whose errors name it."""
 
     def write(self, text: str) -> int:
         """Write a text."""
@@ -115,12 +115,12 @@ class StandardOutput(io.TextIOWrapper):
 
 
 def say(line: str) -> None:
-    """Print a line that may hold texts of files, whose control characters are shown, not sent."""
+    """Print a line with its control characters escaped."""
     typer.echo(printable(line))
 
 
 def complain(message: str, colour: str | None = None) -> None:
-    """Print one line on the error stream, if somebody still reads it; in a colour, on a screen."""
+    """Print one line on the error stream, coloured on a terminal."""
     with contextlib.suppress(OSError):
         typer.secho(f"antenna-pin: {one_line(' '.join(message.split()))}", err=True, fg=colour)
 
@@ -131,7 +131,7 @@ def refuse(message: str) -> NoReturn:
 
 
 def one_line_errors(command: Callable[P, R]) -> Callable[P, R]:
-    """Turn what a user can act on into one line and an exit code; a bug keeps its traceback."""
+    """Report a user's error in one line with an exit code; raise a bug."""
 
     @functools.wraps(command)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
@@ -173,7 +173,7 @@ def _said_in_one_line(message: Warning | str, *about: object, **more: object) ->
 
 
 def _let_go_of_closed_streams() -> None:
-    """Let what is printed from here on go nowhere if the terminal has been closed, or printing raises."""
+    """Discard further output where the terminal has been closed, or printing raises."""
     for stream in (sys.stdout, sys.stderr):
         try:
             number = stream.fileno()
@@ -222,7 +222,7 @@ def load(
     geometry: Geometry | None = None,
     duration: str | None = None,
 ) -> Scenario:
-    """Return the scenario with the changes that the command line asks for."""
+    """Return the scenario with the changes of the command line."""
     from antenna_pin.scenario import load_scenario
 
     changes = list(settings or ())
@@ -236,13 +236,13 @@ def load(
 
 
 def stem(scenario: Scenario) -> str:
-    """Return NAME-CASE, or NAME where a scenario has no cases, as a file can be called."""
+    """Return NAME-CASE, or NAME of a scenario without cases, as a file name."""
     name = f"{scenario.name}-{scenario.case}" if scenario.case else str(scenario.name)
     return name.replace("/", "-").replace("\\", "-")
 
 
 def writable_file(path: Path, suffix: str) -> Path:
-    """Return a path that a result can be written to, or say what keeps it from being one.
+    """Return a path to which a result can be written, or refuse it.
 
     Asked before a run, so that hours of work do not end in a missing folder.
     """
@@ -252,7 +252,7 @@ def writable_file(path: Path, suffix: str) -> Path:
 
 
 def figure_target(path: Path | None, command: str, option: str) -> Path | None:
-    """Return the file of a figure, or say what keeps it from being one."""
+    """Return the file of a figure, or refuse it."""
     if path is None:
         return None
     if path.suffix not in FIGURES:
@@ -262,14 +262,14 @@ def figure_target(path: Path | None, command: str, option: str) -> Path | None:
 
 @contextlib.contextmanager
 def not_interrupted() -> Iterator[None]:
-    """Let a result be written, and be said to be, to the end: a second Ctrl-C must not cost it."""
+    """Hold back interrupts while a result is written and its place is printed."""
     _let_go_of_closed_streams()
     with held_back():
         yield
 
 
 def save_result(trajectory: Trajectory, path: Path) -> None:
-    """Write a result; where it cannot be, write it elsewhere and end the command with the place."""
+    """Write a result; on failure write it elsewhere and end the command."""
     try:
         trajectory.save(path)
     except OutputError as error:
@@ -277,7 +277,7 @@ def save_result(trajectory: Trajectory, path: Path) -> None:
 
 
 def save_elsewhere(trajectory: Trajectory, path: Path, error: OutputError) -> NoReturn:
-    """Write a result that cannot be where it should elsewhere, and end the command with the place.
+    """Write a result to another folder and end the command with its place.
 
     What has taken hours is not thrown away because a disk has filled up meanwhile.
     """
@@ -293,7 +293,7 @@ def save_elsewhere(trajectory: Trajectory, path: Path, error: OutputError) -> No
 
 
 def load_result(path: Path, scenario: bool = True) -> Trajectory:
-    """Return a result; without its scenario where nobody asks for that, which is quicker."""
+    """Return a result, faster without its scenario."""
     from antenna_pin.trajectory import Trajectory
 
     return Trajectory.load(path, scenario=scenario)
@@ -304,7 +304,7 @@ def label_of(trajectory: Trajectory, path: Path) -> str:
 
 
 def labels_of(paths: Sequence[Path]) -> list[str]:
-    """Return what columns of results are headed by: names of files, or paths where names are the same."""
+    """Return column headings of results: file names, or paths where names coincide."""
     names = [path.stem for path in paths]
     return names if len(set(names)) == len(names) else [str(path) for path in paths]
 
@@ -323,14 +323,14 @@ def figure_formats(text: str) -> list[str]:
 
 
 def figure_folder(out: Path) -> Path:
-    """Return the folder for figures, made later, or say that it is a file."""
+    """Return the folder for figures, or refuse a file."""
     if out.exists() and not out.is_dir():
         raise OutputError(f"--out {out}: this is a file; name a folder for the figures")
     return out
 
 
 def say_limits(trajectory: Trajectory, before: str) -> None:
-    """Say which joints have passed a limit of the URDF; ``before``: what to say first."""
+    """Print the joints that passed a limit of the URDF, after the text ``before``."""
     if "<limit" not in str(trajectory.data.attrs.get("urdf", "")):
         return
     from antenna_pin.analysis import said_of_limits
@@ -340,12 +340,7 @@ def say_limits(trajectory: Trajectory, before: str) -> None:
 
 
 def say_spin(trajectory: Trajectory, before: str) -> None:
-    """Say where elastic parts of a run spun too fast for what they are modelled as.
-
-    Args:
-        trajectory: The run.
-        before: What to say first.
-    """
+    """Print where elastic parts spun too fast for their model, after the text ``before``."""
     if "elastic_part" not in trajectory.data.sizes:
         return
     from antenna_pin.analysis import said_of_spin
@@ -355,7 +350,7 @@ def say_spin(trajectory: Trajectory, before: str) -> None:
 
 
 def say_start(trajectory: Trajectory, scenario: Scenario, before: str) -> None:
-    """Print the joints that move at the start without a given rate; ``before``: the first words."""
+    """Print the joints that move at the start without a given rate."""
     if trajectory.constraints:
         from antenna_pin.analysis import said_of_moving
 

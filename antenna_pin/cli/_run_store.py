@@ -1,4 +1,4 @@
-"""The runs that figures need: those at hand in a folder, the others made there."""
+"""Runs for figures, reused from a folder or made there."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _ORIGIN = {"name", "description", "overrides", "folder"}
 
 
 class RunStore:
-    """The runs of some cases: those in a folder whose scenario is the same, the others made."""
+    """Runs of some cases, reused from a folder where the scenario is the same."""
 
     def __init__(self, folder: Path, name: str, scenarios: Sequence[Scenario], progress: bool) -> None:
         self.folder = folder
@@ -55,7 +55,7 @@ class RunStore:
         return self.runs[case]
 
     def _found(self, scenario: Scenario) -> Trajectory | None:
-        """Return a completed run of the scenario, of this version of the file format, from the folder."""
+        """Return a completed run of the scenario from the folder."""
         from antenna_pin.trajectory import FORMAT, Trajectory
 
         likely = self.folder / f"{stem(scenario)}.nc"
@@ -73,7 +73,7 @@ class RunStore:
         return None
 
     def _made(self, scenario: Scenario) -> Trajectory:
-        """Run a scenario and save the result; what Ctrl-C cuts short is saved, too, and ends the command."""
+        """Run a scenario and save the result, also after an interrupt, which ends the command."""
         from antenna_pin.errors import LedgerOpenWarning
         from antenna_pin.simulation import simulate
         from antenna_pin.trajectory import Trajectory
@@ -114,7 +114,7 @@ class RunStore:
 
 
 def same_scenario(one: Scenario, other: Scenario) -> bool:
-    """Whether two scenarios are the same but for where they came from."""
+    """Return whether two scenarios are the same but for their origin."""
     return one.model_dump(exclude=_ORIGIN) == other.model_dump(exclude=_ORIGIN)
 
 
@@ -126,7 +126,7 @@ _FINE = "integrator.accuracy=1e-5"
 
 @dataclass(slots=True)
 class AttractorStore:
-    """Settled motions and diagrams of a paper's figures, kept in a folder.
+    """Settled motions and diagrams of a paper's figures, stored in a folder.
 
     Attributes:
         folder: Where they are kept.
@@ -182,7 +182,7 @@ class AttractorStore:
         return found
 
     def diagram(self, wanted: Diagram) -> xr.Dataset:
-        """Return a bifurcation diagram, of as many values as are asked for."""
+        """Return a bifurcation diagram."""
         import numpy as np
 
         from antenna_pin.base.units import any_quantity
@@ -272,7 +272,7 @@ class AttractorStore:
 
     @staticmethod
     def _alike(table: xr.Dataset, scenario: Scenario) -> bool:
-        """Whether a table is of a scenario."""
+        """Return whether a table belongs to a scenario."""
         from antenna_pin.scenario import Scenario
 
         return same_scenario(Scenario.model_validate_json(str(table.attrs["scenario"])), scenario)

@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from antenna_pin.trajectory import Trajectory
     from antenna_pin.trajectory.columns import Variable
 
-__all__ = ["Table", "laid_out", "say_answer"]
-
-
 # What the first column is not narrowed below as long as that saves a block, in characters.
 _LABEL = 30
 # Between two columns, and before the first.
@@ -80,12 +77,12 @@ def laid_out(table: Table, width: int) -> list[str]:
 
 
 def _shown(text: str) -> str:
-    """Return a text with its control characters as Python writes them, but for ends of lines."""
+    """Return a text with its control characters escaped, but for line breaks."""
     return text if text.isprintable() else "\n".join(map(printable, text.split("\n")))
 
 
 class _Column:
-    """A column with the width it would like to have and the one that its longest word asks for."""
+    """Column with its natural width and the width of its longest word."""
 
     def __init__(self, name: str, cells: Sequence[str]) -> None:
         from rich.cells import cell_len
@@ -98,18 +95,18 @@ class _Column:
 
 @dataclass(frozen=True, slots=True)
 class _Block:
-    """Columns that stand side by side, and how wide; no widths where not even two do."""
+    """Columns side by side and their widths; None where not even two fit."""
 
     columns: Sequence[_Column]
     widths: Sequence[int] | None
 
     def is_empty(self, row: int) -> bool:
-        """Whether a row has nothing but its label."""
+        """Return whether a row is empty but for its label."""
         return all(column.cells[row] in ("", "-") for column in self.columns[1:])
 
 
 def _blocks(columns: Sequence[_Column], width: int) -> list[_Block]:
-    """Return the columns in as few blocks as there can be, the first column in each."""
+    """Return the columns in the fewest blocks, the first column in each."""
     label, *others = columns
     if not others:
         return [_Block(columns, [min(label.natural, max(label.least, width - _EDGE))])]
@@ -127,7 +124,7 @@ def _blocks(columns: Sequence[_Column], width: int) -> list[_Block]:
 
 
 def _packed(label: _Column, others: Sequence[_Column], least: int, width: int) -> list[list[_Column]] | None:
-    """Return the columns in blocks that keep to the width, evenly filled; None where one does not fit."""
+    """Return the columns in evenly filled blocks; None where one does not fit."""
     if any(_total([least, column.least]) > width for column in others):
         return None
     for count in range(1, len(others) + 1):
@@ -184,7 +181,7 @@ def _row(cells: Sequence[str], widths: Sequence[int], numbers: bool) -> list[str
 
 
 def _records(block: _Block, shown: Sequence[int], width: int) -> list[str]:
-    """Return every row as its label and, below it, the name and the text of each cell."""
+    """Return every row as its label and, below, name and text of each cell."""
     label, *others = block.columns
     lines = []
     for k in shown:
@@ -197,7 +194,7 @@ def _records(block: _Block, shown: Sequence[int], width: int) -> list[str]:
 
 
 def _wrapped(text: str, width: int) -> list[str]:
-    """Return a text in lines that break between words; a word that is longer than a line has its own."""
+    """Return a text in lines broken between words; a longer word has its own."""
     from rich.cells import cell_len
 
     lines: list[str] = []
@@ -228,7 +225,7 @@ def _folded(name: str) -> str:
 
 
 class Zeros:
-    """Tells what is zero to round-off by the scales of some runs, and says so once.
+    """Detector of numbers that are zero to round-off by the scales of some runs.
 
     Args:
         runs: The runs whose numbers stand together.
@@ -242,20 +239,20 @@ class Zeros:
         self._met = False
 
     def is_zero(self, value: Any, unit: str) -> bool:
-        """Whether a number is zero to round-off."""
+        """Return whether a number is zero to round-off."""
         from antenna_pin.analysis import is_round_off
 
         return isinstance(value, int | float) and is_round_off(value, unit, self._scales)
 
     def text(self, value: Any, of: Variable | None, slides: bool | None = False) -> str:
-        """Return a number of a quantity in a table; ``slides``: whether of what slides, None if unknown."""
+        """Return a table's text of a number; ``slides``: of a sliding joint, None if unknown."""
         if of is None or of.exact or of.form == "count" or not self.is_zero(value, of.unit(slides)):
             return text_of(value)
         self._met = True
         return "≈ 0"
 
     def say(self) -> None:
-        """Say what the sign means, where it was met."""
+        """Print the meaning of the sign for zero, if one was printed."""
         if self._met:
             from antenna_pin.analysis import ROUND_OFF_WORDS
 
@@ -267,7 +264,7 @@ _ANSWER_ROWS = 11  # in all; a line on where the file is comes after them
 
 
 def say_answer(trajectory: Trajectory, label: str = "") -> None:
-    """Print a run at a glance, in eleven rows of a screen of any usual width.
+    """Print a run at a glance, in eleven rows of a usual screen.
 
     Where they do not do, the lines that take most lose what matters least of what they say.
 
@@ -320,7 +317,7 @@ _PLAIN_GROUPS = ("counts", "conservation", "constraints")
 
 
 def print_summaries(summaries: Sequence[tuple[str, Mapping[str, Any]]], zeros: Zeros) -> None:
-    """Print summaries side by side as far as the lines are long, the others below; one row per figure.
+    """Print summaries side by side, one row per number; those that do not fit below.
 
     Args:
         summaries: Labels and summaries.
@@ -339,7 +336,7 @@ def print_summaries(summaries: Sequence[tuple[str, Mapping[str, Any]]], zeros: Z
 
 
 def print_summary(label: str, summary: Mapping[str, Any], zeros: Zeros) -> None:
-    """Print all of one summary: a table of the run, then one for each kind of thing, a row for each of them.
+    """Print a whole summary: a table of the run, then one for each group.
 
     Args:
         label: Of the run.
@@ -365,13 +362,13 @@ def _cell(value: Any, key: str, zeros: Zeros) -> str:
     return zeros.text(value, *HEADINGS.get(key, (None,)))
 
 
-def print_table(title: str, name: str, found: Sequence[Mapping[str, Any]], zeros: Zeros) -> None:
+def print_table(title: str, name: str, entries: Sequence[Mapping[str, Any]], zeros: Zeros) -> None:
     """Print a table of the catalogue.
 
     Args:
         title: Its title.
         name: Of the table.
-        found: Its rows, each with its ``name``, or what it is ``of``, and ``units`` that depend on it.
+        entries: Its rows, each with its ``name``, or what it is ``of``, and ``units`` that depend on it.
         zeros: Judge of what is zero to round-off.
     """
     from antenna_pin.trajectory.quantities import TABLES
@@ -379,7 +376,7 @@ def print_table(title: str, name: str, found: Sequence[Mapping[str, Any]], zeros
     columns = TABLES[name]
     head = [one.words() if one.sliding else one.heading() for one in columns.values()]
     rows = []
-    for one in found:
+    for one in entries:
         slides = one.get("units") in [column.sliding for column in columns.values() if column.sliding]
         unit = f" [{one['units']}]" if "units" in one else ""
         cells = (zeros.text(one[key], column, slides) for key, column in columns.items())
@@ -403,12 +400,12 @@ def _print(table: Table, pipe: int) -> None:
 
 
 def flat(summary: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the entries of a summary by the names that a table has for them, with units."""
+    """Return the entries of a summary by their names in tables, with units."""
     return {name: value for name, _, value in _rows(summary)}
 
 
 def _rows(summary: Mapping[str, Any], group: str = "") -> Iterator[tuple[str, str, Any]]:
-    """Yield name, key and value of every entry of a summary, those of a group after its name."""
+    """Yield name, key and value of every entry, a group's after its name."""
     from antenna_pin.trajectory.quantities import GROUPS, heading_of
 
     for key, value in summary.items():
@@ -422,7 +419,7 @@ def _rows(summary: Mapping[str, Any], group: str = "") -> Iterator[tuple[str, st
 
 
 def text_of(value: Any) -> str:
-    """Return an entry as it stands in a table: a dash where there is nothing, or no number."""
+    """Return the text of an entry in a table: a dash for none or NaN."""
     if value is None or value == "" or value != value:
         return "-"
     if isinstance(value, float):

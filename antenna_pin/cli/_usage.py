@@ -1,4 +1,4 @@
-"""What is wrong with the words of a command, in one line as everything else that is refused."""
+"""Parsing of options, and refusal of wrong ones in one line."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _READERS: dict[Any, Callable[[str], float | None]] = {float: decimal_in, int: wh
 
 
 def with_plain_numbers(command: Callable[P, R]) -> Callable[P, R]:
-    """Return a command whose options that are numbers take what else is taken for one, and nothing more."""
+    """Return a command whose numeric options are read as strictly as scenario files."""
     # Evaluated here for good: each evaluation makes the options anew.
     command.__annotations__ = typing.get_type_hints(command, include_extras=True)
     for hint in command.__annotations__.values():
@@ -58,7 +58,7 @@ def _reader(kind: type[float], least: float | None) -> Callable[[Any], float]:
 
 
 def positive_quantity(text: str, unit: str, option: str, place: str = "contact") -> float:
-    """Return what an option says in SI units, or refuse what is not positive."""
+    """Return an option in SI units, or refuse a value that is not positive."""
     from antenna_pin.base.units import quantity
 
     value = quantity(bare(text), unit, option)
@@ -68,7 +68,7 @@ def positive_quantity(text: str, unit: str, option: str, place: str = "contact")
 
 
 def clearance_of(text: str, bearing_radius: float, place: str) -> float:
-    """Return the radial clearance [m], or refuse what is not positive and below the bearing's radius [m]."""
+    """Return the radial clearance [m], or refuse one outside (0, bearing radius)."""
     value = positive_quantity(text, "m", "--radial-clearance")
     if not value < bearing_radius:
         raise InvalidParameterError(
@@ -85,7 +85,7 @@ def vector_in(text: str) -> tuple[float, float, float] | None:
 
 
 def list_of(text: str, unit: str, option: str, positive: bool = True) -> tuple[float, ...]:
-    """Return the quantities of a list; one unit at its end counts for all, as in ``0.1,1,5 um``."""
+    """Return the quantities of a list; one unit at its end applies to all."""
     from antenna_pin.base.units import quantity
 
     parts = [part.strip() for part in text.split(",") if part.strip()]
@@ -115,7 +115,7 @@ class OneLineGroup(TyperGroup):
     """Commands whose wrong options and arguments are refused in one line."""
 
     def make_context(self, info_name: str | None, args: list[str], *more: Any, **options: Any) -> Any:
-        """Read the words that stand before the command; keep all, for results that say how they were made."""
+        """Read the options before the command; store all words for the provenance of results."""
         words = tuple(args)  # reading takes them away
         with _told_in_one_line():
             context = super().make_context(info_name, args, *more, **options)
@@ -147,7 +147,7 @@ def _told_in_one_line() -> Iterator[None]:
 
 
 def _is_of_memory(error: BaseException) -> bool:
-    """Whether memory is short: for numbers, or for a library that is loaded."""
+    """Return whether memory has run out, for numbers or for a loaded library."""
     short = ("failed to map segment", os.strerror(errno.ENOMEM))
     return isinstance(error, MemoryError) or any(words in str(error) for words in short)
 

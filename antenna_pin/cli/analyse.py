@@ -64,56 +64,56 @@ def analyse(
         say(note)
 
 
-def _print(label: str, found: dict[str, Any], zeros: Zeros) -> None:
+def _print(label: str, facts: dict[str, Any], zeros: Zeros) -> None:
     """Print the tables of an analysis."""
-    if "deviation" in found:
+    if "deviation" in facts:
         rows = [
             [
                 f"{one['of']} [{one['units']}]",
                 *(text_of(one[key]) for key in ("maximum", "time_of_maximum", "rms", "end")),
                 one["growth"],
             ]
-            for one in found["deviation"]
+            for one in facts["deviation"]
             if not one["round_off"]
         ]
         head = ("", "maximum", "at [s]", "rms", "at the end", "growth")
         if rows:
             print_rows(f"{label}: deviation from the ideal run", head, rows)
-        if still := [one["of"] for one in found["deviation"] if one["round_off"]]:
+        if still := [one["of"] for one in facts["deviation"] if one["round_off"]]:
             typer.echo(f"deviation that is zero to round-off: {', '.join(still)}")
-    if "loads" in found:
-        _print_contacts(label, found, zeros)
-        _print_settling(label, found["settling"])
-    if "constraints" in found:
-        _print_loops(label, found, zeros)
-    if "elastic" in found:
-        print_table(f"{label}: deflections of flexible links", "elastic motion", found["elastic"], zeros)
+    if "loads" in facts:
+        _print_contacts(label, facts, zeros)
+        _print_settling(label, facts["settling"])
+    if "constraints" in facts:
+        _print_loops(label, facts, zeros)
+    if "elastic" in facts:
+        print_table(f"{label}: deflections of flexible links", "elastic motion", facts["elastic"], zeros)
     rows = [
         [
             f"{one['of']} [{one['units']}]",
             *(f"{f:.4g} ({a:.3g})" for f, a in zip(one["frequency"], one["amplitude"], strict=True)),
             *["-"] * (_PEAKS - len(one["frequency"])),
         ]
-        for one in found["frequencies"]
+        for one in facts["frequencies"]
         if one["frequency"]
     ]
-    quiet = [one["of"] for one in found["frequencies"] if one["round_off"]]
-    if len(found["frequencies"]) > len(quiet) and not rows:
+    quiet = [one["of"] for one in facts["frequencies"] if one["round_off"]]
+    if len(facts["frequencies"]) > len(quiet) and not rows:
         typer.echo("no frequency stands out")
     if rows:
         title = f"{label}: dominant frequencies [Hz] (amplitude), resolution"
-        title += f" {found['frequencies'][0]['resolution']:.3g} Hz"
+        title += f" {facts['frequencies'][0]['resolution']:.3g} Hz"
         print_rows(title, ("", "first", "second", "third"), rows)
     if quiet:
         typer.echo(f"nothing above round-off: {', '.join(quiet)}")
 
 
-def _print_contacts(label: str, found: dict[str, Any], zeros: Zeros) -> None:
+def _print_contacts(label: str, facts: dict[str, Any], zeros: Zeros) -> None:
     """Print impacts and loads, one column per joint and contact."""
     from antenna_pin.trajectory.quantities import TABLES
 
-    columns = [str(one["of"]) for one in found["loads"]]
-    entries = {kind: {one["of"]: one for one in found[kind]} for kind in ("impacts", "blows", "loads")}
+    columns = [str(one["of"]) for one in facts["loads"]]
+    entries = {kind: {one["of"]: one for one in facts[kind]} for kind in ("impacts", "blows", "loads")}
     loads = dict(TABLES["loads"])
     others = [one for name, one in TABLES["impact statistics"].items() if name not in {*loads, "impacts"}]
     order = [("loads", loads.pop("episodes"))]
@@ -124,48 +124,48 @@ def _print_contacts(label: str, found: dict[str, Any], zeros: Zeros) -> None:
         [of.heading(), *(zeros.text(entries[kind].get(one, {}).get(of.name), of) for one in columns)]
         for kind, of in order
     ]
-    for percent in found["loads"][0]["force_percentile"]:
+    for percent in facts["loads"][0]["force_percentile"]:
         forces = [entries["loads"][column]["force_percentile"][percent] for column in columns]
         name = f"force not exceeded for {percent} % of the time [N]"
         rows.append([name, *(zeros.text(force, loads["peak_force"]) for force in forces)])
     print_rows(f"{label}: impacts and load", ("", *columns), rows)
 
 
-def _print_loops(label: str, found: Mapping[str, Any], zeros: Zeros) -> None:
+def _print_loops(label: str, facts: Mapping[str, Any], zeros: Zeros) -> None:
     """Print what closures, couplings and drives carried, and how many equations they are."""
     from antenna_pin.analysis import said_of_constraints, said_of_singular
 
     drives = [
-        one | {"name": f"{'motion' if one['motion'] else 'drive'} {one['of']}"} for one in found["drives"]
+        one | {"name": f"{'motion' if one['motion'] else 'drive'} {one['of']}"} for one in facts["drives"]
     ]
     for title, name, rows in (
-        ("forces of closures", "closure loads", found["closures"]),
-        ("torques of couplings, on followers", "coupling loads", found["couplings"]),
+        ("forces of closures", "closure loads", facts["closures"]),
+        ("torques of couplings, on followers", "coupling loads", facts["couplings"]),
         ("what drives exert", "drive loads", drives),
     ):
         if rows:
             print_table(f"{label}: {title}", name, rows, zeros)
-    for text in (said_of_constraints(found["constraints"]), said_of_singular(found["constraints"])):
+    for text in (said_of_constraints(facts["constraints"]), said_of_singular(facts["constraints"])):
         if text:
             typer.echo(text)
     typer.echo()
 
 
-def _print_settling(label: str, found: Sequence[dict[str, Any]]) -> None:
+def _print_settling(label: str, joints: Sequence[dict[str, Any]]) -> None:
     from antenna_pin.trajectory.quantities import TABLES
 
     rows = [
         [
-            f"apart for no more than {1e3 * found[0]['longest_gap']:g} ms from [s]",
-            *(text_of(one["time"]) if one["time"] is not None else "never" for one in found),
+            f"apart for no more than {1e3 * joints[0]['longest_gap']:g} ms from [s]",
+            *(text_of(one["time"]) if one["time"] is not None else "never" for one in joints),
         ]
     ]
     for name in ("share_before", "share_after", "decay_rate", "decay_r2"):
-        rows.append([TABLES["settling"][name].heading(), *(text_of(one[name]) for one in found)])
+        rows.append([TABLES["settling"][name].heading(), *(text_of(one[name]) for one in joints)])
         if name == "decay_rate":
-            rows[-1][1:] = ["no decay" if one["decays"] is False else text_of(one[name]) for one in found]
-    print_rows(f"{label}: settling into lasting contact", ("", *(one["joint"] for one in found)), rows)
-    for one in found:
+            rows[-1][1:] = ["no decay" if one["decays"] is False else text_of(one[name]) for one in joints]
+    print_rows(f"{label}: settling into lasting contact", ("", *(one["joint"] for one in joints)), rows)
+    for one in joints:
         if one["time"] is None:
             typer.echo(f"{one['joint']} does not settle: {one['note']}")
         elif one["driven"]:

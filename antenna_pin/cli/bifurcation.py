@@ -46,7 +46,7 @@ _NAMED = 5
 
 
 class BranchName(StrEnum):
-    """How a value is come to."""
+    """Starting point of each value."""
 
     FRESH = "fresh"
     FORWARD = "forward"
@@ -167,13 +167,13 @@ def _in_section(branch: xr.Dataset, plan: DiagramPlan) -> xr.Dataset:
 
 
 def _planned(
-    name: str, given: Mapping[str, Any], settings: Sequence[str] | None
+    name: str, replaced: Mapping[str, Any], settings: Sequence[str] | None
 ) -> tuple[DiagramPlan, Scenario]:
-    """Return what is asked for, by a diagram's file or by options alone, and the scenario."""
+    """Return the plan, from a diagram's file or from options, and the scenario."""
     from antenna_pin.nonlinear import DiagramPlan, load_plan
     from antenna_pin.nonlinear.diagram_plan import is_plan
 
-    options = {key: value for key, value in given.items() if value is not None}
+    options = {key: value for key, value in replaced.items() if value is not None}
     if is_plan(name):
         plan = load_plan(name, options)
         return plan, plan.base(settings or ())
@@ -181,36 +181,36 @@ def _planned(
         if key not in options:
             refuse(f"bifurcation: {option} must be given; or name a diagram, as chen2021/friction")
     # What is wrong with the rest is said where it is used.
-    return DiagramPlan.model_construct(scenario=name, **options), load(name, given["case"], settings)
+    return DiagramPlan.model_construct(scenario=name, **options), load(name, replaced["case"], settings)
 
 
-def _print(found: xr.Dataset) -> None:
+def _print(diagram: xr.Dataset) -> None:
     from antenna_pin.analysis import diagram_verdicts, said_of_verdicts
     from antenna_pin.base.readable import prefixed
 
     rows = []
-    for name in found["branch"].values:
-        one = found.sel(branch=name)
+    for name in diagram["branch"].values:
+        one = diagram.sel(branch=name)
         settled = one["settled"].values
         there = one["points"].values > 0
         counts = (settled.sum(), (there & ~settled).sum(), (~there).sum(), one["transient"].values.max())
         rows.append([str(name), *(str(int(count)) for count in counts)])
     head = ["branch", "settled", "not settled", "failed", "most points cut"]
-    print_rows(f"{found.attrs['parameter']}: {found.sizes['value']} values", head, rows)
-    numbers = found["value"].values.tolist()
-    factor, unit = prefixed(str(found["value"].attrs.get("units", "")) or "1", numbers)
+    print_rows(f"{diagram.attrs['parameter']}: {diagram.sizes['value']} values", head, rows)
+    numbers = diagram["value"].values.tolist()
+    factor, unit = prefixed(str(diagram["value"].attrs.get("units", "")) or "1", numbers)
     values = [factor * value for value in numbers]
-    for name in found["branch"].values:
-        verdicts = diagram_verdicts(found, branch=str(name))
+    for name in diagram["branch"].values:
+        verdicts = diagram_verdicts(diagram, branch=str(name))
         for line in said_of_verdicts(values, verdicts, unit):
             say(f"{name}: {line}")
     failed = [
-        (float(value), str(found["message"].sel(branch=name).values[k]))
-        for name in found["branch"].values
-        for k, value in enumerate(found["value"].values)
-        if not found["points"].sel(branch=name).values[k]
+        (float(value), str(diagram["message"].sel(branch=name).values[k]))
+        for name in diagram["branch"].values
+        for k, value in enumerate(diagram["value"].values)
+        if not diagram["points"].sel(branch=name).values[k]
     ]
     for value, message in failed[:_NAMED]:
-        say(f"note: {found.attrs['parameter']} = {value:.6g}: {message}")
+        say(f"note: {diagram.attrs['parameter']} = {value:.6g}: {message}")
     if len(failed) > _NAMED:
         say(f"note: {len(failed) - _NAMED} more failed; their messages are in the dataset")

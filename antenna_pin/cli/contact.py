@@ -53,7 +53,7 @@ def scenarios(
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Say which of the 16 contact scenarios a joint's shape allows, each with a pose or a reason."""
+    """List the 16 contact scenarios and which of them a joint's shape allows."""
     from antenna_pin.analysis import SCENARIO_COLUMNS, possible_scenarios, scenario_rows
     from antenna_pin.base.units import quantity
     from antenna_pin.geometry import RevoluteClearance
@@ -102,7 +102,7 @@ app = typer.Typer(
 
 
 def list_laws(as_json: JsonOption = False, csv: CsvOption = None) -> None:
-    """List the laws of every family, their parameters with units, and the materials that are known."""
+    """List the laws of every family, their parameters with units, and known materials."""
     from antenna_pin.contact import (
         DISSIPATIONS,
         FRICTION_LAWS,
@@ -184,7 +184,7 @@ _SYMBOLS = (
 
 
 def _first_line(law: type[Any]) -> str:
-    """Return what a law is by the first line of its docstring, formulas as plain text."""
+    """Return the first line of a law's docstring, formulas as plain text."""
 
     def plain(match: re.Match[str]) -> str:
         text = match.group(1)
@@ -198,27 +198,27 @@ def _first_line(law: type[Any]) -> str:
 
 def _chosen(
     command: str,
-    asked: list[str],
+    names: list[str],
     fitting: list[str],
     words: tuple[str, str, str],
     all_there_are: Container[str],
 ) -> list[str]:
-    """Return the laws asked for, each once, or refuse one that does not fit or that there is not.
+    """Return the selected laws, each once, or refuse an unsuitable or unknown one.
 
     Args:
         command: Of the shell, for the message.
-        asked: Names.
+        names: Names.
         fitting: Those that may be asked for.
         words: What they are, what a law is, what one must be.
         all_there_are: Names of the laws that do not fit, too.
     """
     what, parameter, rule = words
-    for name in asked:
+    for name in names:
         if name not in fitting:
             if name in all_there_are:
                 raise InvalidParameterError(command, parameter, rule, name)
             raise UnknownNameError(command, what, name, fitting)
-    return list(dict.fromkeys(asked))
+    return list(dict.fromkeys(names))
 
 
 # --- curve ---

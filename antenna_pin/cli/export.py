@@ -60,7 +60,7 @@ def fmu(
     out: Annotated[Path | None, typer.Option(help="File, NAME.fmu; NAME-CASE.fmu here if left out.")] = None,
     settings: SetOption = None,
 ) -> None:
-    """Write a scenario as an FMU for co-simulation (FMI 3.0), with its URDF and meshes in it.
+    """Write a scenario as an FMU for co-simulation (FMI 3.0), URDF and meshes included.
 
     Options of names take several, up to the next option. The unit runs where the Python that the tool loads
     has antenna_pin.

@@ -1,4 +1,4 @@
-"""``antenna-pin figures``: the figures of a paper, or the standard ones of a scenario, runs included."""
+"""``antenna-pin figures``: figures of a paper, or the standard ones of a scenario."""
 
 from __future__ import annotations
 
@@ -60,9 +60,9 @@ class FigureIndex:
         """The page's file."""
         return self.folder / "index.md"
 
-    def add(self, title: str, files: Iterable[Path], shows: str, found: str) -> None:
+    def add(self, title: str, files: Iterable[Path], shows: str, result: str) -> None:
         """Add a figure in its files, with what the paper shows and what is found."""
-        self.entries.append((title, [file.name for file in files], shows, found))
+        self.entries.append((title, [file.name for file in files], shows, result))
 
     def write(self, store: RunStore) -> None:
         """Write the page, in Markdown."""
@@ -147,7 +147,7 @@ def figures(
     width: Annotated[Width, typer.Option(help="Width of the figures: 88 mm or 180 mm.")] = Width.PAGE,
     progress: Annotated[bool, typer.Option(help="Show a progress bar for each run.")] = True,
 ) -> None:
-    """Draw all figures of the paper that a shipped scenario repeats, and run what they need.
+    """Draw the figures of the paper that a shipped scenario repeats, runs included.
 
     Files are named after the paper's figures, and index.md says what each shows there and here. A scenario
     that repeats no paper gets the standard figures of its cases. Those of settled motions run as long as that
@@ -196,7 +196,7 @@ def figures(
 def _paper(
     name: str, cases: Sequence[str] | None, numbers: Sequence[int] | None
 ) -> tuple[list[PaperFigure], list[AttractorFigure | DiagramFigure]]:
-    """Return the figures of the paper that a shipped scenario repeats; none if it repeats none.
+    """Return the figures of the paper that a shipped scenario repeats, if any.
 
     Those of runs stand before those of settled motions.
     """
@@ -278,13 +278,13 @@ def _draw_settled(
         _draw(each, taken, index, suffixes, width)
 
 
-def _draw(each: AnyFigure, taken: Any, index: FigureIndex, suffixes: Sequence[str], width: Width) -> None:
-    """Draw a figure of what it takes, and say in the index what it shows."""
+def _draw(each: AnyFigure, content: Any, index: FigureIndex, suffixes: Sequence[str], width: Width) -> None:
+    """Draw a figure and enter it into the index."""
     from antenna_pin.plot import save_figure
 
     try:
-        drawn = each.draw(taken, width=width.value)
-        found = f"{_VERDICTS[each.judge(taken)]}{each.describe(taken)}"
+        drawn = each.draw(content, width=width.value)
+        found = f"{_VERDICTS[each.judge(content)]}{each.describe(content)}"
     except AntennaPinError as error:
         _left_out(each, index, error)
         return

@@ -22,9 +22,6 @@ if TYPE_CHECKING:
     from antenna_pin.fit import Fit, FitPlan, Problem
     from antenna_pin.sweep import Executor
 
-__all__ = ["fit"]
-
-
 _TESTS_SHOWN = 12  # experiments, so that an answer is seen at a glance
 
 Tell = Callable[[int], None] | None
@@ -33,7 +30,7 @@ Tell = Callable[[int], None] | None
 def _begun(
     plan: FitPlan, at: Path | None, executor: Executor, tell: Tell
 ) -> tuple[Problem, np.ndarray, float]:
-    """Return a fit's problem, values to look at, and the variance of a weighted residual."""
+    """Return a fit's problem, its values, and the variance of a weighted residual."""
     from antenna_pin.fit import Problem, open_fit
     from antenna_pin.fit.assessment import values_in
     from antenna_pin.fit.run_service import RunService
@@ -68,7 +65,7 @@ def identify_before(
     tell: Tell,
     quiet: bool,
 ) -> None:
-    """Say what a fit's records can tell of its parameters, before it is made."""
+    """Print how well a fit's records determine its parameters."""
     from antenna_pin.fit.assessment import identifiability_table, tells
 
     problem, values, factor = _begun(plan, at, executor, tell)
@@ -113,7 +110,7 @@ def next_test(
     tell: Tell,
     quiet: bool,
 ) -> None:
-    """Say which of some experiments tells most, added to a fit's records."""
+    """Print which of some experiments would determine a fit's parameters best."""
     from antenna_pin.errors import UnknownNameError
     from antenna_pin.fit.assessment import experiments_table, sizes_of, slopes_at
     from antenna_pin.fit.confidence_bands import DOUBT
@@ -250,7 +247,7 @@ def fit(
     progress: Annotated[bool, typer.Option(help="Show how many runs are made.")] = True,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
 ) -> None:
-    """Find numbers of a scenario, such as play, stiffness, friction, for which its runs are as measured.
+    """Fit numbers of a scenario, such as play, stiffness, friction, to measured records.
 
     Records, scenario and parameters are checked before anything is run. What was interrupted or killed goes
     on with the same command.
@@ -293,8 +290,8 @@ def fit(
                 return
             notes: list[str] = []
 
-            def judged(found: Fit) -> None:
-                table, said = certain(found, profile=profile, draws=draws, seed=seed)
+            def judged(result: Fit) -> None:
+                table, said = certain(result, profile=profile, draws=draws, seed=seed)
                 table.attrs["command"] = command_of(context)
                 save_table(table, target)
                 notes.extend(said)
@@ -311,22 +308,22 @@ def fit(
         raise typer.Exit(DOUBTFUL)
 
 
-def _say_found(found: Fit, notes: list[str], report: bool, target: Path, scenario: Path | None) -> None:
+def _say_found(result: Fit, notes: list[str], report: bool, target: Path, scenario: Path | None) -> None:
     """Print the answer: what speaks against it first."""
     if report:
-        say_each([*found.verdict, *found.report().splitlines()])
+        say_each([*result.verdict, *result.report().splitlines()])
     else:
-        lines = found.lines()
-        shown = len(found.verdict) + _SHOWN
+        lines = result.lines()
+        shown = len(result.verdict) + _SHOWN
         say_each(lines[:shown])
         if len(lines) > shown:
             say(f"... and {len(lines) - shown} more; --report has all, and their correlations")
-    bands = found.bands
+    bands = result.bands
     say(
-        f"chi2 {number(bands.chi2)} for {bands.freedoms} degrees of freedom; {found.runs} runs; "
-        f"{found.message}"
+        f"chi2 {number(bands.chi2)} for {bands.freedoms} degrees of freedom; {result.runs} runs; "
+        f"{result.message}"
     )
-    say_each([*(one.words() for one in found.validation), *found.notes, *notes])
+    say_each([*(one.words() for one in result.validation), *result.notes, *notes])
     say(f"saved {target}")
     if scenario is not None:
         say(f"saved {scenario}")
@@ -335,7 +332,7 @@ def _say_found(found: Fit, notes: list[str], report: bool, target: Path, scenari
 def _asked_before(
     identify: bool, experiments: Path | None, at: Path | None, of_a_fit: Sequence[object]
 ) -> bool:
-    """Return whether nothing is to be fitted, or say which options do not go together."""
+    """Return whether nothing is to be fitted; refuse options that exclude each other."""
     if identify and experiments is not None:
         refuse("fit: --identify must be left out beside --next, which says it for each experiment")
     before = identify or experiments is not None

@@ -36,8 +36,6 @@ if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
     from antenna_pin.trajectory import TableKind, Trajectory
 
-__all__ = ["draw_tables", "kinds_of"]
-
 
 def kinds_of(files: Sequence[Path]) -> dict[Path, TableKind]:
     """Return which files hold a dataset that is no run, and of what."""
@@ -72,7 +70,7 @@ def draw_tables(
 
 
 def names_scenario(text: str) -> bool:
-    """Whether an argument is a scenario: a TOML file, a folder with one, or the name of a shipped one."""
+    """Return whether an argument is a scenario: a file, a folder, a shipped name."""
     path = Path(text)
     if path.suffix == ".toml" or path.is_dir():
         return True
@@ -140,7 +138,7 @@ def _lines(facts: dict[str, Any], scenario: Scenario) -> Iterator[str]:
 
 
 def _by_kind(
-    noun: str, kinds: Mapping[str, str], told: Callable[[str], str] = str, nouns: str = ""
+    noun: str, kinds: Mapping[str, str], label: Callable[[str], str] = str, nouns: str = ""
 ) -> Iterator[str]:
     """Yield a line for each kind of thing, with the names of those of it."""
     names: dict[str, list[str]] = {}
@@ -148,10 +146,10 @@ def _by_kind(
         names.setdefault(kind, []).append(name)
     for kind, several in names.items():
         if len(several) == 1:
-            yield f"{noun} {told(several[0])}: {kind}"
+            yield f"{noun} {label(several[0])}: {kind}"
         else:
             each = " each" * ("equation" in kind)
-            yield f"{len(several)} {nouns or noun + 's'} {', '.join(map(told, several))}: {kind}{each}"
+            yield f"{len(several)} {nouns or noun + 's'} {', '.join(map(label, several))}: {kind}{each}"
 
 
 def _links(name: str, closure: Mapping[str, Any]) -> str:
@@ -228,7 +226,7 @@ def info(
         ),
     ] = None,
 ) -> None:
-    """Say what results are: how they ended, what happened, what is kept; or what a scenario is.
+    """Summarise results: outcome, main numbers, conservation; or describe a scenario.
 
     Of a scenario with closed loops: whether they can be closed, and how many freedoms are left. A CSV file
     has a row for each result.
@@ -280,7 +278,7 @@ def info(
 
 
 def _say_notes(label: str, trajectory: Trajectory, everything: bool) -> None:
-    """Say what a run's reader has to know besides its numbers."""
+    """Print the notes of a run."""
     if trajectory.outcome.name != "COMPLETED":
         say(f"{label}: {trajectory.message}")
     elif trajectory.advice:
@@ -299,7 +297,7 @@ def _say_notes(label: str, trajectory: Trajectory, everything: bool) -> None:
 
 
 def _facts(trajectory: Trajectory) -> dict[str, Any]:
-    """Return the summary of a run with the share of time that each joint spent in each contact scenario.
+    """Return a run's summary with the time shares of each joint's contact scenarios.
 
     A lean result does not hold the shares.
     """
@@ -328,7 +326,7 @@ def _facts(trajectory: Trajectory) -> dict[str, Any]:
 
 
 def _pair(radial: str, axial: str, many: bool) -> str:
-    """Return a pair of scenarios in words; of a slider's many contacts only whether there is any is known."""
+    """Return a pair of scenarios in words; for many contacts only whether any touches."""
     if many:
         return "no contact" if radial == "none" else "contact"
     return f"radial {radial}, axial {axial}".replace("_", " ")
@@ -351,7 +349,7 @@ def plot(
     ] = None,
     width: Annotated[Width, typer.Option(help="Width of the figures: 88 mm or 180 mm.")] = Width.PAGE,
 ) -> None:
-    """Draw the figures that results allow: runs, or fits, orbits, diagrams and what else is saved."""
+    """Draw the figures of results: runs, fits, orbits, diagrams and other datasets."""
     suffixes = figure_formats(formats)
     figure_folder(out)
     tables = kinds_of(files)

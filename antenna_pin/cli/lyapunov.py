@@ -1,4 +1,4 @@
-"""``antenna-pin lyapunov``: how fast neighbours part, and whether that is chaos."""
+"""``antenna-pin lyapunov``: Lyapunov exponents and a verdict on chaos."""
 
 from __future__ import annotations
 
@@ -27,8 +27,6 @@ from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
     from antenna_pin.nonlinear import Exponents
-
-__all__ = ["lyapunov"]
 
 
 def lyapunov(
@@ -91,29 +89,29 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _facts(found: Exponents) -> dict[str, Any]:
+def _facts(exponents: Exponents) -> dict[str, Any]:
     facts: dict[str, Any] = plain(
         {
-            "verdict": found.verdict,
-            "exponents": found.values.tolist(),
-            "errors": [_finite(error) for error in found.errors.tolist()],
-            "interval": found.interval,
-            "intervals": len(found.growth),
-            "running": found.running[:, 0].tolist(),
+            "verdict": exponents.verdict,
+            "exponents": exponents.values.tolist(),
+            "errors": [_finite(error) for error in exponents.errors.tolist()],
+            "interval": exponents.interval,
+            "intervals": len(exponents.growth),
+            "running": exponents.running[:, 0].tolist(),
         }
     )
     return facts
 
 
-def _print(found: Exponents, periodic: bool) -> None:
-    typer.echo(f"{found.verdict}, over {len(found.growth)} intervals of {found.interval:.6g} s")
+def _print(exponents: Exponents, periodic: bool) -> None:
+    typer.echo(f"{exponents.verdict}, over {len(exponents.growth)} intervals of {exponents.interval:.6g} s")
     unit = "per period" if periodic else "per interval"
     rows = [
         [
             f"{value:.4g}",
             f"{error:.2g}" if math.isfinite(error) else "unknown",
-            f"{value * found.interval:.4g}",
+            f"{value * exponents.interval:.4g}",
         ]
-        for value, error in zip(found.values, found.errors, strict=True)
+        for value, error in zip(exponents.values, exponents.errors, strict=True)
     ]
     print_rows("Lyapunov exponents", ["[1/s]", "standard error [1/s]", unit], rows)

@@ -35,7 +35,7 @@ _NAMED, _NAMES = 0.05, 3
 
 
 class PlayName(StrEnum):
-    """What joints with play are taken as."""
+    """Model of joints with play."""
 
     IDEAL = "ideal"
     FREE = "free"
@@ -184,38 +184,38 @@ def _loads(texts: list[str] | None) -> Any:
     return found[""] if list(found) == [""] else found
 
 
-def _record(found: Modes, page: Path, numbers: list[int] | None, amplitude: float, quiet: bool) -> None:
+def _record(modes: Modes, page: Path, numbers: list[int] | None, amplitude: float, quiet: bool) -> None:
     from antenna_pin.linear import swing
     from antenna_pin.record import record_several
 
-    chosen = numbers or found.elastic
+    chosen = numbers or modes.elastic
     if not chosen:
         raise InvalidParameterError(
             "modes", "--record", "given --mode NUMBER, as nothing vibrates here", str(page)
         )
-    swings = {f"mode {k}": swing(found, k, amplitude) for k in chosen}
+    swings = {f"mode {k}": swing(modes, k, amplitude) for k in chosen}
     with not_interrupted():
-        record_several(swings.values(), page, title=found.data.attrs["title"])
+        record_several(swings.values(), page, title=modes.data.attrs["title"])
         if not quiet:
             typer.echo(f"saved {page}")
 
 
 def _plot(
-    found: Modes, path: Path, source: str | None, targets: list[str] | None, width: Width, quiet: bool
+    modes: Modes, path: Path, source: str | None, targets: list[str] | None, width: Width, quiet: bool
 ) -> None:
     from antenna_pin.linear import first_source, frequency_response
     from antenna_pin.plot import figure_response, save_figure
 
-    start = first_source(found, "--from") if source is None else source
-    figure = figure_response(frequency_response(found, start, targets), width=width.value)
+    start = first_source(modes, "--from") if source is None else source
+    figure = figure_response(frequency_response(modes, start, targets), width=width.value)
     save_figure(figure, path.with_suffix(""), [path.suffix[1:]])
     if not quiet:
         typer.echo(f"saved {path}")
 
 
-def _rows(found: Modes) -> list[dict[str, Any]]:
+def _rows(modes: Modes) -> list[dict[str, Any]]:
     """Return one row for each mode, by names with units."""
-    data = found.data
+    data = modes.data
     rows = []
     for mode in data["mode"].values:
         one = data.sel(mode=mode)
@@ -239,38 +239,38 @@ def _rows(found: Modes) -> list[dict[str, Any]]:
     return rows
 
 
-def _print(found: Modes) -> None:
-    data = found.data
+def _print(modes: Modes) -> None:
+    data = modes.data
     shown = [k for k, kind in enumerate(data["kind"].values) if kind in ("elastic", "unstable")]
     head = ["mode", "frequency [Hz]", "damped [Hz]", "damping [%]", "moves most", "stores most"]
     rows = [
         [
             f"{data['mode'].values[k]}{' unstable' if data['kind'].values[k] == 'unstable' else ''}",
-            _number(found.frequency[k]),
+            _number(modes.frequency[k]),
             _number(float(data["damped_modulus"].values[k])),
-            _number(100.0 * found.damping_ratio[k]),
+            _number(100.0 * modes.damping_ratio[k]),
             _largest(data["body"].values, data["kinetic_share"].values[k]),
             _largest(data["part"].values, data["strain_share"].values[k]) if "strain_share" in data else "-",
         ]
         for k in shown
     ]
-    title = ", ".join(filter(None, (data.attrs["title"], data.attrs["case"], _taken(found))))
+    title = ", ".join(filter(None, (data.attrs["title"], data.attrs["case"], _taken(modes))))
     if rows:
         print_rows(title, head, rows, numbers=False)
     else:
         say(title)
         typer.echo("nothing vibrates")
     if "effective_mass" in data and shown:
-        _print_masses(found, shown)
+        _print_masses(modes, shown)
     kinds = list(data["kind"].values)
     if kinds.count("rigid"):
         typer.echo(f"beside these {kinds.count('rigid')} motions of all as one rigid body")
-    for note in found.notes:
+    for note in modes.notes:
         say(f"note: {note}")
 
 
-def _taken(found: Modes) -> str:
-    attributes = found.data.attrs
+def _taken(modes: Modes) -> str:
+    attributes = modes.data.attrs
     words = [f"{name} {kind}" for name, kind in attributes["play"].items()]
     words += [
         f"{name} under {', '.join(f'{f:g}' for f in load)} N" for name, load in attributes["loads"].items()
@@ -281,8 +281,8 @@ def _taken(found: Modes) -> str:
     return "; ".join(words)
 
 
-def _print_masses(found: Modes, shown: list[int]) -> None:
-    data = found.data
+def _print_masses(modes: Modes, shown: list[int]) -> None:
+    data = modes.data
     names = [str(name) for name in data["component"].values]
     units = ["kg m²" if name.startswith("r") else "kg" for name in names]
     rows = [

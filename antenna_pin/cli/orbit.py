@@ -1,4 +1,4 @@
-"""``antenna-pin orbit``: a periodic solution, whether neighbours come to it, and how that changes."""
+"""``antenna-pin orbit``: periodic solutions, their stability, their branches."""
 
 from __future__ import annotations
 
@@ -45,9 +45,6 @@ if TYPE_CHECKING:
     from antenna_pin.nonlinear import Orbit, Point
     from antenna_pin.scenario import Scenario
 
-__all__ = ["AtOption", "PeriodOption", "begun_from", "is_saved", "orbit", "period_of", "saved_branch"]
-
-
 OverOption = Annotated[
     str | None,
     typer.Option(metavar="KEY", help="Follow the orbit over a key of the scenario, as in --set."),
@@ -71,7 +68,7 @@ MostOrbitsOption = Annotated[int, typer.Option("--most", metavar="N", help="Orbi
 
 
 def ends_of(text: str | None, over: str, known: Scenario) -> tuple[float, float, str]:
-    """Return the ends of a range of a key, in SI units, and its unit ("" if none is said)."""
+    """Return the ends of a key's range in SI units, and their unit."""
     from antenna_pin.base.units import any_quantity
 
     rule = "given with --over as FIRST:LAST, such as '1 N*m:3 N*m'"
@@ -167,7 +164,7 @@ AtOption = Annotated[
 
 
 def is_saved(name: str) -> bool:
-    """Whether a name is that of a file of an orbit or a branch, rather than of a scenario."""
+    """Return whether a name is a saved orbit or branch rather than a scenario."""
     return name.endswith(".nc")
 
 
@@ -186,7 +183,7 @@ def saved_branch(name: str) -> xr.Dataset | None:
 
 
 def begun_from(name: str, at: int | None, settings: list[str] | None) -> tuple[Scenario, State]:
-    """Return the scenario of a saved orbit, with the changes of the command line, and the orbit's start.
+    """Return the scenario and the start of a saved orbit, with the command line's changes.
 
     Raises:
         AntennaPinError: The file is not there, is of something else, or what is changed cannot be.
@@ -265,7 +262,7 @@ def orbit(
     csv: CsvOption = None,
     progress: Annotated[bool, typer.Option(help="Show a progress bar along --over.")] = True,
 ) -> None:
-    """Find a periodic solution near where a scenario has come to, and say whether neighbours come to it.
+    """Find a periodic solution near the settled motion, and its stability.
 
     Multipliers are by how much they grow in a period. The instant of its start must be one between impacts.
     With --over the orbit is followed over a key of the scenario, through folds; what is interrupted is saved
@@ -328,7 +325,7 @@ def _tell(
     as_json: bool,
     table: Path | None,
 ) -> None:
-    """Save, draw and print a branch, as far as that is asked for."""
+    """Save, draw and print a branch, as requested."""
     from antenna_pin.plot import figure_branch
 
     save_both(branch, lambda: figure_branch(branch, width=width.value), targets, context, as_json)
@@ -350,7 +347,7 @@ def _followed(
     progress: bool,
     begin: State | None,
 ) -> tuple[xr.Dataset, bool]:
-    """Return the branch of the orbit that a scenario has come to, and whether it was cut short."""
+    """Return the branch from a scenario's orbit, and whether it was interrupted."""
     from antenna_pin.nonlinear import amplitudes, branch_table, check_steps, continued, family_of, flow_of
 
     first, last, unit = ends
@@ -385,27 +382,27 @@ def _followed(
     return branch_table(branch, flow.system, over, unit, known, found), cut
 
 
-def _facts(found: Orbit) -> dict[str, Any]:
+def _facts(orbit: Orbit) -> dict[str, Any]:
     facts: dict[str, Any] = plain(
         {
-            "period": found.period,
-            "time": found.start.time,
-            "q": found.start.q.tolist(),
-            "v": found.start.v.tolist(),
-            "residual": found.residual,
-            "stable": found.stable,
-            "doubt": found.doubt,
-            "neutral": found.neutral,
-            "multipliers": [[one.real, one.imag] for one in found.multipliers.tolist()],
-            "exponents": found.exponents.tolist(),
-            "onsets": found.onsets[0],
-            "events": found.onsets[1],
+            "period": orbit.period,
+            "time": orbit.start.time,
+            "q": orbit.start.q.tolist(),
+            "v": orbit.start.v.tolist(),
+            "residual": orbit.residual,
+            "stable": orbit.stable,
+            "doubt": orbit.doubt,
+            "neutral": orbit.neutral,
+            "multipliers": [[one.real, one.imag] for one in orbit.multipliers.tolist()],
+            "exponents": orbit.exponents.tolist(),
+            "onsets": orbit.onsets[0],
+            "events": orbit.onsets[1],
         }
     )
     return facts
 
 
-def _rows(found: Orbit) -> list[dict[str, Any]]:
+def _rows(orbit: Orbit) -> list[dict[str, Any]]:
     return [
         plain(
             {
@@ -415,28 +412,28 @@ def _rows(found: Orbit) -> list[dict[str, Any]]:
                 "exponent [1/s]": float(exponent),
             }
         )
-        for one, exponent in zip(found.multipliers.tolist(), found.exponents, strict=True)
+        for one, exponent in zip(orbit.multipliers.tolist(), orbit.exponents, strict=True)
     ]
 
 
-def _print(found: Orbit) -> None:
+def _print(orbit: Orbit) -> None:
     from antenna_pin.analysis import said_of_multiplier
 
-    words = {True: "stable", False: "unstable", None: "neutral, as far as can be told"}[found.stable]
+    words = {True: "stable", False: "unstable", None: "neutral, as far as can be told"}[orbit.stable]
     happens = [
         f"{count} {what}{'s' if count > 1 else ''}"
-        for count, what in zip(found.onsets, ("contact", "event"), strict=True)
+        for count, what in zip(orbit.onsets, ("contact", "event"), strict=True)
         if count
     ]
     rest = f"; {' and '.join(happens)} in a period" if happens else ""
-    if found.neutral:
+    if orbit.neutral:
         rest += "; what lasting contacts remember, and elements keep, stays as it began"
-    typer.echo(f"orbit of {found.period:.9g} s, {words}{rest}")
+    typer.echo(f"orbit of {orbit.period:.9g} s, {words}{rest}")
     # Digits that are known: one multiplier does not say more than the doubt of all.
-    digits = min(12, max(0, math.floor(-math.log10(max(found.doubt, 1e-12)))))
+    digits = min(12, max(0, math.floor(-math.log10(max(orbit.doubt, 1e-12)))))
     rows = [
         [said_of_multiplier(one, 6, digits), f"{round(abs(one), digits):.6g}", f"{exponent:.4g}"]
-        for one, exponent in zip(found.multipliers.tolist(), found.exponents, strict=True)
+        for one, exponent in zip(orbit.multipliers.tolist(), orbit.exponents, strict=True)
     ]
-    title = f"Floquet multipliers, to {power_above(found.doubt)}"
+    title = f"Floquet multipliers, to {power_above(orbit.doubt)}"
     print_rows(title, ["multiplier", "size", "exponent [1/s]"], rows)

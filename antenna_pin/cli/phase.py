@@ -21,7 +21,7 @@ _PERIODS = re.compile(r"\s*([0-9.]+)\s*periods?\s*")
 
 
 class Colour(StrEnum):
-    """What the colours of a portrait are."""
+    """Meaning of a portrait's colours."""
 
     TIME = "time"
     DENSITY = "density"

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 
 class Direction(StrEnum):
-    """Which passages of a surface count."""
+    """Direction of counted crossings."""
 
     RISING = "rising"
     FALLING = "falling"
@@ -73,7 +73,7 @@ MostOption = Annotated[
 
 
 def section_from(text: str, direction: Direction, phase: float) -> Section:
-    """Return the section that the options say."""
+    """Return the section of the options."""
     from antenna_pin.nonlinear import section_of
 
     return section_of(text, direction.value, phase)
@@ -138,17 +138,17 @@ def poincare(
             _print(found, names)
 
 
-def _print(found: xr.Dataset, names: list[str]) -> None:
+def _print(section: xr.Dataset, names: list[str]) -> None:
     rows = []
     for name in names:
-        values = found[name].values
+        values = section[name].values
         numbers = [f"{float(value):.6g}" for value in (values.min(), values.max(), values.mean(), values[-1])]
-        rows.append([f"{name} [{found[name].units}]", *numbers])
-    title = ", ".join(filter(None, (found.attrs["title"], found.attrs["case"], found.attrs["section"])))
+        rows.append([f"{name} [{section[name].units}]", *numbers])
+    title = ", ".join(filter(None, (section.attrs["title"], section.attrs["case"], section.attrs["section"])))
     print_rows(title, ["quantity", "least", "largest", "mean", "last"], rows)
-    kept = f"{found.sizes['point']} points from {float(found['time'].values[0]):.6g} s on"
-    cut = f"behind {int(found['transient'].item())}"
-    said = "settled" if found["settled"].item() else "NOT settled"
-    say(f"{kept}, {cut}: {said}, drift {float(found['drift'].item()):.2g}")
-    if found.attrs["outcome"] != "COMPLETED":
-        say(f"note: {found.attrs['message']}")
+    kept = f"{section.sizes['point']} points from {float(section['time'].values[0]):.6g} s on"
+    cut = f"behind {int(section['transient'].item())}"
+    said = "settled" if section["settled"].item() else "NOT settled"
+    say(f"{kept}, {cut}: {said}, drift {float(section['drift'].item()):.2g}")
+    if section.attrs["outcome"] != "COMPLETED":
+        say(f"note: {section.attrs['message']}")

@@ -1,4 +1,4 @@
-"""``antenna-pin pointing``: how far the boresight is from where it should be, in the indices of ECSS."""
+"""``antenna-pin pointing``: pointing error indices of ECSS."""
 
 from __future__ import annotations
 
@@ -144,7 +144,7 @@ def _covered(run: Trajectory, ideal: Trajectory, path: Path, notes: list[str]) -
 def _check_options(
     path: Path, run: Trajectory, against: Mapping[str, Any], body: str | None, boresight: str | None
 ) -> None:
-    """Refuse what the scenario does not say and no option does, with the option that would."""
+    """Refuse a pointing that neither scenario nor options define."""
     from antenna_pin.analysis import pointing_spec
 
     known = pointing_spec(run)
@@ -190,25 +190,25 @@ def _vector(text: str, option: str) -> tuple[float, float, float]:
     return vector
 
 
-def _plain(found: xr.Dataset) -> dict[str, Any]:
+def _plain(indices: xr.Dataset) -> dict[str, Any]:
     """Return the indices in plain numbers; None where there is none."""
 
     def row(values: xr.DataArray) -> dict[str, float | None]:
         return {
             str(name): None if math.isnan(value) else float(value)
-            for name, value in zip(found["component"].values, values.values, strict=True)
+            for name, value in zip(indices["component"].values, values.values, strict=True)
         }
 
     return {
-        str(kind): {name: row(found[name].sel(index=kind)) for name in ("extreme", "lowest", "highest")}
+        str(kind): {name: row(indices[name].sel(index=kind)) for name in ("extreme", "lowest", "highest")}
         | {
             "level": {
-                str(name): row(found["level"].sel(index=kind, interpretation=name))
-                for name in found["interpretation"].values
+                str(name): row(indices["level"].sel(index=kind, interpretation=name))
+                for name in indices["interpretation"].values
             },
-            "definition": str(found["definition"].sel(index=kind).item()),
+            "definition": str(indices["definition"].sel(index=kind).item()),
         }
-        for kind in found["index"].values
+        for kind in indices["index"].values
     }
 
 
@@ -221,23 +221,23 @@ def _values(indices: Mapping[str, Any]) -> Iterator[list[Any]]:
             yield [kind, f"level, {name}", *level.values()]
 
 
-def _print(title: str, found: xr.Dataset) -> None:
+def _print(title: str, indices: xr.Dataset) -> None:
     """Print the table, and what its rows and columns are."""
     from antenna_pin.analysis import INTERPRETATIONS
 
-    several = found.attrs["runs"] > 1
-    share = f"{100.0 * found.attrs['confidence']:g} %"
+    several = indices.attrs["runs"] > 1
+    share = f"{100.0 * indices.attrs['confidence']:g} %"
     rows: list[list[str]] = []
-    for kind in found["index"].values:
-        one = found.sel(index=kind)
+    for kind in indices["index"].values:
+        one = indices.sel(index=kind)
         rows.append(_row(f"{kind} largest", one["extreme"]))
-        for name in found["interpretation"].values if several else ["temporal"]:
+        for name in indices["interpretation"].values if several else ["temporal"]:
             label = f"{kind} {share}, {name}" if several else f"{kind} {share}"
             rows.append(_row(label, one["level"].sel(interpretation=name)))
-    names = [str(name) for name in found["component"].values]
+    names = [str(name) for name in indices["component"].values]
     print_rows(title, ("", *names), rows)
-    for kind in found["index"].values:
-        typer.echo(f"{kind}: {found['definition'].sel(index=kind).item()}")
+    for kind in indices["index"].values:
+        typer.echo(f"{kind}: {indices['definition'].sel(index=kind).item()}")
     for name in names:
         typer.echo(f"{name}: {_COMPONENTS[name]}")
     for name, text in INTERPRETATIONS.items() if several else [("temporal", "share of the time")]:

@@ -1,4 +1,4 @@
-"""``antenna-pin record``: a run as a 3D recording that plays in a browser, as pictures or as a video."""
+"""``antenna-pin record``: a run in 3D as a page, as pictures or as a video."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _SIZE = re.compile(r"([0-9]{1,6})\s*[xX×]\s*([0-9]{1,6})")
 
 
 class Kind(StrEnum):
-    """What a recording is written as, by the suffix of the output's name."""
+    """Format of a recording, by the suffix of the output's name."""
 
     PAGE = ".html"
     PICTURE = ".png"
@@ -43,7 +43,7 @@ class Kind(StrEnum):
 
 
 def kind_of(out: Path) -> Kind:
-    """Return what a name asks for: a folder or a name without suffix is a folder of frames."""
+    """Return the format of a name; a folder or no suffix means frames."""
     if out.is_dir():
         return Kind.FRAMES
     try:
@@ -58,7 +58,7 @@ def kind_of(out: Path) -> Kind:
 def check_options(
     out: Path, kind: Kind, *, at: str | None = None, fps: float | None = None, size: str | None = None
 ) -> None:
-    """Refuse, before any work, what cannot be written, and options that the output does not know."""
+    """Refuse an output that cannot be written, and options without effect on it."""
     from antenna_pin.base.files import check_writable
     from antenna_pin.record import check_film
 
@@ -96,7 +96,7 @@ def film(
     size: tuple[int, int] | None,
     progress: bool,
 ) -> None:
-    """Write pictures of a recording, and say so."""
+    """Write pictures of a recording and print their place."""
     from antenna_pin.record import save_frames, save_picture, save_video
 
     if kind is Kind.PICTURE:
@@ -113,7 +113,7 @@ def film(
 
 
 class ViewName(StrEnum):
-    """What a recording shows."""
+    """View of a recording."""
 
     MECHANISM = "mechanism"
     JOINT = "joint"
@@ -187,7 +187,7 @@ def record(
     package_path: PackagePathOption = None,
     progress: Annotated[bool, typer.Option(help="Show a progress bar while filming.")] = True,
 ) -> None:
-    """Record a run in 3D: one HTML page with a player, in which nothing is loaded from elsewhere.
+    """Record a run in 3D: one self-contained HTML page with a player.
 
     Pictures and videos are taken of that page by Chromium (the extra "video" of the package).
     """

@@ -1,4 +1,4 @@
-"""``antenna-pin report``: one file that tells of any number of runs, and of what motions come to."""
+"""``antenna-pin report``: one page on any number of runs and findings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``antenna-pin list`` and ``run``: scenarios, and what comes of them."""
+"""``antenna-pin list`` and ``run``: shipped scenarios, and their simulation."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def list_scenarios(
         ),
     ] = None,
 ) -> None:
-    """List the shipped scenarios and their cases, or the cases of one, such as a file of your own."""
+    """List the shipped scenarios and their cases, or the cases of one scenario."""
     from antenna_pin.scenario import list_scenarios as shipped
     from antenna_pin.scenario import scenario_summary
 
@@ -198,12 +198,12 @@ def _toml(text: str) -> str:
 
 
 def has_checkpoint(path: Path) -> bool:
-    """Whether there is a checkpoint of a run whose result is to be at a path."""
+    """Return whether a result's path has a checkpoint."""
     return path.with_name(path.name + ".parts").joinpath("checkpoint").is_file()
 
 
 def resumed(file: Path) -> tuple[Scenario, Path]:
-    """Return what a run that was stopped was begun with, and where its result goes."""
+    """Return the scenario of a stopped run, and the path of its result."""
     from antenna_pin.simulation import Checkpoint
 
     path = file.with_suffix("") if file.suffix == ".parts" else file

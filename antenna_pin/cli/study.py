@@ -1,4 +1,4 @@
-"""``antenna-pin study``: what a study's runs have come to, in tables, figures and a report.
+"""``antenna-pin study``: a study's results in tables, figures and a report.
 
 Errors leave here as exceptions; :mod:`antenna_pin.cli` turns them into one line and an exit code.
 """
@@ -49,7 +49,7 @@ def run_rows(design: Design) -> tuple[list[str], list[list[str]]]:
 
 
 def said_of_time(runs: int, seconds: RunTime, cores: int) -> str:
-    """Return what a study takes, in words: a range where the pace of runs changes on their way."""
+    """Return a study's duration in words; a range where the runs differ in pace."""
     alike = seconds.most <= _ALIKE * seconds.least
     times = (seconds.mean,) if alike else (seconds.least, seconds.most)
     each = " to ".join(f"{one:.2g}" for one in times)
@@ -73,12 +73,12 @@ def outcome_rows(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
 
 
 def is_grid(table: xr.Dataset) -> bool:
-    """Whether all combinations of chosen values were run; statistics say something of drawn ones only."""
+    """Return whether the runs form a grid, which has no statistics."""
     return str(table.attrs["method"]) == "grid"
 
 
 def grid_rows(table: xr.Dataset) -> tuple[list[str], list[list[str]], int]:
-    """Return head and rows of a grid's runs, values against responses, and how many are not shown.
+    """Return head and rows of a grid's runs, and the number of hidden ones.
 
     A column has one prefix for all of its numbers.
     """
@@ -127,7 +127,7 @@ def print_outcomes(name: str, table: xr.Dataset) -> None:
 
 
 def failures(table: xr.Dataset) -> Iterator[tuple[int, str, str, str]]:
-    """Yield runs that ended early or do not balance: number, values of the parameters, outcome, message."""
+    """Yield number, parameters, outcome, message of runs that ended early or do not balance."""
     import numpy as np
 
     outcomes = table["outcome"].values
@@ -175,7 +175,7 @@ def show(
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Say how the runs ended and what the responses come to; --csv and --json have every run."""
+    """Print outcomes and responses of the runs; --csv and --json have every run."""
     import numpy as np
 
     from antenna_pin.sweep import open_study, sensitivities

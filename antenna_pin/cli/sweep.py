@@ -1,4 +1,4 @@
-"""``antenna-pin sweep``: the runs of a parameter study, those that its store does not have yet."""
+"""``antenna-pin sweep``: the runs of a parameter study that its store lacks."""
 
 from __future__ import annotations
 

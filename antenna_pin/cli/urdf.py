@@ -1,4 +1,4 @@
-"""``antenna-pin urdf``: the URDF of a case, and what is read of URDFs and what is not."""
+"""``antenna-pin urdf``: the URDF of a case, and checks of URDFs."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def urdf(
     package_path: PackagePathOption = None,
     settings: SetOption = None,
 ) -> None:
-    """Write the URDF that a case simulates, or say what is read of URDFs (--check).
+    """Write the URDF of a case, or check which parts of URDFs are used (--check).
 
     Joints with clearance are free in it; other tools can load it. Mesh files are named relative to it. With
     --check the exit code is 0 if all load, 2 if one does not.
@@ -93,7 +93,7 @@ def _is_urdf(target: str) -> bool:
 def _check(
     targets: list[str], case: str | None, settings: list[str] | None, roots: list[Path], out: Path | None
 ) -> None:
-    """Print a line for each thing found, with the file before it, and a count of all."""
+    """Print a line for each finding, and a count of all."""
     from antenna_pin.base.files import check_writable, replacing
 
     target = None if out is None else check_writable(out)
@@ -140,7 +140,7 @@ def _found(targets: list[str]) -> Iterator[str]:
 def _verdict(
     name: str, file: bool, case: str | None, settings: list[str] | None, roots: list[Path]
 ) -> tuple[str, list[str]]:
-    """Return whether a URDF loads, in words, and what is to be said of it."""
+    """Return the verdict on a URDF, in words, and the details."""
     import warnings
 
     from antenna_pin.assemble import as_written, build_system, initial_state, urdf_variant
@@ -190,28 +190,28 @@ def _said(written: WrittenUrdf) -> list[str]:
     return [f"passed over: {kind.said()}" for kind in written.passed_over]
 
 
-def _built(made: Urdf) -> Mechanism:
+def _built(variant: Urdf) -> Mechanism:
     """Return the mechanism on a free base, or a fixed one where that cannot be."""
     from antenna_pin.errors import MechanismError
     from antenna_pin.mechanism import WORLD, build_mechanism
 
-    if made.root == WORLD:
-        return build_mechanism(made, "fixed")
+    if variant.root == WORLD:
+        return build_mechanism(variant, "fixed")
     try:
-        return build_mechanism(made, "free")
+        return build_mechanism(variant, "free")
     except MechanismError as error:
         try:
-            return build_mechanism(made, "fixed")
+            return build_mechanism(variant, "fixed")
         except MechanismError:
             raise error from None
 
 
-def _missing(made: Urdf) -> list[str]:
+def _missing(variant: Urdf) -> list[str]:
     """Return mesh files of shapes that are drawn and are not there, each once."""
     names = (
         visual.geometry.mesh.filename
-        for link in made.robot.links
+        for link in variant.robot.links
         for visual in link.visuals
         if visual.geometry.mesh is not None
     )
-    return [name for name in dict.fromkeys(map(str, names)) if made.mesh_file(name) is None]
+    return [name for name in dict.fromkeys(map(str, names)) if variant.mesh_file(name) is None]

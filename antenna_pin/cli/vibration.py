@@ -121,7 +121,7 @@ def density(
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Give the power spectral density of a quantity with its confidence, and root mean squares of bands."""
+    """Compute a quantity's power spectral density with confidence, and rms values of bands."""
     from antenna_pin.analysis import band_rms, power_density, quantity
 
     target, figure = csv_target(csv), figure_target(plot, "vibration", "--plot")
@@ -174,7 +174,7 @@ def shock(
 
 
 def _name(run: Trajectory, of: str | None) -> str:
-    """Return the quantity that is asked for, or the acceleration of the last link on a shaken base."""
+    """Return the selected quantity, or the last link's acceleration on a shaken base."""
     from antenna_pin.analysis import shaken_target, shakes_of
 
     if of is None and not shakes_of(run):
@@ -200,13 +200,13 @@ def _transferred(run: Trajectory, of: str | None, to: str | None, segment: str |
     return found.assign_attrs(target=one.name, source=cause.name, units=f"({one.units})/({cause.units})")
 
 
-def _print_peaks(found: xr.Dataset, label: str) -> None:
+def _print_peaks(response: xr.Dataset, label: str) -> None:
     """Print where the answer to a sweep is largest, of each way."""
     import numpy as np
 
     shown = []
     for way, word in ((1, "up"), (-1, "down"), (0, "at one frequency")):
-        one = found.isel(window=np.flatnonzero(found["way"].values == way))
+        one = response.isel(window=np.flatnonzero(response["way"].values == way))
         if not one.sizes["window"]:
             continue
         at = one.isel(window=int(np.argmax(one["gain"].values)))
@@ -215,7 +215,7 @@ def _print_peaks(found: xr.Dataset, label: str) -> None:
         numbers += [float(at[name]) for name in ("frequency", "gain", "amplitude")]
         numbers.append(100.0 * float(one["distortion"].max()))
         shown.append([word, *map(number_text, numbers)])
-    gain, amplitude = (str(found[name].attrs["units"]) for name in ("gain", "amplitude"))
+    gain, amplitude = (str(response[name].attrs["units"]) for name in ("gain", "amplitude"))
     head = [
         "way",
         "from [Hz]",
@@ -225,12 +225,14 @@ def _print_peaks(found: xr.Dataset, label: str) -> None:
         f"amplitude [{amplitude}]",
         "largest distortion [%]",
     ]
-    print_rows(f"{label}: {found.attrs['target']} over the base's acceleration", head, shown, numbers=False)
+    print_rows(
+        f"{label}: {response.attrs['target']} over the base's acceleration", head, shown, numbers=False
+    )
 
 
-def _rows(found: xr.Dataset, names: Sequence[str]) -> list[dict[str, Any]]:
+def _rows(table: xr.Dataset, names: Sequence[str]) -> list[dict[str, Any]]:
     """Return one row for each entry of a dataset of one dimension."""
-    columns = [found[name].values.tolist() for name in names]
+    columns = [table[name].values.tolist() for name in names]
     return [plain(dict(zip(names, row, strict=True))) for row in zip(*columns, strict=True)]
 
 

@@ -1,4 +1,4 @@
-"""``antenna-pin view``: a run in 3D in the browser that pages are opened with, by one short command."""
+"""``antenna-pin view``: a run in 3D in the browser."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def view(
 
 
 def _beside(recording: Recording, file: Path) -> Path:
-    """Write the page beside the result, where browsers that see home folders only find it; else elsewhere."""
+    """Write the page beside the result, or in a temporary folder."""
     try:
         return recording.save(file.with_name(f"{file.stem}.view.html"))
     except OutputError:

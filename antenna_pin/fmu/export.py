@@ -22,8 +22,6 @@ from antenna_pin.fmu.packed import Packed, check_names
 from antenna_pin.scenario import Scenario
 from antenna_pin.session import start
 
-__all__ = ["export_fmu"]
-
 _MODULE = '''"""{title}: one instance, as pythonfmu3 looks for it."""
 
 from pythonfmu3 import Fmi3Slave

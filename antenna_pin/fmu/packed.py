@@ -12,8 +12,6 @@ from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNa
 from antenna_pin.scenario import Scenario
 from antenna_pin.session import Session
 
-__all__ = ["FILE", "Packed", "Variable", "check_names", "number_at", "place_of"]
-
 #: In the FMU's folder of resources.
 FILE = "antenna_pin.json"
 
@@ -131,7 +129,7 @@ class Packed:
 
 
 def place_of(session: Session, name: str) -> str:
-    """Return the place of what an input commands: that of a command, or a place itself.
+    """Return the place of an input: that of a command, or a place itself.
 
     Raises:
         UnknownNameError: Neither is of that name.

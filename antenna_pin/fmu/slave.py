@@ -26,9 +26,6 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.session import Session, start
 from antenna_pin.trajectory import Outcome
 
-__all__ = ["Slave"]
-
-
 # --- units as FMI has them: products of powers of SI units ---
 
 # Those that stand in results and scenarios beside the base units.
@@ -47,10 +44,7 @@ _PART = re.compile(r"([A-Za-z]+)(?:(?:\^|\*\*)(-?\d+))?")
 
 
 def powers_of(unit: str) -> dict[str, int] | None:
-    """Return the powers of SI units in a unit such as ``N m/rad``; None where there are no whole ones.
-
-    Whatever stands behind the first stroke divides.
-    """
+    """Return the powers of SI units in a unit such as ``N m/rad``."""
     found: dict[str, int] = {}
     for side, parts in enumerate(unit.split("/")):
         for part in parts.replace("**", "^").replace("*", " ").replace("(", " ").replace(")", " ").split():

@@ -1,4 +1,4 @@
-"""The page of a scenario that is explored: its sliders, its figures, and what they do to one another."""
+"""Page of the explorer: sliders, figures, and their interaction."""
 
 from __future__ import annotations
 
@@ -23,8 +23,6 @@ from antenna_pin.live.looks import darkened, dressed
 from antenna_pin.live.panels import Panels
 from antenna_pin.live.runner import COMPILING, Made, Runner
 from antenna_pin.scenario import Scenario
-
-__all__ = ["Page"]
 
 _POSITIONS = 200  # of a slider
 _TICK = 250  # between two looks at the stage of the first run [ms]
@@ -190,9 +188,9 @@ class Page:
     def _ask(self) -> None:
         self._runner.ask(self._explored.scenario)
 
-    def _hear(self, made: Made) -> None:
-        """Hear of a run in its thread, and have the page show it in the page's own."""
-        self._document.add_next_tick_callback(partial(self._show, made))
+    def _hear(self, answer: Made) -> None:
+        """Pass a run from its thread to the page's own."""
+        self._document.add_next_tick_callback(partial(self._show, answer))
 
     def _tick(self) -> None:
         """Write the stage of the first run until its first display."""
@@ -202,26 +200,26 @@ class Page:
             self._told = stage
             self._tell(f"first run: {stage}")
 
-    def _show(self, made: Made) -> None:
+    def _show(self, answer: Made) -> None:
         if self._ticking is not None:
             self._document.remove_periodic_callback(self._ticking)
             self._ticking = None
             self._panels.announce("")
             shown = f"shown after {lasting(time.perf_counter() - self._opened)}"
-            self._tell(f"first run: {made.refused or shown}")
-        if made.run is None:
-            self._say(refused=made.refused)
+            self._tell(f"first run: {answer.refused or shown}")
+        if answer.run is None:
+            self._say(refused=answer.refused)
             return
-        curves = self._explored.curves(made.run)
-        if made.done and self._reference is None:
+        curves = self._explored.curves(answer.run)
+        if answer.done and self._reference is None:
             self._reference = curves
         self._shown = curves
         self._document.hold("combine")  # one message, one picture
         self._panels.show(curves, self._reference)
-        ended, lines = said_of(made.run)
+        ended, lines = said_of(answer.run)
         about = (
-            f"{ended}; here {lasting(made.wall)} after the change"
-            if made.done
+            f"{ended}; here {lasting(answer.wall)} after the change"
+            if answer.done
             else f"on its way: {self._runner.stage} \N{HORIZONTAL ELLIPSIS}"
         )
         told = "".join(

@@ -13,8 +13,6 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.session import start
 from antenna_pin.trajectory import Outcome, Trajectory
 
-__all__ = ["COMPILING", "Made", "Runner"]
-
 #: Stage of the work that may take longer than all others, once on a machine.
 COMPILING = "compiling, once on this machine, for a minute or two"
 
@@ -65,7 +63,7 @@ class Runner:
         self._thread.start()
 
     def ask(self, scenario: Callable[[], Scenario]) -> int:
-        """Ask for the run of what a function returns, called in the thread; return the number of it."""
+        """Request a run of the scenario that a function returns; return its number."""
         with self._change:
             self._number += 1
             self._asked = self._number, scenario, time.perf_counter()
@@ -112,7 +110,7 @@ class Runner:
                 said = f"{type(error).__name__}: {' '.join(str(error).split())}"
                 self._tell(Made(number, None, True, said, time.perf_counter() - asked))
 
-    def _make(self, number: int, scenario: Callable[[], Scenario], asked: float) -> None:
+    def _make(self, number: int, scenario: Callable[[], Scenario], requested: float) -> None:
         """Make a run piece by piece, identical to one run, until another request comes."""
         self._reached = None
         made = scenario()
@@ -131,10 +129,10 @@ class Runner:
             piece = max(piece, _LEAST * made.duration)
             if now - told > _PICTURE and session.time < end:
                 told = now
-                self._tell(Made(number, session.trajectory(), False, "", now - asked))
+                self._tell(Made(number, session.trajectory(), False, "", now - requested))
         run = session.trajectory()
-        self._tell(Made(number, run, True, "", time.perf_counter() - asked))
+        self._tell(Made(number, run, True, "", time.perf_counter() - requested))
 
-    def _tell(self, made: Made) -> None:
-        if made.number == self._number:
-            self._told(made)
+    def _tell(self, answer: Made) -> None:
+        if answer.number == self._number:
+            self._told(answer)

@@ -23,8 +23,6 @@ from antenna_pin.live.explored import SPAN, Explored
 from antenna_pin.live.runner import COMPILING
 from antenna_pin.scenario import Scenario, scenario_named
 
-__all__ = ["Exploration", "explore"]
-
 # Other machines do not reach it; other users of this one lack what the address has behind it.
 _HERE = "127.0.0.1"
 _HEIGHT = "980px"
@@ -48,7 +46,7 @@ def explore(
     out: Path | str | None = None,
     progress: Callable[[str], None] | None = _write,
 ) -> Exploration:
-    """Serve a page with sliders for a scenario's numbers, on this machine only, until it is stopped.
+    """Serve a page with sliders for a scenario's numbers, on this machine only.
 
     In a notebook what is returned shows itself; else open its ``url`` in a browser.
 

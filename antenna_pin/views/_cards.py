@@ -1,4 +1,4 @@
-"""What runs, scenarios, systems, modes, orbits and studies show of themselves."""
+"""Text and HTML summaries of runs, scenarios, systems, modes, orbits, studies."""
 
 from __future__ import annotations
 
@@ -27,21 +27,6 @@ if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
     from antenna_pin.sweep import Study
     from antenna_pin.trajectory import Trajectory
-
-__all__ = [
-    "Card",
-    "Fact",
-    "Fold",
-    "measured",
-    "modes_card",
-    "orbit_card",
-    "run_card",
-    "scenario_card",
-    "study_card",
-    "system_card",
-    "table",
-]
-
 
 _TEXT_COLUMNS, _LINES = 80, 24
 
@@ -91,7 +76,7 @@ def _style() -> str:
 
 @dataclass(frozen=True, slots=True)
 class Fact:
-    """One thing that is said: what it is about, and what is said.
+    """Fact and its subject.
 
     Attributes:
         about: Of what.
@@ -123,7 +108,7 @@ class Fold:
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """What a thing shows of itself.
+    """Summary of an object.
 
     Attributes:
         kind: What it is.
@@ -184,7 +169,7 @@ class Measured:
 
 
 def measured(value: float | None, unit: str = "1", digits: int = 4) -> Measured | str:
-    """Return a number for a table's cell, as it is read, with all its digits behind it; a dash for none."""
+    """Return a cell of a rounded number, with all its digits as title."""
     if value is None or value != value:
         return readable(None)
     return Measured(float(value), readable(float(value), unit, digits))
@@ -215,7 +200,7 @@ _SYSTEM_ROWS = 60  # of a table
 
 
 def system_card(system: System) -> Card:
-    """Return what a system is: its mechanism, joints by kind, elements by family, and its state."""
+    """Return a system's card: mechanism, joints by kind, elements by family, state."""
     mechanism, model = system.mechanism, system.model
     joints = dict(_joints(system))
     mass = float(sum(one.mass for one in model.inertias))
@@ -253,7 +238,7 @@ def _joints(system: System) -> Iterator[tuple[str, str]]:
 
 
 def _acting(system: System) -> Iterator[tuple[str, dict[str, str]]]:
-    """Yield what acts on joints and links, by family, and what holds them: names and kinds."""
+    """Yield elements by family, and constraints: names and kinds."""
     for family, elements in system.families.items():
         yield (
             family,
@@ -288,7 +273,7 @@ _COLUMNS = 120  # of the sketch: in each, the least and the largest value are ke
 
 
 def motion_sketch(data: xr.Dataset) -> str:
-    """Return the angles of a run's joints over time as inline SVG; nothing if there is nothing to draw."""
+    """Return the joints' angles over time as inline SVG; empty without any."""
     if "time" not in data.coords:  # a result without series
         return ""
     time = np.asarray(data["time"].values, dtype=float)
@@ -331,7 +316,7 @@ def motion_sketch(data: xr.Dataset) -> str:
 
 
 def _path(time: Array, values: Array, low: float, span: float) -> str:
-    """Return the line as an SVG path, thinned to what a screen can show, peaks kept."""
+    """Return a curve as an SVG path, thinned to screen resolution, peaks included."""
     # Columns of equal time, not of equal number of samples: these crowd at impacts.
     column = np.minimum(((time - time[0]) / (time[-1] - time[0]) * _COLUMNS).astype(int), _COLUMNS - 1)
     starts = np.flatnonzero(np.diff(column, prepend=-1))
@@ -398,9 +383,9 @@ def _fact(line: Any) -> Fact:
     return Fact(line.about, line.text)
 
 
-def _named(named: Mapping[str, Mapping[str, Any]]) -> str:
+def _named(group: Mapping[str, Mapping[str, Any]]) -> str:
     """Return the table of a group of a summary."""
-    head = [HEADINGS[key] for key in next(iter(named.values()))]
+    head = [HEADINGS[key] for key in next(iter(group.values()))]
     rows = [
         [
             name,
@@ -409,7 +394,7 @@ def _named(named: Mapping[str, Mapping[str, Any]]) -> str:
                 for value, (of, slides) in zip(one.values(), head, strict=True)
             ),
         ]
-        for name, one in named.items()
+        for name, one in group.items()
     ]
     return table(rows[:_ROWS], ("", *(of.words(slides) for of, slides in head)))
 
@@ -459,7 +444,7 @@ _LONGEST = 16_000  # letters of the scenario's text
 
 
 def scenario_card(scenario: Scenario) -> Card:
-    """Return what a scenario is: its mechanism, what has play, what drives it; all of it as a file has it."""
+    """Return a scenario's card: mechanism, play, elements, and its whole file."""
     name = scenario.name + (f", case {scenario.case}" if scenario.case else "")
     facts = [Fact("title", scenario.title), Fact("case", scenario.description)]
     facts.append(Fact("duration", readable(scenario.duration, "s")))
@@ -478,16 +463,16 @@ def scenario_card(scenario: Scenario) -> Card:
     return Card("Scenario", name, tuple(one for one in facts if one.text), folds)
 
 
-def _by_kind(held: Mapping[str, Any]) -> str:
+def _by_kind(entries: Mapping[str, Any]) -> str:
     """Return the names of entries, those of a kind together."""
     kinds: dict[str, list[str]] = {}
-    for name, one in held.items():
+    for name, one in entries.items():
         kinds.setdefault(str(getattr(one, "model", "") or getattr(one, "kind", "")), []).append(name)
     return "; ".join(f"{', '.join(names)}{f' ({kind})' if kind else ''}" for kind, names in kinds.items())
 
 
 def study_card(study: Study) -> Card:
-    """Return what a study varies, and what it keeps of each run."""
+    """Return a study's card: varied parameters, responses."""
     facts = [
         Fact("title", study.title),
         Fact("scenario", f"{study.scenario}{f', case {study.case}' if study.case else ''}"),

@@ -1,4 +1,4 @@
-"""Figures, recording and report of a run, as the run's own."""
+"""Figures, recording and report of a run, as its own methods."""
 
 from __future__ import annotations
 
@@ -21,14 +21,12 @@ from antenna_pin.trajectory import Trajectory
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Drawing", "RunFigures", "recorded", "reported"]
-
 Width = Literal["column", "page"]
 _FILMS = (".mp4", ".gif")
 
 
 class Drawing:
-    """One figure of a run, ready to be drawn: ``run.plot.contact_forces()``.
+    """Figure of a run, ready to be drawn: ``run.plot.contact_forces()``.
 
     Args:
         run: The run.
@@ -152,11 +150,11 @@ def _title(figure: RunFigure) -> str:
     return figure.title.format(joint="a joint")
 
 
-def _several(beside: Any) -> list[Any]:
-    """Return one run, a pair of a label and one, or several of these, as a list."""
-    pair = isinstance(beside, tuple) and len(beside) == 2 and isinstance(beside[0], str)
-    one = pair or isinstance(beside, Trajectory | xr.Dataset)
-    several = [beside] if one else list(beside) if isinstance(beside, Iterable) else [beside]
+def _several(runs: Any) -> list[Any]:
+    """Return runs, or pairs of a label and a run, as a list."""
+    pair = isinstance(runs, tuple) and len(runs) == 2 and isinstance(runs[0], str)
+    one = pair or isinstance(runs, Trajectory | xr.Dataset)
+    several = [runs] if one else list(runs) if isinstance(runs, Iterable) else [runs]
     for each in several:
         run = each[1] if isinstance(each, tuple) and len(each) == 2 else each
         if not isinstance(run, Trajectory | xr.Dataset):
@@ -174,7 +172,7 @@ def recorded(
     joint: str | None = None,
     **options: Any,
 ) -> Recording:
-    """Return a recording of the run, which shows itself in a notebook, and write it if a path is given.
+    """Return a recording of the run; write it if a path is given.
 
     Args:
         run: The run.
@@ -214,7 +212,7 @@ def recorded(
 def reported(
     run: Trajectory, path: str | os.PathLike[str] | None = None, *, beside: Any = (), **options: Any
 ) -> Report:
-    """Return a report on the run, which shows itself in a notebook, and write it if a path is given.
+    """Return a report on the run; write it if a path is given.
 
     Args:
         run: The run.

@@ -1,4 +1,4 @@
-"""Figures and report of a study that has been run, as the study's own."""
+"""Figures and report of a completed study, of modes and of orbits."""
 
 from __future__ import annotations
 
@@ -24,16 +24,6 @@ from antenna_pin.trajectory import Trajectory
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-__all__ = [
-    "StudyFigures",
-    "figures_of_study",
-    "modes_plotted",
-    "modes_recorded",
-    "orbit_plotted",
-    "orbit_reported",
-    "reported",
-]
 
 
 @takes()
@@ -111,7 +101,7 @@ def orbit_plotted(orbit: Orbit, *, width: Literal["column", "page"] = "column") 
 def orbit_reported(
     orbit: Orbit, path: str | os.PathLike[str] | None = None, *, beside: Any = (), **options: Any
 ) -> Report:
-    """Return a report on the orbit, which shows itself in a notebook, and write it if a path is given.
+    """Return a report on the orbit; write it if a path is given.
 
     Args:
         orbit: The orbit.
@@ -222,7 +212,7 @@ def reported(
     title: str | None = None,
     figures: bool = True,
 ) -> Report:
-    """Return a report on the study, which shows itself in a notebook, and write it if a path is given.
+    """Return a report on the study; write it if a path is given.
 
     Args:
         study: The study.
