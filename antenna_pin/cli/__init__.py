@@ -48,8 +48,8 @@ from antenna_pin.cli._common import (
     StandardOutput,
     complain,
     one_line_errors,
-    told_interruption,
-    told_unwritable,
+    report_interruption,
+    report_unwritable,
 )
 from antenna_pin.cli._progress import said_at_work
 from antenna_pin.cli._usage import OneLineGroup, with_plain_numbers
@@ -77,9 +77,9 @@ def main() -> None:
         with contextlib.nullcontext() if quiet else said_at_work(command, complain):
             app()
     except KeyboardInterrupt:  # while the commands are made
-        sys.exit(told_interruption())
+        sys.exit(report_interruption())
     except OSError as error:  # of a page of help
-        sys.exit(told_unwritable(error))
+        sys.exit(report_unwritable(error))
 
 
 def _have_streams() -> None:

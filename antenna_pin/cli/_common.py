@@ -58,10 +58,10 @@ def package_folders(folders: list[Path] | None) -> list[Path]:
 
 REFUSED, ENDED_EARLY, UNBALANCED, DOUBTFUL = 2, 3, 4, 5
 
-#: To which the number of the signal is added that has stopped a command.
+#: Exit code of a stopped command, less the signal's number.
 SIGNALLED = 128
 
-#: What a figure's file may end in.
+#: Suffixes of figures.
 FIGURES = (".png", ".pdf", ".svg")
 
 P = ParamSpec("P")
@@ -137,42 +137,42 @@ def one_line_errors(command: Callable[P, R]) -> Callable[P, R]:
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
         try:
             with warnings.catch_warnings():
-                warnings.showwarning = _said_in_one_line
+                warnings.showwarning = _print_note
                 return command(*args, **kwargs)
         except (KeyboardInterrupt, Exception) as error:
             if is_interruption(error):
-                raise typer.Exit(told_interruption()) from None
+                raise typer.Exit(report_interruption()) from None
             if isinstance(error, AntennaPinError):
                 refuse(str(error))
             if isinstance(error, OSError) and error.errno != errno.EPIPE:  # of a pipe whose reader has gone
-                raise typer.Exit(told_unwritable(error)) from None
+                raise typer.Exit(report_unwritable(error)) from None
             raise
 
     return wrapper
 
 
-def told_unwritable(error: OSError) -> int:
-    """Say what cannot be read or written, and return the exit code."""
+def report_unwritable(error: OSError) -> int:
+    """Print the file that cannot be read or written, and return the exit code."""
     if error.filename == STANDARD_OUTPUT:
-        _let_go(sys.stdout.fileno())  # or Python would try again at its end
+        _discard(sys.stdout.fileno())  # or Python would try again at its end
     where = f"{error.filename}: " if error.filename else ""
     complain(f"{where}{error.strerror or error}")
     return REFUSED
 
 
-def told_interruption() -> int:
-    """Say that a signal has ended the command, and return its exit code."""
+def report_interruption() -> int:
+    """Print that a signal has ended the command, and return its exit code."""
     acknowledge()
-    _let_go_of_closed_streams()
+    _discard_closed_streams()
     complain("interrupted")
     return SIGNALLED + ended_by()
 
 
-def _said_in_one_line(message: Warning | str, *about: object, **more: object) -> None:
+def _print_note(message: Warning | str, *about: object, **more: object) -> None:
     complain(f"note: {message}")
 
 
-def _let_go_of_closed_streams() -> None:
+def _discard_closed_streams() -> None:
     """Discard further output where the terminal has been closed, or printing raises."""
     for stream in (sys.stdout, sys.stderr):
         try:
@@ -180,11 +180,11 @@ def _let_go_of_closed_streams() -> None:
             os.write(number, b"")
         except (OSError, ValueError, AttributeError) as error:  # the latter two: not a stream of the system
             if getattr(error, "errno", None) == errno.EIO:
-                _let_go(number)
+                _discard(number)
 
 
-def _let_go(number: int) -> None:
-    """Let what is written to a stream from here on go nowhere."""
+def _discard(number: int) -> None:
+    """Discard further output of a stream."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, number)
     os.close(nowhere)
@@ -203,8 +203,6 @@ SetOption = Annotated[
         " 'clearance.elevation.radial_clearance=0.1 mm'. May be repeated.",
     ),
 ]
-
-
 FigureOutOption = Annotated[
     Path | None, typer.Option(metavar="DIR", help="Folder for figures, made if missing; none if left out.")
 ]
@@ -212,6 +210,15 @@ FigureFormatOption = Annotated[
     str, typer.Option("--format", metavar="LIST", help="Any of png, pdf, svg, separated by commas.")
 ]
 WidthOption = Annotated[Width, typer.Option(help="Width of the figures: 88 mm or 180 mm.")]
+ProgressOption = Annotated[bool, typer.Option(help="Show a progress bar.")]
+QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
+DurationOption = Annotated[
+    str | None, typer.Option(help="Simulated time, in seconds or with a unit ('20 ms').")
+]
+GeometryOption = Annotated[
+    Geometry | None, typer.Option(help="Method that finds gaps, for all joints with clearance.")
+]
+ResultArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")]
 FilesArgument = Annotated[list[Path], typer.Argument(metavar="FILES...", help="Result files of runs.")]
 
 
@@ -242,10 +249,7 @@ def stem(scenario: Scenario) -> str:
 
 
 def writable_file(path: Path, suffix: str) -> Path:
-    """Return a path to which a result can be written, or refuse it.
-
-    Asked before a run, so that hours of work do not end in a missing folder.
-    """
+    """Return a path for a result, or refuse it before any work."""
     from antenna_pin.base.files import check_writable
 
     return check_writable(path, suffix)
@@ -263,7 +267,7 @@ def figure_target(path: Path | None, command: str, option: str) -> Path | None:
 @contextlib.contextmanager
 def not_interrupted() -> Iterator[None]:
     """Hold back interrupts while a result is written and its place is printed."""
-    _let_go_of_closed_streams()
+    _discard_closed_streams()
     with held_back():
         yield
 
@@ -277,10 +281,7 @@ def save_result(trajectory: Trajectory, path: Path) -> None:
 
 
 def save_elsewhere(trajectory: Trajectory, path: Path, error: OutputError) -> NoReturn:
-    """Write a result to another folder and end the command with its place.
-
-    What has taken hours is not thrown away because a disk has filled up meanwhile.
-    """
+    """Write a result to another folder, as on a full disk, and exit."""
     for folder in dict.fromkeys((os.curdir, tempfile.gettempdir(), os.path.expanduser("~"))):
         numbers = itertools.count(2)
         elsewhere = Path(folder, path.name)
@@ -310,15 +311,12 @@ def labels_of(paths: Sequence[Path]) -> list[str]:
 
 
 def figure_formats(text: str) -> list[str]:
-    """Return the formats that a comma-separated list names, each once.
-
-    Raises:
-        UnknownNameError: One that figures cannot be written in.
-    """
+    """Return the formats of figures in a comma-separated list, each once."""
+    known = [suffix[1:] for suffix in FIGURES]
     suffixes = list(dict.fromkeys(part.strip() for part in text.split(",") if part.strip()))
     for suffix in suffixes or [""]:
-        if suffix not in ("png", "pdf", "svg"):
-            raise UnknownNameError("--format", "figure format", suffix, ("png", "pdf", "svg"))
+        if suffix not in known:
+            raise UnknownNameError("--format", "figure format", suffix, known)
     return suffixes
 
 
@@ -329,24 +327,19 @@ def figure_folder(out: Path) -> Path:
     return out
 
 
-def say_limits(trajectory: Trajectory, before: str) -> None:
-    """Print the joints that passed a limit of the URDF, after the text ``before``."""
-    if "<limit" not in str(trajectory.data.attrs.get("urdf", "")):
-        return
-    from antenna_pin.analysis import said_of_limits
+def say_notes(trajectory: Trajectory, before: str) -> None:
+    """Print spin and limits that a run has passed, each line after the text ``before``."""
+    texts: list[str | None] = []
+    if "elastic_part" in trajectory.data.sizes:
+        from antenna_pin.analysis import said_of_spin
 
-    for said in said_of_limits(trajectory):
-        say(f"{before}{said}")
+        texts.append(said_of_spin(trajectory))
+    if "<limit" in str(trajectory.data.attrs.get("urdf", "")):
+        from antenna_pin.analysis import said_of_limits
 
-
-def say_spin(trajectory: Trajectory, before: str) -> None:
-    """Print where elastic parts spun too fast for their model, after the text ``before``."""
-    if "elastic_part" not in trajectory.data.sizes:
-        return
-    from antenna_pin.analysis import said_of_spin
-
-    if said := said_of_spin(trajectory):
-        say(f"{before}{said}")
+        texts += said_of_limits(trajectory)
+    for text in filter(None, texts):
+        say(f"{before}{text}")
 
 
 def say_start(trajectory: Trajectory, scenario: Scenario, before: str) -> None:

@@ -19,6 +19,13 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+JsonOption = Annotated[
+    bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")
+]
+CsvOption = Annotated[
+    Path | None,
+    typer.Option("--csv", metavar="FILE", help="Write the numbers to a CSV file, in SI units, instead."),
+]
 TableOption = Annotated[
     Path | None, typer.Option("--out", metavar="FILE", help="Dataset of the result, NAME.nc.")
 ]
@@ -46,22 +53,19 @@ def save_both(
         from antenna_pin.trajectory import save_table
 
         save_table(table, out)
+        if not silent:
+            typer.echo(f"saved {out}")
     if plot is not None:
-        from antenna_pin.plot import save_figure
-
-        save_figure(drawn(), plot.with_suffix(""), [plot.suffix[1:]])
-    for target in targets if not silent else ():
-        if target is not None:
-            typer.echo(f"saved {target}")
+        save_plot(drawn(), plot, silent)
 
 
-JsonOption = Annotated[
-    bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")
-]
-CsvOption = Annotated[
-    Path | None,
-    typer.Option("--csv", metavar="FILE", help="Write the numbers to a CSV file, in SI units, instead."),
-]
+def save_plot(figure: Figure, path: Path, silent: bool = False) -> None:
+    """Write a figure and print its path."""
+    from antenna_pin.plot import save_figure
+
+    save_figure(figure, path.with_suffix(""), [path.suffix[1:]])
+    if not silent:
+        typer.echo(f"saved {path}")
 
 
 def csv_target(path: Path | None) -> Path | None:

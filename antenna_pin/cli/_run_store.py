@@ -50,11 +50,11 @@ class RunStore:
     def run_of(self, case: str | None) -> Trajectory:
         """Return the run of a case: at hand, from a file, or made now."""
         if case not in self.runs:
-            found = self._found(self.scenarios[case])
-            self.runs[case] = self._made(self.scenarios[case]) if found is None else found
+            found = self._load(self.scenarios[case])
+            self.runs[case] = self._run(self.scenarios[case]) if found is None else found
         return self.runs[case]
 
-    def _found(self, scenario: Scenario) -> Trajectory | None:
+    def _load(self, scenario: Scenario) -> Trajectory | None:
         """Return a completed run of the scenario from the folder."""
         from antenna_pin.trajectory import FORMAT, Trajectory
 
@@ -72,7 +72,7 @@ class RunStore:
                 return run
         return None
 
-    def _made(self, scenario: Scenario) -> Trajectory:
+    def _run(self, scenario: Scenario) -> Trajectory:
         """Run a scenario and save the result, also after an interrupt, which ends the command."""
         from antenna_pin.errors import LedgerOpenWarning
         from antenna_pin.simulation import simulate
@@ -99,18 +99,15 @@ class RunStore:
         """Return where a result may be written: not over a file of another scenario."""
         from antenna_pin.trajectory import Trajectory
 
-        number = 1
-        while True:
+        for number in itertools.count(1):
             path = self.folder / f"{stem(scenario)}{f'-{number}' if number > 1 else ''}.nc"
             if not path.exists():
                 return path
-            try:
+            with contextlib.suppress(FileFormatError):
                 old = Trajectory.load(path).scenario
-            except FileFormatError:
-                old = None
-            if old is not None and same_scenario(old, scenario):  # cut short, or of an older format
-                return path
-            number += 1
+                if old is not None and same_scenario(old, scenario):  # cut short, or of an older format
+                    return path
+        raise AssertionError("numbers do not end")
 
 
 def same_scenario(one: Scenario, other: Scenario) -> bool:
@@ -126,21 +123,13 @@ _FINE = "integrator.accuracy=1e-5"
 
 @dataclass(slots=True)
 class AttractorStore:
-    """Settled motions and diagrams of a paper's figures, stored in a folder.
-
-    Attributes:
-        folder: Where they are kept.
-        settings: What is set over the shipped diagrams' scenarios.
-        points: Of a settled motion [-].
-        values: Of a diagram [-].
-        progress: Whether bars are shown.
-    """
+    """Settled motions and diagrams of a paper's figures, stored in a folder."""
 
     folder: Path
-    settings: Sequence[str]
-    points: int
-    values: int
-    progress: bool
+    settings: Sequence[str]  # over the shipped diagrams' scenarios
+    points: int  # of a settled motion [-]
+    values: int  # of a diagram [-]
+    progress: bool  # whether bars are shown
 
     def check(self, figures: Sequence[AttractorFigure | DiagramFigure]) -> None:
         """Refuse what cannot be made, before anything is: every scenario is read."""
@@ -196,18 +185,12 @@ class AttractorStore:
         path = self.folder / f"{_stem(wanted)}.nc"
         with contextlib.suppress(FileFormatError):
             found = open_diagram(path)
-            if self._alike(found, scenario) and np.array_equal(found["value"].values, numbers):
+            if self._belongs(found, scenario) and np.array_equal(found["value"].values, numbers):
                 complain(f"{wanted.name}: using {path}")
                 return found
         complain(f"{wanted.name}: running {self.values} values")
         with diagram_bar(wanted.name, self.progress) as tell:
-            return bifurcation(
-                scenario,
-                values=values,
-                **plan.how(),
-                out=path,
-                progress=tell,
-            )
+            return bifurcation(scenario, values=values, **plan.how(), out=path, progress=tell)
 
     def _at(self, over: Diagram, value: str) -> Scenario:
         """Return the scenario of a settled motion."""
@@ -231,7 +214,7 @@ class AttractorStore:
         with contextlib.suppress(FileFormatError):
             found = open_section(path)
             enough = found.sizes["point"] >= self.points and set(quantities) <= set(map(str, found))
-            section = found if enough and self._alike(found, scenario) else None
+            section = found if enough and self._belongs(found, scenario) else None
         if section is None:
             complain(f"{label}: running {self.points} periods or more")
             section = poincare(
@@ -271,7 +254,7 @@ class AttractorStore:
         return Trajectory.load(path)
 
     @staticmethod
-    def _alike(table: xr.Dataset, scenario: Scenario) -> bool:
+    def _belongs(table: xr.Dataset, scenario: Scenario) -> bool:
         """Return whether a table belongs to a scenario."""
         from antenna_pin.scenario import Scenario
 

@@ -31,31 +31,19 @@ _LONGEST_NAME = 24
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table:
-    """A table as text.
-
-    Attributes:
-        title: Above the table; none if empty.
-        head: Names of the columns; a line break in one stays one.
-        rows: Texts of the cells, each row as long as the head.
-        numbers: Whether all columns but the first hold numbers, which stand at the right.
-        sparse: Whether rows are left out of a block that has nothing but dashes for them.
-    """
+    """Table as text."""
 
     title: str
-    head: Sequence[str]
+    head: Sequence[str]  # a line break in a name stays one
     rows: Sequence[Sequence[str]]
-    numbers: bool = True
-    sparse: bool = False
+    numbers: bool = True  # in all columns but the first, and aligned to the right
+    sparse: bool = False  # a block leaves out rows of nothing but dashes
 
 
 def laid_out(table: Table, width: int) -> list[str]:
-    """Return the lines of a table, an empty one after each block.
+    """Return the lines of a table within a width, an empty one after each block.
 
-    Control characters are shown, not sent: titles and names are those of files.
-
-    Args:
-        table: The table.
-        width: Characters that a line should keep to. Where a single word is longer, the line is.
+    A line is wider only for a single word. Control characters are escaped, as titles come from files.
     """
     table = replace(
         table,
@@ -225,14 +213,10 @@ def _folded(name: str) -> str:
 
 
 class Zeros:
-    """Detector of numbers that are zero to round-off by the scales of some runs.
-
-    Args:
-        runs: The runs whose numbers stand together.
-    """
+    """Detector of numbers that are zero to round-off by the scales of some runs."""
 
     def __init__(self, runs: Iterable[Trajectory]) -> None:
-        """Look at the runs."""
+        """Take the scales of the runs whose numbers stand together."""
         from antenna_pin.analysis import round_off_scales
 
         self._scales: Mapping[str, float] = round_off_scales(*(run.data for run in runs))
@@ -266,11 +250,7 @@ _ANSWER_ROWS = 11  # in all; a line on where the file is comes after them
 def say_answer(trajectory: Trajectory, label: str = "") -> None:
     """Print a run at a glance, in eleven rows of a usual screen.
 
-    Where they do not do, the lines that take most lose what matters least of what they say.
-
-    Args:
-        trajectory: The run.
-        label: What to call it first; nothing if it is the only one.
+    If the rows do not suffice, the longest lines lose their last parts.
     """
     from antenna_pin.analysis import answer
 
@@ -300,7 +280,7 @@ def say_answer(trajectory: Trajectory, label: str = "") -> None:
 
 
 def _text_rows(text: str, width: int, further: str = "") -> list[str]:
-    """Return a text in rows; ``further``: what all but the first begin with."""
+    """Return a text in rows, all but the first after the text ``further``."""
     return textwrap.wrap(
         text, width, subsequent_indent=further, break_long_words=False, break_on_hyphens=False
     )
@@ -317,12 +297,7 @@ _PLAIN_GROUPS = ("counts", "conservation", "constraints")
 
 
 def print_summaries(summaries: Sequence[tuple[str, Mapping[str, Any]]], zeros: Zeros) -> None:
-    """Print summaries side by side, one row per number; those that do not fit below.
-
-    Args:
-        summaries: Labels and summaries.
-        zeros: Judge of what is zero to round-off.
-    """
+    """Print labelled summaries side by side, one row per number."""
     columns = [{name: (key, value) for name, key, value in _rows(one)} for _, one in summaries]
     titles = dict.fromkeys(str(summary.get("title", "")) for _, summary in summaries)
     rows = []
@@ -336,13 +311,7 @@ def print_summaries(summaries: Sequence[tuple[str, Mapping[str, Any]]], zeros: Z
 
 
 def print_summary(label: str, summary: Mapping[str, Any], zeros: Zeros) -> None:
-    """Print a whole summary: a table of the run, then one for each group.
-
-    Args:
-        label: Of the run.
-        summary: The summary.
-        zeros: Judge of what is zero to round-off.
-    """
+    """Print a whole summary: a table of the run, then one for each group."""
     from antenna_pin.trajectory.quantities import GROUPS, heading_of
 
     print_summaries([(label, {key: one for key, one in summary.items() if key not in GROUPS})], zeros)
@@ -363,14 +332,7 @@ def _cell(value: Any, key: str, zeros: Zeros) -> str:
 
 
 def print_table(title: str, name: str, entries: Sequence[Mapping[str, Any]], zeros: Zeros) -> None:
-    """Print a table of the catalogue.
-
-    Args:
-        title: Its title.
-        name: Of the table.
-        entries: Its rows, each with its ``name``, or what it is ``of``, and ``units`` that depend on it.
-        zeros: Judge of what is zero to round-off.
-    """
+    """Print a table of the catalogue, with a ``name`` or ``of`` for each row."""
     from antenna_pin.trajectory.quantities import TABLES
 
     columns = TABLES[name]
@@ -432,34 +394,23 @@ def text_of(value: Any) -> str:
 # --- numbers ---
 
 
+def formatted(value: float, form: str) -> str:
+    """Return a number in a format such as ``.4g``; a dash for infinity."""
+    return format(value, form) if math.isfinite(value) else "-"
+
+
 def number_text(value: float) -> str:
-    return f"{value:.4g}" if math.isfinite(value) and abs(value) < 1e4 else integer_text(value)
-
-
-def integer_text(value: float) -> str:
-    return f"{value:.0f}" if math.isfinite(value) else "-"
-
-
-def fixed_text(value: float) -> str:
-    return f"{value:.7f}" if math.isfinite(value) else "-"
-
-
-def percent_text(share: float) -> str:
-    return f"{share:.1f}" if math.isfinite(share) else "-"
+    return formatted(value, ".4g" if abs(value) < 1e4 else ".0f")
 
 
 def length_text(value: float, digits: int = 4) -> str:
     """Return a length with a unit that suits it."""
     if not math.isfinite(value):
         return "-"
-    size, unit = next(
-        ((size, unit) for size, unit in ((1.0, "m"), (1e-3, "mm")) if value >= 0.1 * size), (1e-6, "um")
-    )
+    size, unit = (1.0, "m") if value >= 0.1 else (1e-3, "mm") if value >= 1e-4 else (1e-6, "um")
     return f"{value / size:.{digits}g} {unit}"
 
 
 def power_above(value: float) -> str:
     """Return the power of ten that a size does not exceed."""
-    if not value > 0.0:
-        return "0"
-    return f"1e{math.ceil(math.log10(value))}"
+    return f"1e{math.ceil(math.log10(value))}" if value > 0.0 else "0"

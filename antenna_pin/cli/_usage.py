@@ -17,7 +17,7 @@ from typer.core import TyperGroup
 from typer.models import ParameterInfo
 
 from antenna_pin.base.readable import DECIMAL, bare, decimal_in, whole_in
-from antenna_pin.cli._common import REFUSED, complain, told_interruption
+from antenna_pin.cli._common import REFUSED, complain, report_interruption
 from antenna_pin.cli._tables import length_text
 from antenna_pin.errors import InvalidParameterError
 
@@ -77,6 +77,21 @@ def clearance_of(text: str, bearing_radius: float, place: str) -> float:
     return value
 
 
+def seconds_in(text: str | None, option: str) -> float | None:
+    """Return the time of an option [s]; None if it is left out."""
+    from antenna_pin.base.units import quantity
+
+    return None if text is None else quantity(bare(text), "s", option)
+
+
+def direction_of(text: str, command: str, option: str) -> tuple[float, float, float]:
+    """Return the three numbers of an option, or refuse another text."""
+    vector = vector_in(text)
+    if vector is None:
+        raise InvalidParameterError(command, option, "three numbers such as 1,0,0", text)
+    return vector
+
+
 def vector_in(text: str) -> tuple[float, float, float] | None:
     """Return the three numbers of ``X,Y,Z``; None if the text is something else."""
     numbers = [decimal_in(part) for part in text.split(",")]
@@ -103,6 +118,17 @@ def list_of(text: str, unit: str, option: str, positive: bool = True) -> tuple[f
     return tuple(quantity(bare(part), unit, option) for part in parts)
 
 
+def command_group(name: str, about: str) -> typer.Typer:
+    """Return a group of commands with its help."""
+    return typer.Typer(
+        name=name,
+        help=about,
+        no_args_is_help=True,
+        context_settings={"help_option_names": ["-h", "--help"]},
+        rich_markup_mode=None,
+    )
+
+
 _WORDS = "antenna_pin.words"
 
 
@@ -117,23 +143,23 @@ class OneLineGroup(TyperGroup):
     def make_context(self, info_name: str | None, args: list[str], *more: Any, **options: Any) -> Any:
         """Read the options before the command; store all words for the provenance of results."""
         words = tuple(args)  # reading takes them away
-        with _told_in_one_line():
+        with _refused_in_one_line():
             context = super().make_context(info_name, args, *more, **options)
         context.meta[_WORDS] = words
         return context
 
     def invoke(self, *arguments: Any, **options: Any) -> Any:
         """Read the command's own words, and run it."""
-        with _told_in_one_line():
+        with _refused_in_one_line():
             return super().invoke(*arguments, **options)
 
 
 @contextlib.contextmanager
-def _told_in_one_line() -> Iterator[None]:
+def _refused_in_one_line() -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:  # while words are read
-        raise typer.Exit(told_interruption()) from None
+        raise typer.Exit(report_interruption()) from None
     except (MemoryError, ImportError) as error:
         if not _is_of_memory(error):
             raise

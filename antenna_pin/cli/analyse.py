@@ -9,11 +9,10 @@ from typing import Annotated, Any
 import typer
 
 from antenna_pin.base.readable import bare
-from antenna_pin.cli._common import complain, label_of, load_result, refuse, say
+from antenna_pin.cli._common import ResultArgument, complain, label_of, load_result, refuse, say
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, parts_of, say_json, write_csv
 from antenna_pin.cli._tables import Zeros, print_rows, print_table, text_of
 
-ResultArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")]
 JointOption = Annotated[str | None, typer.Option(help="Joint with clearance; all of them if left out.")]
 
 _PEAKS = 3

@@ -11,6 +11,7 @@ import typer
 
 from antenna_pin.cli._common import (
     CaseOption,
+    ProgressOption,
     SetOption,
     Width,
     WidthOption,
@@ -101,7 +102,7 @@ def bifurcation(
     workers: Annotated[
         int | None, typer.Option(metavar="N", help="Runs made at a time; one for each core if left out.")
     ] = None,
-    progress: Annotated[bool, typer.Option(help="Show a progress bar.")] = True,
+    progress: ProgressOption = True,
 ) -> None:
     """Draw how the points of a section change over a parameter.
 

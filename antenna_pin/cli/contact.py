@@ -9,18 +9,13 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
-from collections.abc import Callable, Container
+from collections.abc import Container
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from antenna_pin.base.readable import bare, number
-from antenna_pin.cli._common import (
-    FigureFormatOption,
-    FigureOutOption,
-    Width,
-    WidthOption,
-)
+from antenna_pin.cli._common import FigureFormatOption, FigureOutOption, Width, WidthOption
 from antenna_pin.cli._export import (
     CsvOption,
     JsonOption,
@@ -29,8 +24,8 @@ from antenna_pin.cli._export import (
     figures_asked,
     save_figures,
 )
-from antenna_pin.cli._tables import fixed_text, length_text, number_text, power_above, print_rows
-from antenna_pin.cli._usage import clearance_of, list_of, positive_quantity
+from antenna_pin.cli._tables import formatted, length_text, number_text, power_above, print_rows
+from antenna_pin.cli._usage import clearance_of, command_group, list_of, positive_quantity
 from antenna_pin.cli.experiment import experiment
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
@@ -89,13 +84,7 @@ def _pair(pair: ScenarioPair) -> dict[str, Any]:
     return names | pose | {"reason": pair.reason}
 
 
-app = typer.Typer(
-    name="contact",
-    help="Contact laws: by name, side by side, certified, and against measurements.",
-    no_args_is_help=True,
-    context_settings={"help_option_names": ["-h", "--help"]},
-    rich_markup_mode=None,
-)
+app = command_group("contact", "Contact laws: by name, side by side, certified, and against measurements.")
 
 
 # --- list ---
@@ -114,12 +103,12 @@ def list_laws(as_json: JsonOption = False, csv: CsvOption = None) -> None:
 
     target = csv_target(csv)
     families = {
-        "elastic laws: any dissipation can stand beside them": {
-            name: law for name, law in NORMAL_LAWS.items() if is_elastic(name)
-        },
-        "whole laws: with the dissipation of their authors": {
-            name: law for name, law in NORMAL_LAWS.items() if not is_elastic(name)
-        },
+        title: {name: law for name, law in NORMAL_LAWS.items() if is_elastic(name) == elastic}
+        for title, elastic in (
+            ("elastic laws: any dissipation can stand beside them", True),
+            ("whole laws: with the dissipation of their authors", False),
+        )
+    } | {
         "dissipations: beside an elastic law": DISSIPATIONS,
         "friction laws": FRICTION_LAWS,
     }
@@ -201,21 +190,16 @@ def _chosen(
     names: list[str],
     fitting: list[str],
     words: tuple[str, str, str],
-    all_there_are: Container[str],
+    every: Container[str],
 ) -> list[str]:
     """Return the selected laws, each once, or refuse an unsuitable or unknown one.
 
-    Args:
-        command: Of the shell, for the message.
-        names: Names.
-        fitting: Those that may be asked for.
-        words: What they are, what a law is, what one must be.
-        all_there_are: Names of the laws that do not fit, too.
+    ``words``: noun of the laws, name of the parameter, rule for a suitable one; ``every``: names of all laws.
     """
     what, parameter, rule = words
     for name in names:
         if name not in fitting:
-            if name in all_there_are:
+            if name in every:
                 raise InvalidParameterError(command, parameter, rule, name)
             raise UnknownNameError(command, what, name, fitting)
     return list(dict.fromkeys(names))
@@ -348,7 +332,7 @@ def restitution(
             (
                 row.dissipation,
                 f"{row.asked:g}",
-                *(fixed_text(value) for value in (row.closed_form, row.on_wall, row.of_pair)),
+                *(formatted(value, ".7f") for value in (row.closed_form, row.on_wall, row.of_pair)),
                 *(length_text(value, 7) for value in (row.closed_form_depth, row.depth_on_wall)),
             )
             for row in rows
@@ -371,12 +355,6 @@ def restitution(
 
 
 # In the order in which --help shows them.
-_COMMANDS: dict[str, Callable[..., None]] = {
-    "list": list_laws,
-    "curve": curve,
-    "restitution": restitution,
-    "experiment": experiment,
-    "scenarios": scenarios,
-}
-for _name, _command in _COMMANDS.items():
-    app.command(_name)(_command)
+app.command("list")(list_laws)
+for _command in (curve, restitution, experiment, scenarios):
+    app.command()(_command)

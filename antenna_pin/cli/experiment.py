@@ -8,12 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.cli._common import (
-    FigureFormatOption,
-    FigureOutOption,
-    Width,
-    WidthOption,
-)
+from antenna_pin.cli._common import FigureFormatOption, FigureOutOption, Width, WidthOption
 from antenna_pin.cli._export import (
     CsvOption,
     JsonOption,
@@ -22,7 +17,7 @@ from antenna_pin.cli._export import (
     figures_asked,
     save_figures,
 )
-from antenna_pin.cli._tables import length_text, percent_text, print_rows
+from antenna_pin.cli._tables import formatted, length_text, print_rows
 from antenna_pin.cli._usage import positive_quantity
 
 if TYPE_CHECKING:
@@ -178,7 +173,7 @@ def _errors(fit: ExperimentFit) -> tuple[str, ...]:
     return (
         fit.law,
         "" if fit.contacts is None else str(fit.contacts),
-        *(percent_text(100.0 * size) for size in sizes),
+        *(formatted(100.0 * size, ".1f") for size in sizes),
         f"{fit.in_range} of {len(LIU_2013)}",
     )
 

@@ -9,14 +9,9 @@ import typer
 from typer.core import TyperCommand
 
 from antenna_pin.cli._common import CaseOption, SetOption, load, say, stem, writable_file
+from antenna_pin.cli._usage import command_group
 
-app = typer.Typer(
-    name="export",
-    help="Export scenarios: as a functional mock-up unit.",
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+app = command_group("export", "Export scenarios: as a functional mock-up unit.")
 
 _LISTS = ("--inputs", "--outputs", "--parameters")
 

@@ -15,10 +15,14 @@ import typer
 from antenna_pin.base.files import replacing
 from antenna_pin.cli._common import (
     ENDED_EARLY,
+    DurationOption,
+    FigureFormatOption,
     Geometry,
+    GeometryOption,
     ScenarioArgument,
     SetOption,
     Width,
+    WidthOption,
     complain,
     figure_folder,
     figure_formats,
@@ -37,22 +41,14 @@ if TYPE_CHECKING:
 
 @dataclass
 class FigureIndex:
-    """The page that lists the figures.
+    """Page that lists the figures."""
 
-    Attributes:
-        folder: Where figures and index are.
-        title: Of the scenario.
-        source: Of the scenario.
-        command: That makes the figures.
-        expected: Titles of a paper's figures.
-        entries: Title, files, what the paper shows, what is found here.
-    """
-
-    folder: Path
-    title: str
-    source: str
-    command: str
-    expected: list[str] = field(default_factory=list)
+    folder: Path  # of figures and page
+    title: str  # of the scenario
+    source: str  # of the scenario
+    command: str  # that makes the figures
+    expected: list[str] = field(default_factory=list)  # titles of a paper's figures
+    # Title, files, content of the paper's figure, result here.
     entries: list[tuple[str, list[str], str, str]] = field(default_factory=list)
 
     @property
@@ -61,7 +57,7 @@ class FigureIndex:
         return self.folder / "index.md"
 
     def add(self, title: str, files: Iterable[Path], shows: str, result: str) -> None:
-        """Add a figure in its files, with what the paper shows and what is found."""
+        """Add a figure in its files, with the paper's content and the result here."""
         self.entries.append((title, [file.name for file in files], shows, result))
 
     def write(self, store: RunStore) -> None:
@@ -134,17 +130,11 @@ def figures(
     points: Annotated[
         int, typer.Option(metavar="N", min=32, help="Points of each Poincare map, behind its transient.")
     ] = 400,
-    duration: Annotated[
-        str | None, typer.Option(help="Simulated time, in seconds or with a unit ('20 ms').")
-    ] = None,
+    duration: DurationOption = None,
     settings: SetOption = None,
-    geometry: Annotated[
-        Geometry | None, typer.Option(help="How gaps are found, for all joints with clearance.")
-    ] = None,
-    formats: Annotated[
-        str, typer.Option("--format", metavar="LIST", help="Any of png, pdf, svg, separated by commas.")
-    ] = "png,pdf",
-    width: Annotated[Width, typer.Option(help="Width of the figures: 88 mm or 180 mm.")] = Width.PAGE,
+    geometry: GeometryOption = None,
+    formats: FigureFormatOption = "png,pdf",
+    width: WidthOption = Width.PAGE,
     progress: Annotated[bool, typer.Option(help="Show a progress bar for each run.")] = True,
 ) -> None:
     """Draw the figures of the paper that a shipped scenario repeats, runs included.

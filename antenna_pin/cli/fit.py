@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from antenna_pin.base.readable import number, readable
-from antenna_pin.cli._common import DOUBTFUL, not_interrupted, refuse, say, writable_file
+from antenna_pin.cli._common import DOUBTFUL, QuietOption, not_interrupted, refuse, say, writable_file
 from antenna_pin.cli._progress import fit_bar
 from antenna_pin.cli._tables import print_rows
 from antenna_pin.cli._usage import command_of
@@ -245,7 +245,7 @@ def fit(
         bool, typer.Option("--report", help="Print lmfit's report, with correlations.")
     ] = False,
     progress: Annotated[bool, typer.Option(help="Show how many runs are made.")] = True,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+    quiet: QuietOption = False,
 ) -> None:
     """Fit numbers of a scenario, such as play, stiffness, friction, to measured records.
 
@@ -311,22 +311,18 @@ def fit(
 def _say_found(result: Fit, notes: list[str], report: bool, target: Path, scenario: Path | None) -> None:
     """Print the answer: what speaks against it first."""
     if report:
-        say_each([*result.verdict, *result.report().splitlines()])
+        lines = [*result.verdict, *result.report().splitlines()]
     else:
         lines = result.lines()
         shown = len(result.verdict) + _SHOWN
-        say_each(lines[:shown])
-        if len(lines) > shown:
-            say(f"... and {len(lines) - shown} more; --report has all, and their correlations")
+        if (more := len(lines) - shown) > 0:
+            lines[shown:] = [f"... and {more} more; --report has all, and their correlations"]
     bands = result.bands
-    say(
-        f"chi2 {number(bands.chi2)} for {bands.freedoms} degrees of freedom; {result.runs} runs; "
-        f"{result.message}"
-    )
-    say_each([*(one.words() for one in result.validation), *result.notes, *notes])
-    say(f"saved {target}")
-    if scenario is not None:
-        say(f"saved {scenario}")
+    freedoms = f"for {bands.freedoms} degrees of freedom"
+    lines.append(f"chi2 {number(bands.chi2)} {freedoms}; {result.runs} runs; {result.message}")
+    lines += [*(one.words() for one in result.validation), *result.notes, *notes]
+    for line in (*lines, *(f"saved {path}" for path in (target, scenario) if path is not None)):
+        say(line)
 
 
 def _asked_before(
@@ -341,9 +337,3 @@ def _asked_before(
     if before and any(of_a_fit):
         refuse("fit: --profile, --draws, --write-scenario and --report are of a fit; leave them out here")
     return before
-
-
-def say_each(lines: list[str]) -> None:
-    """Print lines."""
-    for line in lines:
-        say(line)

@@ -12,9 +12,11 @@ import typer
 
 from antenna_pin.cli._common import (
     CaseOption,
+    FigureFormatOption,
     FilesArgument,
     SetOption,
     Width,
+    WidthOption,
     complain,
     figure_folder,
     figure_formats,
@@ -24,8 +26,7 @@ from antenna_pin.cli._common import (
     load_result,
     refuse,
     say,
-    say_limits,
-    say_spin,
+    say_notes,
 )
 from antenna_pin.cli._export import CsvOption, csv_target, rows_of, say_json, write_csv
 from antenna_pin.cli._tables import Zeros, flat, print_summaries, print_summary, say_answer, text_of
@@ -285,8 +286,7 @@ def _say_notes(label: str, trajectory: Trajectory, everything: bool) -> None:
         say(f"{label}: the run was {trajectory.advice}")
     for line in trajectory.assumed:
         say(f"{label}: {line}")
-    say_spin(trajectory, f"{label}: ")
-    say_limits(trajectory, f"{label}: ")
+    say_notes(trajectory, f"{label}: ")
     if counts := trajectory.constraints:
         from antenna_pin.analysis import said_of_constraints, said_of_singular
 
@@ -335,9 +335,7 @@ def _pair(radial: str, axial: str, many: bool) -> str:
 def plot(
     files: FilesArgument,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the figures; made if missing.")],
-    formats: Annotated[
-        str, typer.Option("--format", metavar="LIST", help="Any of png, pdf, svg, separated by commas.")
-    ] = "png",
+    formats: FigureFormatOption = "png",
     joint: Annotated[
         str | None, typer.Option(help="The one joint to draw; every joint with clearance if left out.")
     ] = None,
@@ -347,7 +345,7 @@ def plot(
             "--figure", metavar="NAME", help="Figure to draw, instead of the standard ones. May be repeated."
         ),
     ] = None,
-    width: Annotated[Width, typer.Option(help="Width of the figures: 88 mm or 180 mm.")] = Width.PAGE,
+    width: WidthOption = Width.PAGE,
 ) -> None:
     """Draw the figures of results: runs, fits, orbits, diagrams and other datasets."""
     suffixes = figure_formats(formats)

@@ -7,7 +7,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.cli._common import CaseOption, SetOption, Width, WidthOption, load, not_interrupted
+from antenna_pin.cli._common import (
+    CaseOption,
+    ProgressOption,
+    SetOption,
+    Width,
+    WidthOption,
+    load,
+    not_interrupted,
+)
 from antenna_pin.cli._export import (
     CsvOption,
     JsonOption,
@@ -51,7 +59,7 @@ def lyapunov(
     width: WidthOption = Width.PAGE,
     as_json: JsonOption = False,
     csv: CsvOption = None,
-    progress: Annotated[bool, typer.Option(help="Show a progress bar.")] = True,
+    progress: ProgressOption = True,
 ) -> None:
     """Say how fast neighbours of a motion part: Lyapunov exponents, natural logarithms per second."""
     table, targets = csv_target(csv), targets_of(out, plot)

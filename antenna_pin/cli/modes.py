@@ -22,8 +22,8 @@ from antenna_pin.cli._common import (
     say,
     writable_file,
 )
-from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
-from antenna_pin.cli._tables import print_rows
+from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain, save_plot
+from antenna_pin.cli._tables import formatted, print_rows
 from antenna_pin.cli._usage import vector_in
 from antenna_pin.errors import InvalidParameterError
 
@@ -108,16 +108,16 @@ def modes(
     """
     table, page = csv_target(csv), None if record is None else writable_file(record, ".html")
     figure_target(plot, "modes", "--plot")
-    beside: tuple[tuple[str, object, Path | None, str], ...] = (
+    needed: tuple[tuple[str, object, Path | None, str], ...] = (
         ("--from", source, plot, "--plot"),
         ("--to", target, plot, "--plot"),
         ("--mode", mode, page, "--record"),
         ("--amplitude", None if amplitude == 1.0 else amplitude, page, "--record"),
     )
-    for option, given, other, name in beside:
+    for option, given, other, name in needed:
         if given is not None and other is None:
             raise InvalidParameterError("modes", option, f"given with {name} FILE", said=str(given))
-    found = _found(scenario, case, settings, at, play, load_on, approach_speed, hold, moving)
+    found = _linearised(scenario, case, settings, at, play, load_on, approach_speed, hold, moving)
     if page is not None:
         _record(found, page, mode, amplitude, quiet=as_json)
     if plot is not None:
@@ -127,7 +127,7 @@ def modes(
     _print(found)
 
 
-def _found(
+def _linearised(
     name: str,
     case: str | None,
     settings: list[str] | None,
@@ -204,13 +204,11 @@ def _plot(
     modes: Modes, path: Path, source: str | None, targets: list[str] | None, width: Width, quiet: bool
 ) -> None:
     from antenna_pin.linear import first_source, frequency_response
-    from antenna_pin.plot import figure_response, save_figure
+    from antenna_pin.plot import figure_response
 
     start = first_source(modes, "--from") if source is None else source
     figure = figure_response(frequency_response(modes, start, targets), width=width.value)
-    save_figure(figure, path.with_suffix(""), [path.suffix[1:]])
-    if not quiet:
-        typer.echo(f"saved {path}")
+    save_plot(figure, path, quiet)
 
 
 def _rows(modes: Modes) -> list[dict[str, Any]]:
@@ -254,7 +252,7 @@ def _print(modes: Modes) -> None:
         ]
         for k in shown
     ]
-    title = ", ".join(filter(None, (data.attrs["title"], data.attrs["case"], _taken(modes))))
+    title = ", ".join(filter(None, (data.attrs["title"], data.attrs["case"], _conditions(modes))))
     if rows:
         print_rows(title, head, rows, numbers=False)
     else:
@@ -269,7 +267,7 @@ def _print(modes: Modes) -> None:
         say(f"note: {note}")
 
 
-def _taken(modes: Modes) -> str:
+def _conditions(modes: Modes) -> str:
     attributes = modes.data.attrs
     words = [f"{name} {kind}" for name, kind in attributes["play"].items()]
     words += [
@@ -301,7 +299,7 @@ def _print_masses(modes: Modes, shown: list[int]) -> None:
 
 
 def _number(value: float) -> str:
-    return f"{value:.6g}" if math.isfinite(value) else "-"
+    return formatted(value, ".6g")
 
 
 def _largest(names: Any, shares: Any) -> str:

@@ -293,7 +293,7 @@ def orbit(
             raise InvalidParameterError("orbit", "--at", "given with a saved branch", at)
     if over is not None:
         ends = ends_of(values, over, known)
-        branch, cut = _followed(
+        branch, cut = _branch_over(
             known, over, ends, period, multiple, transient, rtol, arc, most, quantity or [], progress, begin
         )
         with not_interrupted():
@@ -333,7 +333,7 @@ def _tell(
         print_branch(branch)
 
 
-def _followed(
+def _branch_over(
     known: Scenario,
     over: str,
     ends: tuple[float, float, str],

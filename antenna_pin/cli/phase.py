@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from antenna_pin.base.readable import bare
-from antenna_pin.cli._common import FIGURES, Width, WidthOption, load_result, not_interrupted, say
+from antenna_pin.cli._common import (
+    FIGURES,
+    ResultArgument,
+    Width,
+    WidthOption,
+    load_result,
+    not_interrupted,
+    say,
+)
 from antenna_pin.cli._export import PlotOption, save_both, targets_of
 from antenna_pin.errors import InvalidParameterError
 
@@ -29,7 +37,7 @@ class Colour(StrEnum):
 
 def phase(
     context: typer.Context,
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")],
+    file: ResultArgument,
     x: Annotated[str | None, typer.Option("-x", metavar="NAME", help="Quantity across.")] = None,
     y: Annotated[str | None, typer.Option("-y", metavar="NAME", help="Quantity up.")] = None,
     z: Annotated[

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.base.readable import bare
 from antenna_pin.cli._common import FilesArgument, label_of, load_result, refuse, say
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, say_json, write_csv
 from antenna_pin.cli._tables import print_rows
-from antenna_pin.cli._usage import vector_in
+from antenna_pin.cli._usage import direction_of, seconds_in
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
@@ -78,9 +77,9 @@ def pointing(
     """
     target = csv_target(csv)
     windows = {
-        "window": _seconds(window, "--window"),
-        "drift_spacing": _seconds(drift_spacing, "--drift-spacing"),
-        "periods": _seconds(period, "--period"),
+        "window": seconds_in(window, "--window"),
+        "drift_spacing": seconds_in(drift_spacing, "--drift-spacing"),
+        "periods": seconds_in(period, "--period"),
     }
     runs = [load_result(path, scenario=False) for path in files]
     reference = None if ideal is None else load_result(ideal, scenario=False)
@@ -89,7 +88,7 @@ def pointing(
 
     for path, run in zip(files, runs, strict=True):
         _check_options(path, run, {"--ideal": ideal, "--direction": direction}, body, boresight)
-    command = None if direction is None else Command(direction=_vector(direction, "--direction"))
+    command = None if direction is None else Command(direction=_axis(direction, "--direction"))
     errors, notes = [], []
     for path, run in zip(files, runs, strict=True):
         if not run.completed:
@@ -165,29 +164,22 @@ def _antenna(run: Trajectory, body: str | None, boresight: str | None, up: str |
         return None
     if body is not None and boresight is not None:
         return Antenna(
-            body=body, boresight=_vector(boresight, "--boresight"), up=_vector(up, "--up") if up else None
+            body=body,
+            boresight=_axis(boresight, "--boresight"),
+            up=_axis(up, "--up") if up else None,
         )
     known = Antenna.of(run)
     if body is not None and body != known.body:
         raise InvalidParameterError(
             "pointing", "--body", "given with --boresight, an axis of that link", body
         )
-    axis = known.boresight if boresight is None else _vector(boresight, "--boresight")
+    axis = known.boresight if boresight is None else _axis(boresight, "--boresight")
     second = known.up if boresight is None else None
-    return Antenna(body=known.body, boresight=axis, up=_vector(up, "--up") if up else second)
+    return Antenna(body=known.body, boresight=axis, up=_axis(up, "--up") if up else second)
 
 
-def _seconds(text: str | None, option: str) -> float | None:
-    from antenna_pin.base.units import quantity
-
-    return None if text is None else quantity(bare(text), "s", option)
-
-
-def _vector(text: str, option: str) -> tuple[float, float, float]:
-    vector = vector_in(text)
-    if vector is None:
-        raise InvalidParameterError("pointing", option, "three numbers such as 1,0,0", text)
-    return vector
+def _axis(text: str, option: str) -> tuple[float, float, float]:
+    return direction_of(text, "pointing", option)
 
 
 def _plain(indices: xr.Dataset) -> dict[str, Any]:

@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from antenna_pin.base.interruption import ended_by
-from antenna_pin.base.readable import bare, decimal_in
+from antenna_pin.base.readable import decimal_in
 from antenna_pin.cli._common import (
     SIGNALLED,
     PackagePathOption,
+    ResultArgument,
     complain,
     load_result,
     not_interrupted,
@@ -22,7 +23,7 @@ from antenna_pin.cli._common import (
     say,
 )
 from antenna_pin.cli._progress import picture_bar
-from antenna_pin.cli._usage import vector_in
+from antenna_pin.cli._usage import direction_of, seconds_in
 from antenna_pin.errors import InvalidParameterError, OutputError
 
 if TYPE_CHECKING:
@@ -134,7 +135,7 @@ CurveOption = Annotated[
 
 
 def record(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")],
+    file: ResultArgument,
     out: Annotated[
         Path,
         typer.Option(
@@ -193,7 +194,7 @@ def record(
     """
     kind = kind_of(out)
     check_options(out, kind, at=at, fps=fps, size=size)
-    time, pixels = _time(at, "--at"), size_of(size)
+    time, pixels = seconds_in(at, "--at"), size_of(size)
     for option, value in (("--key-rate", key_rate), ("--max-size", max_size)):
         if value is not None and not (value > 0.0 and math.isfinite(value)):
             raise InvalidParameterError("record", option, "positive", value)
@@ -210,11 +211,11 @@ def record(
         joint=joint,
         magnify=magnify,
         body=body,
-        boresight=None if boresight is None else _direction(boresight),
+        boresight=None if boresight is None else direction_of(boresight, "record", "--boresight"),
         fps=key_rate,
         speed=None if speed is None else _ratio(speed),
-        start=_time(start, "--start"),
-        end=_time(end, "--end"),
+        start=seconds_in(start, "--start"),
+        end=seconds_in(end, "--end"),
         max_megabytes=max_size,
         curves=curve or None,
         package_path=packages,
@@ -227,19 +228,6 @@ def record(
     with not_interrupted():
         recording.save(out)
         typer.echo(f"saved {out}")
-
-
-def _time(text: str | None, option: str) -> float | None:
-    from antenna_pin.base.units import quantity
-
-    return None if text is None else quantity(bare(text), "s", option)
-
-
-def _direction(text: str) -> tuple[float, float, float]:
-    vector = vector_in(text)
-    if vector is None:
-        raise InvalidParameterError("--boresight", "direction", "three numbers such as 1,0,0", text)
-    return vector
 
 
 def _ratio(text: str) -> float:

@@ -18,8 +18,11 @@ from antenna_pin.cli._common import (
     SIGNALLED,
     UNBALANCED,
     CaseOption,
+    DurationOption,
     Engine,
-    Geometry,
+    GeometryOption,
+    ProgressOption,
+    QuietOption,
     SetOption,
     complain,
     load,
@@ -27,8 +30,7 @@ from antenna_pin.cli._common import (
     refuse,
     save_elsewhere,
     say,
-    say_limits,
-    say_spin,
+    say_notes,
     say_start,
     stem,
     writable_file,
@@ -72,14 +74,10 @@ def run(
         ),
     ] = None,
     case: CaseOption = None,
-    duration: Annotated[
-        str | None, typer.Option(help="Simulated time, in seconds or with a unit ('20 ms').")
-    ] = None,
+    duration: DurationOption = None,
     out: Annotated[Path | None, typer.Option(help="Result file; NAME-CASE.nc here if left out.")] = None,
     settings: SetOption = None,
-    geometry: Annotated[
-        Geometry | None, typer.Option(help="How gaps are found, for all joints with clearance.")
-    ] = None,
+    geometry: GeometryOption = None,
     engine: Annotated[
         Engine | None, typer.Option(help="What makes the steps; compiled needs --geometry closed-form.")
     ] = None,
@@ -110,9 +108,9 @@ def run(
             help="Go on with the run of this result from its last checkpoint.",
         ),
     ] = None,
-    progress: Annotated[bool, typer.Option(help="Show a progress bar.")] = True,
+    progress: ProgressOption = True,
     summary: Annotated[bool, typer.Option(help="Print a summary of the result.")] = True,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+    quiet: QuietOption = False,
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
@@ -134,7 +132,7 @@ def run(
             refuse("run: must be given a SCENARIO, or --resume FILE; `antenna-pin list` has what ships")
         chosen, span = load(scenario, case, changes, geometry, duration), None
         path = writable_file(out or Path(f"{stem(chosen)}.nc"), ".nc")
-        if has_checkpoint(path):
+        if _has_checkpoint(path):
             complain(
                 f"note: a run to {path} was stopped; --resume {path} goes on with it, this one replaces it"
             )
@@ -144,7 +142,7 @@ def run(
         for name, value in given.items():
             if value:
                 refuse(f"run: {name} must be left out beside --resume, which goes on with what was begun")
-        chosen, path = resumed(resume)
+        chosen, path = _resumed(resume)
         chosen = chosen.with_overrides(changes) if changes else chosen
         span = None if duration is None else positive_quantity(duration, "s", "--duration", "run")
 
@@ -176,8 +174,7 @@ def run(
             if trajectory.outcome.name == "COMPLETED" and (passed := trajectory.message.partition("; ")[2]):
                 say(f"note: {passed}")
             say_start(trajectory, chosen, "note: ")
-            say_spin(trajectory, "note: ")
-            say_limits(trajectory, "note: ")
+            say_notes(trajectory, "note: ")
         outcome = trajectory.outcome.name
         if trajectory.completed:
             if outcome != "COMPLETED" and not quiet:
@@ -197,12 +194,12 @@ def _toml(text: str) -> str:
     return json.dumps(text) if number is None else repr(number)
 
 
-def has_checkpoint(path: Path) -> bool:
+def _has_checkpoint(path: Path) -> bool:
     """Return whether a result's path has a checkpoint."""
     return path.with_name(path.name + ".parts").joinpath("checkpoint").is_file()
 
 
-def resumed(file: Path) -> tuple[Scenario, Path]:
+def _resumed(file: Path) -> tuple[Scenario, Path]:
     """Return the scenario of a stopped run, and the path of its result."""
     from antenna_pin.simulation import Checkpoint
 

@@ -25,6 +25,7 @@ from antenna_pin.cli._common import (
 )
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported
 from antenna_pin.cli._tables import number_text, print_rows
+from antenna_pin.cli._usage import command_group
 from antenna_pin.errors import UnknownNameError
 
 if TYPE_CHECKING:
@@ -84,7 +85,7 @@ def grid_rows(table: xr.Dataset) -> tuple[list[str], list[list[str]], int]:
     """
     like = table["outcome"]
     head, columns = ["run"], [list(map(str, range(min(like.size, _GRID))))]
-    for name in (*parameters_of(table), *responses_of(table)):
+    for name in (*names_of(table, "parameters"), *names_of(table, "responses")):
         values = table[name].broadcast_like(like).transpose(*like.dims).values.ravel()[:_GRID].tolist()
         units, title = str(table[name].attrs.get("units", "")), name
         if table[name].dtype.kind in "fi":
@@ -109,11 +110,9 @@ def print_grid(name: str, table: xr.Dataset) -> None:
         say(f"... and {more} more; --csv of antenna-pin study show has all")
 
 
-def responses_of(table: xr.Dataset) -> list[str]:
-    """Return the names of a study's responses."""
-    import json
-
-    return list(json.loads(table.attrs["responses"]))
+def names_of(table: xr.Dataset, part: str) -> list[str]:
+    """Return the names of a study's ``parameters`` or ``responses``."""
+    return list(json.loads(table.attrs[part]))
 
 
 def print_outcomes(name: str, table: xr.Dataset) -> None:
@@ -134,15 +133,8 @@ def failures(table: xr.Dataset) -> Iterator[tuple[int, str, str, str]]:
     for place in np.argwhere(~np.isin(outcomes, ("COMPLETED", "STOPPED", "PENDING"))):
         index = dict(zip(table["outcome"].dims, map(int, place), strict=True))
         one = table.isel(index)
-        values = ", ".join(f"{name} = {value_text(one[name])}" for name in parameters_of(table))
+        values = ", ".join(f"{name} = {value_text(one[name])}" for name in names_of(table, "parameters"))
         yield int(one["run"]), values, str(one["outcome"].item()), str(one["message"].item())
-
-
-def parameters_of(table: xr.Dataset) -> list[str]:
-    """Return the names of a study's parameters."""
-    import json
-
-    return list(json.loads(table.attrs["parameters"]))
 
 
 def value_text(value: xr.DataArray) -> str:
@@ -153,13 +145,7 @@ def value_text(value: xr.DataArray) -> str:
     return f"{float(value):.6g}{f' {units}' if units not in ('', '1') else ''}"
 
 
-app = typer.Typer(
-    name="study",
-    help="Studies made by sweep: tables, figures, a report.",
-    no_args_is_help=True,
-    context_settings={"help_option_names": ["-h", "--help"]},
-    rich_markup_mode=None,
-)
+app = command_group("study", "Studies made by sweep: tables, figures, a report.")
 
 StoreArgument = Annotated[Path, typer.Argument(metavar="STORE", help="Folder of a study, NAME.study.")]
 
@@ -185,11 +171,7 @@ def show(
     table = open_study(store)
     if as_json or target is not None:
         rows = _rows(table)
-        about = {
-            "title": table.attrs["title"],
-            "digest": table.attrs["digest"],
-            "method": table.attrs["method"],
-        }
+        about = {name: table.attrs[name] for name in ("title", "digest", "method")}
         exported({"file": str(store), **about, "runs": rows}, rows, as_json, target)
         return
     name = json.loads(table.attrs["study"])["name"]
@@ -211,7 +193,7 @@ def show(
         return
     head = ("", "smallest", *(f"{100.0 * share:g} %" for share in _SHARES), "largest", "mean")
     rows_ = []
-    for response in responses_of(table):
+    for response in names_of(table, "responses"):
         values = np.ravel(table[response].values).astype(float)
         values = values[np.isfinite(values)]
         if values.size:
@@ -220,7 +202,7 @@ def show(
             rows_.append([_with_unit(table[response]), *(number_text(float(one)) for one in numbers)])
     print_rows(f"{name}: responses", head, rows_)
     if table.attrs["method"] in ("morris", "saltelli"):
-        for response in responses_of(table):
+        for response in names_of(table, "responses"):
             found = sensitivities(table, response)
             columns = list(map(str, found.data_vars))
             lines = [
@@ -294,8 +276,8 @@ def _rows(table: xr.Dataset) -> list[dict[str, Any]]:
     import numpy as np
 
     like = table["outcome"]
-    names = ["run", *parameters_of(table), *responses_of(table), "outcome", "message", "end_time", "steps"]
-    names += ["evaluations", "seed", "wall_time"]
+    names = ["run", *names_of(table, "parameters"), *names_of(table, "responses")]
+    names += ["outcome", "message", "end_time", "steps", "evaluations", "seed", "wall_time"]
     columns = {
         name: np.ravel(table[name].broadcast_like(like).transpose(*like.dims).values).tolist()
         for name in names

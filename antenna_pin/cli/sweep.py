@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.cli._common import complain, refuse, say
+from antenna_pin.cli._common import ProgressOption, QuietOption, complain, refuse, say
 from antenna_pin.cli._progress import study_bar
 from antenna_pin.cli._tables import print_rows
 from antenna_pin.cli.study import is_grid, print_grid, print_outcomes, run_rows, said_of_time
@@ -60,8 +60,8 @@ def sweep(
             "--apart", help="Where the store is of another study or version, make another beside it."
         ),
     ] = False,
-    progress: Annotated[bool, typer.Option(help="Show a progress bar.")] = True,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+    progress: ProgressOption = True,
+    quiet: QuietOption = False,
 ) -> None:
     """Make the runs of a parameter study, those that its store does not have yet.
 

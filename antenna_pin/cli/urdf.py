@@ -105,7 +105,7 @@ def _check(
         if target is None:
             say(line)
 
-    for name in _found(targets):
+    for name in _files(targets):
         count += 1
         file = _is_urdf(name)
         if file and (case or settings):
@@ -124,7 +124,7 @@ def _check(
         raise typer.Exit(REFUSED)
 
 
-def _found(targets: list[str]) -> Iterator[str]:
+def _files(targets: list[str]) -> Iterator[str]:
     """Yield the targets, in place of a folder the URDFs in it and below."""
     for target in targets:
         path = Path(target)
@@ -152,14 +152,14 @@ def _verdict(
     try:
         if file or Path(name).suffix in _SUFFIXES:
             written = WrittenUrdf.load(name, package_path=roots)
-            details = _said(written)
+            details = _passed_over(written)
             made = written.variant()
             system = System(_built(made))
             system.check_pose(system.neutral()[: system.model.nq], made.where)
         else:
             scenario = load(name, case, settings)
             written = as_written(scenario)
-            details = _said(written)
+            details = _passed_over(written)
             made = urdf_variant(scenario)
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", NotSimulatedWarning)  # it is said below
@@ -186,7 +186,7 @@ def _verdict(
     return said, details
 
 
-def _said(written: WrittenUrdf) -> list[str]:
+def _passed_over(written: WrittenUrdf) -> list[str]:
     return [f"passed over: {kind.said()}" for kind in written.passed_over]
 
 

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from antenna_pin.base.readable import bare, decimal_in
-from antenna_pin.cli._common import Width, WidthOption, figure_target, label_of, load_result
-from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
+from antenna_pin.cli._common import ResultArgument, Width, WidthOption, figure_target, label_of, load_result
+from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain, save_plot
 from antenna_pin.cli._tables import number_text, print_rows
-from antenna_pin.cli._usage import positive_quantity
+from antenna_pin.cli._usage import command_group, positive_quantity
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
@@ -23,15 +23,10 @@ if TYPE_CHECKING:
 
     from antenna_pin.trajectory import Trajectory
 
-app = typer.Typer(
-    name="vibration",
-    help="Vibration: responses to a shaken base, spectral densities, shock response spectra.",
-    no_args_is_help=True,
-    context_settings={"help_option_names": ["-h", "--help"]},
-    rich_markup_mode=None,
+app = command_group(
+    "vibration", "Vibration: responses to a shaken base, spectral densities, shock response spectra."
 )
 
-FileArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")]
 OfOption = Annotated[
     str | None,
     typer.Option(
@@ -49,7 +44,7 @@ FigureOption = Annotated[
 
 
 def response(
-    file: FileArgument,
+    file: ResultArgument,
     of: OfOption = None,
     to: Annotated[
         str | None,
@@ -104,11 +99,11 @@ def response(
     if figure is not None:
         from antenna_pin.plot import figure_swept
 
-        _save(figure_swept(run, of, periods=periods, width=width.value), figure, as_json)
+        save_plot(figure_swept(run, of, periods=periods, width=width.value), figure, as_json)
 
 
 def density(
-    file: FileArgument,
+    file: ResultArgument,
     of: OfOption = None,
     segment: SegmentOption = None,
     confidence: Annotated[float, typer.Option(help="Probability of the interval.")] = 0.95,
@@ -140,11 +135,11 @@ def density(
     if figure is not None:
         from antenna_pin.plot import figure_density
 
-        _save(figure_density(run, of, segment=length, width=width.value), figure, as_json)
+        save_plot(figure_density(run, of, segment=length, width=width.value), figure, as_json)
 
 
 def shock(
-    file: FileArgument,
+    file: ResultArgument,
     of: OfOption = None,
     quality: Annotated[float, typer.Option(help="Q of the oscillators, 1/(2 damping ratio).")] = 10.0,
     plot: FigureOption = None,
@@ -170,7 +165,7 @@ def shock(
     if figure is not None:
         from antenna_pin.plot import figure_shock
 
-        _save(figure_shock(run, of, quality=quality, width=width.value), figure, as_json)
+        save_plot(figure_shock(run, of, quality=quality, width=width.value), figure, as_json)
 
 
 def _name(run: Trajectory, of: str | None) -> str:
@@ -248,14 +243,5 @@ def _band(text: str) -> tuple[float, float]:
     return low, high
 
 
-def _save(figure: Any, path: Path, silent: bool) -> None:
-    from antenna_pin.plot import save_figure
-
-    save_figure(figure, path.with_suffix(""), [path.suffix[1:]])
-    if not silent:
-        typer.echo(f"saved {path}")
-
-
-app.command("response")(response)
-app.command("density")(density)
-app.command("shock")(shock)
+for _command in (response, density, shock):
+    app.command()(_command)

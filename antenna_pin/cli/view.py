@@ -14,7 +14,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from antenna_pin.cli._common import PackagePathOption, load_result, not_interrupted, package_folders, say
+from antenna_pin.cli._common import (
+    PackagePathOption,
+    ResultArgument,
+    load_result,
+    not_interrupted,
+    package_folders,
+    say,
+)
 from antenna_pin.cli.record import CurveOption, IdealOption, JointOption, ViewName, ViewOption
 from antenna_pin.errors import MissingToolError, OutputError
 
@@ -62,7 +69,7 @@ def opened_by_file(browser: webbrowser.BaseBrowser, address: str) -> Iterator[bo
 
 
 def view(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")],
+    file: ResultArgument,
     ideal: IdealOption = None,
     view: ViewOption = ViewName.MECHANISM,
     joint: JointOption = None,
@@ -101,13 +108,13 @@ def view(
     for text in (*recording.data["warnings"], *recording.data["thinned"]):
         say(f"note: {text}")
     with not_interrupted():
-        page = recording.save(target) if target is not None else _beside(recording, file)
+        page = recording.save(target) if target is not None else _save_nearby(recording, file)
         typer.echo(f"saved {page}")
     if opened is not None and not opened.open(page.resolve().as_uri()):
         raise MissingToolError(f"view: a browser must start, got none; open {page} in one")
 
 
-def _beside(recording: Recording, file: Path) -> Path:
+def _save_nearby(recording: Recording, file: Path) -> Path:
     """Write the page beside the result, or in a temporary folder."""
     try:
         return recording.save(file.with_name(f"{file.stem}.view.html"))

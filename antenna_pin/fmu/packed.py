@@ -17,18 +17,11 @@ FILE = "antenna_pin.json"
 
 
 class Variable(NamedTuple):
-    """A number that an FMU takes or gives.
-
-    Attributes:
-        name: As its user has named it.
-        unit: SI unit; empty or "1" for none.
-        start: Its value at the start.
-        meaning: In words.
-    """
+    """Number that an FMU takes or gives."""
 
     name: str
-    unit: str
-    start: float
+    unit: str  # SI; empty or "1" for none
+    start: float  # value at the start
     meaning: str
 
 

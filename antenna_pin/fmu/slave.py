@@ -74,13 +74,13 @@ class Slave(Fmi3Slave):  # type: ignore[misc]  # the library has no types
     """Instance of an FMU.
 
     Args:
-        **named: As pythonfmu3 gives them: the instance's name, the folder of resources.
+        **options: As pythonfmu3 gives them: the instance's name, the folder of resources.
     """
 
-    def __init__(self, **named: Any) -> None:
+    def __init__(self, **options: Any) -> None:
         """Make a session of the scenario that is packed, and the variables."""
-        super().__init__(**named)
-        self.packed = Packed.read(Path(named["resources"]))
+        super().__init__(**options)
+        self.packed = Packed.read(Path(options["resources"]))
         self.guid = self.packed.token
         self.time = self._first = 0.0
         self._parameters: dict[str, float] = {}
@@ -186,13 +186,13 @@ class Slave(Fmi3Slave):  # type: ignore[misc]  # the library has no types
 
     def _read(self, name: str) -> float:
         """Return an output; it may depend on the inputs at once."""
-        with self._said():
+        with self._logged():
             self._command()
         return self._session[name]
 
     @contextmanager
-    def _said(self) -> Iterator[None]:
-        """Log what is refused, before the master hears of it."""
+    def _logged(self) -> Iterator[None]:
+        """Log an error on its way to the master."""
         try:
             yield
         except AntennaPinError as error:
@@ -208,7 +208,7 @@ class Slave(Fmi3Slave):  # type: ignore[misc]  # the library has no types
         self._session.close()
 
     def _begin(self) -> None:
-        with self._said():
+        with self._logged():
             self._session: Session = start(self._scenario(), record=False)
 
     def _scenario(self) -> Scenario:

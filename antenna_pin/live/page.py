@@ -51,10 +51,10 @@ class Page:
     ) -> None:
         """Build the page, and request the first run."""
         self._document, self._out, self._tell = document, out, tell
-        self._told = ""
+        self._stage = ""
         self._explored = Explored(scenario, joint, span)
         self._name = "-".join(filter(None, (scenario.name, scenario.case)))
-        self._runner = Runner(self._hear)
+        self._runner = Runner(self._pass_on)
         self._panels = Panels()
         self._status = dressed(Div(name="status", sizing_mode="stretch_width"))
         self._knobs = Column(name="knobs", sizing_mode="stretch_width")
@@ -188,7 +188,7 @@ class Page:
     def _ask(self) -> None:
         self._runner.ask(self._explored.scenario)
 
-    def _hear(self, answer: Made) -> None:
+    def _pass_on(self, answer: Made) -> None:
         """Pass a run from its thread to the page's own."""
         self._document.add_next_tick_callback(partial(self._show, answer))
 
@@ -196,8 +196,8 @@ class Page:
         """Write the stage of the first run until its first display."""
         seconds, stage = round(time.perf_counter() - self._opened), self._runner.stage
         self._panels.announce(f"<div role='status'>First run: {escape(stage)} ({seconds} s)</div>")
-        if stage == COMPILING != self._told:
-            self._told = stage
+        if stage == COMPILING != self._stage:
+            self._stage = stage
             self._tell(f"first run: {stage}")
 
     def _show(self, answer: Made) -> None:

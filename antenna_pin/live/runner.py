@@ -29,11 +29,11 @@ class Made:
     """Answer to a request.
 
     Attributes:
-        number: Of what was asked.
-        run: The run as far as it is; None if it was refused.
-        done: Whether nothing more comes of it.
-        refused: Why there is none, in one line; empty if there is.
-        wall: Since it was asked for [s].
+        number: Of the request.
+        run: The run so far; None if it was refused.
+        done: Whether the request is completed.
+        refused: Reason of a refusal, in one line; empty for a run.
+        wall: Time since the request [s].
     """
 
     number: int
@@ -47,12 +47,12 @@ class Runner:
     """Runner of requested runs in a thread; a superseded run is stopped.
 
     Args:
-        told: Called in that thread with what came of the latest.
+        deliver: Called in that thread with answers to the latest request.
     """
 
-    def __init__(self, told: Callable[[Made], None]) -> None:
+    def __init__(self, deliver: Callable[[Made], None]) -> None:
         """Start the thread, which waits."""
-        self._told = told
+        self._deliver = deliver
         self._change = threading.Condition()
         self._asked: tuple[int, Callable[[], Scenario], float] | None = None
         self._number = 0
@@ -104,10 +104,10 @@ class Runner:
                 self._asked = None
             try:
                 self._make(number, scenario, asked)
-            except AntennaPinError as error:
-                self._tell(Made(number, None, True, str(error), time.perf_counter() - asked))
-            except Exception as error:  # one of ours, which must not end all that comes after
-                said = f"{type(error).__name__}: {' '.join(str(error).split())}"
+            except Exception as error:  # also a bug: it must not end the thread
+                said = str(error)
+                if not isinstance(error, AntennaPinError):
+                    said = f"{type(error).__name__}: {' '.join(said.split())}"
                 self._tell(Made(number, None, True, said, time.perf_counter() - asked))
 
     def _make(self, number: int, scenario: Callable[[], Scenario], requested: float) -> None:
@@ -135,4 +135,4 @@ class Runner:
 
     def _tell(self, answer: Made) -> None:
         if answer.number == self._number:
-            self._told(answer)
+            self._deliver(answer)

@@ -167,16 +167,13 @@ class Exploration:
             http.add_sockets([listening])
             server = BaseServer(IOLoop.current(), application, http)
             server.start()
-        except OSError as error:
-            said = error.strerror or str(error)
-            self._failed = OutputError(
-                f"explore: port {port} must be free, got: {said}; leave --port out for a free one"
-            )
-            self._ready.set()
-            loop.close()
-            return
         except BaseException as error:
             self._failed = error
+            if isinstance(error, OSError):
+                said = error.strerror or str(error)
+                self._failed = OutputError(
+                    f"explore: port {port} must be free, got: {said}; leave --port out for a free one"
+                )
             self._ready.set()
             loop.close()
             return

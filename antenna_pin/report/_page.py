@@ -162,7 +162,7 @@ def quantities(
     digits: int = 4,
     scales: Mapping[str, float] | None = None,
 ) -> Row:
-    """Return a row of numbers of an SI unit with one prefix; None and infinite are dashes.
+    """Return a row of numbers with one prefix; None and infinite are dashes.
 
     ``scales`` are those of the runs, by which numbers may be zero to round-off.
     """

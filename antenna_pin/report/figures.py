@@ -231,7 +231,7 @@ class DrawnFigure(NamedTuple):
 
 
 def drawn(runs: Sequence[ReportedRun], processes: int = 1) -> list[DrawnFigure]:
-    """Return the figures that the runs allow, or the reason for none, drawn by forked processes."""
+    """Return the figures that the runs allow, drawn by forked processes."""
     drawable = [run for run in runs if run.samples > 1]
     names = _short_names(drawable)
     ideal = ideal_of(drawable)

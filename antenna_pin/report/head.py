@@ -42,7 +42,7 @@ def key_results(
     pictures: Sequence[Embedded | Picture] = (),
     own: Sequence[str] = (),
 ) -> Section:
-    """Return the key numbers of all runs in one short table with the pictures beside it.
+    """Return the key numbers of all runs in one table with pictures.
 
     ``own``: functions of a run, as ``FILE.py:NAME``.
     """

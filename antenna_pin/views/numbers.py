@@ -86,13 +86,10 @@ class RunNumbers:
 
     One analysis alone is a function of the same name in :mod:`antenna_pin.analysis`, such as
     ``run.analyse.impacts()`` or ``run.analyse.deviation(ideal)``.
-
-    Args:
-        run: The run.
     """
 
     def __init__(self, run: Trajectory) -> None:
-        """Take the run."""
+        """Bind the analyses to a run."""
         self._run = run
 
     def __call__(self, ideal: Trajectory | None = None, *, longest_gap: float | str = 1e-3) -> dict[str, Any]:
@@ -162,8 +159,8 @@ class RunNumbers:
         function = getattr(analysis, name)
 
         @functools.wraps(function)
-        def bound(*arguments: Any, **named: Any) -> Any:
-            return function(self._run, *arguments, **named)
+        def bound(*arguments: Any, **options: Any) -> Any:
+            return function(self._run, *arguments, **options)
 
         signature = inspect.signature(function)
         bound.__signature__ = signature.replace(  # type: ignore[attr-defined]

@@ -26,15 +26,10 @@ _FILMS = (".mp4", ".gif")
 
 
 class Drawing:
-    """Figure of a run, ready to be drawn: ``run.plot.contact_forces()``.
-
-    Args:
-        run: The run.
-        figure: The figure.
-    """
+    """Figure of a run, ready to be drawn: ``run.plot.contact_forces()``."""
 
     def __init__(self, run: Trajectory, figure: RunFigure) -> None:
-        """Take both."""
+        """Bind a figure to a run."""
         self.__doc__ = f"{_title(figure)}: figure {figure.name!r} of the catalogue."
         self._run, self._figure = run, figure
 
@@ -74,14 +69,11 @@ class Drawing:
 class RunFigures:
     """Figures of a run: ``run.plot("contact_forces")``, or ``run.plot.contact_forces()``.
 
-    Names are found by completion, of figures that the run has something for; by itself it shows their list.
-
-    Args:
-        run: The run.
+    Completion and ``repr`` list the figures that the run allows.
     """
 
     def __init__(self, run: Trajectory) -> None:
-        """Take the run."""
+        """Bind the figures to a run."""
         self._run = run
 
     def __call__(
@@ -93,23 +85,16 @@ class RunFigures:
         width: Width = "page",
         **options: Any,
     ) -> Figure:
-        """Return a figure of the run.
+        """Return a figure of the run, the first allowed if no name is given.
 
-        Args:
-            name: Which one; the first that the run allows if left out.
-            beside: Other runs in it, each a trajectory or a pair of a label and one; an ideal one among them
-                is what the others are compared with.
-            joint: The joint that it is of; the first that the run is about if left out.
-            width: "column" (88 mm) or "page" (180 mm).
-            **options: Further ones of the figure's own, such as ``zoom``.
+        Further arguments and errors are those of :class:`Drawing`.
 
         Raises:
-            UnknownNameError: There is no figure, or no joint, of that name.
-            InvalidParameterError: The runs do not have what the figure shows; the message lists what they do.
+            UnknownNameError: There is no figure of that name.
         """
         if name is not None and not isinstance(name, str):
             raise InvalidParameterError("plot", "name", "the name of a figure", name)
-        chosen = self._names()[0] if name is None else name
+        chosen = self.__dir__()[0] if name is None else name
         drawing = Drawing(self._run, run_figure(chosen))
         return drawing(beside=beside, joint=joint, width=width, **options)
 
@@ -124,14 +109,11 @@ class RunFigures:
 
     def __dir__(self) -> list[str]:
         """Return the names of figures that the run allows."""
-        return self._names()
-
-    def _names(self) -> list[str]:
         return list(dict.fromkeys(one.figure.name for one in allowed_figures([self._run], names=CATALOGUE)))
 
     def __repr__(self) -> str:
         """List the figures that the run allows, by name."""
-        names = self._names()
+        names = self.__dir__()
         widest = max(map(len, names))
         lines = [f"  {name:<{widest}}  {_title(CATALOGUE[name])}" for name in names]
         return "\n".join(["Figures of this run, each drawn by plot(NAME):", *lines])
@@ -141,7 +123,7 @@ class RunFigures:
         rows = "".join(
             f"<tr><td style='text-align:left'><code>{escape(name)}</code></td>"
             f"<td style='text-align:left'>{escape(_title(CATALOGUE[name]))}</td></tr>"
-            for name in self._names()
+            for name in self.__dir__()
         )
         return f"<table><caption>Figures of this run: plot(NAME)</caption>{rows}</table>"
 

@@ -154,14 +154,10 @@ def _opened(study: Study, store: str | os.PathLike[str] | None) -> xr.Dataset:
 
 
 class StudyFigures:
-    """Figures of a study that has been run: ``study.plot("peak_force-response")``.
-
-    Args:
-        study: The study.
-    """
+    """Figures of a study that has been run: ``study.plot("peak_force-response")``."""
 
     def __init__(self, study: Study) -> None:
-        """Take the study."""
+        """Bind the figures to a study."""
         self._study = study
 
     def __call__(
