@@ -181,5 +181,5 @@ def _is_of_memory(error: BaseException) -> bool:
 def _tell(error: Any, file: Any = None) -> None:
     context = getattr(error, "ctx", None)
     words = error.format_message().rstrip(".").replace("Value error, ", "")
-    way_out = f"; `{context.command_path} --help` tells of all" if context is not None else ""
+    way_out = f"; see `{context.command_path} --help`" if context is not None else ""
     complain(f"{words}{way_out}")

@@ -1,4 +1,4 @@
-"""``antenna-pin analyse``: what a run shows, in tables."""
+"""``antenna-pin analyse`` and ``impacts``: analyses of a run in tables."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from antenna_pin.cli._tables import Zeros, print_rows, print_table, text_of
 JointOption = Annotated[str | None, typer.Option(help="Joint with clearance; all of them if left out.")]
 
 _PEAKS = 3
-# What a CSV file has, one row for each number.
+# Parts in a CSV file, which has one row for each number.
 _PARTS = (
     "deviation",
     "impacts",
@@ -33,7 +33,7 @@ _PARTS = (
 def analyse(
     file: ResultArgument,
     ideal: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Result of the ideal joint, to compare with.")
+        Path | None, typer.Option(metavar="FILE", help="Result with the ideal joint, as reference.")
     ] = None,
     longest_gap: Annotated[
         str, typer.Option(help="Longest time apart that counts as lasting contact ('1 ms').")
@@ -41,7 +41,7 @@ def analyse(
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Say what a run shows: deviation, impacts, loads, settling, closed loops, dominant frequencies."""
+    """Analyse a run: deviation, impacts, loads, settling, closed loops, frequencies."""
     from antenna_pin.base.units import quantity
 
     target = csv_target(csv)
@@ -131,7 +131,7 @@ def _print_contacts(label: str, facts: dict[str, Any], zeros: Zeros) -> None:
 
 
 def _print_loops(label: str, facts: Mapping[str, Any], zeros: Zeros) -> None:
-    """Print what closures, couplings and drives carried, and how many equations they are."""
+    """Print loads of closures, couplings and drives, and counts of their equations."""
     from antenna_pin.analysis import said_of_constraints, said_of_singular
 
     drives = [
@@ -185,8 +185,8 @@ def impacts(
 ) -> None:
     """List the impacts of a run, or export them.
 
-    An impact is one contact's; those of the same surfaces that overlap, as at both ends of a bore that are
-    met at once, are one blow of the joint, and bear its number.
+    An impact belongs to one contact. Overlapping impacts of the same surfaces, as at both ends of a bore,
+    are one blow of the joint and have its number.
     """
     target = csv_target(csv)
     run = load_result(file, scenario=False)

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from antenna_pin.nonlinear import DiagramPlan
     from antenna_pin.scenario import Scenario
 
-# Values that are named of those that failed.
+# Failed values whose messages are printed.
 _NAMED = 5
 
 
@@ -94,19 +94,20 @@ def bifurcation(
         list[Path] | None,
         typer.Option(
             metavar="FILE",
-            help="Saved branch of orbits over the same key ('orbit --over KEY --out FILE'), to lie over the"
-            " points of the figure with its stability. May be repeated.",
+            help="Saved branch of orbits over the same key ('orbit --over KEY --out FILE'), drawn over"
+            " the points of the figure with its stability. May be repeated.",
         ),
     ] = None,
     width: WidthOption = Width.PAGE,
     workers: Annotated[
-        int | None, typer.Option(metavar="N", help="Runs made at a time; one for each core if left out.")
+        int | None,
+        typer.Option(metavar="N", help="Number of simultaneous runs; one for each core if left out."),
     ] = None,
     progress: ProgressOption = True,
 ) -> None:
     """Draw how the points of a section change over a parameter.
 
-    What was interrupted or killed goes on with the same command.
+    The same command continues an interrupted or killed one.
     """
     targets = targets_of(out, plot)
     from antenna_pin.nonlinear import bifurcation as made

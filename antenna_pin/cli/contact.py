@@ -38,7 +38,7 @@ def scenarios(
     radial_clearance: Annotated[str, typer.Option(help="Bearing radius minus journal radius.")] = "0.2 mm",
     bearing_length: Annotated[str, typer.Option(help="Length of the bearing.")] = "50 mm",
     axial_clearance: Annotated[
-        str, typer.Option(help="Half of what the flanges' distance exceeds the bearing's length by.")
+        str, typer.Option(help="Half the difference of the flanges' distance and the bearing's length.")
     ] = "0.2 mm",
     bearing_outer_radius: Annotated[str, typer.Option(help="Outer radius of the bearing.")] = "12 mm",
     flange_radius: Annotated[str, typer.Option(help="Radius of the journal's flanges.")] = "14 mm",
@@ -292,7 +292,7 @@ def restitution(
         ),
     ] = None,
     asked: Annotated[
-        str, typer.Option(metavar="LIST", help="Restitutions asked for, separated by commas.")
+        str, typer.Option(metavar="LIST", help="Restitutions, separated by commas.")
     ] = "0.05, 0.1, 0.3, 0.5, 0.7, 0.9, 1",
     mass: Annotated[str, typer.Option(help="Effective mass.")] = "1 kg",
     speed: Annotated[str, typer.Option(help="Approach speed.")] = "0.1 m/s",
@@ -305,7 +305,7 @@ def restitution(
 ) -> None:
     """Certify dissipations: the restitution each delivers, in closed form and in integrated impacts.
 
-    On a Hertz contact of 1e10 N/m^1.5: of one mass on a wall, and of a pair of free bodies. Dissipations that
+    The contact is Hertz's, of 1e10 N/m^1.5: one mass on a wall, and a pair of free bodies. Dissipations that
     refuse a restitution of 0 are left out there.
     """
     from antenna_pin.contact import DISSIPATIONS, law_parameters

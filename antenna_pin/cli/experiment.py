@@ -59,7 +59,7 @@ def experiment(
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Hold the laws against the pin joint that Liu et al. measured in 2013."""
+    """Compare the laws with the pin joint measured by Liu et al. (2013)."""
     from antenna_pin.law_studies import experiment_findings
 
     target = csv_target(csv)

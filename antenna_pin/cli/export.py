@@ -17,7 +17,7 @@ _LISTS = ("--inputs", "--outputs", "--parameters")
 
 
 class WithLists(TyperCommand):
-    """A command some of whose options take all the words up to the next option."""
+    """Command with options that take all words up to the next option."""
 
     def parse_args(self, context: Any, args: list[str]) -> list[str]:
         """Read the words, each behind its option."""
@@ -39,11 +39,11 @@ def fmu(
     case: CaseOption = None,
     outputs: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME...", help="What is read: hinge.angle, hinge.rate, motion_angle[hinge]."),
+        typer.Option(metavar="NAME...", help="Outputs: hinge.angle, hinge.rate, motion_angle[hinge]."),
     ] = None,
     inputs: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME...", help="What is commanded: motor, springs.coil.stiffness."),
+        typer.Option(metavar="NAME...", help="Inputs: motor, springs.coil.stiffness."),
     ] = None,
     parameters: Annotated[
         list[str] | None,
@@ -57,8 +57,8 @@ def fmu(
 ) -> None:
     """Write a scenario as an FMU for co-simulation (FMI 3.0), URDF and meshes included.
 
-    Options of names take several, up to the next option. The unit runs where the Python that the tool loads
-    has antenna_pin.
+    Options of names take several words, up to the next option. The tool that runs the unit needs a Python
+    with antenna_pin.
     """
     chosen = load(scenario, case, settings)
     path = writable_file(out or Path(f"{stem(chosen)}.fmu"), ".fmu")

@@ -139,9 +139,9 @@ def figures(
 ) -> None:
     """Draw the figures of the paper that a shipped scenario repeats, runs included.
 
-    Files are named after the paper's figures, and index.md says what each shows there and here. A scenario
-    that repeats no paper gets the standard figures of its cases. Those of settled motions run as long as that
-    takes, whatever the duration, compiled and with gaps in closed form.
+    Files are named after the paper's figures; index.md compares both. A scenario that repeats no paper gets
+    the standard figures of its cases. Settled motions run as long as they need, whatever the duration,
+    compiled and with gaps in closed form.
     """
     suffixes = figure_formats(formats)
     of_runs, of_attractors = _paper(scenario, cases, numbers)

@@ -205,7 +205,7 @@ def fit(
     ] = None,
     record: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="Of which record that scenario is, if not of the first."),
+        typer.Option(metavar="NAME", help="Record of that scenario, if not the first."),
     ] = None,
     settings: Annotated[
         list[str] | None,
@@ -222,25 +222,25 @@ def fit(
     ] = None,
     identify: Annotated[
         bool,
-        typer.Option("--identify", help="Fit nothing: say what the records can tell of the parameters."),
+        typer.Option("--identify", help="Fit nothing: print how well the records determine the parameters."),
     ] = False,
     experiments: Annotated[
         Path | None,
         typer.Option(
-            "--next", metavar="FILE", help="Fit nothing: say which experiment of a file would tell most."
+            "--next",
+            metavar="FILE",
+            help="Fit nothing: print which experiment of a file would determine most.",
         ),
     ] = None,
     at: Annotated[
         Path | None,
-        typer.Option(metavar="FIT.nc", help="With these: a saved fit whose values to take, not the starts."),
+        typer.Option(metavar="FIT.nc", help="With these: a saved fit for the values, instead of the starts."),
     ] = None,
     profile: Annotated[
         bool, typer.Option("--profile", help="Make the profile of each parameter: many fits of the others.")
     ] = False,
-    draws: Annotated[
-        int, typer.Option(metavar="N", help="Runs at drawn values, for bands that no straight line makes.")
-    ] = 0,
-    seed: Annotated[int, typer.Option(metavar="N", help="Of the draws.")] = 0,
+    draws: Annotated[int, typer.Option(metavar="N", help="Runs at drawn values, for nonlinear bands.")] = 0,
+    seed: Annotated[int, typer.Option(metavar="N", help="Seed of the draws.")] = 0,
     report: Annotated[
         bool, typer.Option("--report", help="Print lmfit's report, with correlations.")
     ] = False,
@@ -249,8 +249,8 @@ def fit(
 ) -> None:
     """Fit numbers of a scenario, such as play, stiffness, friction, to measured records.
 
-    Records, scenario and parameters are checked before anything is run. What was interrupted or killed goes
-    on with the same command.
+    Records, scenario and parameters are checked before the first run. The same command continues an
+    interrupted or killed one.
     """
     from antenna_pin.fit import load_fit, run_fit
     from antenna_pin.fit.assessment import certain

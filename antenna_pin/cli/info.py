@@ -1,4 +1,4 @@
-"""``antenna-pin info`` and ``plot``: what results and scenarios are, and the standard figures of results."""
+"""``antenna-pin info`` and ``plot``: summaries and figures of results, descriptions of scenarios."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 
 def kinds_of(files: Sequence[Path]) -> dict[Path, TableKind]:
-    """Return which files hold a dataset that is no run, and of what."""
+    """Return the kind of each file that holds a dataset other than a run."""
     from antenna_pin.trajectory import FORMATS, format_of
 
     kinds = {name: kind for kind, name in FORMATS.items()}
@@ -83,7 +83,7 @@ def names_scenario(text: str) -> bool:
 
 
 def say_scenario(name: str, case: str | None, settings: Sequence[str] | None, as_json: bool) -> None:
-    """Print what a scenario is."""
+    """Print the description of a scenario."""
     scenario = load(name, case, settings)
 
     from antenna_pin.assemble import scenario_facts
@@ -179,7 +179,7 @@ _TABLES = {
 
 
 def _elements(scenario: Scenario) -> Iterator[str]:
-    """Yield what a scenario has besides, by table and kind."""
+    """Yield the elements of a scenario by table and kind."""
     for table, noun in _TABLES.items():
         kinds = {name: str(one.kind) for name, one in (getattr(scenario, table, None) or {}).items()}
         yield from _by_kind(noun, kinds, nouns=table.replace("flexible", "flexible links"))
@@ -229,8 +229,8 @@ def info(
 ) -> None:
     """Summarise results: outcome, main numbers, conservation; or describe a scenario.
 
-    Of a scenario with closed loops: whether they can be closed, and how many freedoms are left. A CSV file
-    has a row for each result.
+    A scenario with closed loops is closed, and its freedoms are counted. A CSV file has a row for each
+    result.
     """
     target = csv_target(csv)
 

@@ -44,14 +44,14 @@ def lyapunov(
     period: PeriodOption = None,
     interval: Annotated[
         str | None,
-        typer.Option(metavar="TIME", help="Between renormalisations; the period if left out."),
+        typer.Option(metavar="TIME", help="Time between renormalisations; the period if left out."),
     ] = None,
-    count: Annotated[int, typer.Option(help="Intervals.")] = 200,
-    transient: Annotated[int, typer.Option(help="Intervals to run before.")] = 20,
+    count: Annotated[int, typer.Option(help="Number of intervals.")] = 200,
+    transient: Annotated[int, typer.Option(help="Intervals of the transient.")] = 20,
     spectrum: Annotated[
-        bool, typer.Option("--spectrum", help="All exponents, by the tangent; the largest alone else.")
+        bool, typer.Option("--spectrum", help="All exponents, by tangents, instead of the largest alone.")
     ] = False,
-    seed: Annotated[int, typer.Option(help="Of the neighbour's first direction.")] = 0,
+    seed: Annotated[int, typer.Option(help="Seed of the first perturbation.")] = 0,
     rtol: RtolOption = None,
     settings: SetOption = None,
     out: TableOption = None,
@@ -61,7 +61,7 @@ def lyapunov(
     csv: CsvOption = None,
     progress: ProgressOption = True,
 ) -> None:
-    """Say how fast neighbours of a motion part: Lyapunov exponents, natural logarithms per second."""
+    """Compute Lyapunov exponents, as natural logarithms per second."""
     table, targets = csv_target(csv), targets_of(out, plot)
     from antenna_pin.nonlinear import exponents_table, flow_of, largest_exponent, lyapunov_spectrum
     from antenna_pin.plot import figure_exponents

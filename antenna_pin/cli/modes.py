@@ -54,7 +54,7 @@ def modes(
     ] = None,
     play: Annotated[
         PlayName | None,
-        typer.Option(help="What joints with play are taken as; ideal, or contact where they have a load."),
+        typer.Option(help="Model of joints with play; ideal, or contact where they have a load."),
     ] = None,
     load_on: Annotated[
         list[str] | None,
@@ -65,14 +65,15 @@ def modes(
         ),
     ] = None,
     approach_speed: Annotated[
-        str | None, typer.Option(help="That contacts under a load remember; their joint's floor by itself.")
+        str | None,
+        typer.Option(help="Approach speed of contacts under a load; their joint's floor if left out."),
     ] = None,
     hold: Annotated[
         list[str] | None,
-        typer.Option(metavar="JOINT", help="Joint that does not move, or base. May be repeated."),
+        typer.Option(metavar="JOINT", help="Joint to hold, or base. May be repeated."),
     ] = None,
     moving: Annotated[
-        bool, typer.Option("--moving", help="Let velocities and accelerations of the state count.")
+        bool, typer.Option("--moving", help="Include velocities and accelerations of the state.")
     ] = False,
     record: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Page that shows the shapes in 3D, NAME.html.")
@@ -81,20 +82,18 @@ def modes(
         list[int] | None,
         typer.Option(metavar="NUMBER", help="Mode to record; all vibrations if left out. May be repeated."),
     ] = None,
-    amplitude: Annotated[
-        float, typer.Option(help="How much larger shapes are drawn than by themselves.")
-    ] = 1.0,
+    amplitude: Annotated[float, typer.Option(help="Factor on the size of drawn shapes.")] = 1.0,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Figure of a frequency response: png, pdf or svg.")
     ] = None,
     source: Annotated[
         str | None,
-        typer.Option("--from", metavar="SOURCE", help="What swings: drives.NAME, base.fx to base.mz."),
+        typer.Option("--from", metavar="SOURCE", help="Excitation: drives.NAME, base.fx to base.mz."),
     ] = None,
     target: Annotated[
         list[str] | None,
         typer.Option(
-            "--to", metavar="TARGET", help="boresight, a joint, base.x to base.rz. May be repeated."
+            "--to", metavar="TARGET", help="Response: boresight, a joint, base.x to base.rz. May be repeated."
         ),
     ] = None,
     width: WidthOption = Width.PAGE,
@@ -102,9 +101,9 @@ def modes(
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Say how a mechanism swings about a state: natural frequencies, damping ratios, shapes.
+    """Compute natural frequencies, damping ratios and mode shapes about a state.
 
-    Motions of a free base as one rigid body, and those that nothing resists, are counted, not listed.
+    Rigid-body motions of a free base, and motions without resistance, are counted, not listed.
     """
     table, page = csv_target(csv), None if record is None else writable_file(record, ".html")
     figure_target(plot, "modes", "--plot")

@@ -58,7 +58,7 @@ AmplitudeOption = Annotated[
         "--quantity",
         "-q",
         metavar="NAME",
-        help="Whose amplitude over a period to note along --over. May be repeated.",
+        help="Quantity whose amplitude is stored along --over. May be repeated.",
     ),
 ]
 ArcOption = Annotated[
@@ -129,7 +129,7 @@ def rows_of_branch(branch: xr.Dataset) -> list[dict[str, Any]]:
 
 
 def print_branch(branch: xr.Dataset) -> None:
-    """Print where a branch is stable, and what happens to it."""
+    """Print the stability and the bifurcations of a branch."""
     from antenna_pin.analysis import said_of_multiplier, stability_spans, unexplained_changes
     from antenna_pin.base.readable import printed_unit
 
@@ -159,7 +159,7 @@ def print_branch(branch: xr.Dataset) -> None:
 
 AtOption = Annotated[
     int | None,
-    typer.Option("--at", metavar="N", help="Which orbit of a saved branch to begin with; the first is 1."),
+    typer.Option("--at", metavar="N", help="Orbit of a saved branch to begin with; the first is 1."),
 ]
 
 
@@ -243,9 +243,9 @@ def orbit(
     case: CaseOption = None,
     at: AtOption = None,
     period: PeriodOption = None,
-    multiple: Annotated[int, typer.Option(help="Periods in which the orbit closes.")] = 1,
+    multiple: Annotated[int, typer.Option(help="Periods of the orbit.")] = 1,
     free_period: Annotated[
-        bool, typer.Option("--free-period", help="Find the period too, of what nothing drives.")
+        bool, typer.Option("--free-period", help="Find the period too, without a drive.")
     ] = False,
     transient: Annotated[int, typer.Option(help="Periods to run before Newton's method begins.")] = 20,
     rtol: RtolOption = None,
@@ -264,10 +264,10 @@ def orbit(
 ) -> None:
     """Find a periodic solution near the settled motion, and its stability.
 
-    Multipliers are by how much they grow in a period. The instant of its start must be one between impacts.
-    With --over the orbit is followed over a key of the scenario, through folds; what is interrupted is saved
-    as far as it is. A saved branch is told again; from a saved orbit, or one of a branch by --at, Newton's
-    method begins at once, with the scenario of the file and the changes of --set.
+    Multipliers are growth factors of perturbations over a period. The start must lie between impacts. With
+    --over the orbit is followed over a key of the scenario, through folds; an interrupted branch is saved. A
+    saved branch is printed again; from a saved orbit, or one of a branch by --at, Newton's method begins at
+    once, with the scenario of the file and the changes of --set.
     """
     table, targets = csv_target(csv), targets_of(out, plot)
     for name, number, least in (("--multiple", multiple, 1), ("--transient", transient, 0)):

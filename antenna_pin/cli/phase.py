@@ -1,4 +1,4 @@
-"""``antenna-pin phase``: phase portraits of a run, and what its quantities are called."""
+"""``antenna-pin phase``: phase portraits of a run, and names of its quantities."""
 
 from __future__ import annotations
 
@@ -48,12 +48,10 @@ def phase(
         typer.Option(
             "--from",
             metavar="TIME|N periods|judge",
-            help="What of the run is left out as its transient; judge: until its statistics drift no more.",
+            help="End of the transient, which is cut; judge: until the statistics drift no more.",
         ),
     ] = None,
-    period: Annotated[
-        str | None, typer.Option(metavar="TIME", help="Period, where --from counts them.")
-    ] = None,
+    period: Annotated[str | None, typer.Option(metavar="TIME", help="Period for --from 'N periods'.")] = None,
     colour: Annotated[
         Colour, typer.Option(help="Line coloured by time, or the share of time.")
     ] = Colour.TIME,

@@ -45,16 +45,16 @@ class Direction(StrEnum):
 
 
 SECTION = typer.Option(
-    help="Where the motion is looked at: period (of its drives), period=DRIVE, period='0.5 s',"
+    help="Section: period (of the drives), period=DRIVE, period='0.5 s',"
     " angle.JOINT=VALUE, rate.JOINT=VALUE, gap.CONTACT=VALUE or force.CONTACT=VALUE."
 )
-DIRECTION = typer.Option(help="Which passages of a surface count.")
-PHASE = typer.Option(help="Part of the period at which it is looked at, from 0 to below 1.")
+DIRECTION = typer.Option(help="Crossings of a surface that count.")
+PHASE = typer.Option(help="Phase of the section in the period, from 0 to below 1.")
 QUANTITY = typer.Option(
-    "--quantity", "-q", metavar="NAME", help="What is noted, as 'v[hinge]'. May be repeated."
+    "--quantity", "-q", metavar="NAME", help="Quantity at each point, such as 'v[hinge]'. May be repeated."
 )
-COUNT = typer.Option(metavar="N", help="Points to keep, 32 or more.")
-TOLERANCE = typer.Option(help="A drift below this part of a quantity's largest amount is none.")
+COUNT = typer.Option(metavar="N", help="Number of points, 32 or more.")
+TOLERANCE = typer.Option(help="Settled: drift below this part of a quantity's largest value.")
 
 SectionOption = Annotated[str, SECTION]
 DirectionOption = Annotated[Direction, DIRECTION]
@@ -64,11 +64,13 @@ CountOption = Annotated[int, COUNT]
 ToleranceOption = Annotated[float, TOLERANCE]
 TransientOption = Annotated[
     int | None,
-    typer.Option(metavar="N", help="Points to cut before them; until they have settled if left out."),
+    typer.Option(
+        metavar="N", help="Points of the transient, which are cut; until they have settled if left out."
+    ),
 ]
 MostOption = Annotated[
     int | None,
-    typer.Option(metavar="N", help="Points after which to stop cutting; 20 times those kept if left out."),
+    typer.Option(metavar="N", help="Largest transient; 20 times --count if left out."),
 ]
 
 
@@ -98,9 +100,9 @@ def poincare(
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Say in which points a motion returns to a section, once it has settled.
+    """Compute the points in which a settled motion returns to a section.
 
-    The scenario is run for as long as that takes, whatever its duration.
+    The run lasts until the motion has settled, whatever the scenario's duration.
     """
     table = csv_target(csv)
     targets = targets_of(out, plot)

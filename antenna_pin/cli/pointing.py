@@ -36,9 +36,7 @@ _UNITS = ((1e-3, "µrad", 1e6), (0.1, "mrad", 1e3), (math.inf, "deg", 180.0 / ma
 
 def pointing(
     files: FilesArgument,
-    ideal: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Result of the run that points as it should.")
-    ] = None,
+    ideal: Annotated[Path | None, typer.Option(metavar="FILE", help="Result of the reference run.")] = None,
     direction: Annotated[
         str | None,
         typer.Option(metavar="X,Y,Z", help="Commanded direction in world axes, instead of an ideal run."),
@@ -48,31 +46,29 @@ def pointing(
         typer.Option(metavar="TIME", help="Length of the windows for MPE, RPE, PDE and PRE ('0.5 s')."),
     ] = None,
     drift_spacing: Annotated[
-        str | None, typer.Option(metavar="TIME", help="From one window of the PDE to the other.")
+        str | None, typer.Option(metavar="TIME", help="Time between the two windows of the PDE.")
     ] = None,
     period: Annotated[
         str | None,
         typer.Option(metavar="TIME", help="Length of the observation periods for PDE and PRE."),
     ] = None,
-    confidence: Annotated[float, typer.Option(help="Of the levels, such as 0.997.")] = 0.997,
+    confidence: Annotated[float, typer.Option(help="Confidence of the levels.")] = 0.997,
     body: Annotated[
-        str | None, typer.Option(metavar="LINK", help="Link that looks; the scenario's if left out.")
+        str | None, typer.Option(metavar="LINK", help="Link with the boresight; the scenario's if left out.")
     ] = None,
     boresight: Annotated[
         str | None,
-        typer.Option(
-            metavar="X,Y,Z", help="Where it looks, in the link's frame; the scenario's if left out."
-        ),
+        typer.Option(metavar="X,Y,Z", help="Boresight in the link's frame; the scenario's if left out."),
     ] = None,
     up: Annotated[
-        str | None, typer.Option(metavar="X,Y,Z", help="Second axis, that clocking is measured by.")
+        str | None, typer.Option(metavar="X,Y,Z", help="Second axis, reference of clocking.")
     ] = None,
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Say how far the boresight is from where it should be: error indices of ECSS-E-ST-60-10C.
+    """Compute pointing error indices of ECSS-E-ST-60-10C.
 
-    Of several results, levels are told for each statistical interpretation. Angles are in radians in JSON and
+    Several results have levels for each statistical interpretation. Angles are in radians in JSON and
     CSV.
     """
     target = csv_target(csv)

@@ -183,7 +183,7 @@ def record(
     ] = None,
     max_size: Annotated[
         float,
-        typer.Option(metavar="MB", help="Size that a page keeps below; key frames are thinned to it."),
+        typer.Option(metavar="MB", help="Largest size of a page; key frames are thinned to it."),
     ] = 5.0,
     package_path: PackagePathOption = None,
     progress: Annotated[bool, typer.Option(help="Show a progress bar while filming.")] = True,

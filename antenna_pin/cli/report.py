@@ -39,7 +39,7 @@ def report(
 ) -> None:
     """Write a report that compares runs: one HTML file for screen, phone and paper.
 
-    Portraits, sections, bifurcation diagrams, orbits, branches of these and exponents have a section each.
+    Portraits, sections, bifurcation diagrams, orbits, branches and exponents have a section each.
     """
     target = writable_file(out, ".html")
     words = ["antenna-pin", "report", *map(str, files), "--out", str(out)]

@@ -79,7 +79,7 @@ def run(
     settings: SetOption = None,
     geometry: GeometryOption = None,
     engine: Annotated[
-        Engine | None, typer.Option(help="What makes the steps; compiled needs --geometry closed-form.")
+        Engine | None, typer.Option(help="Engine of the run; compiled needs --geometry closed-form.")
     ] = None,
     accuracy: Annotated[
         float | None,
@@ -95,7 +95,7 @@ def run(
         str | None,
         typer.Option(
             metavar="TIME",
-            help="Wall time after which it ends, to be gone on with: integrator.max_wall_time.",
+            help="Wall time after which the run stops; --resume continues it: integrator.max_wall_time.",
         ),
     ] = None,
     checkpoint: Annotated[
@@ -105,7 +105,7 @@ def run(
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Go on with the run of this result from its last checkpoint.",
+            help="Continue the run of this result from its last checkpoint.",
         ),
     ] = None,
     progress: ProgressOption = True,

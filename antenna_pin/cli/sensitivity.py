@@ -35,22 +35,24 @@ def sensitivity(
     scenario: Annotated[str, typer.Argument(metavar="SCENARIO", help="Scenario.")],
     keys: Annotated[
         list[str],
-        typer.Argument(metavar="KEY[=SCALE]...", help="Numbers of it, as in --set; a scale where one is 0."),
+        typer.Argument(
+            metavar="KEY[=SCALE]...", help="Numbers of the scenario, as in --set; a scale where one is 0."
+        ),
     ],
     case: CaseOption = None,
     settings: SetOption = None,
-    duration: Annotated[str | None, typer.Option(metavar="TIME", help="Of the run.")] = None,
+    duration: Annotated[str | None, typer.Option(metavar="TIME", help="Duration of the run.")] = None,
     method: Annotated[
         str, typer.Option(metavar="NAME", help="runs, quick-runs (two runs a key), or equation.")
     ] = "runs",
     start: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="State to go on from, JSON of State.to_json.")
+        Path | None, typer.Option(metavar="FILE", help="State at the start, JSON of State.to_json.")
     ] = None,
     pieces: Annotated[
         str | None,
         typer.Option(metavar="TIME", help="Length of pieces, each from the run's own state at its start."),
     ] = None,
-    most: Annotated[int, typer.Option(help="Results to show at most, what changes most first.")] = 12,
+    most: Annotated[int, typer.Option(help="Largest number of rows, the largest changes first.")] = 12,
     out: TableOption = None,
     plot: PlotOption = None,
     width: WidthOption = Width.PAGE,
@@ -59,8 +61,8 @@ def sensitivity(
 ) -> None:
     """Differentiate results over numbers of a scenario, through all of its events.
 
-    Of each number of the result, how large it is and by how much it changes per 1 % of each key (of its
-    scale, if one is given), and what is in doubt of that; and how far along the run that can be believed.
+    Each number of the result has its value, its change per 1 % of each key (of its scale, if one is given)
+    and the error estimate; derivatives of the motion have the time up to which they are known.
     """
     table, targets = csv_target(csv), targets_of(out, plot)
     check_count("sensitivity", "--most", most)

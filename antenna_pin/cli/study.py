@@ -103,7 +103,7 @@ def grid_rows(table: xr.Dataset) -> tuple[list[str], list[list[str]], int]:
 
 
 def print_grid(name: str, table: xr.Dataset) -> None:
-    """Print what the runs of a grid came to, a row each."""
+    """Print the responses of a grid's runs, a row each."""
     head, rows, more = grid_rows(table)
     print_rows(f"{name}: {table['outcome'].size} runs", head, rows)
     if more:
@@ -156,7 +156,7 @@ _FAILURES = 20
 def show(
     store: StoreArgument,
     failed: Annotated[
-        bool, typer.Option("--failed", help="List all runs that did not reach their end, or do not balance.")
+        bool, typer.Option("--failed", help="List all runs that ended early or do not balance.")
     ] = False,
     as_json: JsonOption = False,
     csv: CsvOption = None,

@@ -37,7 +37,7 @@ def sweep(
         ),
     ] = None,
     dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Say what would be run, and how long that takes; run nothing.")
+        bool, typer.Option("--dry-run", help="Print the planned runs and their duration; run nothing.")
     ] = False,
     workers: Annotated[
         int | None,
@@ -57,15 +57,15 @@ def sweep(
     apart: Annotated[
         bool,
         typer.Option(
-            "--apart", help="Where the store is of another study or version, make another beside it."
+            "--apart", help="If the store belongs to another study or version, make another beside it."
         ),
     ] = False,
     progress: ProgressOption = True,
     quiet: QuietOption = False,
 ) -> None:
-    """Make the runs of a parameter study, those that its store does not have yet.
+    """Make the runs of a parameter study that its store lacks.
 
-    All combinations are built before any is run. What was interrupted goes on with the same command.
+    All combinations are built before any is run. The same command continues an interrupted one.
     """
     from antenna_pin.sweep import list_studies, load_study, run_study
 

@@ -37,7 +37,7 @@ def urdf(
         ),
     ],
     check: Annotated[
-        bool, typer.Option("--check", help="Say of each what is passed over, taken for granted or refused.")
+        bool, typer.Option("--check", help="Report for each the ignored, assumed or refused parts.")
     ] = False,
     case: CaseOption = None,
     out: Annotated[
@@ -53,8 +53,8 @@ def urdf(
 ) -> None:
     """Write the URDF of a case, or check which parts of URDFs are used (--check).
 
-    Joints with clearance are free in it; other tools can load it. Mesh files are named relative to it. With
-    --check the exit code is 0 if all load, 2 if one does not.
+    Joints with clearance are free in it, so that other tools can load it; paths of meshes are relative. With
+    --check the exit code is 0 if all load, else 2.
     """
     roots = package_folders(package_path)
     if check:

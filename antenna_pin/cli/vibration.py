@@ -39,7 +39,7 @@ SegmentOption = Annotated[
     str | None, typer.Option(metavar="TIME", help="Length of a window; an eighth of the run if left out.")
 ]
 FigureOption = Annotated[
-    Path | None, typer.Option("--plot", metavar="FILE", help="Figure of it: png, pdf or svg.")
+    Path | None, typer.Option("--plot", metavar="FILE", help="Figure of the result: png, pdf or svg.")
 ]
 
 
@@ -50,7 +50,7 @@ def response(
         str | None,
         typer.Option(
             metavar="NAME",
-            help="Quantity that is the cause; the base's acceleration if left out. Not for a sweep.",
+            help="Quantity of the excitation; the base's acceleration if left out. Not for a sweep.",
         ),
     ] = None,
     periods: Annotated[float, typer.Option(help="Length of a window of a sweep, in periods.")] = 10.0,
@@ -60,10 +60,10 @@ def response(
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Say how something answers to a shaken base, over the frequency.
+    """Compute the response to a shaken base over the frequency.
 
-    Of a base that is swept by synchronous demodulation, with what does not follow the sweep; else by the
-    ratio of spectra, with coherence.
+    A swept base: by synchronous demodulation, with the distortion. Any other: by the ratio of spectra, with
+    the coherence.
     """
     from antenna_pin.analysis import shakes_of
 
@@ -147,7 +147,7 @@ def shock(
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Give the shock response spectrum of an acceleration: what oscillators on it would feel."""
+    """Compute the shock response spectrum of an acceleration."""
     from antenna_pin.analysis import quantity, shock_spectrum
 
     target, figure = csv_target(csv), figure_target(plot, "vibration", "--plot")
@@ -196,7 +196,7 @@ def _transferred(run: Trajectory, of: str | None, to: str | None, segment: str |
 
 
 def _print_peaks(response: xr.Dataset, label: str) -> None:
-    """Print where the answer to a sweep is largest, of each way."""
+    """Print the peak of the response in each direction of the sweep."""
     import numpy as np
 
     shown = []

@@ -85,7 +85,7 @@ def view(
 ) -> None:
     """Show a run in 3D in the browser: make its page and open it.
 
-    The page is one that record makes; it stays, and can be opened again.
+    The page is that of record; it remains and can be opened again.
     """
     from antenna_pin.base.files import check_writable
 
