@@ -128,7 +128,7 @@ def parts_of(facts: Mapping[str, Any], names: Sequence[str]) -> list[dict[str, A
 def plain(value: Any) -> Any:
     """Return a value as JSON holds it: None for NaN, text for unknown types."""
     if isinstance(value, Mapping):
-        return {str(key): plain(each) for key, each in value.items()}
+        return plain_dict(value)
     if isinstance(value, (list, tuple)):
         return [plain(each) for each in value]
     if hasattr(value, "item"):
@@ -136,6 +136,11 @@ def plain(value: Any) -> Any:
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     return value if value is None or isinstance(value, (bool, int, str)) else str(value)
+
+
+def plain_dict(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return plain values by name (:func:`plain`)."""
+    return {str(name): plain(value) for name, value in values.items()}
 
 
 def figures_asked(out: Path | None, formats: str) -> list[str]:

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 _ORIGIN = {"name", "description", "overrides", "folder"}
 
 
-class RunStore:
+class CaseRuns:
     """Runs of some cases, reused from a folder where the scenario is the same."""
 
     def __init__(self, folder: Path, name: str, scenarios: Sequence[Scenario], progress: bool) -> None:

@@ -30,7 +30,7 @@ _LONGEST_NAME = 24
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Table:
+class TextTable:
     """Table as text."""
 
     title: str
@@ -40,7 +40,7 @@ class Table:
     sparse: bool = False  # a block leaves out rows of nothing but dashes
 
 
-def laid_out(table: Table, width: int) -> list[str]:
+def laid_out(table: TextTable, width: int) -> list[str]:
     """Return the lines of a table within a width, an empty one after each block.
 
     A line is wider only for a single word. Control characters are escaped, as titles come from files.
@@ -82,7 +82,7 @@ class _Column:
 
 
 @dataclass(frozen=True, slots=True)
-class _Block:
+class _ColumnBlock:
     """Columns side by side and their widths; None where not even two fit."""
 
     columns: Sequence[_Column]
@@ -93,14 +93,14 @@ class _Block:
         return all(column.cells[row] in ("", "-") for column in self.columns[1:])
 
 
-def _blocks(columns: Sequence[_Column], width: int) -> list[_Block]:
+def _blocks(columns: Sequence[_Column], width: int) -> list[_ColumnBlock]:
     """Return the columns in the fewest blocks, the first column in each."""
     label, *others = columns
     if not others:
-        return [_Block(columns, [min(label.natural, max(label.least, width - _EDGE))])]
+        return [_ColumnBlock(columns, [min(label.natural, max(label.least, width - _EDGE))])]
     whole = [column.natural for column in columns]
     if _total(whole) <= width:
-        return [_Block(columns, whole)]
+        return [_ColumnBlock(columns, whole)]
     least = min(label.natural, max(label.least, _LABEL))
     if _total([least, *(column.least for column in others)]) <= width:
         return [_fitted(columns, least, width)]
@@ -108,7 +108,9 @@ def _blocks(columns: Sequence[_Column], width: int) -> list[_Block]:
     if found is None and least > label.least:
         least = label.least
         found = _packed(label, others, least, width)
-    return [_Block(columns, None)] if found is None else [_fitted(block, least, width) for block in found]
+    return (
+        [_ColumnBlock(columns, None)] if found is None else [_fitted(block, least, width) for block in found]
+    )
 
 
 def _packed(label: _Column, others: Sequence[_Column], least: int, width: int) -> list[list[_Column]] | None:
@@ -123,7 +125,7 @@ def _packed(label: _Column, others: Sequence[_Column], least: int, width: int) -
     raise AssertionError("a block of one column fits")
 
 
-def _fitted(columns: Sequence[_Column], least: int, width: int) -> _Block:
+def _fitted(columns: Sequence[_Column], least: int, width: int) -> _ColumnBlock:
     """Return the columns with the widest narrowed until they fit, none below its longest word."""
     floors = [least, *(column.least for column in columns[1:])]
     widths = [column.natural for column in columns]
@@ -134,14 +136,14 @@ def _fitted(columns: Sequence[_Column], least: int, width: int) -> _Block:
         place = max((k for k in range(len(widths)) if room[k]), key=lambda k: widths[k])
         next_widest = max((w for k, w in enumerate(widths) if w < widths[place]), default=0)
         widths[place] -= max(1, min(excess, room[place], widths[place] - next_widest))
-    return _Block(columns, widths)
+    return _ColumnBlock(columns, widths)
 
 
 def _total(widths: Sequence[int]) -> int:
     return _EDGE + sum(widths) + _GAP * (len(widths) - 1)
 
 
-def _block_lines(block: _Block, shown: Sequence[int], numbers: bool) -> list[str]:
+def _block_lines(block: _ColumnBlock, shown: Sequence[int], numbers: bool) -> list[str]:
     """Return head, rule and rows of a block."""
     assert block.widths is not None
     names = [column.name for column in block.columns]
@@ -168,7 +170,7 @@ def _row(cells: Sequence[str], widths: Sequence[int], numbers: bool) -> list[str
     return lines
 
 
-def _records(block: _Block, shown: Sequence[int], width: int) -> list[str]:
+def _records(block: _ColumnBlock, shown: Sequence[int], width: int) -> list[str]:
     """Return every row as its label and, below, name and text of each cell."""
     label, *others = block.columns
     lines = []
@@ -307,7 +309,7 @@ def print_summaries(summaries: Sequence[tuple[str, Mapping[str, Any]]], zeros: Z
             [row, *(_WITHOUT.get(key, "-") if v is None else _cell(v, key, zeros) for key, v in found)]
         )
     head = ["", *(label for label, _ in summaries)]
-    _print(Table(title="; ".join(filter(None, titles)), head=head, rows=rows, sparse=True), pipe=_PAGE)
+    _print(TextTable(title="; ".join(filter(None, titles)), head=head, rows=rows, sparse=True), pipe=_PAGE)
 
 
 def print_summary(label: str, summary: Mapping[str, Any], zeros: Zeros) -> None:
@@ -348,7 +350,7 @@ def print_table(title: str, name: str, entries: Sequence[Mapping[str, Any]], zer
 
 def print_rows(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], numbers: bool = True) -> None:
     """Print a table; ``numbers``: those of all columns but the first stand at the right."""
-    _print(Table(title=title, head=head, rows=rows, numbers=numbers), pipe=_ENDLESS)
+    _print(TextTable(title=title, head=head, rows=rows, numbers=numbers), pipe=_ENDLESS)
 
 
 # A pipe has no width to keep to; but files go down at some point, not across.
@@ -356,7 +358,7 @@ _ENDLESS = 300
 _PAGE = 130
 
 
-def _print(table: Table, pipe: int) -> None:
+def _print(table: TextTable, pipe: int) -> None:
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else pipe
     typer.echo("\n".join(laid_out(table, width)))
 

@@ -18,15 +18,8 @@ JointOption = Annotated[str | None, typer.Option(help="Joint with clearance; all
 _PEAKS = 3
 # Parts in a CSV file, which has one row for each number.
 _PARTS = (
-    "deviation",
-    "impacts",
-    "loads",
-    "settling",
-    "closures",
-    "couplings",
-    "drives",
-    "elastic",
-    "frequencies",
+    *("deviation", "impacts", "loads", "settling", "closures"),
+    *("couplings", "drives", "elastic", "frequencies"),
 )
 
 
@@ -51,9 +44,8 @@ def analyse(
 
     from antenna_pin.analysis import numbers_of
 
-    told = {"file": str(file)} | numbers_of(run, reference, longest_gap=gap)
-    notes = told.pop("notes")
-    found: dict[str, Any] = told
+    found: dict[str, Any] = {"file": str(file)} | numbers_of(run, reference, longest_gap=gap)
+    notes = found.pop("notes")
     zeros = Zeros([run] if reference is None else [run, reference])
     if exported({**found, "notes": notes}, parts_of(found, _PARTS), as_json, target):
         return
@@ -66,12 +58,9 @@ def analyse(
 def _print(label: str, facts: dict[str, Any], zeros: Zeros) -> None:
     """Print the tables of an analysis."""
     if "deviation" in facts:
+        keys = ("maximum", "time_of_maximum", "rms", "end")
         rows = [
-            [
-                f"{one['of']} [{one['units']}]",
-                *(text_of(one[key]) for key in ("maximum", "time_of_maximum", "rms", "end")),
-                one["growth"],
-            ]
+            [f"{one['of']} [{one['units']}]", *(text_of(one[key]) for key in keys), one["growth"]]
             for one in facts["deviation"]
             if not one["round_off"]
         ]
@@ -213,16 +202,11 @@ def impacts(
         found = [dict(zip(keys, values, strict=True)) for values in each]
         say_json({"file": str(file), "impacts": found})
     if target is None and not as_json:
+        numbers = ([text_of(float(x)) for x in row] for row in zip(*columns, strict=True))
+        marks = (["yes" if x else "no" for x in row] for row in zip(*flags, strict=True))
         rows = [
-            [
-                str(contact),
-                str(blow),
-                *(text_of(float(x)) for x in row),
-                *("yes" if x else "no" for x in marks),
-            ]
-            for contact, blow, row, marks in zip(
-                *names, zip(*columns, strict=True), zip(*flags, strict=True), strict=True
-            )
+            [str(contact), str(blow), *row, *flagged]
+            for contact, blow, row, flagged in zip(*names, numbers, marks, strict=True)
         ]
         if not rows:
             complain(f"{file}: no impacts")

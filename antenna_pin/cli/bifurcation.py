@@ -37,7 +37,6 @@ from antenna_pin.cli.poincare import (
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
     from antenna_pin.nonlinear import DiagramPlan
     from antenna_pin.scenario import Scenario
@@ -110,7 +109,7 @@ def bifurcation(
     The same command continues an interrupted or killed one.
     """
     targets = targets_of(out, plot)
-    from antenna_pin.nonlinear import bifurcation as made
+    from antenna_pin.nonlinear import bifurcation as computed
     from antenna_pin.plot import figure_bifurcation
 
     given = {
@@ -128,43 +127,30 @@ def bifurcation(
         "tolerance": tolerance,
     }
     plan, loaded = _planned(scenario, given, settings)
-    branches = [_branch(path, plan.parameter) for path in orbits or ()]
+    branches = [_orbits(path, plan) for path in orbits or ()]
     if branches and targets[1] is None:
         refuse("bifurcation: --orbits must be given with --plot, whose figure they lie over")
-    passing = [_in_section(one, plan) for one in branches]
     with diagram_bar(plan.parameter, progress) as tell:
-        found = made(
-            loaded,
-            values=plan.given(),
-            **plan.how(),
-            out=targets[0],
-            workers=workers,
-            progress=tell,
-        )
-
-    def drawn() -> Figure:
-        return figure_bifurcation(found, orbits=passing, width=width.value)
-
+        how = {**plan.how(), "out": targets[0], "workers": workers, "progress": tell}
+        found = computed(loaded, values=plan.given(), **how)
     with not_interrupted():
-        save_both(found, drawn, targets, context)
+        save_both(
+            found,
+            lambda: figure_bifurcation(found, orbits=branches, width=width.value),
+            targets,
+            context,
+        )
         _print(found)
 
 
-def _branch(path: Path, parameter: str) -> xr.Dataset:
-    """Return a saved branch of orbits over a key, or refuse it before any work."""
-    from antenna_pin.nonlinear import open_branch
+def _orbits(path: Path, plan: DiagramPlan) -> xr.Dataset:
+    """Return a saved branch of orbits over a diagram's key, with its points in the section."""
+    from antenna_pin.nonlinear import open_branch, orbits_in_section
 
-    found = open_branch(path)
-    if found.attrs["parameter"] != parameter:
-        refuse(f"{path}: --orbits must be over {parameter}, as the diagram, got {found.attrs['parameter']}")
-    return found
-
-
-def _in_section(branch: xr.Dataset, plan: DiagramPlan) -> xr.Dataset:
-    """Return a branch with its points in the section of a diagram."""
-    from antenna_pin.nonlinear import orbits_in_section
-
-    how = plan.how()
+    branch, how = open_branch(path), plan.how()
+    key = branch.attrs["parameter"]
+    if key != plan.parameter:
+        refuse(f"{path}: --orbits must be over {plan.parameter}, as the diagram, got {key}")
     return orbits_in_section(branch, how["section"], how["quantities"])
 
 

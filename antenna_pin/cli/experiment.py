@@ -110,17 +110,7 @@ def _print(findings: ExperimentFindings, radius: float, line: float) -> None:
 
     print_rows(
         "Table 1 of Liu et al. 2013: loads [N], as printed and reproduced",
-        (
-            "row",
-            "play [mm]",
-            "displacement [1e-2 mm]",
-            "measured",
-            "Hertz",
-            "by (6)",
-            "conformal",
-            "by (14)",
-            "",
-        ),
+        "row|play [mm]|displacement [1e-2 mm]|measured|Hertz|by (6)|conformal|by (14)|".split("|"),
         [
             (
                 str(row + 1),
@@ -136,17 +126,11 @@ def _print(findings: ExperimentFindings, radius: float, line: float) -> None:
             for row, point in enumerate(LIU_2013)
         ],
     )
+    plays = (f"play {1e3 * play:g} mm" for play in LIU_2013_PLAYS)
     print_rows(
         f"size of the errors [%], the displacement that of 1 contact or of 2 in series; pin radius"
         f" {length_text(radius)}, length {length_text(line)}",
-        (
-            "law",
-            "contacts",
-            *(f"play {1e3 * play:g} mm" for play in LIU_2013_PLAYS),
-            "mean",
-            "largest",
-            "points",
-        ),
+        ("law", "contacts", *plays, "mean", "largest", "points"),
         [_errors(fit) for fit in ranked((*findings.fits, *findings.printed))],
     )
     for paragraph in _paragraphs(findings):

@@ -30,7 +30,7 @@ from antenna_pin.cli._common import (
     not_interrupted,
     refuse,
 )
-from antenna_pin.cli._run_store import AttractorStore, RunStore
+from antenna_pin.cli._run_store import AttractorStore, CaseRuns
 from antenna_pin.errors import AntennaPinError
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ class FigureIndex:
         """Add a figure in its files, with the paper's content and the result here."""
         self.entries.append((title, [file.name for file in files], shows, result))
 
-    def write(self, store: RunStore) -> None:
+    def write(self, store: CaseRuns) -> None:
         """Write the page, in Markdown."""
         numbered = bool(self.expected)
         text = [f"# {self.title or 'Figures'}", ""]
@@ -143,6 +143,8 @@ def figures(
     the standard figures of its cases. Settled motions run as long as they need, whatever the duration,
     compiled and with gaps in closed form.
     """
+    from antenna_pin.scenario import scenario_cases
+
     suffixes = figure_formats(formats)
     of_runs, of_attractors = _paper(scenario, cases, numbers)
     numbered = bool(of_runs or of_attractors)
@@ -150,7 +152,7 @@ def figures(
     # Everything is read and checked before the first run.
     loaded = {
         case: load(scenario, case, settings, geometry, duration)
-        for case in wanted or ([] if numbered else _all_cases(scenario))
+        for case in wanted or ([] if numbered else [one.name for one in scenario_cases(scenario)] or [None])
     }
     first = next(iter(loaded.values()), None) or load(scenario, None, settings, geometry)
 
@@ -162,7 +164,7 @@ def figures(
     attractors = AttractorStore(runs or target / "runs", settings or (), points, count, progress)
     attractors.check(of_attractors)
     folder_for_figures(target)
-    store = RunStore(folder_for_figures(runs or target / "runs"), name, list(loaded.values()), progress)
+    store = CaseRuns(folder_for_figures(runs or target / "runs"), name, list(loaded.values()), progress)
     command = _command(scenario, cases, duration, settings, geometry)
     command += "".join(f" --figure {number}" for number in numbers or ())
     if of_attractors:
@@ -171,7 +173,8 @@ def figures(
     index.expected = [f"Figure {each.number}" for each in (*of_runs, *of_attractors)]
     try:
         if numbered:
-            _draw_paper(of_runs, store, index, suffixes, width)
+            for each in of_runs:  # as soon as its runs are there
+                _draw(each, [store.run_of(case) for case in each.cases], index, suffixes, width)
             _draw_settled(of_attractors, attractors, index, suffixes, width)
         else:
             _draw_standard(store, index, suffixes, width)
@@ -209,13 +212,6 @@ def _paper(
     )
 
 
-def _all_cases(name: str) -> list[str | None]:
-    """Return all cases of a scenario; None stands for one that has no cases."""
-    from antenna_pin.scenario import scenario_cases
-
-    return [case.name for case in scenario_cases(name)] or [None]
-
-
 def _command(
     scenario: str,
     cases: Sequence[str] | None,
@@ -230,18 +226,6 @@ def _command(
     words += [word for setting in settings or () for word in ("--set", setting)]
     words += [] if geometry is None else ["--geometry", geometry.value]
     return shlex.join(words)
-
-
-def _draw_paper(
-    numbered: Sequence[PaperFigure],
-    store: RunStore,
-    index: FigureIndex,
-    suffixes: Sequence[str],
-    width: Width,
-) -> None:
-    """Draw figure after figure, each as soon as the runs it takes are there."""
-    for each in numbered:
-        _draw(each, [store.run_of(case) for case in each.cases], index, suffixes, width)
 
 
 def _draw_settled(
@@ -293,7 +277,7 @@ def _left_out(each: AnyFigure, index: FigureIndex, error: AntennaPinError) -> No
 _VERDICTS = {True: "**agrees**: ", False: "**differs**: ", None: ""}
 
 
-def _draw_standard(store: RunStore, index: FigureIndex, suffixes: Sequence[str], width: Width) -> None:
+def _draw_standard(store: CaseRuns, index: FigureIndex, suffixes: Sequence[str], width: Width) -> None:
     """Draw the standard figures of all cases."""
     from antenna_pin.plot import processes_to_draw, save_figures
 
@@ -303,8 +287,7 @@ def _draw_standard(store: RunStore, index: FigureIndex, suffixes: Sequence[str],
         complain(f"{name} is not drawn: {reason}")
         index.add(name.replace("_", " "), (), "", f"not drawn: {reason}")
 
-    labels = [str(run.data.attrs.get("case") or store.name) for run in runs]
-    pairs = [(label, run.data) for label, run in zip(labels, runs, strict=True)]
+    pairs = [(str(run.data.attrs.get("case") or store.name), run.data) for run in runs]
     by_name: dict[str, list[Path]] = {}
     drawn = save_figures(
         pairs,

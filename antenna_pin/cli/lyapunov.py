@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from antenna_pin.base.capacity import check_count
 from antenna_pin.cli._common import (
     CaseOption,
     ProgressOption,
@@ -23,7 +24,7 @@ from antenna_pin.cli._export import (
     TableOption,
     csv_target,
     exported,
-    plain,
+    plain_dict,
     save_both,
     targets_of,
 )
@@ -31,7 +32,6 @@ from antenna_pin.cli._progress import exponent_bar
 from antenna_pin.cli._tables import print_rows
 from antenna_pin.cli._usage import positive_quantity
 from antenna_pin.cli.orbit import PeriodOption, RtolOption, period_of
-from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
     from antenna_pin.nonlinear import Exponents
@@ -66,9 +66,8 @@ def lyapunov(
     from antenna_pin.nonlinear import exponents_table, flow_of, largest_exponent, lyapunov_spectrum
     from antenna_pin.plot import figure_exponents
 
-    for name, number, least in (("--count", count, 1), ("--transient", transient, 0)):
-        if number < least:
-            raise InvalidParameterError("lyapunov", name, f"{least} or more", number)
+    check_count("lyapunov", "--count", count, 1)
+    check_count("lyapunov", "--transient", transient, 0)
     known = load(scenario, case, settings)
     if interval is not None:
         span = positive_quantity(interval, "s", "--interval", "lyapunov")
@@ -76,14 +75,13 @@ def lyapunov(
         span = period_of(known, period, "lyapunov")
     flow, start = flow_of(known, rtol=rtol)
     with exponent_bar(known.title, count, progress) as report:
+        options: dict[str, Any] = {"transient": transient * span, "progress": report}
         if spectrum:
-            found = lyapunov_spectrum(flow, start, span, count, transient=transient * span, progress=report)
+            found = lyapunov_spectrum(flow, start, span, count, **options)
         else:
-            found = largest_exponent(
-                flow, start, span, count, transient=transient * span, seed=seed, progress=report
-            )
+            found = largest_exponent(flow, start, span, count, seed=seed, **options)
     rows = [
-        plain({"exponent [1/s]": float(value), "error [1/s]": _finite(float(error))})
+        plain_dict({"exponent [1/s]": float(value), "error [1/s]": float(error)})
         for value, error in zip(found.values, found.errors, strict=True)
     ]
     kept = exponents_table(found, known)
@@ -93,22 +91,17 @@ def lyapunov(
             _print(found, period is not None or interval is None)
 
 
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
 def _facts(exponents: Exponents) -> dict[str, Any]:
-    facts: dict[str, Any] = plain(
+    return plain_dict(
         {
             "verdict": exponents.verdict,
             "exponents": exponents.values.tolist(),
-            "errors": [_finite(error) for error in exponents.errors.tolist()],
+            "errors": exponents.errors.tolist(),
             "interval": exponents.interval,
             "intervals": len(exponents.growth),
             "running": exponents.running[:, 0].tolist(),
         }
     )
-    return facts
 
 
 def _print(exponents: Exponents, periodic: bool) -> None:

@@ -145,9 +145,8 @@ def _linearised(
     if name.endswith(".nc"):
         for option, given in (("--case", case), ("--set", settings), ("--at", at)):
             if given:
-                raise InvalidParameterError(
-                    "modes", option, "left out for a result, which has its own", said=str(given)
-                )
+                rule = "left out for a result, which has its own"
+                raise InvalidParameterError("modes", option, rule, said=str(given))
         model = load_result(Path(name))
     else:
         model = load(name, case, settings)
@@ -155,13 +154,12 @@ def _linearised(
             more["at"] = load_result(Path(at))
         elif at is not None:
             more["at"] = quantity(bare(at), "s", "--at")
+    speed = None if approach_speed is None else quantity(bare(approach_speed), "m/s", "--approach-speed")
     return linearised(
         model,
         play=None if play is None else play.value,
         load=_loads(loads),
-        approach_speed=None
-        if approach_speed is None
-        else quantity(bare(approach_speed), "m/s", "--approach-speed"),
+        approach_speed=speed,
         hold=hold or (),
         moving=moving,
         **more,
@@ -174,9 +172,8 @@ def _loads(texts: list[str] | None) -> Any:
         joint, _, numbers = text.rpartition("=")
         vector = vector_in(numbers)
         if vector is None:
-            raise InvalidParameterError(
-                "modes", "--load", "three numbers such as 100,0,0, with JOINT= before them or not", text
-            )
+            rule = "three numbers such as 100,0,0, with JOINT= before them or not"
+            raise InvalidParameterError("modes", "--load", rule, text)
         found[joint] = vector
     if not found:
         return None
@@ -189,9 +186,8 @@ def _record(modes: Modes, page: Path, numbers: list[int] | None, amplitude: floa
 
     chosen = numbers or modes.elastic
     if not chosen:
-        raise InvalidParameterError(
-            "modes", "--record", "given --mode NUMBER, as nothing vibrates here", str(page)
-        )
+        rule = "given --mode NUMBER, as nothing vibrates here"
+        raise InvalidParameterError("modes", "--record", rule, str(page))
     swings = {f"mode {k}": swing(modes, k, amplitude) for k in chosen}
     with not_interrupted():
         record_several(swings.values(), page, title=modes.data.attrs["title"])
@@ -227,11 +223,10 @@ def _rows(modes: Modes) -> list[dict[str, Any]]:
             for name, value in zip(data["component"].values, one["effective_mass"].values, strict=True):
                 unit = "kg m^2" if str(name).startswith("r") else "kg"
                 row[f"effective mass {name} [{unit}]"] = float(value)
-        for name, value in zip(data["body"].values, one["kinetic_share"].values, strict=True):
-            row[f"kinetic share {name} [-]"] = float(value)
-        if "strain_share" in one:
-            for name, value in zip(data["part"].values, one["strain_share"].values, strict=True):
-                row[f"strain share {name} [-]"] = float(value)
+        for kind, dimension in (("kinetic", "body"), ("strain", "part")):
+            if f"{kind}_share" in one:
+                shares = zip(data[dimension].values, one[f"{kind}_share"].values, strict=True)
+                row |= {f"{kind} share {name} [-]": float(value) for name, value in shares}
         rows.append(plain(row))
     return rows
 
@@ -282,17 +277,10 @@ def _print_masses(modes: Modes, shown: list[int]) -> None:
     data = modes.data
     names = [str(name) for name in data["component"].values]
     units = ["kg m²" if name.startswith("r") else "kg" for name in names]
-    rows = [
-        [
-            str(int(data["mode"].values[k])),
-            *(_number(float(value)) for value in data["effective_mass"].values[k]),
-        ]
-        for k in shown
-    ]
-    rows.append(
-        ["all modes", *(_number(float(value)) for value in data["effective_mass"].values.sum(axis=0))]
-    )
-    rows.append(["rigid whole", *(_number(float(value)) for value in data["rigid_mass"].values)])
+    masses = data["effective_mass"].values
+    lines = [(str(int(data["mode"].values[k])), masses[k]) for k in shown]
+    lines += [("all modes", masses.sum(axis=0)), ("rigid whole", data["rigid_mass"].values)]
+    rows = [[label, *(_number(float(value)) for value in values)] for label, values in lines]
     head = ["mode", *(f"{name} [{unit}]" for name, unit in zip(names, units, strict=True))]
     print_rows("effective masses, about the base's origin", head, rows)
 

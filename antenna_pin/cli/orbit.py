@@ -29,7 +29,7 @@ from antenna_pin.cli._export import (
     TableOption,
     csv_target,
     exported,
-    plain,
+    plain_dict,
     save_both,
     targets_of,
 )
@@ -86,7 +86,7 @@ def ends_of(text: str | None, over: str, known: Scenario) -> tuple[float, float,
 
 def facts_of(branch: xr.Dataset) -> dict[str, Any]:
     """Return a branch as plain data."""
-    facts: dict[str, Any] = plain(
+    return plain_dict(
         {
             "parameter": branch.attrs["parameter"],
             "message": branch.attrs["message"],
@@ -99,7 +99,6 @@ def facts_of(branch: xr.Dataset) -> dict[str, Any]:
             ],
         }
     )
-    return facts
 
 
 def rows_of_branch(branch: xr.Dataset) -> list[dict[str, Any]]:
@@ -124,7 +123,7 @@ def rows_of_branch(branch: xr.Dataset) -> list[dict[str, Any]]:
             row[f"amplitude of {name} [{branch['amplitude_unit'].values[q]}]"] = float(
                 branch["amplitude"].values[q, k]
             )
-        rows.append(plain(row))
+        rows.append(plain_dict(row))
     return rows
 
 
@@ -161,11 +160,6 @@ AtOption = Annotated[
     int | None,
     typer.Option("--at", metavar="N", help="Orbit of a saved branch to begin with; the first is 1."),
 ]
-
-
-def is_saved(name: str) -> bool:
-    """Return whether a name is a saved orbit or branch rather than a scenario."""
-    return name.endswith(".nc")
 
 
 def saved_branch(name: str) -> xr.Dataset | None:
@@ -279,7 +273,7 @@ def orbit(
         raise InvalidParameterError("orbit", "--free-period", "left out beside --over", said="both")
     from antenna_pin.plot import figure_multipliers
 
-    if is_saved(scenario):
+    if scenario.endswith(".nc"):
         if case is not None:
             raise InvalidParameterError("orbit", "--case", "left out: the file holds its scenario", case)
         again = saved_branch(scenario) if over is None and at is None else None
@@ -383,7 +377,7 @@ def _branch_over(
 
 
 def _facts(orbit: Orbit) -> dict[str, Any]:
-    facts: dict[str, Any] = plain(
+    return plain_dict(
         {
             "period": orbit.period,
             "time": orbit.start.time,
@@ -399,12 +393,11 @@ def _facts(orbit: Orbit) -> dict[str, Any]:
             "events": orbit.onsets[1],
         }
     )
-    return facts
 
 
 def _rows(orbit: Orbit) -> list[dict[str, Any]]:
     return [
-        plain(
+        plain_dict(
             {
                 "real [-]": one.real,
                 "imaginary [-]": one.imag,

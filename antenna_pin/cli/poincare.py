@@ -33,8 +33,6 @@ from antenna_pin.cli._tables import print_rows
 if TYPE_CHECKING:
     import xarray as xr
 
-    from antenna_pin.nonlinear import Section
-
 
 class Direction(StrEnum):
     """Direction of counted crossings."""
@@ -55,13 +53,6 @@ QUANTITY = typer.Option(
 )
 COUNT = typer.Option(metavar="N", help="Number of points, 32 or more.")
 TOLERANCE = typer.Option(help="Settled: drift below this part of a quantity's largest value.")
-
-SectionOption = Annotated[str, SECTION]
-DirectionOption = Annotated[Direction, DIRECTION]
-PhaseOption = Annotated[float, PHASE]
-QuantityOption = Annotated[list[str], QUANTITY]
-CountOption = Annotated[int, COUNT]
-ToleranceOption = Annotated[float, TOLERANCE]
 TransientOption = Annotated[
     int | None,
     typer.Option(
@@ -74,24 +65,17 @@ MostOption = Annotated[
 ]
 
 
-def section_from(text: str, direction: Direction, phase: float) -> Section:
-    """Return the section of the options."""
-    from antenna_pin.nonlinear import section_of
-
-    return section_of(text, direction.value, phase)
-
-
 def poincare(
     context: typer.Context,
     scenario: ScenarioArgument,
-    quantity: QuantityOption,
-    section: SectionOption = "period",
-    direction: DirectionOption = Direction.RISING,
-    phase: PhaseOption = 0.0,
-    count: CountOption = 100,
+    quantity: Annotated[list[str], QUANTITY],
+    section: Annotated[str, SECTION] = "period",
+    direction: Annotated[Direction, DIRECTION] = Direction.RISING,
+    phase: Annotated[float, PHASE] = 0.0,
+    count: Annotated[int, COUNT] = 100,
     transient: TransientOption = None,
     most: MostOption = None,
-    tolerance: ToleranceOption = 1e-4,
+    tolerance: Annotated[float, TOLERANCE] = 1e-4,
     case: CaseOption = None,
     settings: SetOption = None,
     out: TableOption = None,
@@ -106,12 +90,13 @@ def poincare(
     """
     table = csv_target(csv)
     targets = targets_of(out, plot)
-    from antenna_pin.nonlinear import poincare as returned
+    from antenna_pin.nonlinear import poincare as computed
+    from antenna_pin.nonlinear import section_of
     from antenna_pin.plot import figure_section
 
-    found = returned(
+    found = computed(
         load(scenario, case, settings),
-        section_from(section, direction, phase),
+        section_of(section, direction.value, phase),
         quantity,
         count=count,
         transient=transient,

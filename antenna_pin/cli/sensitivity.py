@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast, get_args
 
@@ -17,7 +16,7 @@ from antenna_pin.cli._export import (
     TableOption,
     csv_target,
     exported,
-    plain,
+    plain_dict,
     save_both,
     targets_of,
 )
@@ -120,25 +119,13 @@ def _facts(result: Sensitivities, rows: list[dict[str, Any]]) -> dict[str, Any]:
     """Return all that is known, in plain numbers."""
     from antenna_pin.sensitivity import refused_in
 
-    growth = [
-        {
-            name: value if not isinstance(value, float) or math.isfinite(value) else None
-            for name, value in pairs
-        }
-        for pairs in (one._asdict().items() for one in result.growth())
-    ]
+    keys = ("key", "value", "unit", "scale")
     return {
-        "parameters": _parameters(result),
+        "parameters": [plain_dict({key: getattr(one, key) for key in keys}) for one in result.parameters],
         "results": rows,
-        "growth": plain({"of": growth})["of"],
+        "growth": [plain_dict(one._asdict()) for one in result.growth()],
         "refused": refused_in(result),
     }
-
-
-def _parameters(result: Sensitivities) -> list[dict[str, Any]]:
-    return [
-        plain({"key": p.key, "value": p.value, "unit": p.unit, "scale": p.scale}) for p in result.parameters
-    ]
 
 
 def _row(result: Sensitivities, one: Changed) -> dict[str, Any]:
@@ -148,8 +135,7 @@ def _row(result: Sensitivities, one: Changed) -> dict[str, Any]:
         result.parameters, one.slopes.tolist(), one.doubts.tolist(), strict=True
     ):
         row[f"per 1 % of {parameter.key}"], row[f"doubt of {parameter.key}"] = 0.01 * slope, 0.01 * doubt
-    told: dict[str, Any] = plain(row)
-    return told
+    return plain_dict(row)
 
 
 def _print(result: Sensitivities, rows: list[dict[str, Any]]) -> None:

@@ -65,12 +65,15 @@ def response(
     A swept base: by synchronous demodulation, with the distortion. Any other: by the ratio of spectra, with
     the coherence.
     """
-    from antenna_pin.analysis import shakes_of
+    from antenna_pin.analysis import shakes_of, swept_response
 
     target, figure = csv_target(csv), figure_target(plot, "vibration", "--plot")
     run = load_result(file, scenario=False)
     swept = to is None and any("pieces" in one["shakes"] for one in shakes_of(run).values())
-    found = _swept(run, of, periods) if swept else _transferred(run, of, to, segment)
+    if swept:
+        found = swept_response(run, _name(run, of), periods=periods)
+    else:
+        found = _transferred(run, of, to, segment)
     names = (
         ("frequency", "way", "time", "gain", "phase", "amplitude", "base", "distortion")
         if swept
@@ -85,13 +88,10 @@ def response(
         largest = [row for row in rows if row["coherence"] is not None and row["frequency"] > 0.0]
         largest = sorted(largest, key=lambda row: -row["gain"])[:8]
         head = ["frequency [Hz]", "gain [-]", "coherence [-]", "standard error [%]"]
-        shown = [
-            [
-                *(number_text(row[name]) for name in ("frequency", "gain", "coherence")),
-                number_text(100.0 * row["error"]),
-            ]
-            for row in sorted(largest, key=lambda row: row["frequency"])
-        ]
+        shown = []
+        for row in sorted(largest, key=lambda row: row["frequency"]):
+            values = (row["frequency"], row["gain"], row["coherence"], 100.0 * row["error"])
+            shown.append([*map(number_text, values)])
         print_rows(f"{label_of(run, file)}: {found.attrs['target']}, largest gains", head, shown)
     if figure is not None and not swept:
         rule = "left out: the figure is of a swept base; --csv has the numbers"
@@ -176,12 +176,6 @@ def _name(run: Trajectory, of: str | None) -> str:
         rule = "given for a run whose base is not shaken: --of NAME"
         raise InvalidParameterError("vibration", "--of", rule, said="nothing")
     return shaken_target(run) if of is None else of
-
-
-def _swept(run: Trajectory, of: str | None, periods: float) -> xr.Dataset:
-    from antenna_pin.analysis import swept_response
-
-    return swept_response(run, _name(run, of), periods=periods)
 
 
 def _transferred(run: Trajectory, of: str | None, to: str | None, segment: str | None) -> xr.Dataset:

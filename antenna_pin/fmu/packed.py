@@ -16,7 +16,7 @@ from antenna_pin.session import Session
 FILE = "antenna_pin.json"
 
 
-class Variable(NamedTuple):
+class UnitVariable(NamedTuple):
     """Number that an FMU takes or gives."""
 
     name: str
@@ -76,7 +76,7 @@ class Packed:
 
     # --- its variables, in a session of the scenario --------------------------------------------------------
 
-    def inputs_of(self, session: Session) -> list[Variable]:
+    def inputs_of(self, session: Session) -> list[UnitVariable]:
         """Return the inputs.
 
         Raises:
@@ -91,19 +91,21 @@ class Packed:
                 rule = f"one of each number; {place} is commanded by {' and '.join(same)}: leave one out"
                 raise InvalidParameterError("fmu", "inputs", rule, name)
         return [
-            Variable(name, session.unit(place), session[place], f"commanded: {place}, held over a step")
+            UnitVariable(name, session.unit(place), session[place], f"commanded: {place}, held over a step")
             for name, place in places.items()
         ]
 
-    def outputs_of(self, session: Session) -> list[Variable]:
+    def outputs_of(self, session: Session) -> list[UnitVariable]:
         """Return the outputs.
 
         Raises:
             AntennaPinError: There is no number of one's name.
         """
-        return [Variable(name, session.unit(name), session[name], "at the present") for name in self.outputs]
+        return [
+            UnitVariable(name, session.unit(name), session[name], "at the present") for name in self.outputs
+        ]
 
-    def parameters_of(self, session: Session) -> list[Variable]:
+    def parameters_of(self, session: Session) -> list[UnitVariable]:
         """Return the parameters.
 
         Raises:
@@ -111,7 +113,7 @@ class Packed:
         """
         known = session.settable
         return [
-            Variable(
+            UnitVariable(
                 place,
                 session.unit(place) if place in known else "",
                 number_at(self.scenario, place),

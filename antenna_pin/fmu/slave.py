@@ -21,7 +21,7 @@ from pythonfmu3.fmi3slave import Fmi3StepResult
 
 from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.fmu.packed import Packed, Variable, place_of
+from antenna_pin.fmu.packed import Packed, UnitVariable, place_of
 from antenna_pin.scenario import Scenario
 from antenna_pin.session import Session, start
 from antenna_pin.trajectory import Outcome
@@ -95,7 +95,7 @@ class Slave(Fmi3Slave):  # type: ignore[misc]  # the library has no types
         )
         self._starts: dict[str, float] = {}
         self._register(
-            Variable("time", "s", 0.0, "of the mechanism"),
+            UnitVariable("time", "s", 0.0, "of the mechanism"),
             Fmi3Causality.independent,
             getter=lambda: self.time,
         )
@@ -111,14 +111,14 @@ class Slave(Fmi3Slave):  # type: ignore[misc]  # the library has no types
 
     # --- variables ------------------------------------------------------------------------------------------
 
-    def _register_numbers(self, one: Variable, causality: Any, numbers: dict[str, float]) -> None:
+    def _register_numbers(self, one: UnitVariable, causality: Any, numbers: dict[str, float]) -> None:
         def write(value: float, name: str = one.name) -> None:
             numbers[name] = value
 
         self._register(one, causality, getter=lambda: numbers[one.name], setter=write)
         self._starts[one.name] = one.start
 
-    def _register(self, one: Variable, causality: Any, **functions: Any) -> None:
+    def _register(self, one: UnitVariable, causality: Any, **functions: Any) -> None:
         named: dict[str, Any] = {"description": one.meaning, **functions}
         powers = powers_of(one.unit)
         if powers is not None:

@@ -28,7 +28,7 @@ _POSITIONS = 200  # of a slider
 _TICK = 250  # between two looks at the stage of the first run [ms]
 
 
-class Page:
+class ExplorerPage:
     """Page as shown by one browser.
 
     Args:

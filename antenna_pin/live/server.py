@@ -191,9 +191,9 @@ class Exploration:
             loop.close()
 
     def _fill(self, document: Any) -> None:
-        from antenna_pin.live.page import Page
+        from antenna_pin.live.page import ExplorerPage
 
-        Page(document, *self._about)
+        ExplorerPage(document, *self._about)
 
     def wait(self) -> None:
         """Return when it has been stopped; Ctrl-C comes through."""

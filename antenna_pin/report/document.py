@@ -35,7 +35,7 @@ from antenna_pin.report import (
 )
 from antenna_pin.report._page import Details, Embedded, Picture, PicturedTable, Section, Status, Table
 from antenna_pin.report._runs import Finding, Reported, ReportedRun, every, origin, parted, reported
-from antenna_pin.report.figures import DrawnFigure, Numbers, drawn, glance
+from antenna_pin.report.figures import DrawnFigure, FigureNumbers, drawn, glance
 from antenna_pin.report.joints import hardest_joint, joint_key
 
 # --- which section of a page a figure is in, and how many figures there is room for ---
@@ -323,7 +323,7 @@ def page(
         from antenna_pin.record import shared_head
 
         shared = shared_head(packed=True)
-    numbers = Numbers(1e6 * data)
+    numbers = FigureNumbers(1e6 * data)
     for picture in (one for section in kept for one in section.pictures):
         numbers.add(picture.key, picture.numbers)
     own = script("\n".join(_asset(name) for name in _SCRIPTS))

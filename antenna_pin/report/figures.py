@@ -31,7 +31,7 @@ def packed(content: bytes) -> str:
     return base64.b64encode(zlib.compress(content, 9)).decode()
 
 
-class Numbers:
+class FigureNumbers:
     """Numbers of all figures of a page, each column once, to seven digits.
 
     Args:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, cast
@@ -208,9 +208,14 @@ def reported(
         OutputError: It cannot be written there.
         AntennaPinError: What :func:`antenna_pin.report.report` refuses.
     """
+    return saved_report(lambda: report(cast("Any", [*_several(beside), run]), **options), path)
+
+
+def saved_report(make: Callable[[], Report], path: str | os.PathLike[str] | None) -> Report:
+    """Return a report; write it if a path is given, which is checked before the work."""
     if path is not None:
         check_writable(path, ".html")
-    made = report(cast("Any", [*_several(beside), run]), **options)
+    made = make()
     if path is not None:
         made.save(path)
     return made

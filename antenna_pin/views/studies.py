@@ -6,13 +6,12 @@ import json
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import xarray as xr
 from numpy.typing import ArrayLike
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.files import check_writable
 from antenna_pin.errors import InvalidParameterError, OutputError, UnknownNameError
 from antenna_pin.linear import Modes, first_source, frequency_response, swing
 from antenna_pin.nonlinear import Orbit, orbit_table
@@ -21,6 +20,7 @@ from antenna_pin.record import record_several
 from antenna_pin.report import Report, report, study_report
 from antenna_pin.sweep import Study, open_study, sensitivities
 from antenna_pin.trajectory import Trajectory
+from antenna_pin.views.runs import Width, saved_report
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,7 +33,7 @@ def modes_plotted(
     targets: str | Sequence[str] | None = None,
     *,
     frequencies: ArrayLike | None = None,
-    width: Literal["column", "page"] = "page",
+    width: Width = "page",
 ) -> Figure:
     """Return magnitude and phase of a frequency response.
 
@@ -87,7 +87,7 @@ def _table(orbit: Orbit) -> xr.Dataset:
 
 
 @takes()
-def orbit_plotted(orbit: Orbit, *, width: Literal["column", "page"] = "column") -> Figure:
+def orbit_plotted(orbit: Orbit, *, width: Width = "column") -> Figure:
     """Return Floquet multipliers in the complex plane, with the unit circle.
 
     Args:
@@ -112,17 +112,9 @@ def orbit_reported(
     Raises:
         OutputError: It cannot be written there.
     """
-    if path is not None:
-        check_writable(path, ".html")
     one = isinstance(beside, Trajectory | xr.Dataset) or not isinstance(beside, Iterable)
     several = [beside] if one else list(beside)
-    made = report(cast("Any", [*several, _table(orbit)]), **options)
-    if path is not None:
-        made.save(path)
-    return made
-
-
-Width = Literal["column", "page"]
+    return saved_report(lambda: report(cast("Any", [*several, _table(orbit)]), **options), path)
 
 
 @takes()
@@ -220,9 +212,4 @@ def reported(
     Raises:
         OutputError: It has not been run there, or the report cannot be written.
     """
-    if path is not None:
-        check_writable(path, ".html")
-    made = study_report(_opened(study, store), title=title, figures=figures)
-    if path is not None:
-        made.save(path)
-    return made
+    return saved_report(lambda: study_report(_opened(study, store), title=title, figures=figures), path)

@@ -19,7 +19,6 @@ from antenna_pin.analysis import (
     pointing_indices,
     settling,
 )
-from antenna_pin.errors import InvalidParameterError
 from antenna_pin.geometry import LOOKS
 from antenna_pin.report import Report, report
 from antenna_pin.report._runs import ReportedRun
@@ -256,11 +255,6 @@ def test_any_number_of_runs(count, ideal, play, shown):
 
 def test_a_report_says_what_it_is_in_one_line():
     assert repr(Report("Play", (), "x" * 3_000_000)) == "<Report 'Play': 0 sections, 3.0 MB>"
-
-
-def test_no_run_is_refused():
-    with pytest.raises(InvalidParameterError, match="report: runs must be at least one run, got 'none'"):
-        report([])
 
 
 def test_a_run_that_ended_early_is_flagged_on_top(ideal, play, shown):
