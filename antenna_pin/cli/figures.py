@@ -148,12 +148,11 @@ def figures(
     suffixes = figure_formats(formats)
     of_runs, of_attractors = _paper(scenario, cases, numbers)
     numbered = bool(of_runs or of_attractors)
-    wanted = cases or list(dict.fromkeys(case for each in of_runs for case in each.cases))
+    wanted: list[str | None] = [*(cases or dict.fromkeys(case for each in of_runs for case in each.cases))]
+    if not wanted and not numbered:
+        wanted = [one.name for one in scenario_cases(scenario)] or [None]
     # Everything is read and checked before the first run.
-    loaded = {
-        case: load(scenario, case, settings, geometry, duration)
-        for case in wanted or ([] if numbered else [one.name for one in scenario_cases(scenario)] or [None])
-    }
+    loaded = {case: load(scenario, case, settings, geometry, duration) for case in wanted}
     first = next(iter(loaded.values()), None) or load(scenario, None, settings, geometry)
 
     target = figure_folder(out or Path(f"{first.name}-figures"))
