@@ -28,28 +28,22 @@ def copy(tmp_path):
     return tmp_path
 
 
-def add(copy, file, text, registry, imported="", before="", entry=""):
-    """Write one file, and enter what it holds in a registry.
+def insert(copy, file, before, text):
+    """Insert a line before the first one that begins with a text."""
+    path = copy / "antenna_pin" / file
+    lines = path.read_text(encoding="utf-8").splitlines()
+    lines.insert(next(k for k, one in enumerate(lines) if one.strip().startswith(before)), text)
+    path.write_text("\n".join([*lines, ""]), encoding="utf-8")
 
-    Args:
-        copy: Where the package is copied to.
-        file: The new one.
-        text: What it holds.
-        registry: The file in which it enters,
-        imported: the import there, if there is one,
-        before: the start of the line that the entry stands before,
-        entry: and the entry.
-    """
-    package = copy / "antenna_pin"
-    assert not (package / file).exists()
-    (package / file).write_text(text, encoding="utf-8")
-    home = package / registry
-    lines = home.read_text(encoding="utf-8").splitlines()
-    if entry:
-        lines.insert(next(k for k, one in enumerate(lines) if one.strip().startswith(before)), entry)
+
+def add(copy, file, text, registry, imported="", before="", entry=""):
+    """Write a new file, and an entry before a line of a registry, with its import."""
+    path = copy / "antenna_pin" / file
+    assert not path.exists()
+    path.write_text(text, encoding="utf-8")
+    insert(copy, registry, before, entry)
     if imported:
-        lines.insert(lines.index("from __future__ import annotations") + 1, imported)
-    home.write_text("\n".join([*lines, ""]), encoding="utf-8")
+        insert(copy, registry, "from antenna_pin", imported)
 
 
 def run(copy, *words, code=None):
@@ -406,14 +400,6 @@ class RingClearance(TouchingSpec):
         }
 
 '''
-
-
-def insert(copy, file, before, text):
-    """Insert a line before the one that begins with something."""
-    path = copy / "antenna_pin" / file
-    lines = path.read_text(encoding="utf-8").splitlines()
-    lines.insert(next(k for k, one in enumerate(lines) if one.strip().startswith(before)), text)
-    path.write_text("\n".join([*lines, ""]), encoding="utf-8")
 
 
 @pytest.mark.slow

@@ -9,15 +9,7 @@ from hypothesis import strategies as st
 from antenna_pin.errors import UnknownNameError, nearest
 
 PD = ("joint", "kind", "axis", "kp", "kd", "limit", "time", "reference", "reference_rate", "file")
-JOINT = (
-    "model",
-    "bearing_radius",
-    "radial_clearance",
-    "axial_clearance",
-    "journal_material",
-    "normal",
-    "tilt",
-)
+JOINT = ("model", "bearing_radius", "radial_clearance", "axial_clearance", "journal_material", "tilt")
 METHODS = ("rk4", "bogacki-shampine-32", "dormand-prince-54", "dormand-prince-853", "radau5")
 SPRING = ("joint", "stiffness", "damping", "rest_angle", "shorter_way", "on")
 

@@ -74,6 +74,7 @@ boresight = [1, 1, 0]
 [cases."关节 with play"]
 [cases."a/b"]
 """
+FIGURES = ("--case", "关节 with play", "--format", "png", "--no-progress")
 
 
 @pytest.fixture(scope="module")
@@ -91,19 +92,7 @@ def drawn(crane, tmp_path_factory):
 
     out = tmp_path_factory.mktemp("drawn")
     with pytest.raises(SystemExit) as ended:
-        app(
-            [
-                "figures",
-                str(crane),
-                "--case",
-                "关节 with play",
-                "--out",
-                str(out),
-                "--format",
-                "png",
-                "--no-progress",
-            ]
-        )
+        app(["figures", str(crane), "--out", str(out), *FIGURES])
     assert not ended.value.code
     return out
 
@@ -112,9 +101,7 @@ def drawn(crane, tmp_path_factory):
 def test_figures_are_the_same_set_from_a_fresh_run_and_from_its_file(drawn, crane, cli, caplog):
     first = {path.name for path in drawn.glob("*.png")}
     assert {"pointing.png", "energy.png", "spectrogram-Kugel.png", "contact_forces-Kugel.png"} <= first
-    said = cli(
-        "figures", crane, "--case", "关节 with play", "--out", drawn, "--format", "png", "--no-progress"
-    )
+    said = cli("figures", crane, "--out", drawn, *FIGURES)
     assert "using" in said.err and "is not drawn" not in said.err
     assert {path.name for path in drawn.glob("*.png")} == first
     # Letters that the font lacks are no noise.

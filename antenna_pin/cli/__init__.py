@@ -1,4 +1,4 @@
-"""Command line: parse, call, print. What it does, the Python API does in as few lines.
+"""Command line: thin face of the Python API; parses, calls, prints.
 
 Rooms are imported inside the commands, so ``--help`` and ``list`` do not wait for the mechanics.
 
@@ -48,8 +48,8 @@ from antenna_pin.cli._common import (
     StandardOutput,
     complain,
     one_line_errors,
-    told_interruption,
-    told_unwritable,
+    report_interruption,
+    report_unwritable,
 )
 from antenna_pin.cli._progress import said_at_work
 from antenna_pin.cli._usage import OneLineGroup, with_plain_numbers
@@ -77,13 +77,13 @@ def main() -> None:
         with contextlib.nullcontext() if quiet else said_at_work(command, complain):
             app()
     except KeyboardInterrupt:  # while the commands are made
-        sys.exit(told_interruption())
+        sys.exit(report_interruption())
     except OSError as error:  # of a page of help
-        sys.exit(told_unwritable(error))
+        sys.exit(report_unwritable(error))
 
 
 def _have_streams() -> None:
-    """Take up the places of standard streams that are closed, or the next file that is opened would.
+    """Occupy the places of closed standard streams, so that no opened file takes them.
 
     Complaints then go nowhere; what is printed fails, as it must, on a file that is open for reading only.
     """

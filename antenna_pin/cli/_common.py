@@ -1,4 +1,4 @@
-"""What the commands share: refusals in one line, arguments, results to read, files to write, tables to print.
+"""Parts shared by the commands: one-line refusals, common options, files, figures.
 
 Rooms are imported inside the functions, so ``--help`` does not wait for them.
 """
@@ -46,22 +46,22 @@ PackagePathOption = Annotated[
 ]
 
 
-def package_folders(given: list[Path] | None) -> list[Path]:
-    """Return the folders of the option as absolute paths, or end the command where one is none."""
-    for folder in given or ():
+def package_folders(folders: list[Path] | None) -> list[Path]:
+    """Return the option's folders as absolute paths; refuse one that is none."""
+    for folder in folders or ():
         if not folder.is_dir():
             refuse(
                 f"--package-path {folder}: must be a folder, got {'a file' if folder.exists() else 'none'}"
             )
-    return [folder.absolute() for folder in given or ()]
+    return [folder.absolute() for folder in folders or ()]
 
 
 REFUSED, ENDED_EARLY, UNBALANCED, DOUBTFUL = 2, 3, 4, 5
 
-#: To which the number of the signal is added that has stopped a command.
+#: Exit code of a stopped command, less the signal's number.
 SIGNALLED = 128
 
-#: What a figure's file may end in.
+#: Suffixes of figures.
 FIGURES = (".png", ".pdf", ".svg")
 
 P = ParamSpec("P")
@@ -69,7 +69,7 @@ R = TypeVar("R")
 
 
 class Engine(StrEnum):
-    """What makes the steps of a run."""
+    """Engine of a run."""
 
     PINOCCHIO = "pinocchio"
     COMPILED = "compiled"
@@ -93,7 +93,7 @@ STANDARD_OUTPUT = "standard output cannot be written"
 
 
 class StandardOutput(io.TextIOWrapper):
-    """The standard output, whose errors say that they are of it."""
+    """Standard output whose errors name it."""
 
     def write(self, text: str) -> int:
         """Write a text."""
@@ -115,12 +115,12 @@ class StandardOutput(io.TextIOWrapper):
 
 
 def say(line: str) -> None:
-    """Print a line that may hold texts of files, whose control characters are shown, not sent."""
+    """Print a line with its control characters escaped."""
     typer.echo(printable(line))
 
 
 def complain(message: str, colour: str | None = None) -> None:
-    """Print one line on the error stream, if somebody still reads it; in a colour, on a screen."""
+    """Print one line on the error stream, coloured on a terminal."""
     with contextlib.suppress(OSError):
         typer.secho(f"antenna-pin: {one_line(' '.join(message.split()))}", err=True, fg=colour)
 
@@ -131,60 +131,60 @@ def refuse(message: str) -> NoReturn:
 
 
 def one_line_errors(command: Callable[P, R]) -> Callable[P, R]:
-    """Turn what a user can act on into one line and an exit code; a bug keeps its traceback."""
+    """Report a user's error in one line with an exit code; raise a bug."""
 
     @functools.wraps(command)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> R:
         try:
             with warnings.catch_warnings():
-                warnings.showwarning = _said_in_one_line
+                warnings.showwarning = _print_note
                 return command(*args, **kwargs)
         except (KeyboardInterrupt, Exception) as error:
             if is_interruption(error):
-                raise typer.Exit(told_interruption()) from None
+                raise typer.Exit(report_interruption()) from None
             if isinstance(error, AntennaPinError):
                 refuse(str(error))
             if isinstance(error, OSError) and error.errno != errno.EPIPE:  # of a pipe whose reader has gone
-                raise typer.Exit(told_unwritable(error)) from None
+                raise typer.Exit(report_unwritable(error)) from None
             raise
 
     return wrapper
 
 
-def told_unwritable(error: OSError) -> int:
-    """Say what cannot be read or written, and return the exit code."""
+def report_unwritable(error: OSError) -> int:
+    """Print the file that cannot be read or written, and return the exit code."""
     if error.filename == STANDARD_OUTPUT:
-        _let_go(sys.stdout.fileno())  # or Python would try again at its end
+        _discard(sys.stdout.fileno())  # or Python would try again at its end
     where = f"{error.filename}: " if error.filename else ""
     complain(f"{where}{error.strerror or error}")
     return REFUSED
 
 
-def told_interruption() -> int:
-    """Say that a signal has ended the command, and return its exit code."""
+def report_interruption() -> int:
+    """Print that a signal has ended the command, and return its exit code."""
     acknowledge()
-    _let_go_of_closed_streams()
+    _discard_closed_streams()
     complain("interrupted")
     return SIGNALLED + ended_by()
 
 
-def _said_in_one_line(message: Warning | str, *about: object, **more: object) -> None:
+def _print_note(message: Warning | str, *about: object, **more: object) -> None:
     complain(f"note: {message}")
 
 
-def _let_go_of_closed_streams() -> None:
-    """Let what is printed from here on go nowhere if the terminal has been closed, or printing raises."""
+def _discard_closed_streams() -> None:
+    """Discard further output where the terminal has been closed, or printing raises."""
     for stream in (sys.stdout, sys.stderr):
         try:
             number = stream.fileno()
             os.write(number, b"")
         except (OSError, ValueError, AttributeError) as error:  # the latter two: not a stream of the system
             if getattr(error, "errno", None) == errno.EIO:
-                _let_go(number)
+                _discard(number)
 
 
-def _let_go(number: int) -> None:
-    """Let what is written to a stream from here on go nowhere."""
+def _discard(number: int) -> None:
+    """Discard further output of a stream."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, number)
     os.close(nowhere)
@@ -203,8 +203,6 @@ SetOption = Annotated[
         " 'clearance.elevation.radial_clearance=0.1 mm'. May be repeated.",
     ),
 ]
-
-
 FigureOutOption = Annotated[
     Path | None, typer.Option(metavar="DIR", help="Folder for figures, made if missing; none if left out.")
 ]
@@ -212,6 +210,15 @@ FigureFormatOption = Annotated[
     str, typer.Option("--format", metavar="LIST", help="Any of png, pdf, svg, separated by commas.")
 ]
 WidthOption = Annotated[Width, typer.Option(help="Width of the figures: 88 mm or 180 mm.")]
+ProgressOption = Annotated[bool, typer.Option(help="Show a progress bar.")]
+QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
+DurationOption = Annotated[
+    str | None, typer.Option(help="Simulated time, in seconds or with a unit ('20 ms').")
+]
+GeometryOption = Annotated[
+    Geometry | None, typer.Option(help="Method that finds gaps, for all joints with clearance.")
+]
+ResultArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")]
 FilesArgument = Annotated[list[Path], typer.Argument(metavar="FILES...", help="Result files of runs.")]
 
 
@@ -222,7 +229,7 @@ def load(
     geometry: Geometry | None = None,
     duration: str | None = None,
 ) -> Scenario:
-    """Return the scenario with the changes that the command line asks for."""
+    """Return the scenario with the changes of the command line."""
     from antenna_pin.scenario import load_scenario
 
     changes = list(settings or ())
@@ -236,23 +243,20 @@ def load(
 
 
 def stem(scenario: Scenario) -> str:
-    """Return NAME-CASE, or NAME where a scenario has no cases, as a file can be called."""
+    """Return NAME-CASE, or NAME of a scenario without cases, as a file name."""
     name = f"{scenario.name}-{scenario.case}" if scenario.case else str(scenario.name)
     return name.replace("/", "-").replace("\\", "-")
 
 
 def writable_file(path: Path, suffix: str) -> Path:
-    """Return a path that a result can be written to, or say what keeps it from being one.
-
-    Asked before a run, so that hours of work do not end in a missing folder.
-    """
+    """Return a path for a result, or refuse it before any work."""
     from antenna_pin.base.files import check_writable
 
     return check_writable(path, suffix)
 
 
 def figure_target(path: Path | None, command: str, option: str) -> Path | None:
-    """Return the file of a figure, or say what keeps it from being one."""
+    """Return the file of a figure, or refuse it."""
     if path is None:
         return None
     if path.suffix not in FIGURES:
@@ -262,14 +266,14 @@ def figure_target(path: Path | None, command: str, option: str) -> Path | None:
 
 @contextlib.contextmanager
 def not_interrupted() -> Iterator[None]:
-    """Let a result be written, and be said to be, to the end: a second Ctrl-C must not cost it."""
-    _let_go_of_closed_streams()
+    """Hold back interrupts while a result is written and its place is printed."""
+    _discard_closed_streams()
     with held_back():
         yield
 
 
 def save_result(trajectory: Trajectory, path: Path) -> None:
-    """Write a result; where it cannot be, write it elsewhere and end the command with the place."""
+    """Write a result; on failure write it elsewhere and end the command."""
     try:
         trajectory.save(path)
     except OutputError as error:
@@ -277,10 +281,7 @@ def save_result(trajectory: Trajectory, path: Path) -> None:
 
 
 def save_elsewhere(trajectory: Trajectory, path: Path, error: OutputError) -> NoReturn:
-    """Write a result that cannot be where it should elsewhere, and end the command with the place.
-
-    What has taken hours is not thrown away because a disk has filled up meanwhile.
-    """
+    """Write a result to another folder, as on a full disk, and exit."""
     for folder in dict.fromkeys((os.curdir, tempfile.gettempdir(), os.path.expanduser("~"))):
         numbers = itertools.count(2)
         elsewhere = Path(folder, path.name)
@@ -293,7 +294,7 @@ def save_elsewhere(trajectory: Trajectory, path: Path, error: OutputError) -> No
 
 
 def load_result(path: Path, scenario: bool = True) -> Trajectory:
-    """Return a result; without its scenario where nobody asks for that, which is quicker."""
+    """Return a result, faster without its scenario."""
     from antenna_pin.trajectory import Trajectory
 
     return Trajectory.load(path, scenario=scenario)
@@ -304,58 +305,45 @@ def label_of(trajectory: Trajectory, path: Path) -> str:
 
 
 def labels_of(paths: Sequence[Path]) -> list[str]:
-    """Return what columns of results are headed by: names of files, or paths where names are the same."""
+    """Return column headings of results: file names, or paths where names coincide."""
     names = [path.stem for path in paths]
     return names if len(set(names)) == len(names) else [str(path) for path in paths]
 
 
 def figure_formats(text: str) -> list[str]:
-    """Return the formats that a comma-separated list names, each once.
-
-    Raises:
-        UnknownNameError: One that figures cannot be written in.
-    """
+    """Return the formats of figures in a comma-separated list, each once."""
+    known = [suffix[1:] for suffix in FIGURES]
     suffixes = list(dict.fromkeys(part.strip() for part in text.split(",") if part.strip()))
     for suffix in suffixes or [""]:
-        if suffix not in ("png", "pdf", "svg"):
-            raise UnknownNameError("--format", "figure format", suffix, ("png", "pdf", "svg"))
+        if suffix not in known:
+            raise UnknownNameError("--format", "figure format", suffix, known)
     return suffixes
 
 
 def figure_folder(out: Path) -> Path:
-    """Return the folder for figures, made later, or say that it is a file."""
+    """Return the folder for figures, or refuse a file."""
     if out.exists() and not out.is_dir():
         raise OutputError(f"--out {out}: this is a file; name a folder for the figures")
     return out
 
 
-def say_limits(trajectory: Trajectory, before: str) -> None:
-    """Say which joints have passed a limit of the URDF; ``before``: what to say first."""
-    if "<limit" not in str(trajectory.data.attrs.get("urdf", "")):
-        return
-    from antenna_pin.analysis import said_of_limits
+def say_notes(trajectory: Trajectory, before: str) -> None:
+    """Print spin and limits that a run has passed, each line after the text ``before``."""
+    texts: list[str | None] = []
+    if "elastic_part" in trajectory.data.sizes:
+        from antenna_pin.analysis import said_of_spin
 
-    for said in said_of_limits(trajectory):
-        say(f"{before}{said}")
+        texts.append(said_of_spin(trajectory))
+    if "<limit" in str(trajectory.data.attrs.get("urdf", "")):
+        from antenna_pin.analysis import said_of_limits
 
-
-def say_spin(trajectory: Trajectory, before: str) -> None:
-    """Say where elastic parts of a run spun too fast for what they are modelled as.
-
-    Args:
-        trajectory: The run.
-        before: What to say first.
-    """
-    if "elastic_part" not in trajectory.data.sizes:
-        return
-    from antenna_pin.analysis import said_of_spin
-
-    if said := said_of_spin(trajectory):
-        say(f"{before}{said}")
+        texts += said_of_limits(trajectory)
+    for text in filter(None, texts):
+        say(f"{before}{text}")
 
 
 def say_start(trajectory: Trajectory, scenario: Scenario, before: str) -> None:
-    """Print the joints that move at the start without a given rate; ``before``: the first words."""
+    """Print the joints that move at the start without a given rate."""
     if trajectory.constraints:
         from antenna_pin.analysis import said_of_moving
 

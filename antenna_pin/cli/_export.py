@@ -1,4 +1,4 @@
-"""What goes out beside tables: one line of JSON, a CSV file of the same plain values, figures of laws."""
+"""Output other than tables: JSON, CSV, datasets, figures."""
 
 from __future__ import annotations
 
@@ -19,25 +19,13 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = [
-    "CsvOption",
-    "JsonOption",
-    "PlotOption",
-    "TableOption",
-    "csv_target",
-    "exported",
-    "figures_asked",
-    "parts_of",
-    "plain",
-    "rows_of",
-    "save_both",
-    "save_figures",
-    "say_json",
-    "targets_of",
-    "write_csv",
+JsonOption = Annotated[
+    bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")
 ]
-
-
+CsvOption = Annotated[
+    Path | None,
+    typer.Option("--csv", metavar="FILE", help="Write the numbers to a CSV file, in SI units, instead."),
+]
 TableOption = Annotated[
     Path | None, typer.Option("--out", metavar="FILE", help="Dataset of the result, NAME.nc.")
 ]
@@ -47,7 +35,7 @@ PlotOption = Annotated[
 
 
 def targets_of(out: Path | None, plot: Path | None) -> tuple[Path | None, Path | None]:
-    """Return the files of a dataset and a figure, or say what keeps them from being some."""
+    """Return the files of a dataset and a figure, or refuse them."""
     return None if out is None else writable_file(out, ".nc"), figure_target(plot, "figure", "--plot")
 
 
@@ -58,33 +46,30 @@ def save_both(
     context: typer.Context,
     silent: bool = False,
 ) -> None:
-    """Write a dataset, with the command that made it, and a figure of it, what is asked for, and say so."""
+    """Write the requested dataset and figure, and print their paths."""
     out, plot = targets
     table.attrs["command"] = command_of(context)
     if out is not None:
         from antenna_pin.trajectory import save_table
 
         save_table(table, out)
+        if not silent:
+            typer.echo(f"saved {out}")
     if plot is not None:
-        from antenna_pin.plot import save_figure
-
-        save_figure(drawn(), plot.with_suffix(""), [plot.suffix[1:]])
-    for target in targets if not silent else ():
-        if target is not None:
-            typer.echo(f"saved {target}")
+        save_plot(drawn(), plot, silent)
 
 
-JsonOption = Annotated[
-    bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")
-]
-CsvOption = Annotated[
-    Path | None,
-    typer.Option("--csv", metavar="FILE", help="Write the numbers to a CSV file, in SI units, instead."),
-]
+def save_plot(figure: Figure, path: Path, silent: bool = False) -> None:
+    """Write a figure and print its path."""
+    from antenna_pin.plot import save_figure
+
+    save_figure(figure, path.with_suffix(""), [path.suffix[1:]])
+    if not silent:
+        typer.echo(f"saved {path}")
 
 
 def csv_target(path: Path | None) -> Path | None:
-    """Return the CSV file to write, if one is asked for, or say what keeps it from being one."""
+    """Return the CSV file to write, if any, or refuse it."""
     return None if path is None else writable_file(path, ".csv")
 
 
@@ -94,7 +79,7 @@ def say_json(facts: Mapping[str, Any]) -> None:
 
 
 def write_csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]], silent: bool = False) -> None:
-    """Write a CSV file (:func:`antenna_pin.base.tables.write_csv`) and say so."""
+    """Write a CSV file (:func:`antenna_pin.base.tables.write_csv`) and print its path."""
     with replacing(path) as partial, partial.open("w", newline="", encoding="utf-8") as stream:
         tables.write_csv(stream, head, (plain(row) for row in rows))
     if not silent:
@@ -104,7 +89,7 @@ def write_csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]], si
 def exported(
     facts: Mapping[str, Any], rows: Sequence[Mapping[str, Any]], as_json: bool, target: Path | None
 ) -> bool:
-    """Print a JSON object and write rows as CSV, what is asked for; return whether either is."""
+    """Write the requested JSON and CSV; return whether there was a request."""
     if target is not None:
         write_csv(target, *rows_of(rows), silent=as_json)
     if as_json:
@@ -113,13 +98,13 @@ def exported(
 
 
 def rows_of(summaries: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[list[Any]]]:
-    """Return head and rows of a table that has one row for each summary: files go down."""
+    """Return head and rows of a table with one row for each summary."""
     head = list(dict.fromkeys(name for summary in summaries for name in summary))
     return head, [[summary.get(name) for name in head] for summary in summaries]
 
 
 def parts_of(facts: Mapping[str, Any], names: Sequence[str]) -> list[dict[str, Any]]:
-    """Return part, what it is of, quantity and value of everything in named parts of an analysis.
+    """Return part, subject, quantity and value of each number in the named parts.
 
     A part is a list of tables, each of which says by ``of`` or ``joint`` what it is of.
     """
@@ -141,9 +126,9 @@ def parts_of(facts: Mapping[str, Any], names: Sequence[str]) -> list[dict[str, A
 
 
 def plain(value: Any) -> Any:
-    """Return a value as JSON has them: None for what is no number, texts for what it does not know."""
+    """Return a value as JSON holds it: None for NaN, text for unknown types."""
     if isinstance(value, Mapping):
-        return {str(key): plain(each) for key, each in value.items()}
+        return plain_dict(value)
     if isinstance(value, (list, tuple)):
         return [plain(each) for each in value]
     if hasattr(value, "item"):
@@ -153,15 +138,20 @@ def plain(value: Any) -> Any:
     return value if value is None or isinstance(value, (bool, int, str)) else str(value)
 
 
+def plain_dict(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return plain values by name (:func:`plain`)."""
+    return {str(name): plain(value) for name, value in values.items()}
+
+
 def figures_asked(out: Path | None, formats: str) -> list[str]:
-    """Return the formats of figures that may be asked for, and refuse a folder for them that is a file."""
+    """Return the requested formats of figures, or refuse a folder that is a file."""
     if out is not None:
         figure_folder(out)
     return figure_formats(formats)
 
 
 def save_figures(figures: Mapping[str, Figure], out: Path, suffixes: Sequence[str]) -> None:
-    """Write figures of contact laws and say where."""
+    """Write figures of contact laws and print their paths."""
     from antenna_pin.plot import save_contact_figures
 
     for path in save_contact_figures(figures, out, suffixes):

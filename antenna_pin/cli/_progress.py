@@ -11,7 +11,8 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, TextIO, cast
+from contextlib import AbstractContextManager, nullcontext
+from typing import TYPE_CHECKING, Any, TextIO, TypeAlias, TypeVar, cast
 
 from antenna_pin.base.readable import lasting
 
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 
 class _ErrorStream(io.TextIOBase):
-    """The error stream, or nothing once its terminal is closed: a bar must not cost what it tells of."""
+    """Error stream that discards output once its terminal is closed."""
 
     def __init__(self) -> None:
         self._stream = sys.stderr  # which a bar takes the place of while it is shown
@@ -50,7 +51,7 @@ class _ErrorStream(io.TextIOBase):
 
 
 def _bar(*texts: str, counted: bool = False) -> Bar:
-    """Return a bar on the error stream, not shown yet: what, how far, counts if wanted, texts, time to go."""
+    """Return a hidden bar on the error stream: title, share, counts, texts, remaining time."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
     from rich.progress import Progress as Bar
@@ -67,16 +68,32 @@ def _bar(*texts: str, counted: bool = False) -> Bar:
     )
 
 
-@contextlib.contextmanager
-def _ended(bar: Bar) -> Iterator[None]:
-    """Take a bar away at the end, if it was ever shown."""
-    _bars.append(bar)
-    try:
-        yield
-    finally:
-        _bars.remove(bar)
-        if bar.live.is_started:
-            bar.stop()
+T = TypeVar("T")
+Reporting: TypeAlias = AbstractContextManager[T | None]
+"""Yields the progress function of some work; None where no bar is shown."""
+
+
+class _Task:
+    """Bar of one task, shown from its first update."""
+
+    def __init__(self, title: str, *texts: str, counted: bool = False, **fields: Any) -> None:
+        self.bar = _bar(*texts, counted=counted)
+        self.identity = self.bar.add_task(title, **fields)
+
+    def update(self, **values: Any) -> None:
+        self.bar.update(self.identity, **values)
+        self.bar.start()
+
+    @contextlib.contextmanager
+    def reporting(self, report: T) -> Iterator[T]:
+        """Yield the progress function, then remove the bar."""
+        _bars.append(self.bar)
+        try:
+            yield report
+        finally:
+            _bars.remove(self.bar)
+            if self.bar.live.is_started:
+                self.bar.stop()
 
 
 #: Bars that are there, the innermost last.
@@ -90,7 +107,7 @@ _FIRST = 10.0  # [s] after which a command says that it is at work; then after t
 
 @contextlib.contextmanager
 def said_at_work(command: str, say: Callable[[str], None]) -> Iterator[None]:
-    """Have a command that takes long say so now and then, where no bar on a terminal shows it.
+    """Report a long command at growing intervals, unless a bar is on the terminal.
 
     Args:
         command: Its name.
@@ -117,7 +134,7 @@ def said_at_work(command: str, say: Callable[[str], None]) -> Iterator[None]:
 
 @contextlib.contextmanager
 def waiting_for_the_user() -> Iterator[None]:
-    """Have a command that only waits for its user, as one that serves a page, not say that it is at work."""
+    """Suppress reports of :func:`said_at_work` while a command waits for its user."""
     _waits.append(None)
     try:
         yield
@@ -126,7 +143,7 @@ def waiting_for_the_user() -> Iterator[None]:
 
 
 def _how_far(bar: Bar | None) -> str:
-    """Return in words how far what a bar tells of has come; empty if it does not know."""
+    """Return a bar's progress in words; empty where it is unknown."""
     tasks = [task for task in bar.tasks if task.visible and task.total] if bar is not None else []
     if not tasks:
         return ""
@@ -136,127 +153,105 @@ def _how_far(bar: Bar | None) -> str:
 
 @contextlib.contextmanager
 def progress_bar(title: str, shown: bool) -> Iterator[Callable[[Progress], None] | None]:
-    """Yield what a run reports its progress to: simulated time, speed and step size on the error stream.
+    """Yield the progress function of a run: simulated time, speed, step size.
 
     The speed is in wall seconds per simulated second. While kernels are compiled, at the first run of their
-    kind on a machine, the bar says that instead.
+    kind on a machine, the bar shows their number instead.
     """
     if not shown:
         yield None
         return
-    bar = _bar("{task.fields[time]}", "{task.fields[speed]}", "{task.fields[step]}")
-    task = bar.add_task(title, total=None, time="", speed="", step="")
+    texts = ("{task.fields[time]}", "{task.fields[speed]}", "{task.fields[step]}")
+    task = _Task(title, *texts, total=None, time="", speed="", step="")
     compiled = itertools.count(1)
 
     def compiling() -> None:
         text = f"{title}: compiling, once"
-        bar.update(task, description=text, time=f"kernel {next(compiled)}", speed="", step="")
-        bar.start()
+        task.update(description=text, time=f"kernel {next(compiled)}", speed="", step="")
 
-    def report(now: Progress) -> None:
-        bar.update(
-            task,
+    def report(progress: Progress) -> None:
+        task.update(
             description=title,
-            completed=now.time,
-            total=now.end,
-            time=f"{now.time:.4g} of {now.end:g} s",
-            speed=f"{now.wall / now.time:.3g} s/s" if now.time > 0.0 else "",
-            step=f"step {_seconds(now.step)}",
+            completed=progress.time,
+            total=progress.end,
+            time=f"{progress.time:.4g} of {progress.end:g} s",
+            speed=f"{progress.wall / progress.time:.3g} s/s" if progress.time > 0.0 else "",
+            step=f"step {_seconds(progress.step)}",
         )
-        bar.start()  # with the first step: what is refused before leaves no bar behind
 
     from antenna_pin.compiled.kernel_cache import told_of_compiling
 
-    with _ended(bar), told_of_compiling(compiling):
+    with task.reporting(report), told_of_compiling(compiling):
         yield report
 
 
-@contextlib.contextmanager
-def picture_bar(title: str, shown: bool) -> Iterator[Callable[[int, int], None] | None]:
-    """Yield what a film reports its progress to: pictures done, on the error stream."""
+def picture_bar(title: str, shown: bool) -> Reporting[Callable[[int, int], None]]:
+    """Yield the progress function of a film: pictures done."""
     if not shown:
-        yield None
-        return
-    bar = _bar("pictures", counted=True)
-    task = bar.add_task(title, total=None)
-
-    def report(done: int, planned: int) -> None:
-        bar.update(task, completed=done, total=planned)
-        bar.start()
-
-    with _ended(bar):
-        yield report
+        return nullcontext()
+    task = _Task(title, "pictures", counted=True, total=None)
+    return task.reporting(lambda done, planned: task.update(completed=done, total=planned))
 
 
-@contextlib.contextmanager
-def study_bar(title: str, shown: bool) -> Iterator[Callable[[StudyProgress], None] | None]:
-    """Yield what a study reports its progress to: runs checked, then runs made, on the error stream."""
+def study_bar(title: str, shown: bool) -> Reporting[Callable[[StudyProgress], None]]:
+    """Yield the progress function of a study: runs checked, then runs made."""
     if not shown:
-        yield None
-        return
-    bar = _bar("{task.fields[failed]}", counted=True)
-    tasks = {stage: bar.add_task("", total=None, failed="", visible=False) for stage in ("check", "run")}
+        return nullcontext()
+    task = _Task("", "{task.fields[failed]}", counted=True, total=None, failed="")
+    stages = ["check"]
 
-    def report(now: StudyProgress) -> None:
-        words = "checking" if now.stage == "check" else "runs"
-        failed = (
-            f"{now.failed} {'refused' if now.stage == 'check' else 'not completed'}" if now.failed else "runs"
+    def report(progress: StudyProgress) -> None:
+        checks = progress.stage == "check"
+        if progress.stage != stages[-1]:
+            stages.append(progress.stage)
+            task.bar.reset(task.identity)
+        failed = f"{progress.failed} {'refused' if checks else 'not completed'}"
+        task.update(
+            description=f"{title}: {'checking' if checks else 'runs'}",
+            completed=progress.done,
+            total=progress.count,
+            failed=failed if progress.failed else "runs",
         )
-        bar.update(tasks["check"], visible=now.stage == "check")
-        bar.update(
-            tasks[now.stage],
-            description=f"{title}: {words}",
-            completed=now.done,
-            total=now.count,
-            failed=failed,
-            visible=True,
-        )
-        bar.start()
 
-    with _ended(bar):
-        yield report
+    return task.reporting(report)
 
 
-@contextlib.contextmanager
-def branch_bar(
-    title: str, ends: tuple[float, float], shown: bool
-) -> Iterator[Callable[[float], None] | None]:
-    """Yield what a branch reports each value it comes to: how far it is in its range, and how many orbits."""
+def branch_bar(title: str, ends: tuple[float, float], shown: bool) -> Reporting[Callable[[float], None]]:
+    """Yield the progress function of a branch: share of its range, number of orbits."""
     if not shown:
-        yield None
-        return
+        return nullcontext()
     first, last = ends
-    bar = _bar("{task.fields[value]}", "{task.fields[orbits]}")
-    task = bar.add_task(title, total=1.0, value="", orbits="")
+    task = _Task(title, "{task.fields[value]}", "{task.fields[orbits]}", total=1.0, value="", orbits="")
     counted = itertools.count(2)  # the first orbit is that which it begins with
 
     def report(value: float) -> None:
         share = min(max((value - first) / (last - first), 0.0), 1.0)
-        bar.update(task, completed=share, value=f"at {value:.6g}", orbits=f"{next(counted)} orbits")
-        bar.start()
+        task.update(completed=share, value=f"at {value:.6g}", orbits=f"{next(counted)} orbits")
 
-    with _ended(bar):
-        yield report
+    return task.reporting(report)
 
 
-@contextlib.contextmanager
-def exponent_bar(title: str, count: int, shown: bool) -> Iterator[Callable[[int, float], None] | None]:
-    """Yield what exponents report each interval to: how many are done, and the largest exponent so far."""
+def exponent_bar(title: str, count: int, shown: bool) -> Reporting[Callable[[int, float], None]]:
+    """Yield the progress function of exponents: intervals done, largest exponent so far."""
     if not shown:
-        yield None
-        return
-    bar = _bar("{task.fields[value]}", counted=True)
-    task = bar.add_task(title, total=count, value="")
+        return nullcontext()
+    task = _Task(title, "{task.fields[value]}", counted=True, total=count, value="")
 
     def report(done: int, value: float) -> None:
-        said = "" if math.isnan(value) else f"{value:.3g} 1/s"
+        text = "" if math.isnan(value) else f"{value:.3g} 1/s"
         words = f"{title}: the motion itself" if math.isnan(value) else title
         # The largest alone takes some more intervals, in which its direction settles.
-        bar.update(task, description=words, completed=done, total=max(count, done), value=said)
-        bar.start()
+        task.update(description=words, completed=done, total=max(count, done), value=text)
 
-    with _ended(bar):
-        yield report
+    return task.reporting(report)
+
+
+def fit_bar(title: str, shown: bool) -> Reporting[Callable[[int], None]]:
+    """Yield the progress function of a fit: number of runs made."""
+    if not shown:
+        return nullcontext()
+    task = _Task(f"{title}: searching", "{task.fields[runs]}", total=None, runs="")
+    return task.reporting(lambda runs: task.update(runs=f"{runs} runs"))
 
 
 def _seconds(value: float) -> str:
@@ -269,30 +264,13 @@ def _seconds(value: float) -> str:
 
 @contextlib.contextmanager
 def diagram_bar(title: str, shown: bool) -> Iterator[Callable[[Made], None]]:
-    """Yield what a bifurcation diagram reports its runs to, on the error stream."""
+    """Yield the progress function of a bifurcation diagram."""
     from antenna_pin.sweep import StudyProgress
 
     with study_bar(title, shown) as report:
 
-        def tell(now: Made) -> None:
+        def tell(progress: Made) -> None:
             if report is not None:
-                report(StudyProgress("run", now.done, now.count, 0))
+                report(StudyProgress("run", progress.done, progress.count, 0))
 
         yield tell
-
-
-@contextlib.contextmanager
-def fit_bar(title: str, shown: bool) -> Iterator[Callable[[int], None] | None]:
-    """Yield what a fit reports how many runs it has made to; how many it will be nobody knows."""
-    if not shown:
-        yield None
-        return
-    bar = _bar("{task.fields[runs]}")
-    task = bar.add_task(f"{title}: searching", total=None, runs="")
-
-    def report(runs: int) -> None:
-        bar.update(task, runs=f"{runs} runs")
-        bar.start()
-
-    with _ended(bar):
-        yield report

@@ -1,4 +1,4 @@
-"""The runs that figures need: those at hand in a folder, the others made there."""
+"""Runs for figures, reused from a folder or made there."""
 
 from __future__ import annotations
 
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 _ORIGIN = {"name", "description", "overrides", "folder"}
 
 
-class RunStore:
-    """The runs of some cases: those in a folder whose scenario is the same, the others made."""
+class CaseRuns:
+    """Runs of some cases, reused from a folder where the scenario is the same."""
 
     def __init__(self, folder: Path, name: str, scenarios: Sequence[Scenario], progress: bool) -> None:
         self.folder = folder
@@ -50,12 +50,12 @@ class RunStore:
     def run_of(self, case: str | None) -> Trajectory:
         """Return the run of a case: at hand, from a file, or made now."""
         if case not in self.runs:
-            found = self._found(self.scenarios[case])
-            self.runs[case] = self._made(self.scenarios[case]) if found is None else found
+            found = self._load(self.scenarios[case])
+            self.runs[case] = self._run(self.scenarios[case]) if found is None else found
         return self.runs[case]
 
-    def _found(self, scenario: Scenario) -> Trajectory | None:
-        """Return a completed run of the scenario, of this version of the file format, from the folder."""
+    def _load(self, scenario: Scenario) -> Trajectory | None:
+        """Return a completed run of the scenario from the folder."""
         from antenna_pin.trajectory import FORMAT, Trajectory
 
         likely = self.folder / f"{stem(scenario)}.nc"
@@ -72,8 +72,8 @@ class RunStore:
                 return run
         return None
 
-    def _made(self, scenario: Scenario) -> Trajectory:
-        """Run a scenario and save the result; what Ctrl-C cuts short is saved, too, and ends the command."""
+    def _run(self, scenario: Scenario) -> Trajectory:
+        """Run a scenario and save the result, also after an interrupt, which ends the command."""
         from antenna_pin.errors import LedgerOpenWarning
         from antenna_pin.simulation import simulate
         from antenna_pin.trajectory import Trajectory
@@ -99,22 +99,19 @@ class RunStore:
         """Return where a result may be written: not over a file of another scenario."""
         from antenna_pin.trajectory import Trajectory
 
-        number = 1
-        while True:
+        for number in itertools.count(1):
             path = self.folder / f"{stem(scenario)}{f'-{number}' if number > 1 else ''}.nc"
             if not path.exists():
                 return path
-            try:
+            with contextlib.suppress(FileFormatError):
                 old = Trajectory.load(path).scenario
-            except FileFormatError:
-                old = None
-            if old is not None and same_scenario(old, scenario):  # cut short, or of an older format
-                return path
-            number += 1
+                if old is not None and same_scenario(old, scenario):  # cut short, or of an older format
+                    return path
+        raise AssertionError("numbers do not end")
 
 
 def same_scenario(one: Scenario, other: Scenario) -> bool:
-    """Whether two scenarios are the same but for where they came from."""
+    """Return whether two scenarios are the same but for their origin."""
     return one.model_dump(exclude=_ORIGIN) == other.model_dump(exclude=_ORIGIN)
 
 
@@ -126,21 +123,13 @@ _FINE = "integrator.accuracy=1e-5"
 
 @dataclass(slots=True)
 class AttractorStore:
-    """Settled motions and diagrams of a paper's figures, kept in a folder.
-
-    Attributes:
-        folder: Where they are kept.
-        settings: What is set over the shipped diagrams' scenarios.
-        points: Of a settled motion [-].
-        values: Of a diagram [-].
-        progress: Whether bars are shown.
-    """
+    """Settled motions and diagrams of a paper's figures, stored in a folder."""
 
     folder: Path
-    settings: Sequence[str]
-    points: int
-    values: int
-    progress: bool
+    settings: Sequence[str]  # over the shipped diagrams' scenarios
+    points: int  # of a settled motion [-]
+    values: int  # of a diagram [-]
+    progress: bool  # whether bars are shown
 
     def check(self, figures: Sequence[AttractorFigure | DiagramFigure]) -> None:
         """Refuse what cannot be made, before anything is: every scenario is read."""
@@ -182,7 +171,7 @@ class AttractorStore:
         return found
 
     def diagram(self, wanted: Diagram) -> xr.Dataset:
-        """Return a bifurcation diagram, of as many values as are asked for."""
+        """Return a bifurcation diagram."""
         import numpy as np
 
         from antenna_pin.base.units import any_quantity
@@ -196,18 +185,12 @@ class AttractorStore:
         path = self.folder / f"{_stem(wanted)}.nc"
         with contextlib.suppress(FileFormatError):
             found = open_diagram(path)
-            if self._alike(found, scenario) and np.array_equal(found["value"].values, numbers):
+            if self._belongs(found, scenario) and np.array_equal(found["value"].values, numbers):
                 complain(f"{wanted.name}: using {path}")
                 return found
         complain(f"{wanted.name}: running {self.values} values")
         with diagram_bar(wanted.name, self.progress) as tell:
-            return bifurcation(
-                scenario,
-                values=values,
-                **plan.how(),
-                out=path,
-                progress=tell,
-            )
+            return bifurcation(scenario, values=values, **plan.how(), out=path, progress=tell)
 
     def _at(self, over: Diagram, value: str) -> Scenario:
         """Return the scenario of a settled motion."""
@@ -231,7 +214,7 @@ class AttractorStore:
         with contextlib.suppress(FileFormatError):
             found = open_section(path)
             enough = found.sizes["point"] >= self.points and set(quantities) <= set(map(str, found))
-            section = found if enough and self._alike(found, scenario) else None
+            section = found if enough and self._belongs(found, scenario) else None
         if section is None:
             complain(f"{label}: running {self.points} periods or more")
             section = poincare(
@@ -271,8 +254,8 @@ class AttractorStore:
         return Trajectory.load(path)
 
     @staticmethod
-    def _alike(table: xr.Dataset, scenario: Scenario) -> bool:
-        """Whether a table is of a scenario."""
+    def _belongs(table: xr.Dataset, scenario: Scenario) -> bool:
+        """Return whether a table belongs to a scenario."""
         from antenna_pin.scenario import Scenario
 
         return same_scenario(Scenario.model_validate_json(str(table.attrs["scenario"])), scenario)

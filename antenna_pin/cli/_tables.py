@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from antenna_pin.trajectory import Trajectory
     from antenna_pin.trajectory.columns import Variable
 
-__all__ = ["Table", "laid_out", "say_answer"]
-
-
 # What the first column is not narrowed below as long as that saves a block, in characters.
 _LABEL = 30
 # Between two columns, and before the first.
@@ -33,32 +30,20 @@ _LONGEST_NAME = 24
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Table:
-    """A table as text.
-
-    Attributes:
-        title: Above the table; none if empty.
-        head: Names of the columns; a line break in one stays one.
-        rows: Texts of the cells, each row as long as the head.
-        numbers: Whether all columns but the first hold numbers, which stand at the right.
-        sparse: Whether rows are left out of a block that has nothing but dashes for them.
-    """
+class TextTable:
+    """Table as text."""
 
     title: str
-    head: Sequence[str]
+    head: Sequence[str]  # a line break in a name stays one
     rows: Sequence[Sequence[str]]
-    numbers: bool = True
-    sparse: bool = False
+    numbers: bool = True  # in all columns but the first, and aligned to the right
+    sparse: bool = False  # a block leaves out rows of nothing but dashes
 
 
-def laid_out(table: Table, width: int) -> list[str]:
-    """Return the lines of a table, an empty one after each block.
+def laid_out(table: TextTable, width: int) -> list[str]:
+    """Return the lines of a table within a width, an empty one after each block.
 
-    Control characters are shown, not sent: titles and names are those of files.
-
-    Args:
-        table: The table.
-        width: Characters that a line should keep to. Where a single word is longer, the line is.
+    A line is wider only for a single word. Control characters are escaped, as titles come from files.
     """
     table = replace(
         table,
@@ -80,12 +65,12 @@ def laid_out(table: Table, width: int) -> list[str]:
 
 
 def _shown(text: str) -> str:
-    """Return a text with its control characters as Python writes them, but for ends of lines."""
+    """Return a text with its control characters escaped, but for line breaks."""
     return text if text.isprintable() else "\n".join(map(printable, text.split("\n")))
 
 
 class _Column:
-    """A column with the width it would like to have and the one that its longest word asks for."""
+    """Column with its natural width and the width of its longest word."""
 
     def __init__(self, name: str, cells: Sequence[str]) -> None:
         from rich.cells import cell_len
@@ -97,25 +82,25 @@ class _Column:
 
 
 @dataclass(frozen=True, slots=True)
-class _Block:
-    """Columns that stand side by side, and how wide; no widths where not even two do."""
+class _ColumnBlock:
+    """Columns side by side and their widths; None where not even two fit."""
 
     columns: Sequence[_Column]
     widths: Sequence[int] | None
 
     def is_empty(self, row: int) -> bool:
-        """Whether a row has nothing but its label."""
+        """Return whether a row is empty but for its label."""
         return all(column.cells[row] in ("", "-") for column in self.columns[1:])
 
 
-def _blocks(columns: Sequence[_Column], width: int) -> list[_Block]:
-    """Return the columns in as few blocks as there can be, the first column in each."""
+def _blocks(columns: Sequence[_Column], width: int) -> list[_ColumnBlock]:
+    """Return the columns in the fewest blocks, the first column in each."""
     label, *others = columns
     if not others:
-        return [_Block(columns, [min(label.natural, max(label.least, width - _EDGE))])]
+        return [_ColumnBlock(columns, [min(label.natural, max(label.least, width - _EDGE))])]
     whole = [column.natural for column in columns]
     if _total(whole) <= width:
-        return [_Block(columns, whole)]
+        return [_ColumnBlock(columns, whole)]
     least = min(label.natural, max(label.least, _LABEL))
     if _total([least, *(column.least for column in others)]) <= width:
         return [_fitted(columns, least, width)]
@@ -123,11 +108,13 @@ def _blocks(columns: Sequence[_Column], width: int) -> list[_Block]:
     if found is None and least > label.least:
         least = label.least
         found = _packed(label, others, least, width)
-    return [_Block(columns, None)] if found is None else [_fitted(block, least, width) for block in found]
+    return (
+        [_ColumnBlock(columns, None)] if found is None else [_fitted(block, least, width) for block in found]
+    )
 
 
 def _packed(label: _Column, others: Sequence[_Column], least: int, width: int) -> list[list[_Column]] | None:
-    """Return the columns in blocks that keep to the width, evenly filled; None where one does not fit."""
+    """Return the columns in evenly filled blocks; None where one does not fit."""
     if any(_total([least, column.least]) > width for column in others):
         return None
     for count in range(1, len(others) + 1):
@@ -138,7 +125,7 @@ def _packed(label: _Column, others: Sequence[_Column], least: int, width: int) -
     raise AssertionError("a block of one column fits")
 
 
-def _fitted(columns: Sequence[_Column], least: int, width: int) -> _Block:
+def _fitted(columns: Sequence[_Column], least: int, width: int) -> _ColumnBlock:
     """Return the columns with the widest narrowed until they fit, none below its longest word."""
     floors = [least, *(column.least for column in columns[1:])]
     widths = [column.natural for column in columns]
@@ -149,14 +136,14 @@ def _fitted(columns: Sequence[_Column], least: int, width: int) -> _Block:
         place = max((k for k in range(len(widths)) if room[k]), key=lambda k: widths[k])
         next_widest = max((w for k, w in enumerate(widths) if w < widths[place]), default=0)
         widths[place] -= max(1, min(excess, room[place], widths[place] - next_widest))
-    return _Block(columns, widths)
+    return _ColumnBlock(columns, widths)
 
 
 def _total(widths: Sequence[int]) -> int:
     return _EDGE + sum(widths) + _GAP * (len(widths) - 1)
 
 
-def _block_lines(block: _Block, shown: Sequence[int], numbers: bool) -> list[str]:
+def _block_lines(block: _ColumnBlock, shown: Sequence[int], numbers: bool) -> list[str]:
     """Return head, rule and rows of a block."""
     assert block.widths is not None
     names = [column.name for column in block.columns]
@@ -183,8 +170,8 @@ def _row(cells: Sequence[str], widths: Sequence[int], numbers: bool) -> list[str
     return lines
 
 
-def _records(block: _Block, shown: Sequence[int], width: int) -> list[str]:
-    """Return every row as its label and, below it, the name and the text of each cell."""
+def _records(block: _ColumnBlock, shown: Sequence[int], width: int) -> list[str]:
+    """Return every row as its label and, below, name and text of each cell."""
     label, *others = block.columns
     lines = []
     for k in shown:
@@ -197,7 +184,7 @@ def _records(block: _Block, shown: Sequence[int], width: int) -> list[str]:
 
 
 def _wrapped(text: str, width: int) -> list[str]:
-    """Return a text in lines that break between words; a word that is longer than a line has its own."""
+    """Return a text in lines broken between words; a longer word has its own."""
     from rich.cells import cell_len
 
     lines: list[str] = []
@@ -228,34 +215,30 @@ def _folded(name: str) -> str:
 
 
 class Zeros:
-    """Tells what is zero to round-off by the scales of some runs, and says so once.
-
-    Args:
-        runs: The runs whose numbers stand together.
-    """
+    """Detector of numbers that are zero to round-off by the scales of some runs."""
 
     def __init__(self, runs: Iterable[Trajectory]) -> None:
-        """Look at the runs."""
+        """Take the scales of the runs whose numbers stand together."""
         from antenna_pin.analysis import round_off_scales
 
         self._scales: Mapping[str, float] = round_off_scales(*(run.data for run in runs))
         self._met = False
 
     def is_zero(self, value: Any, unit: str) -> bool:
-        """Whether a number is zero to round-off."""
+        """Return whether a number is zero to round-off."""
         from antenna_pin.analysis import is_round_off
 
         return isinstance(value, int | float) and is_round_off(value, unit, self._scales)
 
     def text(self, value: Any, of: Variable | None, slides: bool | None = False) -> str:
-        """Return a number of a quantity in a table; ``slides``: whether of what slides, None if unknown."""
+        """Return a table's text of a number; ``slides``: of a sliding joint, None if unknown."""
         if of is None or of.exact or of.form == "count" or not self.is_zero(value, of.unit(slides)):
             return text_of(value)
         self._met = True
         return "≈ 0"
 
     def say(self) -> None:
-        """Say what the sign means, where it was met."""
+        """Print the meaning of the sign for zero, if one was printed."""
         if self._met:
             from antenna_pin.analysis import ROUND_OFF_WORDS
 
@@ -267,13 +250,9 @@ _ANSWER_ROWS = 11  # in all; a line on where the file is comes after them
 
 
 def say_answer(trajectory: Trajectory, label: str = "") -> None:
-    """Print a run at a glance, in eleven rows of a screen of any usual width.
+    """Print a run at a glance, in eleven rows of a usual screen.
 
-    Where they do not do, the lines that take most lose what matters least of what they say.
-
-    Args:
-        trajectory: The run.
-        label: What to call it first; nothing if it is the only one.
+    If the rows do not suffice, the longest lines lose their last parts.
     """
     from antenna_pin.analysis import answer
 
@@ -303,7 +282,7 @@ def say_answer(trajectory: Trajectory, label: str = "") -> None:
 
 
 def _text_rows(text: str, width: int, further: str = "") -> list[str]:
-    """Return a text in rows; ``further``: what all but the first begin with."""
+    """Return a text in rows, all but the first after the text ``further``."""
     return textwrap.wrap(
         text, width, subsequent_indent=further, break_long_words=False, break_on_hyphens=False
     )
@@ -320,12 +299,7 @@ _PLAIN_GROUPS = ("counts", "conservation", "constraints")
 
 
 def print_summaries(summaries: Sequence[tuple[str, Mapping[str, Any]]], zeros: Zeros) -> None:
-    """Print summaries side by side as far as the lines are long, the others below; one row per figure.
-
-    Args:
-        summaries: Labels and summaries.
-        zeros: Judge of what is zero to round-off.
-    """
+    """Print labelled summaries side by side, one row per number."""
     columns = [{name: (key, value) for name, key, value in _rows(one)} for _, one in summaries]
     titles = dict.fromkeys(str(summary.get("title", "")) for _, summary in summaries)
     rows = []
@@ -335,17 +309,11 @@ def print_summaries(summaries: Sequence[tuple[str, Mapping[str, Any]]], zeros: Z
             [row, *(_WITHOUT.get(key, "-") if v is None else _cell(v, key, zeros) for key, v in found)]
         )
     head = ["", *(label for label, _ in summaries)]
-    _print(Table(title="; ".join(filter(None, titles)), head=head, rows=rows, sparse=True), pipe=_PAGE)
+    _print(TextTable(title="; ".join(filter(None, titles)), head=head, rows=rows, sparse=True), pipe=_PAGE)
 
 
 def print_summary(label: str, summary: Mapping[str, Any], zeros: Zeros) -> None:
-    """Print all of one summary: a table of the run, then one for each kind of thing, a row for each of them.
-
-    Args:
-        label: Of the run.
-        summary: The summary.
-        zeros: Judge of what is zero to round-off.
-    """
+    """Print a whole summary: a table of the run, then one for each group."""
     from antenna_pin.trajectory.quantities import GROUPS, heading_of
 
     print_summaries([(label, {key: one for key, one in summary.items() if key not in GROUPS})], zeros)
@@ -365,21 +333,14 @@ def _cell(value: Any, key: str, zeros: Zeros) -> str:
     return zeros.text(value, *HEADINGS.get(key, (None,)))
 
 
-def print_table(title: str, name: str, found: Sequence[Mapping[str, Any]], zeros: Zeros) -> None:
-    """Print a table of the catalogue.
-
-    Args:
-        title: Its title.
-        name: Of the table.
-        found: Its rows, each with its ``name``, or what it is ``of``, and ``units`` that depend on it.
-        zeros: Judge of what is zero to round-off.
-    """
+def print_table(title: str, name: str, entries: Sequence[Mapping[str, Any]], zeros: Zeros) -> None:
+    """Print a table of the catalogue, with a ``name`` or ``of`` for each row."""
     from antenna_pin.trajectory.quantities import TABLES
 
     columns = TABLES[name]
     head = [one.words() if one.sliding else one.heading() for one in columns.values()]
     rows = []
-    for one in found:
+    for one in entries:
         slides = one.get("units") in [column.sliding for column in columns.values() if column.sliding]
         unit = f" [{one['units']}]" if "units" in one else ""
         cells = (zeros.text(one[key], column, slides) for key, column in columns.items())
@@ -389,7 +350,7 @@ def print_table(title: str, name: str, found: Sequence[Mapping[str, Any]], zeros
 
 def print_rows(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], numbers: bool = True) -> None:
     """Print a table; ``numbers``: those of all columns but the first stand at the right."""
-    _print(Table(title=title, head=head, rows=rows, numbers=numbers), pipe=_ENDLESS)
+    _print(TextTable(title=title, head=head, rows=rows, numbers=numbers), pipe=_ENDLESS)
 
 
 # A pipe has no width to keep to; but files go down at some point, not across.
@@ -397,18 +358,18 @@ _ENDLESS = 300
 _PAGE = 130
 
 
-def _print(table: Table, pipe: int) -> None:
+def _print(table: TextTable, pipe: int) -> None:
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else pipe
     typer.echo("\n".join(laid_out(table, width)))
 
 
 def flat(summary: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the entries of a summary by the names that a table has for them, with units."""
+    """Return the entries of a summary by their names in tables, with units."""
     return {name: value for name, _, value in _rows(summary)}
 
 
 def _rows(summary: Mapping[str, Any], group: str = "") -> Iterator[tuple[str, str, Any]]:
-    """Yield name, key and value of every entry of a summary, those of a group after its name."""
+    """Yield name, key and value of every entry, a group's after its name."""
     from antenna_pin.trajectory.quantities import GROUPS, heading_of
 
     for key, value in summary.items():
@@ -422,7 +383,7 @@ def _rows(summary: Mapping[str, Any], group: str = "") -> Iterator[tuple[str, st
 
 
 def text_of(value: Any) -> str:
-    """Return an entry as it stands in a table: a dash where there is nothing, or no number."""
+    """Return the text of an entry in a table: a dash for none or NaN."""
     if value is None or value == "" or value != value:
         return "-"
     if isinstance(value, float):
@@ -435,34 +396,23 @@ def text_of(value: Any) -> str:
 # --- numbers ---
 
 
+def formatted(value: float, form: str) -> str:
+    """Return a number in a format such as ``.4g``; a dash for infinity."""
+    return format(value, form) if math.isfinite(value) else "-"
+
+
 def number_text(value: float) -> str:
-    return f"{value:.4g}" if math.isfinite(value) and abs(value) < 1e4 else integer_text(value)
-
-
-def integer_text(value: float) -> str:
-    return f"{value:.0f}" if math.isfinite(value) else "-"
-
-
-def fixed_text(value: float) -> str:
-    return f"{value:.7f}" if math.isfinite(value) else "-"
-
-
-def percent_text(share: float) -> str:
-    return f"{share:.1f}" if math.isfinite(share) else "-"
+    return formatted(value, ".4g" if abs(value) < 1e4 else ".0f")
 
 
 def length_text(value: float, digits: int = 4) -> str:
     """Return a length with a unit that suits it."""
     if not math.isfinite(value):
         return "-"
-    size, unit = next(
-        ((size, unit) for size, unit in ((1.0, "m"), (1e-3, "mm")) if value >= 0.1 * size), (1e-6, "um")
-    )
+    size, unit = (1.0, "m") if value >= 0.1 else (1e-3, "mm") if value >= 1e-4 else (1e-6, "um")
     return f"{value / size:.{digits}g} {unit}"
 
 
 def power_above(value: float) -> str:
     """Return the power of ten that a size does not exceed."""
-    if not value > 0.0:
-        return "0"
-    return f"1e{math.ceil(math.log10(value))}"
+    return f"1e{math.ceil(math.log10(value))}" if value > 0.0 else "0"

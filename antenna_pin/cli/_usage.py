@@ -1,4 +1,4 @@
-"""What is wrong with the words of a command, in one line as everything else that is refused."""
+"""Parsing of options, and refusal of wrong ones in one line."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from typer.core import TyperGroup
 from typer.models import ParameterInfo
 
 from antenna_pin.base.readable import DECIMAL, bare, decimal_in, whole_in
-from antenna_pin.cli._common import REFUSED, complain, told_interruption
+from antenna_pin.cli._common import REFUSED, complain, report_interruption
 from antenna_pin.cli._tables import length_text
 from antenna_pin.errors import InvalidParameterError
 
@@ -28,7 +28,7 @@ _READERS: dict[Any, Callable[[str], float | None]] = {float: decimal_in, int: wh
 
 
 def with_plain_numbers(command: Callable[P, R]) -> Callable[P, R]:
-    """Return a command whose options that are numbers take what else is taken for one, and nothing more."""
+    """Return a command whose numeric options are read as strictly as scenario files."""
     # Evaluated here for good: each evaluation makes the options anew.
     command.__annotations__ = typing.get_type_hints(command, include_extras=True)
     for hint in command.__annotations__.values():
@@ -58,7 +58,7 @@ def _reader(kind: type[float], least: float | None) -> Callable[[Any], float]:
 
 
 def positive_quantity(text: str, unit: str, option: str, place: str = "contact") -> float:
-    """Return what an option says in SI units, or refuse what is not positive."""
+    """Return an option in SI units, or refuse a value that is not positive."""
     from antenna_pin.base.units import quantity
 
     value = quantity(bare(text), unit, option)
@@ -68,13 +68,28 @@ def positive_quantity(text: str, unit: str, option: str, place: str = "contact")
 
 
 def clearance_of(text: str, bearing_radius: float, place: str) -> float:
-    """Return the radial clearance [m], or refuse what is not positive and below the bearing's radius [m]."""
+    """Return the radial clearance [m], or refuse one outside (0, bearing radius)."""
     value = positive_quantity(text, "m", "--radial-clearance")
     if not value < bearing_radius:
         raise InvalidParameterError(
             place, "--radial-clearance", f"below the bearing's radius, {length_text(bearing_radius)}", text
         )
     return value
+
+
+def seconds_in(text: str | None, option: str) -> float | None:
+    """Return the time of an option [s]; None if it is left out."""
+    from antenna_pin.base.units import quantity
+
+    return None if text is None else quantity(bare(text), "s", option)
+
+
+def direction_of(text: str, command: str, option: str) -> tuple[float, float, float]:
+    """Return the three numbers of an option, or refuse another text."""
+    vector = vector_in(text)
+    if vector is None:
+        raise InvalidParameterError(command, option, "three numbers such as 1,0,0", text)
+    return vector
 
 
 def vector_in(text: str) -> tuple[float, float, float] | None:
@@ -85,7 +100,7 @@ def vector_in(text: str) -> tuple[float, float, float] | None:
 
 
 def list_of(text: str, unit: str, option: str, positive: bool = True) -> tuple[float, ...]:
-    """Return the quantities of a list; one unit at its end counts for all, as in ``0.1,1,5 um``."""
+    """Return the quantities of a list; one unit at its end applies to all."""
     from antenna_pin.base.units import quantity
 
     parts = [part.strip() for part in text.split(",") if part.strip()]
@@ -103,6 +118,17 @@ def list_of(text: str, unit: str, option: str, positive: bool = True) -> tuple[f
     return tuple(quantity(bare(part), unit, option) for part in parts)
 
 
+def command_group(name: str, about: str) -> typer.Typer:
+    """Return a group of commands with its help."""
+    return typer.Typer(
+        name=name,
+        help=about,
+        no_args_is_help=True,
+        context_settings={"help_option_names": ["-h", "--help"]},
+        rich_markup_mode=None,
+    )
+
+
 _WORDS = "antenna_pin.words"
 
 
@@ -115,25 +141,25 @@ class OneLineGroup(TyperGroup):
     """Commands whose wrong options and arguments are refused in one line."""
 
     def make_context(self, info_name: str | None, args: list[str], *more: Any, **options: Any) -> Any:
-        """Read the words that stand before the command; keep all, for results that say how they were made."""
+        """Read the options before the command; store all words for the provenance of results."""
         words = tuple(args)  # reading takes them away
-        with _told_in_one_line():
+        with _refused_in_one_line():
             context = super().make_context(info_name, args, *more, **options)
         context.meta[_WORDS] = words
         return context
 
     def invoke(self, *arguments: Any, **options: Any) -> Any:
         """Read the command's own words, and run it."""
-        with _told_in_one_line():
+        with _refused_in_one_line():
             return super().invoke(*arguments, **options)
 
 
 @contextlib.contextmanager
-def _told_in_one_line() -> Iterator[None]:
+def _refused_in_one_line() -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:  # while words are read
-        raise typer.Exit(told_interruption()) from None
+        raise typer.Exit(report_interruption()) from None
     except (MemoryError, ImportError) as error:
         if not _is_of_memory(error):
             raise
@@ -147,7 +173,7 @@ def _told_in_one_line() -> Iterator[None]:
 
 
 def _is_of_memory(error: BaseException) -> bool:
-    """Whether memory is short: for numbers, or for a library that is loaded."""
+    """Return whether memory has run out, for numbers or for a loaded library."""
     short = ("failed to map segment", os.strerror(errno.ENOMEM))
     return isinstance(error, MemoryError) or any(words in str(error) for words in short)
 
@@ -155,5 +181,5 @@ def _is_of_memory(error: BaseException) -> bool:
 def _tell(error: Any, file: Any = None) -> None:
     context = getattr(error, "ctx", None)
     words = error.format_message().rstrip(".").replace("Value error, ", "")
-    way_out = f"; `{context.command_path} --help` tells of all" if context is not None else ""
+    way_out = f"; see `{context.command_path} --help`" if context is not None else ""
     complain(f"{words}{way_out}")

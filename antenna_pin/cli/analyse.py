@@ -1,4 +1,4 @@
-"""``antenna-pin analyse``: what a run shows, in tables."""
+"""``antenna-pin analyse`` and ``impacts``: analyses of a run in tables."""
 
 from __future__ import annotations
 
@@ -9,32 +9,24 @@ from typing import Annotated, Any
 import typer
 
 from antenna_pin.base.readable import bare
-from antenna_pin.cli._common import complain, label_of, load_result, refuse, say
+from antenna_pin.cli._common import ResultArgument, complain, label_of, load_result, refuse, say
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, parts_of, say_json, write_csv
 from antenna_pin.cli._tables import Zeros, print_rows, print_table, text_of
 
-ResultArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")]
 JointOption = Annotated[str | None, typer.Option(help="Joint with clearance; all of them if left out.")]
 
 _PEAKS = 3
-# What a CSV file has, one row for each number.
+# Parts in a CSV file, which has one row for each number.
 _PARTS = (
-    "deviation",
-    "impacts",
-    "loads",
-    "settling",
-    "closures",
-    "couplings",
-    "drives",
-    "elastic",
-    "frequencies",
+    *("deviation", "impacts", "loads", "settling", "closures"),
+    *("couplings", "drives", "elastic", "frequencies"),
 )
 
 
 def analyse(
     file: ResultArgument,
     ideal: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Result of the ideal joint, to compare with.")
+        Path | None, typer.Option(metavar="FILE", help="Result with the ideal joint, as reference.")
     ] = None,
     longest_gap: Annotated[
         str, typer.Option(help="Longest time apart that counts as lasting contact ('1 ms').")
@@ -42,7 +34,7 @@ def analyse(
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Say what a run shows: deviation, impacts, loads, settling, closed loops, dominant frequencies."""
+    """Analyse a run: deviation, impacts, loads, settling, closed loops, frequencies."""
     from antenna_pin.base.units import quantity
 
     target = csv_target(csv)
@@ -52,9 +44,8 @@ def analyse(
 
     from antenna_pin.analysis import numbers_of
 
-    told = {"file": str(file)} | numbers_of(run, reference, longest_gap=gap)
-    notes = told.pop("notes")
-    found: dict[str, Any] = told
+    found: dict[str, Any] = {"file": str(file)} | numbers_of(run, reference, longest_gap=gap)
+    notes = found.pop("notes")
     zeros = Zeros([run] if reference is None else [run, reference])
     if exported({**found, "notes": notes}, parts_of(found, _PARTS), as_json, target):
         return
@@ -64,56 +55,53 @@ def analyse(
         say(note)
 
 
-def _print(label: str, found: dict[str, Any], zeros: Zeros) -> None:
+def _print(label: str, facts: dict[str, Any], zeros: Zeros) -> None:
     """Print the tables of an analysis."""
-    if "deviation" in found:
+    if "deviation" in facts:
+        keys = ("maximum", "time_of_maximum", "rms", "end")
         rows = [
-            [
-                f"{one['of']} [{one['units']}]",
-                *(text_of(one[key]) for key in ("maximum", "time_of_maximum", "rms", "end")),
-                one["growth"],
-            ]
-            for one in found["deviation"]
+            [f"{one['of']} [{one['units']}]", *(text_of(one[key]) for key in keys), one["growth"]]
+            for one in facts["deviation"]
             if not one["round_off"]
         ]
         head = ("", "maximum", "at [s]", "rms", "at the end", "growth")
         if rows:
             print_rows(f"{label}: deviation from the ideal run", head, rows)
-        if still := [one["of"] for one in found["deviation"] if one["round_off"]]:
+        if still := [one["of"] for one in facts["deviation"] if one["round_off"]]:
             typer.echo(f"deviation that is zero to round-off: {', '.join(still)}")
-    if "loads" in found:
-        _print_contacts(label, found, zeros)
-        _print_settling(label, found["settling"])
-    if "constraints" in found:
-        _print_loops(label, found, zeros)
-    if "elastic" in found:
-        print_table(f"{label}: deflections of flexible links", "elastic motion", found["elastic"], zeros)
+    if "loads" in facts:
+        _print_contacts(label, facts, zeros)
+        _print_settling(label, facts["settling"])
+    if "constraints" in facts:
+        _print_loops(label, facts, zeros)
+    if "elastic" in facts:
+        print_table(f"{label}: deflections of flexible links", "elastic motion", facts["elastic"], zeros)
     rows = [
         [
             f"{one['of']} [{one['units']}]",
             *(f"{f:.4g} ({a:.3g})" for f, a in zip(one["frequency"], one["amplitude"], strict=True)),
             *["-"] * (_PEAKS - len(one["frequency"])),
         ]
-        for one in found["frequencies"]
+        for one in facts["frequencies"]
         if one["frequency"]
     ]
-    quiet = [one["of"] for one in found["frequencies"] if one["round_off"]]
-    if len(found["frequencies"]) > len(quiet) and not rows:
+    quiet = [one["of"] for one in facts["frequencies"] if one["round_off"]]
+    if len(facts["frequencies"]) > len(quiet) and not rows:
         typer.echo("no frequency stands out")
     if rows:
         title = f"{label}: dominant frequencies [Hz] (amplitude), resolution"
-        title += f" {found['frequencies'][0]['resolution']:.3g} Hz"
+        title += f" {facts['frequencies'][0]['resolution']:.3g} Hz"
         print_rows(title, ("", "first", "second", "third"), rows)
     if quiet:
         typer.echo(f"nothing above round-off: {', '.join(quiet)}")
 
 
-def _print_contacts(label: str, found: dict[str, Any], zeros: Zeros) -> None:
+def _print_contacts(label: str, facts: dict[str, Any], zeros: Zeros) -> None:
     """Print impacts and loads, one column per joint and contact."""
     from antenna_pin.trajectory.quantities import TABLES
 
-    columns = [str(one["of"]) for one in found["loads"]]
-    entries = {kind: {one["of"]: one for one in found[kind]} for kind in ("impacts", "blows", "loads")}
+    columns = [str(one["of"]) for one in facts["loads"]]
+    entries = {kind: {one["of"]: one for one in facts[kind]} for kind in ("impacts", "blows", "loads")}
     loads = dict(TABLES["loads"])
     others = [one for name, one in TABLES["impact statistics"].items() if name not in {*loads, "impacts"}]
     order = [("loads", loads.pop("episodes"))]
@@ -124,48 +112,48 @@ def _print_contacts(label: str, found: dict[str, Any], zeros: Zeros) -> None:
         [of.heading(), *(zeros.text(entries[kind].get(one, {}).get(of.name), of) for one in columns)]
         for kind, of in order
     ]
-    for percent in found["loads"][0]["force_percentile"]:
+    for percent in facts["loads"][0]["force_percentile"]:
         forces = [entries["loads"][column]["force_percentile"][percent] for column in columns]
         name = f"force not exceeded for {percent} % of the time [N]"
         rows.append([name, *(zeros.text(force, loads["peak_force"]) for force in forces)])
     print_rows(f"{label}: impacts and load", ("", *columns), rows)
 
 
-def _print_loops(label: str, found: Mapping[str, Any], zeros: Zeros) -> None:
-    """Print what closures, couplings and drives carried, and how many equations they are."""
+def _print_loops(label: str, facts: Mapping[str, Any], zeros: Zeros) -> None:
+    """Print loads of closures, couplings and drives, and counts of their equations."""
     from antenna_pin.analysis import said_of_constraints, said_of_singular
 
     drives = [
-        one | {"name": f"{'motion' if one['motion'] else 'drive'} {one['of']}"} for one in found["drives"]
+        one | {"name": f"{'motion' if one['motion'] else 'drive'} {one['of']}"} for one in facts["drives"]
     ]
     for title, name, rows in (
-        ("forces of closures", "closure loads", found["closures"]),
-        ("torques of couplings, on followers", "coupling loads", found["couplings"]),
+        ("forces of closures", "closure loads", facts["closures"]),
+        ("torques of couplings, on followers", "coupling loads", facts["couplings"]),
         ("what drives exert", "drive loads", drives),
     ):
         if rows:
             print_table(f"{label}: {title}", name, rows, zeros)
-    for text in (said_of_constraints(found["constraints"]), said_of_singular(found["constraints"])):
+    for text in (said_of_constraints(facts["constraints"]), said_of_singular(facts["constraints"])):
         if text:
             typer.echo(text)
     typer.echo()
 
 
-def _print_settling(label: str, found: Sequence[dict[str, Any]]) -> None:
+def _print_settling(label: str, joints: Sequence[dict[str, Any]]) -> None:
     from antenna_pin.trajectory.quantities import TABLES
 
     rows = [
         [
-            f"apart for no more than {1e3 * found[0]['longest_gap']:g} ms from [s]",
-            *(text_of(one["time"]) if one["time"] is not None else "never" for one in found),
+            f"apart for no more than {1e3 * joints[0]['longest_gap']:g} ms from [s]",
+            *(text_of(one["time"]) if one["time"] is not None else "never" for one in joints),
         ]
     ]
     for name in ("share_before", "share_after", "decay_rate", "decay_r2"):
-        rows.append([TABLES["settling"][name].heading(), *(text_of(one[name]) for one in found)])
+        rows.append([TABLES["settling"][name].heading(), *(text_of(one[name]) for one in joints)])
         if name == "decay_rate":
-            rows[-1][1:] = ["no decay" if one["decays"] is False else text_of(one[name]) for one in found]
-    print_rows(f"{label}: settling into lasting contact", ("", *(one["joint"] for one in found)), rows)
-    for one in found:
+            rows[-1][1:] = ["no decay" if one["decays"] is False else text_of(one[name]) for one in joints]
+    print_rows(f"{label}: settling into lasting contact", ("", *(one["joint"] for one in joints)), rows)
+    for one in joints:
         if one["time"] is None:
             typer.echo(f"{one['joint']} does not settle: {one['note']}")
         elif one["driven"]:
@@ -186,8 +174,8 @@ def impacts(
 ) -> None:
     """List the impacts of a run, or export them.
 
-    An impact is one contact's; those of the same surfaces that overlap, as at both ends of a bore that are
-    met at once, are one blow of the joint, and bear its number.
+    An impact belongs to one contact. Overlapping impacts of the same surfaces, as at both ends of a bore,
+    are one blow of the joint and have its number.
     """
     target = csv_target(csv)
     run = load_result(file, scenario=False)
@@ -214,16 +202,11 @@ def impacts(
         found = [dict(zip(keys, values, strict=True)) for values in each]
         say_json({"file": str(file), "impacts": found})
     if target is None and not as_json:
+        numbers = ([text_of(float(x)) for x in row] for row in zip(*columns, strict=True))
+        marks = (["yes" if x else "no" for x in row] for row in zip(*flags, strict=True))
         rows = [
-            [
-                str(contact),
-                str(blow),
-                *(text_of(float(x)) for x in row),
-                *("yes" if x else "no" for x in marks),
-            ]
-            for contact, blow, row, marks in zip(
-                *names, zip(*columns, strict=True), zip(*flags, strict=True), strict=True
-            )
+            [str(contact), str(blow), *row, *flagged]
+            for contact, blow, row, flagged in zip(*names, numbers, marks, strict=True)
         ]
         if not rows:
             complain(f"{file}: no impacts")

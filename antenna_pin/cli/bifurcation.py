@@ -11,6 +11,7 @@ import typer
 
 from antenna_pin.cli._common import (
     CaseOption,
+    ProgressOption,
     SetOption,
     Width,
     WidthOption,
@@ -36,17 +37,16 @@ from antenna_pin.cli.poincare import (
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
     from antenna_pin.nonlinear import DiagramPlan
     from antenna_pin.scenario import Scenario
 
-# Values that are named of those that failed.
+# Failed values whose messages are printed.
 _NAMED = 5
 
 
 class BranchName(StrEnum):
-    """How a value is come to."""
+    """Starting point of each value."""
 
     FRESH = "fresh"
     FORWARD = "forward"
@@ -93,22 +93,23 @@ def bifurcation(
         list[Path] | None,
         typer.Option(
             metavar="FILE",
-            help="Saved branch of orbits over the same key ('orbit --over KEY --out FILE'), to lie over the"
-            " points of the figure with its stability. May be repeated.",
+            help="Saved branch of orbits over the same key ('orbit --over KEY --out FILE'), drawn over"
+            " the points of the figure with its stability. May be repeated.",
         ),
     ] = None,
     width: WidthOption = Width.PAGE,
     workers: Annotated[
-        int | None, typer.Option(metavar="N", help="Runs made at a time; one for each core if left out.")
+        int | None,
+        typer.Option(metavar="N", help="Number of simultaneous runs; one for each core if left out."),
     ] = None,
-    progress: Annotated[bool, typer.Option(help="Show a progress bar.")] = True,
+    progress: ProgressOption = True,
 ) -> None:
     """Draw how the points of a section change over a parameter.
 
-    What was interrupted or killed goes on with the same command.
+    The same command continues an interrupted or killed one.
     """
     targets = targets_of(out, plot)
-    from antenna_pin.nonlinear import bifurcation as made
+    from antenna_pin.nonlinear import bifurcation as computed
     from antenna_pin.plot import figure_bifurcation
 
     given = {
@@ -126,54 +127,41 @@ def bifurcation(
         "tolerance": tolerance,
     }
     plan, loaded = _planned(scenario, given, settings)
-    branches = [_branch(path, plan.parameter) for path in orbits or ()]
+    branches = [_orbits(path, plan) for path in orbits or ()]
     if branches and targets[1] is None:
         refuse("bifurcation: --orbits must be given with --plot, whose figure they lie over")
-    passing = [_in_section(one, plan) for one in branches]
     with diagram_bar(plan.parameter, progress) as tell:
-        found = made(
-            loaded,
-            values=plan.given(),
-            **plan.how(),
-            out=targets[0],
-            workers=workers,
-            progress=tell,
-        )
-
-    def drawn() -> Figure:
-        return figure_bifurcation(found, orbits=passing, width=width.value)
-
+        how = {**plan.how(), "out": targets[0], "workers": workers, "progress": tell}
+        found = computed(loaded, values=plan.given(), **how)
     with not_interrupted():
-        save_both(found, drawn, targets, context)
+        save_both(
+            found,
+            lambda: figure_bifurcation(found, orbits=branches, width=width.value),
+            targets,
+            context,
+        )
         _print(found)
 
 
-def _branch(path: Path, parameter: str) -> xr.Dataset:
-    """Return a saved branch of orbits over a key, or refuse it before any work."""
-    from antenna_pin.nonlinear import open_branch
+def _orbits(path: Path, plan: DiagramPlan) -> xr.Dataset:
+    """Return a saved branch of orbits over a diagram's key, with its points in the section."""
+    from antenna_pin.nonlinear import open_branch, orbits_in_section
 
-    found = open_branch(path)
-    if found.attrs["parameter"] != parameter:
-        refuse(f"{path}: --orbits must be over {parameter}, as the diagram, got {found.attrs['parameter']}")
-    return found
-
-
-def _in_section(branch: xr.Dataset, plan: DiagramPlan) -> xr.Dataset:
-    """Return a branch with its points in the section of a diagram."""
-    from antenna_pin.nonlinear import orbits_in_section
-
-    how = plan.how()
+    branch, how = open_branch(path), plan.how()
+    key = branch.attrs["parameter"]
+    if key != plan.parameter:
+        refuse(f"{path}: --orbits must be over {plan.parameter}, as the diagram, got {key}")
     return orbits_in_section(branch, how["section"], how["quantities"])
 
 
 def _planned(
-    name: str, given: Mapping[str, Any], settings: Sequence[str] | None
+    name: str, replaced: Mapping[str, Any], settings: Sequence[str] | None
 ) -> tuple[DiagramPlan, Scenario]:
-    """Return what is asked for, by a diagram's file or by options alone, and the scenario."""
+    """Return the plan, from a diagram's file or from options, and the scenario."""
     from antenna_pin.nonlinear import DiagramPlan, load_plan
     from antenna_pin.nonlinear.diagram_plan import is_plan
 
-    options = {key: value for key, value in given.items() if value is not None}
+    options = {key: value for key, value in replaced.items() if value is not None}
     if is_plan(name):
         plan = load_plan(name, options)
         return plan, plan.base(settings or ())
@@ -181,36 +169,36 @@ def _planned(
         if key not in options:
             refuse(f"bifurcation: {option} must be given; or name a diagram, as chen2021/friction")
     # What is wrong with the rest is said where it is used.
-    return DiagramPlan.model_construct(scenario=name, **options), load(name, given["case"], settings)
+    return DiagramPlan.model_construct(scenario=name, **options), load(name, replaced["case"], settings)
 
 
-def _print(found: xr.Dataset) -> None:
+def _print(diagram: xr.Dataset) -> None:
     from antenna_pin.analysis import diagram_verdicts, said_of_verdicts
     from antenna_pin.base.readable import prefixed
 
     rows = []
-    for name in found["branch"].values:
-        one = found.sel(branch=name)
+    for name in diagram["branch"].values:
+        one = diagram.sel(branch=name)
         settled = one["settled"].values
         there = one["points"].values > 0
         counts = (settled.sum(), (there & ~settled).sum(), (~there).sum(), one["transient"].values.max())
         rows.append([str(name), *(str(int(count)) for count in counts)])
     head = ["branch", "settled", "not settled", "failed", "most points cut"]
-    print_rows(f"{found.attrs['parameter']}: {found.sizes['value']} values", head, rows)
-    numbers = found["value"].values.tolist()
-    factor, unit = prefixed(str(found["value"].attrs.get("units", "")) or "1", numbers)
+    print_rows(f"{diagram.attrs['parameter']}: {diagram.sizes['value']} values", head, rows)
+    numbers = diagram["value"].values.tolist()
+    factor, unit = prefixed(str(diagram["value"].attrs.get("units", "")) or "1", numbers)
     values = [factor * value for value in numbers]
-    for name in found["branch"].values:
-        verdicts = diagram_verdicts(found, branch=str(name))
+    for name in diagram["branch"].values:
+        verdicts = diagram_verdicts(diagram, branch=str(name))
         for line in said_of_verdicts(values, verdicts, unit):
             say(f"{name}: {line}")
     failed = [
-        (float(value), str(found["message"].sel(branch=name).values[k]))
-        for name in found["branch"].values
-        for k, value in enumerate(found["value"].values)
-        if not found["points"].sel(branch=name).values[k]
+        (float(value), str(diagram["message"].sel(branch=name).values[k]))
+        for name in diagram["branch"].values
+        for k, value in enumerate(diagram["value"].values)
+        if not diagram["points"].sel(branch=name).values[k]
     ]
     for value, message in failed[:_NAMED]:
-        say(f"note: {found.attrs['parameter']} = {value:.6g}: {message}")
+        say(f"note: {diagram.attrs['parameter']} = {value:.6g}: {message}")
     if len(failed) > _NAMED:
         say(f"note: {len(failed) - _NAMED} more failed; their messages are in the dataset")

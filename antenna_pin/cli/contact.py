@@ -9,18 +9,13 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
-from collections.abc import Callable, Container
+from collections.abc import Container
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from antenna_pin.base.readable import bare, number
-from antenna_pin.cli._common import (
-    FigureFormatOption,
-    FigureOutOption,
-    Width,
-    WidthOption,
-)
+from antenna_pin.cli._common import FigureFormatOption, FigureOutOption, Width, WidthOption
 from antenna_pin.cli._export import (
     CsvOption,
     JsonOption,
@@ -29,8 +24,8 @@ from antenna_pin.cli._export import (
     figures_asked,
     save_figures,
 )
-from antenna_pin.cli._tables import fixed_text, length_text, number_text, power_above, print_rows
-from antenna_pin.cli._usage import clearance_of, list_of, positive_quantity
+from antenna_pin.cli._tables import formatted, length_text, number_text, power_above, print_rows
+from antenna_pin.cli._usage import clearance_of, command_group, list_of, positive_quantity
 from antenna_pin.cli.experiment import experiment
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
@@ -43,7 +38,7 @@ def scenarios(
     radial_clearance: Annotated[str, typer.Option(help="Bearing radius minus journal radius.")] = "0.2 mm",
     bearing_length: Annotated[str, typer.Option(help="Length of the bearing.")] = "50 mm",
     axial_clearance: Annotated[
-        str, typer.Option(help="Half of what the flanges' distance exceeds the bearing's length by.")
+        str, typer.Option(help="Half the difference of the flanges' distance and the bearing's length.")
     ] = "0.2 mm",
     bearing_outer_radius: Annotated[str, typer.Option(help="Outer radius of the bearing.")] = "12 mm",
     flange_radius: Annotated[str, typer.Option(help="Radius of the journal's flanges.")] = "14 mm",
@@ -53,7 +48,7 @@ def scenarios(
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Say which of the 16 contact scenarios a joint's shape allows, each with a pose or a reason."""
+    """List the 16 contact scenarios and which of them a joint's shape allows."""
     from antenna_pin.analysis import SCENARIO_COLUMNS, possible_scenarios, scenario_rows
     from antenna_pin.base.units import quantity
     from antenna_pin.geometry import RevoluteClearance
@@ -89,20 +84,14 @@ def _pair(pair: ScenarioPair) -> dict[str, Any]:
     return names | pose | {"reason": pair.reason}
 
 
-app = typer.Typer(
-    name="contact",
-    help="Contact laws: by name, side by side, certified, and against measurements.",
-    no_args_is_help=True,
-    context_settings={"help_option_names": ["-h", "--help"]},
-    rich_markup_mode=None,
-)
+app = command_group("contact", "Contact laws: by name, side by side, certified, and against measurements.")
 
 
 # --- list ---
 
 
 def list_laws(as_json: JsonOption = False, csv: CsvOption = None) -> None:
-    """List the laws of every family, their parameters with units, and the materials that are known."""
+    """List the laws of every family, their parameters with units, and known materials."""
     from antenna_pin.contact import (
         DISSIPATIONS,
         FRICTION_LAWS,
@@ -114,12 +103,12 @@ def list_laws(as_json: JsonOption = False, csv: CsvOption = None) -> None:
 
     target = csv_target(csv)
     families = {
-        "elastic laws: any dissipation can stand beside them": {
-            name: law for name, law in NORMAL_LAWS.items() if is_elastic(name)
-        },
-        "whole laws: with the dissipation of their authors": {
-            name: law for name, law in NORMAL_LAWS.items() if not is_elastic(name)
-        },
+        title: {name: law for name, law in NORMAL_LAWS.items() if is_elastic(name) == elastic}
+        for title, elastic in (
+            ("elastic laws: any dissipation can stand beside them", True),
+            ("whole laws: with the dissipation of their authors", False),
+        )
+    } | {
         "dissipations: beside an elastic law": DISSIPATIONS,
         "friction laws": FRICTION_LAWS,
     }
@@ -184,7 +173,7 @@ _SYMBOLS = (
 
 
 def _first_line(law: type[Any]) -> str:
-    """Return what a law is by the first line of its docstring, formulas as plain text."""
+    """Return the first line of a law's docstring, formulas as plain text."""
 
     def plain(match: re.Match[str]) -> str:
         text = match.group(1)
@@ -198,27 +187,22 @@ def _first_line(law: type[Any]) -> str:
 
 def _chosen(
     command: str,
-    asked: list[str],
+    names: list[str],
     fitting: list[str],
     words: tuple[str, str, str],
-    all_there_are: Container[str],
+    every: Container[str],
 ) -> list[str]:
-    """Return the laws asked for, each once, or refuse one that does not fit or that there is not.
+    """Return the selected laws, each once, or refuse an unsuitable or unknown one.
 
-    Args:
-        command: Of the shell, for the message.
-        asked: Names.
-        fitting: Those that may be asked for.
-        words: What they are, what a law is, what one must be.
-        all_there_are: Names of the laws that do not fit, too.
+    ``words``: noun of the laws, name of the parameter, rule for a suitable one; ``every``: names of all laws.
     """
     what, parameter, rule = words
-    for name in asked:
+    for name in names:
         if name not in fitting:
-            if name in all_there_are:
+            if name in every:
                 raise InvalidParameterError(command, parameter, rule, name)
             raise UnknownNameError(command, what, name, fitting)
-    return list(dict.fromkeys(asked))
+    return list(dict.fromkeys(names))
 
 
 # --- curve ---
@@ -308,7 +292,7 @@ def restitution(
         ),
     ] = None,
     asked: Annotated[
-        str, typer.Option(metavar="LIST", help="Restitutions asked for, separated by commas.")
+        str, typer.Option(metavar="LIST", help="Restitutions, separated by commas.")
     ] = "0.05, 0.1, 0.3, 0.5, 0.7, 0.9, 1",
     mass: Annotated[str, typer.Option(help="Effective mass.")] = "1 kg",
     speed: Annotated[str, typer.Option(help="Approach speed.")] = "0.1 m/s",
@@ -321,7 +305,7 @@ def restitution(
 ) -> None:
     """Certify dissipations: the restitution each delivers, in closed form and in integrated impacts.
 
-    On a Hertz contact of 1e10 N/m^1.5: of one mass on a wall, and of a pair of free bodies. Dissipations that
+    The contact is Hertz's, of 1e10 N/m^1.5: one mass on a wall, and a pair of free bodies. Dissipations that
     refuse a restitution of 0 are left out there.
     """
     from antenna_pin.contact import DISSIPATIONS, law_parameters
@@ -348,7 +332,7 @@ def restitution(
             (
                 row.dissipation,
                 f"{row.asked:g}",
-                *(fixed_text(value) for value in (row.closed_form, row.on_wall, row.of_pair)),
+                *(formatted(value, ".7f") for value in (row.closed_form, row.on_wall, row.of_pair)),
                 *(length_text(value, 7) for value in (row.closed_form_depth, row.depth_on_wall)),
             )
             for row in rows
@@ -371,12 +355,6 @@ def restitution(
 
 
 # In the order in which --help shows them.
-_COMMANDS: dict[str, Callable[..., None]] = {
-    "list": list_laws,
-    "curve": curve,
-    "restitution": restitution,
-    "experiment": experiment,
-    "scenarios": scenarios,
-}
-for _name, _command in _COMMANDS.items():
-    app.command(_name)(_command)
+app.command("list")(list_laws)
+for _command in (curve, restitution, experiment, scenarios):
+    app.command()(_command)

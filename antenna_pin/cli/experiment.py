@@ -1,4 +1,4 @@
-"""``antenna-pin contact experiment``: the laws against the pin joint that Liu et al. measured in 2013."""
+"""``antenna-pin contact experiment``: the laws against the pin joint of Liu et al. (2013)."""
 
 from __future__ import annotations
 
@@ -8,12 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.cli._common import (
-    FigureFormatOption,
-    FigureOutOption,
-    Width,
-    WidthOption,
-)
+from antenna_pin.cli._common import FigureFormatOption, FigureOutOption, Width, WidthOption
 from antenna_pin.cli._export import (
     CsvOption,
     JsonOption,
@@ -22,7 +17,7 @@ from antenna_pin.cli._export import (
     figures_asked,
     save_figures,
 )
-from antenna_pin.cli._tables import length_text, percent_text, print_rows
+from antenna_pin.cli._tables import formatted, length_text, print_rows
 from antenna_pin.cli._usage import positive_quantity
 
 if TYPE_CHECKING:
@@ -64,7 +59,7 @@ def experiment(
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Hold the laws against the pin joint that Liu et al. measured in 2013."""
+    """Compare the laws with the pin joint measured by Liu et al. (2013)."""
     from antenna_pin.law_studies import experiment_findings
 
     target = csv_target(csv)
@@ -82,47 +77,40 @@ def experiment(
         )
 
 
-def _facts(found: ExperimentFindings) -> dict[str, Any]:
-    """Return the table, as printed and reproduced, and how far every law is from it [m], [N], [-]."""
+def _facts(findings: ExperimentFindings) -> dict[str, Any]:
+    """Return the table, printed and reproduced, and each law's errors [m], [N], [-]."""
     from antenna_pin.law_studies import LIU_2013
 
     rows = [
         dataclasses.asdict(point)
-        | {"hertz_reproduced": found.table.hertz(row), "conformal_reproduced": found.table.conformal(row)}
+        | {
+            "hertz_reproduced": findings.table.hertz(row),
+            "conformal_reproduced": findings.table.conformal(row),
+        }
         for row, point in enumerate(LIU_2013)
     ]
-    return {"journal_radius": found.journal_radius, "rows": rows, "fits": _fits(found)}
+    return {"journal_radius": findings.journal_radius, "rows": rows, "fits": _fits(findings)}
 
 
-def _fits(found: ExperimentFindings) -> list[dict[str, Any]]:
+def _fits(findings: ExperimentFindings) -> list[dict[str, Any]]:
     """Return load and error of every law at every point."""
     from antenna_pin.law_studies import LIU_2013, ranked
 
     return [
         {"law": fit.law, "contacts": fit.contacts, "row": row + 1, "play": point.clearance}
         | {"displacement": point.depth, "measured": point.load, "load": load, "error": error}
-        for fit in ranked((*found.fits, *found.printed))
+        for fit in ranked((*findings.fits, *findings.printed))
         for row, (point, load, error) in enumerate(zip(LIU_2013, fit.loads, fit.errors, strict=True))
     ]
 
 
-def _print(found: ExperimentFindings, radius: float, line: float) -> None:
+def _print(findings: ExperimentFindings, radius: float, line: float) -> None:
     """Print the table, the errors of the laws, and what follows."""
     from antenna_pin.law_studies import LIU_2013, LIU_2013_PLAYS, ranked
 
     print_rows(
         "Table 1 of Liu et al. 2013: loads [N], as printed and reproduced",
-        (
-            "row",
-            "play [mm]",
-            "displacement [1e-2 mm]",
-            "measured",
-            "Hertz",
-            "by (6)",
-            "conformal",
-            "by (14)",
-            "",
-        ),
+        "row|play [mm]|displacement [1e-2 mm]|measured|Hertz|by (6)|conformal|by (14)|".split("|"),
         [
             (
                 str(row + 1),
@@ -130,39 +118,33 @@ def _print(found: ExperimentFindings, radius: float, line: float) -> None:
                 f"{1e5 * point.depth:.3f}",
                 f"{point.load:.0f}",
                 f"{point.hertz:.0f}",
-                f"{found.table.hertz(row):.1f}",
+                f"{findings.table.hertz(row):.1f}",
                 f"{point.conformal:.0f}",
-                f"{found.table.conformal(row):.1f}",
-                _remark(found, row),
+                f"{findings.table.conformal(row):.1f}",
+                _remark(findings, row),
             )
             for row, point in enumerate(LIU_2013)
         ],
     )
+    plays = (f"play {1e3 * play:g} mm" for play in LIU_2013_PLAYS)
     print_rows(
         f"size of the errors [%], the displacement that of 1 contact or of 2 in series; pin radius"
         f" {length_text(radius)}, length {length_text(line)}",
-        (
-            "law",
-            "contacts",
-            *(f"play {1e3 * play:g} mm" for play in LIU_2013_PLAYS),
-            "mean",
-            "largest",
-            "points",
-        ),
-        [_errors(fit) for fit in ranked((*found.fits, *found.printed))],
+        ("law", "contacts", *plays, "mean", "largest", "points"),
+        [_errors(fit) for fit in ranked((*findings.fits, *findings.printed))],
     )
-    for paragraph in _paragraphs(found):
+    for paragraph in _paragraphs(findings):
         typer.echo(textwrap.fill(paragraph, 110) + "\n")
 
 
-def _remark(found: ExperimentFindings, row: int) -> str:
-    """Return what is to be said of a row of the table."""
+def _remark(findings: ExperimentFindings, row: int) -> str:
+    """Return the remark on a row of the table."""
     from antenna_pin.law_studies import LIU_2013
 
-    if row in found.table.misprinted:
-        return f"misprint: {1e5 * found.table.depths[row]:.3f}"
-    if not found.table.conformal_fits[row]:
-        error = LIU_2013[row].conformal / found.table.conformal(row) - 1.0
+    if row in findings.table.misprinted:
+        return f"misprint: {1e5 * findings.table.depths[row]:.3f}"
+    if not findings.table.conformal_fits[row]:
+        error = LIU_2013[row].conformal / findings.table.conformal(row) - 1.0
         return f"(14) off by {100.0 * error:+.1f} %"
     return ""
 
@@ -175,41 +157,41 @@ def _errors(fit: ExperimentFit) -> tuple[str, ...]:
     return (
         fit.law,
         "" if fit.contacts is None else str(fit.contacts),
-        *(percent_text(100.0 * size) for size in sizes),
+        *(formatted(100.0 * size, ".1f") for size in sizes),
         f"{fit.in_range} of {len(LIU_2013)}",
     )
 
 
-def _paragraphs(found: ExperimentFindings) -> list[str]:
+def _paragraphs(findings: ExperimentFindings) -> list[str]:
     """Return what fits and what the data cannot decide, in words."""
     from antenna_pin.law_studies import LIU_2013, LIU_2013_PLAYS
 
-    table, corrected = found.table, found.fit("liu-2013-corrected")
+    table, corrected = findings.table, findings.fit("liu-2013-corrected")
     (misprint,) = table.misprinted
     odd = [str(row + 1) for row, fits in enumerate(table.conformal_fits) if not fits]
     small, middle, large = (100.0 * corrected.mean_of(play) for play in LIU_2013_PLAYS)
     values = {
         "modulus": 1e-9 * table.modulus,
-        "poisson": found.poisson,
-        "excess": 100.0 * found.modulus_excess,
+        "poisson": findings.poisson,
+        "excess": 100.0 * findings.modulus_excess,
         "misprint": misprint + 1,
         "mended": 1e5 * table.depths[misprint],
         "printed": 1e5 * LIU_2013[misprint].depth,
         "radii": ", ".join(f"{1e3 * radius:.2f}" for radius in table.radii),
-        "bore": 1e3 * found.bore_radius,
+        "bore": 1e3 * findings.bore_radius,
         "odd": "rows " + ", ".join(odd) if odd else "no row",
-        "pin": 1e3 * found.journal_radius,
-        "factor": found.conformal_factor,
-        "best": found.best.law,
-        "best_mean": 100.0 * found.best.mean,
-        "paper_mean": 100.0 * found.fit("liu-2013").mean,
+        "pin": 1e3 * findings.journal_radius,
+        "factor": findings.conformal_factor,
+        "best": findings.best.law,
+        "best_mean": 100.0 * findings.best.mean,
+        "paper_mean": 100.0 * findings.fit("liu-2013").mean,
         "small": small,
         "middle": middle,
         "large": large,
-        "hertz_mean": 100.0 * found.printed[0].mean,
-        "conformal_mean": 100.0 * found.printed[1].mean,
-        "least": 100.0 * found.least_error.error,
-        "first": found.least_error.first + 1,
-        "second": found.least_error.second + 1,
+        "hertz_mean": 100.0 * findings.printed[0].mean,
+        "conformal_mean": 100.0 * findings.printed[1].mean,
+        "least": 100.0 * findings.least_error.error,
+        "first": findings.least_error.first + 1,
+        "second": findings.least_error.second + 1,
     }
     return [paragraph.format(**values) for paragraph in _FINDINGS.strip().split("\n\n")]

@@ -24,10 +24,10 @@ def explore(
     case: CaseOption = None,
     settings: SetOption = None,
     joint: Annotated[
-        str | None, typer.Option(help="Joint that is looked at first; the first one with play if left out.")
+        str | None, typer.Option(help="Joint shown first; the first one with play if left out.")
     ] = None,
     duration: Annotated[
-        str, typer.Option(metavar="TIME", help="How much of the run is made after each change.")
+        str, typer.Option(metavar="TIME", help="Duration of the run after each change.")
     ] = "0.5 s",
     out: Annotated[
         Path | None,
@@ -37,14 +37,14 @@ def explore(
             " files; the working folder if left out.",
         ),
     ] = None,
-    port: Annotated[int, typer.Option(help="Where it listens on this machine; a free port if 0.")] = 0,
+    port: Annotated[int, typer.Option(help="Port on this machine; a free one if 0.")] = 0,
     browser: Annotated[
         bool, typer.Option(help="Open the page, or only serve it and print its address.")
     ] = True,
 ) -> None:
-    """Turn a scenario's numbers in the browser and see what its run becomes.
+    """Change a scenario's numbers by sliders in the browser, and see its run.
 
-    The page is served to this machine only, to whoever has its whole address, until Ctrl-C.
+    The page is served on this machine only, under an address with a key, until Ctrl-C.
     """
     _say_stage("loading")
     from antenna_pin.live import check_bokeh

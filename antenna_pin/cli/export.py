@@ -9,20 +9,15 @@ import typer
 from typer.core import TyperCommand
 
 from antenna_pin.cli._common import CaseOption, SetOption, load, say, stem, writable_file
+from antenna_pin.cli._usage import command_group
 
-app = typer.Typer(
-    name="export",
-    help="Export scenarios: as a functional mock-up unit.",
-    no_args_is_help=True,
-    rich_markup_mode=None,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
+app = command_group("export", "Export scenarios: as a functional mock-up unit.")
 
 _LISTS = ("--inputs", "--outputs", "--parameters")
 
 
 class WithLists(TyperCommand):
-    """A command some of whose options take all the words up to the next option."""
+    """Command with options that take all words up to the next option."""
 
     def parse_args(self, context: Any, args: list[str]) -> list[str]:
         """Read the words, each behind its option."""
@@ -44,11 +39,11 @@ def fmu(
     case: CaseOption = None,
     outputs: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME...", help="What is read: hinge.angle, hinge.rate, motion_angle[hinge]."),
+        typer.Option(metavar="NAME...", help="Outputs: hinge.angle, hinge.rate, motion_angle[hinge]."),
     ] = None,
     inputs: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME...", help="What is commanded: motor, springs.coil.stiffness."),
+        typer.Option(metavar="NAME...", help="Inputs: motor, springs.coil.stiffness."),
     ] = None,
     parameters: Annotated[
         list[str] | None,
@@ -60,10 +55,10 @@ def fmu(
     out: Annotated[Path | None, typer.Option(help="File, NAME.fmu; NAME-CASE.fmu here if left out.")] = None,
     settings: SetOption = None,
 ) -> None:
-    """Write a scenario as an FMU for co-simulation (FMI 3.0), with its URDF and meshes in it.
+    """Write a scenario as an FMU for co-simulation (FMI 3.0), URDF and meshes included.
 
-    Options of names take several, up to the next option. The unit runs where the Python that the tool loads
-    has antenna_pin.
+    Options of names take several words, up to the next option. The tool that runs the unit needs a Python
+    with antenna_pin.
     """
     chosen = load(scenario, case, settings)
     path = writable_file(out or Path(f"{stem(chosen)}.fmu"), ".fmu")

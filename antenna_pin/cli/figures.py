@@ -1,4 +1,4 @@
-"""``antenna-pin figures``: the figures of a paper, or the standard ones of a scenario, runs included."""
+"""``antenna-pin figures``: figures of a paper, or the standard ones of a scenario."""
 
 from __future__ import annotations
 
@@ -15,10 +15,14 @@ import typer
 from antenna_pin.base.files import replacing
 from antenna_pin.cli._common import (
     ENDED_EARLY,
+    DurationOption,
+    FigureFormatOption,
     Geometry,
+    GeometryOption,
     ScenarioArgument,
     SetOption,
     Width,
+    WidthOption,
     complain,
     figure_folder,
     figure_formats,
@@ -26,7 +30,7 @@ from antenna_pin.cli._common import (
     not_interrupted,
     refuse,
 )
-from antenna_pin.cli._run_store import AttractorStore, RunStore
+from antenna_pin.cli._run_store import AttractorStore, CaseRuns
 from antenna_pin.errors import AntennaPinError
 
 if TYPE_CHECKING:
@@ -37,22 +41,14 @@ if TYPE_CHECKING:
 
 @dataclass
 class FigureIndex:
-    """The page that lists the figures.
+    """Page that lists the figures."""
 
-    Attributes:
-        folder: Where figures and index are.
-        title: Of the scenario.
-        source: Of the scenario.
-        command: That makes the figures.
-        expected: Titles of a paper's figures.
-        entries: Title, files, what the paper shows, what is found here.
-    """
-
-    folder: Path
-    title: str
-    source: str
-    command: str
-    expected: list[str] = field(default_factory=list)
+    folder: Path  # of figures and page
+    title: str  # of the scenario
+    source: str  # of the scenario
+    command: str  # that makes the figures
+    expected: list[str] = field(default_factory=list)  # titles of a paper's figures
+    # Title, files, content of the paper's figure, result here.
     entries: list[tuple[str, list[str], str, str]] = field(default_factory=list)
 
     @property
@@ -60,11 +56,11 @@ class FigureIndex:
         """The page's file."""
         return self.folder / "index.md"
 
-    def add(self, title: str, files: Iterable[Path], shows: str, found: str) -> None:
-        """Add a figure in its files, with what the paper shows and what is found."""
-        self.entries.append((title, [file.name for file in files], shows, found))
+    def add(self, title: str, files: Iterable[Path], shows: str, result: str) -> None:
+        """Add a figure in its files, with the paper's content and the result here."""
+        self.entries.append((title, [file.name for file in files], shows, result))
 
-    def write(self, store: RunStore) -> None:
+    def write(self, store: CaseRuns) -> None:
         """Write the page, in Markdown."""
         numbered = bool(self.expected)
         text = [f"# {self.title or 'Figures'}", ""]
@@ -134,34 +130,29 @@ def figures(
     points: Annotated[
         int, typer.Option(metavar="N", min=32, help="Points of each Poincare map, behind its transient.")
     ] = 400,
-    duration: Annotated[
-        str | None, typer.Option(help="Simulated time, in seconds or with a unit ('20 ms').")
-    ] = None,
+    duration: DurationOption = None,
     settings: SetOption = None,
-    geometry: Annotated[
-        Geometry | None, typer.Option(help="How gaps are found, for all joints with clearance.")
-    ] = None,
-    formats: Annotated[
-        str, typer.Option("--format", metavar="LIST", help="Any of png, pdf, svg, separated by commas.")
-    ] = "png,pdf",
-    width: Annotated[Width, typer.Option(help="Width of the figures: 88 mm or 180 mm.")] = Width.PAGE,
+    geometry: GeometryOption = None,
+    formats: FigureFormatOption = "png,pdf",
+    width: WidthOption = Width.PAGE,
     progress: Annotated[bool, typer.Option(help="Show a progress bar for each run.")] = True,
 ) -> None:
-    """Draw all figures of the paper that a shipped scenario repeats, and run what they need.
+    """Draw the figures of the paper that a shipped scenario repeats, runs included.
 
-    Files are named after the paper's figures, and index.md says what each shows there and here. A scenario
-    that repeats no paper gets the standard figures of its cases. Those of settled motions run as long as that
-    takes, whatever the duration, compiled and with gaps in closed form.
+    Files are named after the paper's figures; index.md compares both. A scenario that repeats no paper gets
+    the standard figures of its cases. Settled motions run as long as they need, whatever the duration,
+    compiled and with gaps in closed form.
     """
+    from antenna_pin.scenario import scenario_cases
+
     suffixes = figure_formats(formats)
     of_runs, of_attractors = _paper(scenario, cases, numbers)
     numbered = bool(of_runs or of_attractors)
-    wanted = cases or list(dict.fromkeys(case for each in of_runs for case in each.cases))
+    wanted: list[str | None] = [*(cases or dict.fromkeys(case for each in of_runs for case in each.cases))]
+    if not wanted and not numbered:
+        wanted = [one.name for one in scenario_cases(scenario)] or [None]
     # Everything is read and checked before the first run.
-    loaded = {
-        case: load(scenario, case, settings, geometry, duration)
-        for case in wanted or ([] if numbered else _all_cases(scenario))
-    }
+    loaded = {case: load(scenario, case, settings, geometry, duration) for case in wanted}
     first = next(iter(loaded.values()), None) or load(scenario, None, settings, geometry)
 
     target = figure_folder(out or Path(f"{first.name}-figures"))
@@ -172,7 +163,7 @@ def figures(
     attractors = AttractorStore(runs or target / "runs", settings or (), points, count, progress)
     attractors.check(of_attractors)
     folder_for_figures(target)
-    store = RunStore(folder_for_figures(runs or target / "runs"), name, list(loaded.values()), progress)
+    store = CaseRuns(folder_for_figures(runs or target / "runs"), name, list(loaded.values()), progress)
     command = _command(scenario, cases, duration, settings, geometry)
     command += "".join(f" --figure {number}" for number in numbers or ())
     if of_attractors:
@@ -181,7 +172,8 @@ def figures(
     index.expected = [f"Figure {each.number}" for each in (*of_runs, *of_attractors)]
     try:
         if numbered:
-            _draw_paper(of_runs, store, index, suffixes, width)
+            for each in of_runs:  # as soon as its runs are there
+                _draw(each, [store.run_of(case) for case in each.cases], index, suffixes, width)
             _draw_settled(of_attractors, attractors, index, suffixes, width)
         else:
             _draw_standard(store, index, suffixes, width)
@@ -196,7 +188,7 @@ def figures(
 def _paper(
     name: str, cases: Sequence[str] | None, numbers: Sequence[int] | None
 ) -> tuple[list[PaperFigure], list[AttractorFigure | DiagramFigure]]:
-    """Return the figures of the paper that a shipped scenario repeats; none if it repeats none.
+    """Return the figures of the paper that a shipped scenario repeats, if any.
 
     Those of runs stand before those of settled motions.
     """
@@ -219,13 +211,6 @@ def _paper(
     )
 
 
-def _all_cases(name: str) -> list[str | None]:
-    """Return all cases of a scenario; None stands for one that has no cases."""
-    from antenna_pin.scenario import scenario_cases
-
-    return [case.name for case in scenario_cases(name)] or [None]
-
-
 def _command(
     scenario: str,
     cases: Sequence[str] | None,
@@ -240,18 +225,6 @@ def _command(
     words += [word for setting in settings or () for word in ("--set", setting)]
     words += [] if geometry is None else ["--geometry", geometry.value]
     return shlex.join(words)
-
-
-def _draw_paper(
-    numbered: Sequence[PaperFigure],
-    store: RunStore,
-    index: FigureIndex,
-    suffixes: Sequence[str],
-    width: Width,
-) -> None:
-    """Draw figure after figure, each as soon as the runs it takes are there."""
-    for each in numbered:
-        _draw(each, [store.run_of(case) for case in each.cases], index, suffixes, width)
 
 
 def _draw_settled(
@@ -278,13 +251,13 @@ def _draw_settled(
         _draw(each, taken, index, suffixes, width)
 
 
-def _draw(each: AnyFigure, taken: Any, index: FigureIndex, suffixes: Sequence[str], width: Width) -> None:
-    """Draw a figure of what it takes, and say in the index what it shows."""
+def _draw(each: AnyFigure, content: Any, index: FigureIndex, suffixes: Sequence[str], width: Width) -> None:
+    """Draw a figure and enter it into the index."""
     from antenna_pin.plot import save_figure
 
     try:
-        drawn = each.draw(taken, width=width.value)
-        found = f"{_VERDICTS[each.judge(taken)]}{each.describe(taken)}"
+        drawn = each.draw(content, width=width.value)
+        found = f"{_VERDICTS[each.judge(content)]}{each.describe(content)}"
     except AntennaPinError as error:
         _left_out(each, index, error)
         return
@@ -303,7 +276,7 @@ def _left_out(each: AnyFigure, index: FigureIndex, error: AntennaPinError) -> No
 _VERDICTS = {True: "**agrees**: ", False: "**differs**: ", None: ""}
 
 
-def _draw_standard(store: RunStore, index: FigureIndex, suffixes: Sequence[str], width: Width) -> None:
+def _draw_standard(store: CaseRuns, index: FigureIndex, suffixes: Sequence[str], width: Width) -> None:
     """Draw the standard figures of all cases."""
     from antenna_pin.plot import processes_to_draw, save_figures
 
@@ -313,8 +286,7 @@ def _draw_standard(store: RunStore, index: FigureIndex, suffixes: Sequence[str],
         complain(f"{name} is not drawn: {reason}")
         index.add(name.replace("_", " "), (), "", f"not drawn: {reason}")
 
-    labels = [str(run.data.attrs.get("case") or store.name) for run in runs]
-    pairs = [(label, run.data) for label, run in zip(labels, runs, strict=True)]
+    pairs = [(str(run.data.attrs.get("case") or store.name), run.data) for run in runs]
     by_name: dict[str, list[Path]] = {}
     drawn = save_figures(
         pairs,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from antenna_pin.base.readable import number, readable
-from antenna_pin.cli._common import DOUBTFUL, not_interrupted, refuse, say, writable_file
+from antenna_pin.cli._common import DOUBTFUL, QuietOption, not_interrupted, refuse, say, writable_file
 from antenna_pin.cli._progress import fit_bar
 from antenna_pin.cli._tables import print_rows
 from antenna_pin.cli._usage import command_of
@@ -22,9 +22,6 @@ if TYPE_CHECKING:
     from antenna_pin.fit import Fit, FitPlan, Problem
     from antenna_pin.sweep import Executor
 
-__all__ = ["fit"]
-
-
 _TESTS_SHOWN = 12  # experiments, so that an answer is seen at a glance
 
 Tell = Callable[[int], None] | None
@@ -33,7 +30,7 @@ Tell = Callable[[int], None] | None
 def _begun(
     plan: FitPlan, at: Path | None, executor: Executor, tell: Tell
 ) -> tuple[Problem, np.ndarray, float]:
-    """Return a fit's problem, values to look at, and the variance of a weighted residual."""
+    """Return a fit's problem, its values, and the variance of a weighted residual."""
     from antenna_pin.fit import Problem, open_fit
     from antenna_pin.fit.assessment import values_in
     from antenna_pin.fit.run_service import RunService
@@ -68,7 +65,7 @@ def identify_before(
     tell: Tell,
     quiet: bool,
 ) -> None:
-    """Say what a fit's records can tell of its parameters, before it is made."""
+    """Print how well a fit's records determine its parameters."""
     from antenna_pin.fit.assessment import identifiability_table, tells
 
     problem, values, factor = _begun(plan, at, executor, tell)
@@ -113,7 +110,7 @@ def next_test(
     tell: Tell,
     quiet: bool,
 ) -> None:
-    """Say which of some experiments tells most, added to a fit's records."""
+    """Print which of some experiments would determine a fit's parameters best."""
     from antenna_pin.errors import UnknownNameError
     from antenna_pin.fit.assessment import experiments_table, sizes_of, slopes_at
     from antenna_pin.fit.confidence_bands import DOUBT
@@ -208,7 +205,7 @@ def fit(
     ] = None,
     record: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="Of which record that scenario is, if not of the first."),
+        typer.Option(metavar="NAME", help="Record of that scenario, if not the first."),
     ] = None,
     settings: Annotated[
         list[str] | None,
@@ -225,35 +222,35 @@ def fit(
     ] = None,
     identify: Annotated[
         bool,
-        typer.Option("--identify", help="Fit nothing: say what the records can tell of the parameters."),
+        typer.Option("--identify", help="Fit nothing: print how well the records determine the parameters."),
     ] = False,
     experiments: Annotated[
         Path | None,
         typer.Option(
-            "--next", metavar="FILE", help="Fit nothing: say which experiment of a file would tell most."
+            "--next",
+            metavar="FILE",
+            help="Fit nothing: print which experiment of a file would determine most.",
         ),
     ] = None,
     at: Annotated[
         Path | None,
-        typer.Option(metavar="FIT.nc", help="With these: a saved fit whose values to take, not the starts."),
+        typer.Option(metavar="FIT.nc", help="With these: a saved fit for the values, instead of the starts."),
     ] = None,
     profile: Annotated[
         bool, typer.Option("--profile", help="Make the profile of each parameter: many fits of the others.")
     ] = False,
-    draws: Annotated[
-        int, typer.Option(metavar="N", help="Runs at drawn values, for bands that no straight line makes.")
-    ] = 0,
-    seed: Annotated[int, typer.Option(metavar="N", help="Of the draws.")] = 0,
+    draws: Annotated[int, typer.Option(metavar="N", help="Runs at drawn values, for nonlinear bands.")] = 0,
+    seed: Annotated[int, typer.Option(metavar="N", help="Seed of the draws.")] = 0,
     report: Annotated[
         bool, typer.Option("--report", help="Print lmfit's report, with correlations.")
     ] = False,
     progress: Annotated[bool, typer.Option(help="Show how many runs are made.")] = True,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+    quiet: QuietOption = False,
 ) -> None:
-    """Find numbers of a scenario, such as play, stiffness, friction, for which its runs are as measured.
+    """Fit numbers of a scenario, such as play, stiffness, friction, to measured records.
 
-    Records, scenario and parameters are checked before anything is run. What was interrupted or killed goes
-    on with the same command.
+    Records, scenario and parameters are checked before the first run. The same command continues an
+    interrupted or killed one.
     """
     from antenna_pin.fit import load_fit, run_fit
     from antenna_pin.fit.assessment import certain
@@ -293,8 +290,8 @@ def fit(
                 return
             notes: list[str] = []
 
-            def judged(found: Fit) -> None:
-                table, said = certain(found, profile=profile, draws=draws, seed=seed)
+            def judged(result: Fit) -> None:
+                table, said = certain(result, profile=profile, draws=draws, seed=seed)
                 table.attrs["command"] = command_of(context)
                 save_table(table, target)
                 notes.extend(said)
@@ -311,31 +308,27 @@ def fit(
         raise typer.Exit(DOUBTFUL)
 
 
-def _say_found(found: Fit, notes: list[str], report: bool, target: Path, scenario: Path | None) -> None:
+def _say_found(result: Fit, notes: list[str], report: bool, target: Path, scenario: Path | None) -> None:
     """Print the answer: what speaks against it first."""
     if report:
-        say_each([*found.verdict, *found.report().splitlines()])
+        lines = [*result.verdict, *result.report().splitlines()]
     else:
-        lines = found.lines()
-        shown = len(found.verdict) + _SHOWN
-        say_each(lines[:shown])
-        if len(lines) > shown:
-            say(f"... and {len(lines) - shown} more; --report has all, and their correlations")
-    bands = found.bands
-    say(
-        f"chi2 {number(bands.chi2)} for {bands.freedoms} degrees of freedom; {found.runs} runs; "
-        f"{found.message}"
-    )
-    say_each([*(one.words() for one in found.validation), *found.notes, *notes])
-    say(f"saved {target}")
-    if scenario is not None:
-        say(f"saved {scenario}")
+        lines = result.lines()
+        shown = len(result.verdict) + _SHOWN
+        if (more := len(lines) - shown) > 0:
+            lines[shown:] = [f"... and {more} more; --report has all, and their correlations"]
+    bands = result.bands
+    freedoms = f"for {bands.freedoms} degrees of freedom"
+    lines.append(f"chi2 {number(bands.chi2)} {freedoms}; {result.runs} runs; {result.message}")
+    lines += [*(one.words() for one in result.validation), *result.notes, *notes]
+    for line in (*lines, *(f"saved {path}" for path in (target, scenario) if path is not None)):
+        say(line)
 
 
 def _asked_before(
     identify: bool, experiments: Path | None, at: Path | None, of_a_fit: Sequence[object]
 ) -> bool:
-    """Return whether nothing is to be fitted, or say which options do not go together."""
+    """Return whether nothing is to be fitted; refuse options that exclude each other."""
     if identify and experiments is not None:
         refuse("fit: --identify must be left out beside --next, which says it for each experiment")
     before = identify or experiments is not None
@@ -344,9 +337,3 @@ def _asked_before(
     if before and any(of_a_fit):
         refuse("fit: --profile, --draws, --write-scenario and --report are of a fit; leave them out here")
     return before
-
-
-def say_each(lines: list[str]) -> None:
-    """Print lines."""
-    for line in lines:
-        say(line)

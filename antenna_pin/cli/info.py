@@ -1,4 +1,4 @@
-"""``antenna-pin info`` and ``plot``: what results and scenarios are, and the standard figures of results."""
+"""``antenna-pin info`` and ``plot``: summaries and figures of results, descriptions of scenarios."""
 
 from __future__ import annotations
 
@@ -12,9 +12,11 @@ import typer
 
 from antenna_pin.cli._common import (
     CaseOption,
+    FigureFormatOption,
     FilesArgument,
     SetOption,
     Width,
+    WidthOption,
     complain,
     figure_folder,
     figure_formats,
@@ -24,8 +26,7 @@ from antenna_pin.cli._common import (
     load_result,
     refuse,
     say,
-    say_limits,
-    say_spin,
+    say_notes,
 )
 from antenna_pin.cli._export import CsvOption, csv_target, rows_of, say_json, write_csv
 from antenna_pin.cli._tables import Zeros, flat, print_summaries, print_summary, say_answer, text_of
@@ -36,11 +37,9 @@ if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
     from antenna_pin.trajectory import TableKind, Trajectory
 
-__all__ = ["draw_tables", "kinds_of"]
-
 
 def kinds_of(files: Sequence[Path]) -> dict[Path, TableKind]:
-    """Return which files hold a dataset that is no run, and of what."""
+    """Return the kind of each file that holds a dataset other than a run."""
     from antenna_pin.trajectory import FORMATS, format_of
 
     kinds = {name: kind for kind, name in FORMATS.items()}
@@ -72,7 +71,7 @@ def draw_tables(
 
 
 def names_scenario(text: str) -> bool:
-    """Whether an argument is a scenario: a TOML file, a folder with one, or the name of a shipped one."""
+    """Return whether an argument is a scenario: a file, a folder, a shipped name."""
     path = Path(text)
     if path.suffix == ".toml" or path.is_dir():
         return True
@@ -84,7 +83,7 @@ def names_scenario(text: str) -> bool:
 
 
 def say_scenario(name: str, case: str | None, settings: Sequence[str] | None, as_json: bool) -> None:
-    """Print what a scenario is."""
+    """Print the description of a scenario."""
     scenario = load(name, case, settings)
 
     from antenna_pin.assemble import scenario_facts
@@ -140,7 +139,7 @@ def _lines(facts: dict[str, Any], scenario: Scenario) -> Iterator[str]:
 
 
 def _by_kind(
-    noun: str, kinds: Mapping[str, str], told: Callable[[str], str] = str, nouns: str = ""
+    noun: str, kinds: Mapping[str, str], label: Callable[[str], str] = str, nouns: str = ""
 ) -> Iterator[str]:
     """Yield a line for each kind of thing, with the names of those of it."""
     names: dict[str, list[str]] = {}
@@ -148,10 +147,10 @@ def _by_kind(
         names.setdefault(kind, []).append(name)
     for kind, several in names.items():
         if len(several) == 1:
-            yield f"{noun} {told(several[0])}: {kind}"
+            yield f"{noun} {label(several[0])}: {kind}"
         else:
             each = " each" * ("equation" in kind)
-            yield f"{len(several)} {nouns or noun + 's'} {', '.join(map(told, several))}: {kind}{each}"
+            yield f"{len(several)} {nouns or noun + 's'} {', '.join(map(label, several))}: {kind}{each}"
 
 
 def _links(name: str, closure: Mapping[str, Any]) -> str:
@@ -180,7 +179,7 @@ _TABLES = {
 
 
 def _elements(scenario: Scenario) -> Iterator[str]:
-    """Yield what a scenario has besides, by table and kind."""
+    """Yield the elements of a scenario by table and kind."""
     for table, noun in _TABLES.items():
         kinds = {name: str(one.kind) for name, one in (getattr(scenario, table, None) or {}).items()}
         yield from _by_kind(noun, kinds, nouns=table.replace("flexible", "flexible links"))
@@ -228,10 +227,10 @@ def info(
         ),
     ] = None,
 ) -> None:
-    """Say what results are: how they ended, what happened, what is kept; or what a scenario is.
+    """Summarise results: outcome, main numbers, conservation; or describe a scenario.
 
-    Of a scenario with closed loops: whether they can be closed, and how many freedoms are left. A CSV file
-    has a row for each result.
+    A scenario with closed loops is closed, and its freedoms are counted. A CSV file has a row for each
+    result.
     """
     target = csv_target(csv)
 
@@ -280,15 +279,14 @@ def info(
 
 
 def _say_notes(label: str, trajectory: Trajectory, everything: bool) -> None:
-    """Say what a run's reader has to know besides its numbers."""
+    """Print the notes of a run."""
     if trajectory.outcome.name != "COMPLETED":
         say(f"{label}: {trajectory.message}")
     elif trajectory.advice:
         say(f"{label}: the run was {trajectory.advice}")
     for line in trajectory.assumed:
         say(f"{label}: {line}")
-    say_spin(trajectory, f"{label}: ")
-    say_limits(trajectory, f"{label}: ")
+    say_notes(trajectory, f"{label}: ")
     if counts := trajectory.constraints:
         from antenna_pin.analysis import said_of_constraints, said_of_singular
 
@@ -299,7 +297,7 @@ def _say_notes(label: str, trajectory: Trajectory, everything: bool) -> None:
 
 
 def _facts(trajectory: Trajectory) -> dict[str, Any]:
-    """Return the summary of a run with the share of time that each joint spent in each contact scenario.
+    """Return a run's summary with the time shares of each joint's contact scenarios.
 
     A lean result does not hold the shares.
     """
@@ -328,7 +326,7 @@ def _facts(trajectory: Trajectory) -> dict[str, Any]:
 
 
 def _pair(radial: str, axial: str, many: bool) -> str:
-    """Return a pair of scenarios in words; of a slider's many contacts only whether there is any is known."""
+    """Return a pair of scenarios in words; for many contacts only whether any touches."""
     if many:
         return "no contact" if radial == "none" else "contact"
     return f"radial {radial}, axial {axial}".replace("_", " ")
@@ -337,9 +335,7 @@ def _pair(radial: str, axial: str, many: bool) -> str:
 def plot(
     files: FilesArgument,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the figures; made if missing.")],
-    formats: Annotated[
-        str, typer.Option("--format", metavar="LIST", help="Any of png, pdf, svg, separated by commas.")
-    ] = "png",
+    formats: FigureFormatOption = "png",
     joint: Annotated[
         str | None, typer.Option(help="The one joint to draw; every joint with clearance if left out.")
     ] = None,
@@ -349,9 +345,9 @@ def plot(
             "--figure", metavar="NAME", help="Figure to draw, instead of the standard ones. May be repeated."
         ),
     ] = None,
-    width: Annotated[Width, typer.Option(help="Width of the figures: 88 mm or 180 mm.")] = Width.PAGE,
+    width: WidthOption = Width.PAGE,
 ) -> None:
-    """Draw the figures that results allow: runs, or fits, orbits, diagrams and what else is saved."""
+    """Draw the figures of results: runs, fits, orbits, diagrams and other datasets."""
     suffixes = figure_formats(formats)
     figure_folder(out)
     tables = kinds_of(files)

@@ -1,4 +1,4 @@
-"""``antenna-pin lyapunov``: how fast neighbours part, and whether that is chaos."""
+"""``antenna-pin lyapunov``: Lyapunov exponents and a verdict on chaos."""
 
 from __future__ import annotations
 
@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.cli._common import CaseOption, SetOption, Width, WidthOption, load, not_interrupted
+from antenna_pin.base.capacity import check_count
+from antenna_pin.cli._common import (
+    CaseOption,
+    ProgressOption,
+    SetOption,
+    Width,
+    WidthOption,
+    load,
+    not_interrupted,
+)
 from antenna_pin.cli._export import (
     CsvOption,
     JsonOption,
@@ -15,7 +24,7 @@ from antenna_pin.cli._export import (
     TableOption,
     csv_target,
     exported,
-    plain,
+    plain_dict,
     save_both,
     targets_of,
 )
@@ -23,12 +32,9 @@ from antenna_pin.cli._progress import exponent_bar
 from antenna_pin.cli._tables import print_rows
 from antenna_pin.cli._usage import positive_quantity
 from antenna_pin.cli.orbit import PeriodOption, RtolOption, period_of
-from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
     from antenna_pin.nonlinear import Exponents
-
-__all__ = ["lyapunov"]
 
 
 def lyapunov(
@@ -38,14 +44,14 @@ def lyapunov(
     period: PeriodOption = None,
     interval: Annotated[
         str | None,
-        typer.Option(metavar="TIME", help="Between renormalisations; the period if left out."),
+        typer.Option(metavar="TIME", help="Time between renormalisations; the period if left out."),
     ] = None,
-    count: Annotated[int, typer.Option(help="Intervals.")] = 200,
-    transient: Annotated[int, typer.Option(help="Intervals to run before.")] = 20,
+    count: Annotated[int, typer.Option(help="Number of intervals.")] = 200,
+    transient: Annotated[int, typer.Option(help="Intervals of the transient.")] = 20,
     spectrum: Annotated[
-        bool, typer.Option("--spectrum", help="All exponents, by the tangent; the largest alone else.")
+        bool, typer.Option("--spectrum", help="All exponents, by tangents, instead of the largest alone.")
     ] = False,
-    seed: Annotated[int, typer.Option(help="Of the neighbour's first direction.")] = 0,
+    seed: Annotated[int, typer.Option(help="Seed of the first perturbation.")] = 0,
     rtol: RtolOption = None,
     settings: SetOption = None,
     out: TableOption = None,
@@ -53,16 +59,15 @@ def lyapunov(
     width: WidthOption = Width.PAGE,
     as_json: JsonOption = False,
     csv: CsvOption = None,
-    progress: Annotated[bool, typer.Option(help="Show a progress bar.")] = True,
+    progress: ProgressOption = True,
 ) -> None:
-    """Say how fast neighbours of a motion part: Lyapunov exponents, natural logarithms per second."""
+    """Compute Lyapunov exponents, as natural logarithms per second."""
     table, targets = csv_target(csv), targets_of(out, plot)
     from antenna_pin.nonlinear import exponents_table, flow_of, largest_exponent, lyapunov_spectrum
     from antenna_pin.plot import figure_exponents
 
-    for name, number, least in (("--count", count, 1), ("--transient", transient, 0)):
-        if number < least:
-            raise InvalidParameterError("lyapunov", name, f"{least} or more", number)
+    check_count("lyapunov", "--count", count, 1)
+    check_count("lyapunov", "--transient", transient, 0)
     known = load(scenario, case, settings)
     if interval is not None:
         span = positive_quantity(interval, "s", "--interval", "lyapunov")
@@ -70,14 +75,13 @@ def lyapunov(
         span = period_of(known, period, "lyapunov")
     flow, start = flow_of(known, rtol=rtol)
     with exponent_bar(known.title, count, progress) as report:
+        options: dict[str, Any] = {"transient": transient * span, "progress": report}
         if spectrum:
-            found = lyapunov_spectrum(flow, start, span, count, transient=transient * span, progress=report)
+            found = lyapunov_spectrum(flow, start, span, count, **options)
         else:
-            found = largest_exponent(
-                flow, start, span, count, transient=transient * span, seed=seed, progress=report
-            )
+            found = largest_exponent(flow, start, span, count, seed=seed, **options)
     rows = [
-        plain({"exponent [1/s]": float(value), "error [1/s]": _finite(float(error))})
+        plain_dict({"exponent [1/s]": float(value), "error [1/s]": float(error)})
         for value, error in zip(found.values, found.errors, strict=True)
     ]
     kept = exponents_table(found, known)
@@ -87,33 +91,28 @@ def lyapunov(
             _print(found, period is not None or interval is None)
 
 
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
-def _facts(found: Exponents) -> dict[str, Any]:
-    facts: dict[str, Any] = plain(
+def _facts(exponents: Exponents) -> dict[str, Any]:
+    return plain_dict(
         {
-            "verdict": found.verdict,
-            "exponents": found.values.tolist(),
-            "errors": [_finite(error) for error in found.errors.tolist()],
-            "interval": found.interval,
-            "intervals": len(found.growth),
-            "running": found.running[:, 0].tolist(),
+            "verdict": exponents.verdict,
+            "exponents": exponents.values.tolist(),
+            "errors": exponents.errors.tolist(),
+            "interval": exponents.interval,
+            "intervals": len(exponents.growth),
+            "running": exponents.running[:, 0].tolist(),
         }
     )
-    return facts
 
 
-def _print(found: Exponents, periodic: bool) -> None:
-    typer.echo(f"{found.verdict}, over {len(found.growth)} intervals of {found.interval:.6g} s")
+def _print(exponents: Exponents, periodic: bool) -> None:
+    typer.echo(f"{exponents.verdict}, over {len(exponents.growth)} intervals of {exponents.interval:.6g} s")
     unit = "per period" if periodic else "per interval"
     rows = [
         [
             f"{value:.4g}",
             f"{error:.2g}" if math.isfinite(error) else "unknown",
-            f"{value * found.interval:.4g}",
+            f"{value * exponents.interval:.4g}",
         ]
-        for value, error in zip(found.values, found.errors, strict=True)
+        for value, error in zip(exponents.values, exponents.errors, strict=True)
     ]
     print_rows("Lyapunov exponents", ["[1/s]", "standard error [1/s]", unit], rows)

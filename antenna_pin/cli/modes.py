@@ -22,8 +22,8 @@ from antenna_pin.cli._common import (
     say,
     writable_file,
 )
-from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
-from antenna_pin.cli._tables import print_rows
+from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain, save_plot
+from antenna_pin.cli._tables import formatted, print_rows
 from antenna_pin.cli._usage import vector_in
 from antenna_pin.errors import InvalidParameterError
 
@@ -35,7 +35,7 @@ _NAMED, _NAMES = 0.05, 3
 
 
 class PlayName(StrEnum):
-    """What joints with play are taken as."""
+    """Model of joints with play."""
 
     IDEAL = "ideal"
     FREE = "free"
@@ -54,7 +54,7 @@ def modes(
     ] = None,
     play: Annotated[
         PlayName | None,
-        typer.Option(help="What joints with play are taken as; ideal, or contact where they have a load."),
+        typer.Option(help="Model of joints with play; ideal, or contact where they have a load."),
     ] = None,
     load_on: Annotated[
         list[str] | None,
@@ -65,14 +65,15 @@ def modes(
         ),
     ] = None,
     approach_speed: Annotated[
-        str | None, typer.Option(help="That contacts under a load remember; their joint's floor by itself.")
+        str | None,
+        typer.Option(help="Approach speed of contacts under a load; their joint's floor if left out."),
     ] = None,
     hold: Annotated[
         list[str] | None,
-        typer.Option(metavar="JOINT", help="Joint that does not move, or base. May be repeated."),
+        typer.Option(metavar="JOINT", help="Joint to hold, or base. May be repeated."),
     ] = None,
     moving: Annotated[
-        bool, typer.Option("--moving", help="Let velocities and accelerations of the state count.")
+        bool, typer.Option("--moving", help="Include velocities and accelerations of the state.")
     ] = False,
     record: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Page that shows the shapes in 3D, NAME.html.")
@@ -81,20 +82,18 @@ def modes(
         list[int] | None,
         typer.Option(metavar="NUMBER", help="Mode to record; all vibrations if left out. May be repeated."),
     ] = None,
-    amplitude: Annotated[
-        float, typer.Option(help="How much larger shapes are drawn than by themselves.")
-    ] = 1.0,
+    amplitude: Annotated[float, typer.Option(help="Factor on the size of drawn shapes.")] = 1.0,
     plot: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Figure of a frequency response: png, pdf or svg.")
     ] = None,
     source: Annotated[
         str | None,
-        typer.Option("--from", metavar="SOURCE", help="What swings: drives.NAME, base.fx to base.mz."),
+        typer.Option("--from", metavar="SOURCE", help="Excitation: drives.NAME, base.fx to base.mz."),
     ] = None,
     target: Annotated[
         list[str] | None,
         typer.Option(
-            "--to", metavar="TARGET", help="boresight, a joint, base.x to base.rz. May be repeated."
+            "--to", metavar="TARGET", help="Response: boresight, a joint, base.x to base.rz. May be repeated."
         ),
     ] = None,
     width: WidthOption = Width.PAGE,
@@ -102,22 +101,22 @@ def modes(
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Say how a mechanism swings about a state: natural frequencies, damping ratios, shapes.
+    """Compute natural frequencies, damping ratios and mode shapes about a state.
 
-    Motions of a free base as one rigid body, and those that nothing resists, are counted, not listed.
+    Rigid-body motions of a free base, and motions without resistance, are counted, not listed.
     """
     table, page = csv_target(csv), None if record is None else writable_file(record, ".html")
     figure_target(plot, "modes", "--plot")
-    beside: tuple[tuple[str, object, Path | None, str], ...] = (
+    needed: tuple[tuple[str, object, Path | None, str], ...] = (
         ("--from", source, plot, "--plot"),
         ("--to", target, plot, "--plot"),
         ("--mode", mode, page, "--record"),
         ("--amplitude", None if amplitude == 1.0 else amplitude, page, "--record"),
     )
-    for option, given, other, name in beside:
+    for option, given, other, name in needed:
         if given is not None and other is None:
             raise InvalidParameterError("modes", option, f"given with {name} FILE", said=str(given))
-    found = _found(scenario, case, settings, at, play, load_on, approach_speed, hold, moving)
+    found = _linearised(scenario, case, settings, at, play, load_on, approach_speed, hold, moving)
     if page is not None:
         _record(found, page, mode, amplitude, quiet=as_json)
     if plot is not None:
@@ -127,7 +126,7 @@ def modes(
     _print(found)
 
 
-def _found(
+def _linearised(
     name: str,
     case: str | None,
     settings: list[str] | None,
@@ -146,9 +145,8 @@ def _found(
     if name.endswith(".nc"):
         for option, given in (("--case", case), ("--set", settings), ("--at", at)):
             if given:
-                raise InvalidParameterError(
-                    "modes", option, "left out for a result, which has its own", said=str(given)
-                )
+                rule = "left out for a result, which has its own"
+                raise InvalidParameterError("modes", option, rule, said=str(given))
         model = load_result(Path(name))
     else:
         model = load(name, case, settings)
@@ -156,13 +154,12 @@ def _found(
             more["at"] = load_result(Path(at))
         elif at is not None:
             more["at"] = quantity(bare(at), "s", "--at")
+    speed = None if approach_speed is None else quantity(bare(approach_speed), "m/s", "--approach-speed")
     return linearised(
         model,
         play=None if play is None else play.value,
         load=_loads(loads),
-        approach_speed=None
-        if approach_speed is None
-        else quantity(bare(approach_speed), "m/s", "--approach-speed"),
+        approach_speed=speed,
         hold=hold or (),
         moving=moving,
         **more,
@@ -175,47 +172,43 @@ def _loads(texts: list[str] | None) -> Any:
         joint, _, numbers = text.rpartition("=")
         vector = vector_in(numbers)
         if vector is None:
-            raise InvalidParameterError(
-                "modes", "--load", "three numbers such as 100,0,0, with JOINT= before them or not", text
-            )
+            rule = "three numbers such as 100,0,0, with JOINT= before them or not"
+            raise InvalidParameterError("modes", "--load", rule, text)
         found[joint] = vector
     if not found:
         return None
     return found[""] if list(found) == [""] else found
 
 
-def _record(found: Modes, page: Path, numbers: list[int] | None, amplitude: float, quiet: bool) -> None:
+def _record(modes: Modes, page: Path, numbers: list[int] | None, amplitude: float, quiet: bool) -> None:
     from antenna_pin.linear import swing
     from antenna_pin.record import record_several
 
-    chosen = numbers or found.elastic
+    chosen = numbers or modes.elastic
     if not chosen:
-        raise InvalidParameterError(
-            "modes", "--record", "given --mode NUMBER, as nothing vibrates here", str(page)
-        )
-    swings = {f"mode {k}": swing(found, k, amplitude) for k in chosen}
+        rule = "given --mode NUMBER, as nothing vibrates here"
+        raise InvalidParameterError("modes", "--record", rule, str(page))
+    swings = {f"mode {k}": swing(modes, k, amplitude) for k in chosen}
     with not_interrupted():
-        record_several(swings.values(), page, title=found.data.attrs["title"])
+        record_several(swings.values(), page, title=modes.data.attrs["title"])
         if not quiet:
             typer.echo(f"saved {page}")
 
 
 def _plot(
-    found: Modes, path: Path, source: str | None, targets: list[str] | None, width: Width, quiet: bool
+    modes: Modes, path: Path, source: str | None, targets: list[str] | None, width: Width, quiet: bool
 ) -> None:
     from antenna_pin.linear import first_source, frequency_response
-    from antenna_pin.plot import figure_response, save_figure
+    from antenna_pin.plot import figure_response
 
-    start = first_source(found, "--from") if source is None else source
-    figure = figure_response(frequency_response(found, start, targets), width=width.value)
-    save_figure(figure, path.with_suffix(""), [path.suffix[1:]])
-    if not quiet:
-        typer.echo(f"saved {path}")
+    start = first_source(modes, "--from") if source is None else source
+    figure = figure_response(frequency_response(modes, start, targets), width=width.value)
+    save_plot(figure, path, quiet)
 
 
-def _rows(found: Modes) -> list[dict[str, Any]]:
+def _rows(modes: Modes) -> list[dict[str, Any]]:
     """Return one row for each mode, by names with units."""
-    data = found.data
+    data = modes.data
     rows = []
     for mode in data["mode"].values:
         one = data.sel(mode=mode)
@@ -230,47 +223,46 @@ def _rows(found: Modes) -> list[dict[str, Any]]:
             for name, value in zip(data["component"].values, one["effective_mass"].values, strict=True):
                 unit = "kg m^2" if str(name).startswith("r") else "kg"
                 row[f"effective mass {name} [{unit}]"] = float(value)
-        for name, value in zip(data["body"].values, one["kinetic_share"].values, strict=True):
-            row[f"kinetic share {name} [-]"] = float(value)
-        if "strain_share" in one:
-            for name, value in zip(data["part"].values, one["strain_share"].values, strict=True):
-                row[f"strain share {name} [-]"] = float(value)
+        for kind, dimension in (("kinetic", "body"), ("strain", "part")):
+            if f"{kind}_share" in one:
+                shares = zip(data[dimension].values, one[f"{kind}_share"].values, strict=True)
+                row |= {f"{kind} share {name} [-]": float(value) for name, value in shares}
         rows.append(plain(row))
     return rows
 
 
-def _print(found: Modes) -> None:
-    data = found.data
+def _print(modes: Modes) -> None:
+    data = modes.data
     shown = [k for k, kind in enumerate(data["kind"].values) if kind in ("elastic", "unstable")]
     head = ["mode", "frequency [Hz]", "damped [Hz]", "damping [%]", "moves most", "stores most"]
     rows = [
         [
             f"{data['mode'].values[k]}{' unstable' if data['kind'].values[k] == 'unstable' else ''}",
-            _number(found.frequency[k]),
+            _number(modes.frequency[k]),
             _number(float(data["damped_modulus"].values[k])),
-            _number(100.0 * found.damping_ratio[k]),
+            _number(100.0 * modes.damping_ratio[k]),
             _largest(data["body"].values, data["kinetic_share"].values[k]),
             _largest(data["part"].values, data["strain_share"].values[k]) if "strain_share" in data else "-",
         ]
         for k in shown
     ]
-    title = ", ".join(filter(None, (data.attrs["title"], data.attrs["case"], _taken(found))))
+    title = ", ".join(filter(None, (data.attrs["title"], data.attrs["case"], _conditions(modes))))
     if rows:
         print_rows(title, head, rows, numbers=False)
     else:
         say(title)
         typer.echo("nothing vibrates")
     if "effective_mass" in data and shown:
-        _print_masses(found, shown)
+        _print_masses(modes, shown)
     kinds = list(data["kind"].values)
     if kinds.count("rigid"):
         typer.echo(f"beside these {kinds.count('rigid')} motions of all as one rigid body")
-    for note in found.notes:
+    for note in modes.notes:
         say(f"note: {note}")
 
 
-def _taken(found: Modes) -> str:
-    attributes = found.data.attrs
+def _conditions(modes: Modes) -> str:
+    attributes = modes.data.attrs
     words = [f"{name} {kind}" for name, kind in attributes["play"].items()]
     words += [
         f"{name} under {', '.join(f'{f:g}' for f in load)} N" for name, load in attributes["loads"].items()
@@ -281,27 +273,20 @@ def _taken(found: Modes) -> str:
     return "; ".join(words)
 
 
-def _print_masses(found: Modes, shown: list[int]) -> None:
-    data = found.data
+def _print_masses(modes: Modes, shown: list[int]) -> None:
+    data = modes.data
     names = [str(name) for name in data["component"].values]
     units = ["kg m²" if name.startswith("r") else "kg" for name in names]
-    rows = [
-        [
-            str(int(data["mode"].values[k])),
-            *(_number(float(value)) for value in data["effective_mass"].values[k]),
-        ]
-        for k in shown
-    ]
-    rows.append(
-        ["all modes", *(_number(float(value)) for value in data["effective_mass"].values.sum(axis=0))]
-    )
-    rows.append(["rigid whole", *(_number(float(value)) for value in data["rigid_mass"].values)])
+    masses = data["effective_mass"].values
+    lines = [(str(int(data["mode"].values[k])), masses[k]) for k in shown]
+    lines += [("all modes", masses.sum(axis=0)), ("rigid whole", data["rigid_mass"].values)]
+    rows = [[label, *(_number(float(value)) for value in values)] for label, values in lines]
     head = ["mode", *(f"{name} [{unit}]" for name, unit in zip(names, units, strict=True))]
     print_rows("effective masses, about the base's origin", head, rows)
 
 
 def _number(value: float) -> str:
-    return f"{value:.6g}" if math.isfinite(value) else "-"
+    return formatted(value, ".6g")
 
 
 def _largest(names: Any, shares: Any) -> str:

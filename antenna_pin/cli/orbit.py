@@ -1,4 +1,4 @@
-"""``antenna-pin orbit``: a periodic solution, whether neighbours come to it, and how that changes."""
+"""``antenna-pin orbit``: periodic solutions, their stability, their branches."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from antenna_pin.cli._export import (
     TableOption,
     csv_target,
     exported,
-    plain,
+    plain_dict,
     save_both,
     targets_of,
 )
@@ -45,9 +45,6 @@ if TYPE_CHECKING:
     from antenna_pin.nonlinear import Orbit, Point
     from antenna_pin.scenario import Scenario
 
-__all__ = ["AtOption", "PeriodOption", "begun_from", "is_saved", "orbit", "period_of", "saved_branch"]
-
-
 OverOption = Annotated[
     str | None,
     typer.Option(metavar="KEY", help="Follow the orbit over a key of the scenario, as in --set."),
@@ -61,7 +58,7 @@ AmplitudeOption = Annotated[
         "--quantity",
         "-q",
         metavar="NAME",
-        help="Whose amplitude over a period to note along --over. May be repeated.",
+        help="Quantity whose amplitude is stored along --over. May be repeated.",
     ),
 ]
 ArcOption = Annotated[
@@ -71,7 +68,7 @@ MostOrbitsOption = Annotated[int, typer.Option("--most", metavar="N", help="Orbi
 
 
 def ends_of(text: str | None, over: str, known: Scenario) -> tuple[float, float, str]:
-    """Return the ends of a range of a key, in SI units, and its unit ("" if none is said)."""
+    """Return the ends of a key's range in SI units, and their unit."""
     from antenna_pin.base.units import any_quantity
 
     rule = "given with --over as FIRST:LAST, such as '1 N*m:3 N*m'"
@@ -89,7 +86,7 @@ def ends_of(text: str | None, over: str, known: Scenario) -> tuple[float, float,
 
 def facts_of(branch: xr.Dataset) -> dict[str, Any]:
     """Return a branch as plain data."""
-    facts: dict[str, Any] = plain(
+    return plain_dict(
         {
             "parameter": branch.attrs["parameter"],
             "message": branch.attrs["message"],
@@ -102,7 +99,6 @@ def facts_of(branch: xr.Dataset) -> dict[str, Any]:
             ],
         }
     )
-    return facts
 
 
 def rows_of_branch(branch: xr.Dataset) -> list[dict[str, Any]]:
@@ -127,12 +123,12 @@ def rows_of_branch(branch: xr.Dataset) -> list[dict[str, Any]]:
             row[f"amplitude of {name} [{branch['amplitude_unit'].values[q]}]"] = float(
                 branch["amplitude"].values[q, k]
             )
-        rows.append(plain(row))
+        rows.append(plain_dict(row))
     return rows
 
 
 def print_branch(branch: xr.Dataset) -> None:
-    """Print where a branch is stable, and what happens to it."""
+    """Print the stability and the bifurcations of a branch."""
     from antenna_pin.analysis import said_of_multiplier, stability_spans, unexplained_changes
     from antenna_pin.base.readable import printed_unit
 
@@ -162,13 +158,8 @@ def print_branch(branch: xr.Dataset) -> None:
 
 AtOption = Annotated[
     int | None,
-    typer.Option("--at", metavar="N", help="Which orbit of a saved branch to begin with; the first is 1."),
+    typer.Option("--at", metavar="N", help="Orbit of a saved branch to begin with; the first is 1."),
 ]
-
-
-def is_saved(name: str) -> bool:
-    """Whether a name is that of a file of an orbit or a branch, rather than of a scenario."""
-    return name.endswith(".nc")
 
 
 def saved_branch(name: str) -> xr.Dataset | None:
@@ -186,7 +177,7 @@ def saved_branch(name: str) -> xr.Dataset | None:
 
 
 def begun_from(name: str, at: int | None, settings: list[str] | None) -> tuple[Scenario, State]:
-    """Return the scenario of a saved orbit, with the changes of the command line, and the orbit's start.
+    """Return the scenario and the start of a saved orbit, with the command line's changes.
 
     Raises:
         AntennaPinError: The file is not there, is of something else, or what is changed cannot be.
@@ -246,9 +237,9 @@ def orbit(
     case: CaseOption = None,
     at: AtOption = None,
     period: PeriodOption = None,
-    multiple: Annotated[int, typer.Option(help="Periods in which the orbit closes.")] = 1,
+    multiple: Annotated[int, typer.Option(help="Periods of the orbit.")] = 1,
     free_period: Annotated[
-        bool, typer.Option("--free-period", help="Find the period too, of what nothing drives.")
+        bool, typer.Option("--free-period", help="Find the period too, without a drive.")
     ] = False,
     transient: Annotated[int, typer.Option(help="Periods to run before Newton's method begins.")] = 20,
     rtol: RtolOption = None,
@@ -265,12 +256,12 @@ def orbit(
     csv: CsvOption = None,
     progress: Annotated[bool, typer.Option(help="Show a progress bar along --over.")] = True,
 ) -> None:
-    """Find a periodic solution near where a scenario has come to, and say whether neighbours come to it.
+    """Find a periodic solution near the settled motion, and its stability.
 
-    Multipliers are by how much they grow in a period. The instant of its start must be one between impacts.
-    With --over the orbit is followed over a key of the scenario, through folds; what is interrupted is saved
-    as far as it is. A saved branch is told again; from a saved orbit, or one of a branch by --at, Newton's
-    method begins at once, with the scenario of the file and the changes of --set.
+    Multipliers are growth factors of perturbations over a period. The start must lie between impacts. With
+    --over the orbit is followed over a key of the scenario, through folds; an interrupted branch is saved. A
+    saved branch is printed again; from a saved orbit, or one of a branch by --at, Newton's method begins at
+    once, with the scenario of the file and the changes of --set.
     """
     table, targets = csv_target(csv), targets_of(out, plot)
     for name, number, least in (("--multiple", multiple, 1), ("--transient", transient, 0)):
@@ -282,7 +273,7 @@ def orbit(
         raise InvalidParameterError("orbit", "--free-period", "left out beside --over", said="both")
     from antenna_pin.plot import figure_multipliers
 
-    if is_saved(scenario):
+    if scenario.endswith(".nc"):
         if case is not None:
             raise InvalidParameterError("orbit", "--case", "left out: the file holds its scenario", case)
         again = saved_branch(scenario) if over is None and at is None else None
@@ -296,7 +287,7 @@ def orbit(
             raise InvalidParameterError("orbit", "--at", "given with a saved branch", at)
     if over is not None:
         ends = ends_of(values, over, known)
-        branch, cut = _followed(
+        branch, cut = _branch_over(
             known, over, ends, period, multiple, transient, rtol, arc, most, quantity or [], progress, begin
         )
         with not_interrupted():
@@ -328,7 +319,7 @@ def _tell(
     as_json: bool,
     table: Path | None,
 ) -> None:
-    """Save, draw and print a branch, as far as that is asked for."""
+    """Save, draw and print a branch, as requested."""
     from antenna_pin.plot import figure_branch
 
     save_both(branch, lambda: figure_branch(branch, width=width.value), targets, context, as_json)
@@ -336,7 +327,7 @@ def _tell(
         print_branch(branch)
 
 
-def _followed(
+def _branch_over(
     known: Scenario,
     over: str,
     ends: tuple[float, float, str],
@@ -350,7 +341,7 @@ def _followed(
     progress: bool,
     begin: State | None,
 ) -> tuple[xr.Dataset, bool]:
-    """Return the branch of the orbit that a scenario has come to, and whether it was cut short."""
+    """Return the branch from a scenario's orbit, and whether it was interrupted."""
     from antenna_pin.nonlinear import amplitudes, branch_table, check_steps, continued, family_of, flow_of
 
     first, last, unit = ends
@@ -385,29 +376,28 @@ def _followed(
     return branch_table(branch, flow.system, over, unit, known, found), cut
 
 
-def _facts(found: Orbit) -> dict[str, Any]:
-    facts: dict[str, Any] = plain(
+def _facts(orbit: Orbit) -> dict[str, Any]:
+    return plain_dict(
         {
-            "period": found.period,
-            "time": found.start.time,
-            "q": found.start.q.tolist(),
-            "v": found.start.v.tolist(),
-            "residual": found.residual,
-            "stable": found.stable,
-            "doubt": found.doubt,
-            "neutral": found.neutral,
-            "multipliers": [[one.real, one.imag] for one in found.multipliers.tolist()],
-            "exponents": found.exponents.tolist(),
-            "onsets": found.onsets[0],
-            "events": found.onsets[1],
+            "period": orbit.period,
+            "time": orbit.start.time,
+            "q": orbit.start.q.tolist(),
+            "v": orbit.start.v.tolist(),
+            "residual": orbit.residual,
+            "stable": orbit.stable,
+            "doubt": orbit.doubt,
+            "neutral": orbit.neutral,
+            "multipliers": [[one.real, one.imag] for one in orbit.multipliers.tolist()],
+            "exponents": orbit.exponents.tolist(),
+            "onsets": orbit.onsets[0],
+            "events": orbit.onsets[1],
         }
     )
-    return facts
 
 
-def _rows(found: Orbit) -> list[dict[str, Any]]:
+def _rows(orbit: Orbit) -> list[dict[str, Any]]:
     return [
-        plain(
+        plain_dict(
             {
                 "real [-]": one.real,
                 "imaginary [-]": one.imag,
@@ -415,28 +405,28 @@ def _rows(found: Orbit) -> list[dict[str, Any]]:
                 "exponent [1/s]": float(exponent),
             }
         )
-        for one, exponent in zip(found.multipliers.tolist(), found.exponents, strict=True)
+        for one, exponent in zip(orbit.multipliers.tolist(), orbit.exponents, strict=True)
     ]
 
 
-def _print(found: Orbit) -> None:
+def _print(orbit: Orbit) -> None:
     from antenna_pin.analysis import said_of_multiplier
 
-    words = {True: "stable", False: "unstable", None: "neutral, as far as can be told"}[found.stable]
+    words = {True: "stable", False: "unstable", None: "neutral, as far as can be told"}[orbit.stable]
     happens = [
         f"{count} {what}{'s' if count > 1 else ''}"
-        for count, what in zip(found.onsets, ("contact", "event"), strict=True)
+        for count, what in zip(orbit.onsets, ("contact", "event"), strict=True)
         if count
     ]
     rest = f"; {' and '.join(happens)} in a period" if happens else ""
-    if found.neutral:
+    if orbit.neutral:
         rest += "; what lasting contacts remember, and elements keep, stays as it began"
-    typer.echo(f"orbit of {found.period:.9g} s, {words}{rest}")
+    typer.echo(f"orbit of {orbit.period:.9g} s, {words}{rest}")
     # Digits that are known: one multiplier does not say more than the doubt of all.
-    digits = min(12, max(0, math.floor(-math.log10(max(found.doubt, 1e-12)))))
+    digits = min(12, max(0, math.floor(-math.log10(max(orbit.doubt, 1e-12)))))
     rows = [
         [said_of_multiplier(one, 6, digits), f"{round(abs(one), digits):.6g}", f"{exponent:.4g}"]
-        for one, exponent in zip(found.multipliers.tolist(), found.exponents, strict=True)
+        for one, exponent in zip(orbit.multipliers.tolist(), orbit.exponents, strict=True)
     ]
-    title = f"Floquet multipliers, to {power_above(found.doubt)}"
+    title = f"Floquet multipliers, to {power_above(orbit.doubt)}"
     print_rows(title, ["multiplier", "size", "exponent [1/s]"], rows)

@@ -1,4 +1,4 @@
-"""``antenna-pin phase``: phase portraits of a run, and what its quantities are called."""
+"""``antenna-pin phase``: phase portraits of a run, and names of its quantities."""
 
 from __future__ import annotations
 
@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from antenna_pin.base.readable import bare
-from antenna_pin.cli._common import FIGURES, Width, WidthOption, load_result, not_interrupted, say
+from antenna_pin.cli._common import (
+    FIGURES,
+    ResultArgument,
+    Width,
+    WidthOption,
+    load_result,
+    not_interrupted,
+    say,
+)
 from antenna_pin.cli._export import PlotOption, save_both, targets_of
 from antenna_pin.errors import InvalidParameterError
 
@@ -21,7 +29,7 @@ _PERIODS = re.compile(r"\s*([0-9.]+)\s*periods?\s*")
 
 
 class Colour(StrEnum):
-    """What the colours of a portrait are."""
+    """Meaning of a portrait's colours."""
 
     TIME = "time"
     DENSITY = "density"
@@ -29,7 +37,7 @@ class Colour(StrEnum):
 
 def phase(
     context: typer.Context,
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")],
+    file: ResultArgument,
     x: Annotated[str | None, typer.Option("-x", metavar="NAME", help="Quantity across.")] = None,
     y: Annotated[str | None, typer.Option("-y", metavar="NAME", help="Quantity up.")] = None,
     z: Annotated[
@@ -40,12 +48,10 @@ def phase(
         typer.Option(
             "--from",
             metavar="TIME|N periods|judge",
-            help="What of the run is left out as its transient; judge: until its statistics drift no more.",
+            help="End of the transient, which is cut; judge: until the statistics drift no more.",
         ),
     ] = None,
-    period: Annotated[
-        str | None, typer.Option(metavar="TIME", help="Period, where --from counts them.")
-    ] = None,
+    period: Annotated[str | None, typer.Option(metavar="TIME", help="Period for --from 'N periods'.")] = None,
     colour: Annotated[
         Colour, typer.Option(help="Line coloured by time, or the share of time.")
     ] = Colour.TIME,

@@ -33,11 +33,9 @@ from antenna_pin.cli._tables import print_rows
 if TYPE_CHECKING:
     import xarray as xr
 
-    from antenna_pin.nonlinear import Section
-
 
 class Direction(StrEnum):
-    """Which passages of a surface count."""
+    """Direction of counted crossings."""
 
     RISING = "rising"
     FALLING = "falling"
@@ -45,51 +43,39 @@ class Direction(StrEnum):
 
 
 SECTION = typer.Option(
-    help="Where the motion is looked at: period (of its drives), period=DRIVE, period='0.5 s',"
+    help="Section: period (of the drives), period=DRIVE, period='0.5 s',"
     " angle.JOINT=VALUE, rate.JOINT=VALUE, gap.CONTACT=VALUE or force.CONTACT=VALUE."
 )
-DIRECTION = typer.Option(help="Which passages of a surface count.")
-PHASE = typer.Option(help="Part of the period at which it is looked at, from 0 to below 1.")
+DIRECTION = typer.Option(help="Crossings of a surface that count.")
+PHASE = typer.Option(help="Phase of the section in the period, from 0 to below 1.")
 QUANTITY = typer.Option(
-    "--quantity", "-q", metavar="NAME", help="What is noted, as 'v[hinge]'. May be repeated."
+    "--quantity", "-q", metavar="NAME", help="Quantity at each point, such as 'v[hinge]'. May be repeated."
 )
-COUNT = typer.Option(metavar="N", help="Points to keep, 32 or more.")
-TOLERANCE = typer.Option(help="A drift below this part of a quantity's largest amount is none.")
-
-SectionOption = Annotated[str, SECTION]
-DirectionOption = Annotated[Direction, DIRECTION]
-PhaseOption = Annotated[float, PHASE]
-QuantityOption = Annotated[list[str], QUANTITY]
-CountOption = Annotated[int, COUNT]
-ToleranceOption = Annotated[float, TOLERANCE]
+COUNT = typer.Option(metavar="N", help="Number of points, 32 or more.")
+TOLERANCE = typer.Option(help="Settled: drift below this part of a quantity's largest value.")
 TransientOption = Annotated[
     int | None,
-    typer.Option(metavar="N", help="Points to cut before them; until they have settled if left out."),
+    typer.Option(
+        metavar="N", help="Points of the transient, which are cut; until they have settled if left out."
+    ),
 ]
 MostOption = Annotated[
     int | None,
-    typer.Option(metavar="N", help="Points after which to stop cutting; 20 times those kept if left out."),
+    typer.Option(metavar="N", help="Largest transient; 20 times --count if left out."),
 ]
-
-
-def section_from(text: str, direction: Direction, phase: float) -> Section:
-    """Return the section that the options say."""
-    from antenna_pin.nonlinear import section_of
-
-    return section_of(text, direction.value, phase)
 
 
 def poincare(
     context: typer.Context,
     scenario: ScenarioArgument,
-    quantity: QuantityOption,
-    section: SectionOption = "period",
-    direction: DirectionOption = Direction.RISING,
-    phase: PhaseOption = 0.0,
-    count: CountOption = 100,
+    quantity: Annotated[list[str], QUANTITY],
+    section: Annotated[str, SECTION] = "period",
+    direction: Annotated[Direction, DIRECTION] = Direction.RISING,
+    phase: Annotated[float, PHASE] = 0.0,
+    count: Annotated[int, COUNT] = 100,
     transient: TransientOption = None,
     most: MostOption = None,
-    tolerance: ToleranceOption = 1e-4,
+    tolerance: Annotated[float, TOLERANCE] = 1e-4,
     case: CaseOption = None,
     settings: SetOption = None,
     out: TableOption = None,
@@ -98,18 +84,19 @@ def poincare(
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Say in which points a motion returns to a section, once it has settled.
+    """Compute the points in which a settled motion returns to a section.
 
-    The scenario is run for as long as that takes, whatever its duration.
+    The run lasts until the motion has settled, whatever the scenario's duration.
     """
     table = csv_target(csv)
     targets = targets_of(out, plot)
-    from antenna_pin.nonlinear import poincare as returned
+    from antenna_pin.nonlinear import poincare as computed
+    from antenna_pin.nonlinear import section_of
     from antenna_pin.plot import figure_section
 
-    found = returned(
+    found = computed(
         load(scenario, case, settings),
-        section_from(section, direction, phase),
+        section_of(section, direction.value, phase),
         quantity,
         count=count,
         transient=transient,
@@ -138,17 +125,17 @@ def poincare(
             _print(found, names)
 
 
-def _print(found: xr.Dataset, names: list[str]) -> None:
+def _print(section: xr.Dataset, names: list[str]) -> None:
     rows = []
     for name in names:
-        values = found[name].values
+        values = section[name].values
         numbers = [f"{float(value):.6g}" for value in (values.min(), values.max(), values.mean(), values[-1])]
-        rows.append([f"{name} [{found[name].units}]", *numbers])
-    title = ", ".join(filter(None, (found.attrs["title"], found.attrs["case"], found.attrs["section"])))
+        rows.append([f"{name} [{section[name].units}]", *numbers])
+    title = ", ".join(filter(None, (section.attrs["title"], section.attrs["case"], section.attrs["section"])))
     print_rows(title, ["quantity", "least", "largest", "mean", "last"], rows)
-    kept = f"{found.sizes['point']} points from {float(found['time'].values[0]):.6g} s on"
-    cut = f"behind {int(found['transient'].item())}"
-    said = "settled" if found["settled"].item() else "NOT settled"
-    say(f"{kept}, {cut}: {said}, drift {float(found['drift'].item()):.2g}")
-    if found.attrs["outcome"] != "COMPLETED":
-        say(f"note: {found.attrs['message']}")
+    kept = f"{section.sizes['point']} points from {float(section['time'].values[0]):.6g} s on"
+    cut = f"behind {int(section['transient'].item())}"
+    said = "settled" if section["settled"].item() else "NOT settled"
+    say(f"{kept}, {cut}: {said}, drift {float(section['drift'].item()):.2g}")
+    if section.attrs["outcome"] != "COMPLETED":
+        say(f"note: {section.attrs['message']}")

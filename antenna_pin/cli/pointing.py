@@ -1,4 +1,4 @@
-"""``antenna-pin pointing``: how far the boresight is from where it should be, in the indices of ECSS."""
+"""``antenna-pin pointing``: pointing error indices of ECSS."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.base.readable import bare
 from antenna_pin.cli._common import FilesArgument, label_of, load_result, refuse, say
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, say_json, write_csv
 from antenna_pin.cli._tables import print_rows
-from antenna_pin.cli._usage import vector_in
+from antenna_pin.cli._usage import direction_of, seconds_in
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
@@ -37,9 +36,7 @@ _UNITS = ((1e-3, "µrad", 1e6), (0.1, "mrad", 1e3), (math.inf, "deg", 180.0 / ma
 
 def pointing(
     files: FilesArgument,
-    ideal: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Result of the run that points as it should.")
-    ] = None,
+    ideal: Annotated[Path | None, typer.Option(metavar="FILE", help="Result of the reference run.")] = None,
     direction: Annotated[
         str | None,
         typer.Option(metavar="X,Y,Z", help="Commanded direction in world axes, instead of an ideal run."),
@@ -49,38 +46,36 @@ def pointing(
         typer.Option(metavar="TIME", help="Length of the windows for MPE, RPE, PDE and PRE ('0.5 s')."),
     ] = None,
     drift_spacing: Annotated[
-        str | None, typer.Option(metavar="TIME", help="From one window of the PDE to the other.")
+        str | None, typer.Option(metavar="TIME", help="Time between the two windows of the PDE.")
     ] = None,
     period: Annotated[
         str | None,
         typer.Option(metavar="TIME", help="Length of the observation periods for PDE and PRE."),
     ] = None,
-    confidence: Annotated[float, typer.Option(help="Of the levels, such as 0.997.")] = 0.997,
+    confidence: Annotated[float, typer.Option(help="Confidence of the levels.")] = 0.997,
     body: Annotated[
-        str | None, typer.Option(metavar="LINK", help="Link that looks; the scenario's if left out.")
+        str | None, typer.Option(metavar="LINK", help="Link with the boresight; the scenario's if left out.")
     ] = None,
     boresight: Annotated[
         str | None,
-        typer.Option(
-            metavar="X,Y,Z", help="Where it looks, in the link's frame; the scenario's if left out."
-        ),
+        typer.Option(metavar="X,Y,Z", help="Boresight in the link's frame; the scenario's if left out."),
     ] = None,
     up: Annotated[
-        str | None, typer.Option(metavar="X,Y,Z", help="Second axis, that clocking is measured by.")
+        str | None, typer.Option(metavar="X,Y,Z", help="Second axis, reference of clocking.")
     ] = None,
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Say how far the boresight is from where it should be: error indices of ECSS-E-ST-60-10C.
+    """Compute pointing error indices of ECSS-E-ST-60-10C.
 
-    Of several results, levels are told for each statistical interpretation. Angles are in radians in JSON and
+    Several results have levels for each statistical interpretation. Angles are in radians in JSON and
     CSV.
     """
     target = csv_target(csv)
     windows = {
-        "window": _seconds(window, "--window"),
-        "drift_spacing": _seconds(drift_spacing, "--drift-spacing"),
-        "periods": _seconds(period, "--period"),
+        "window": seconds_in(window, "--window"),
+        "drift_spacing": seconds_in(drift_spacing, "--drift-spacing"),
+        "periods": seconds_in(period, "--period"),
     }
     runs = [load_result(path, scenario=False) for path in files]
     reference = None if ideal is None else load_result(ideal, scenario=False)
@@ -89,7 +84,7 @@ def pointing(
 
     for path, run in zip(files, runs, strict=True):
         _check_options(path, run, {"--ideal": ideal, "--direction": direction}, body, boresight)
-    command = None if direction is None else Command(direction=_vector(direction, "--direction"))
+    command = None if direction is None else Command(direction=_axis(direction, "--direction"))
     errors, notes = [], []
     for path, run in zip(files, runs, strict=True):
         if not run.completed:
@@ -144,7 +139,7 @@ def _covered(run: Trajectory, ideal: Trajectory, path: Path, notes: list[str]) -
 def _check_options(
     path: Path, run: Trajectory, against: Mapping[str, Any], body: str | None, boresight: str | None
 ) -> None:
-    """Refuse what the scenario does not say and no option does, with the option that would."""
+    """Refuse a pointing that neither scenario nor options define."""
     from antenna_pin.analysis import pointing_spec
 
     known = pointing_spec(run)
@@ -165,50 +160,43 @@ def _antenna(run: Trajectory, body: str | None, boresight: str | None, up: str |
         return None
     if body is not None and boresight is not None:
         return Antenna(
-            body=body, boresight=_vector(boresight, "--boresight"), up=_vector(up, "--up") if up else None
+            body=body,
+            boresight=_axis(boresight, "--boresight"),
+            up=_axis(up, "--up") if up else None,
         )
     known = Antenna.of(run)
     if body is not None and body != known.body:
         raise InvalidParameterError(
             "pointing", "--body", "given with --boresight, an axis of that link", body
         )
-    axis = known.boresight if boresight is None else _vector(boresight, "--boresight")
+    axis = known.boresight if boresight is None else _axis(boresight, "--boresight")
     second = known.up if boresight is None else None
-    return Antenna(body=known.body, boresight=axis, up=_vector(up, "--up") if up else second)
+    return Antenna(body=known.body, boresight=axis, up=_axis(up, "--up") if up else second)
 
 
-def _seconds(text: str | None, option: str) -> float | None:
-    from antenna_pin.base.units import quantity
-
-    return None if text is None else quantity(bare(text), "s", option)
+def _axis(text: str, option: str) -> tuple[float, float, float]:
+    return direction_of(text, "pointing", option)
 
 
-def _vector(text: str, option: str) -> tuple[float, float, float]:
-    vector = vector_in(text)
-    if vector is None:
-        raise InvalidParameterError("pointing", option, "three numbers such as 1,0,0", text)
-    return vector
-
-
-def _plain(found: xr.Dataset) -> dict[str, Any]:
+def _plain(indices: xr.Dataset) -> dict[str, Any]:
     """Return the indices in plain numbers; None where there is none."""
 
     def row(values: xr.DataArray) -> dict[str, float | None]:
         return {
             str(name): None if math.isnan(value) else float(value)
-            for name, value in zip(found["component"].values, values.values, strict=True)
+            for name, value in zip(indices["component"].values, values.values, strict=True)
         }
 
     return {
-        str(kind): {name: row(found[name].sel(index=kind)) for name in ("extreme", "lowest", "highest")}
+        str(kind): {name: row(indices[name].sel(index=kind)) for name in ("extreme", "lowest", "highest")}
         | {
             "level": {
-                str(name): row(found["level"].sel(index=kind, interpretation=name))
-                for name in found["interpretation"].values
+                str(name): row(indices["level"].sel(index=kind, interpretation=name))
+                for name in indices["interpretation"].values
             },
-            "definition": str(found["definition"].sel(index=kind).item()),
+            "definition": str(indices["definition"].sel(index=kind).item()),
         }
-        for kind in found["index"].values
+        for kind in indices["index"].values
     }
 
 
@@ -221,23 +209,23 @@ def _values(indices: Mapping[str, Any]) -> Iterator[list[Any]]:
             yield [kind, f"level, {name}", *level.values()]
 
 
-def _print(title: str, found: xr.Dataset) -> None:
+def _print(title: str, indices: xr.Dataset) -> None:
     """Print the table, and what its rows and columns are."""
     from antenna_pin.analysis import INTERPRETATIONS
 
-    several = found.attrs["runs"] > 1
-    share = f"{100.0 * found.attrs['confidence']:g} %"
+    several = indices.attrs["runs"] > 1
+    share = f"{100.0 * indices.attrs['confidence']:g} %"
     rows: list[list[str]] = []
-    for kind in found["index"].values:
-        one = found.sel(index=kind)
+    for kind in indices["index"].values:
+        one = indices.sel(index=kind)
         rows.append(_row(f"{kind} largest", one["extreme"]))
-        for name in found["interpretation"].values if several else ["temporal"]:
+        for name in indices["interpretation"].values if several else ["temporal"]:
             label = f"{kind} {share}, {name}" if several else f"{kind} {share}"
             rows.append(_row(label, one["level"].sel(interpretation=name)))
-    names = [str(name) for name in found["component"].values]
+    names = [str(name) for name in indices["component"].values]
     print_rows(title, ("", *names), rows)
-    for kind in found["index"].values:
-        typer.echo(f"{kind}: {found['definition'].sel(index=kind).item()}")
+    for kind in indices["index"].values:
+        typer.echo(f"{kind}: {indices['definition'].sel(index=kind).item()}")
     for name in names:
         typer.echo(f"{name}: {_COMPONENTS[name]}")
     for name, text in INTERPRETATIONS.items() if several else [("temporal", "share of the time")]:

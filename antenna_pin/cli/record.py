@@ -1,4 +1,4 @@
-"""``antenna-pin record``: a run as a 3D recording that plays in a browser, as pictures or as a video."""
+"""``antenna-pin record``: a run in 3D as a page, as pictures or as a video."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from antenna_pin.base.interruption import ended_by
-from antenna_pin.base.readable import bare, decimal_in
+from antenna_pin.base.readable import decimal_in
 from antenna_pin.cli._common import (
     SIGNALLED,
     PackagePathOption,
+    ResultArgument,
     complain,
     load_result,
     not_interrupted,
@@ -22,7 +23,7 @@ from antenna_pin.cli._common import (
     say,
 )
 from antenna_pin.cli._progress import picture_bar
-from antenna_pin.cli._usage import vector_in
+from antenna_pin.cli._usage import direction_of, seconds_in
 from antenna_pin.errors import InvalidParameterError, OutputError
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ _SIZE = re.compile(r"([0-9]{1,6})\s*[xX×]\s*([0-9]{1,6})")
 
 
 class Kind(StrEnum):
-    """What a recording is written as, by the suffix of the output's name."""
+    """Format of a recording, by the suffix of the output's name."""
 
     PAGE = ".html"
     PICTURE = ".png"
@@ -43,7 +44,7 @@ class Kind(StrEnum):
 
 
 def kind_of(out: Path) -> Kind:
-    """Return what a name asks for: a folder or a name without suffix is a folder of frames."""
+    """Return the format of a name; a folder or no suffix means frames."""
     if out.is_dir():
         return Kind.FRAMES
     try:
@@ -58,7 +59,7 @@ def kind_of(out: Path) -> Kind:
 def check_options(
     out: Path, kind: Kind, *, at: str | None = None, fps: float | None = None, size: str | None = None
 ) -> None:
-    """Refuse, before any work, what cannot be written, and options that the output does not know."""
+    """Refuse an output that cannot be written, and options without effect on it."""
     from antenna_pin.base.files import check_writable
     from antenna_pin.record import check_film
 
@@ -96,7 +97,7 @@ def film(
     size: tuple[int, int] | None,
     progress: bool,
 ) -> None:
-    """Write pictures of a recording, and say so."""
+    """Write pictures of a recording and print their place."""
     from antenna_pin.record import save_frames, save_picture, save_video
 
     if kind is Kind.PICTURE:
@@ -113,7 +114,7 @@ def film(
 
 
 class ViewName(StrEnum):
-    """What a recording shows."""
+    """View of a recording."""
 
     MECHANISM = "mechanism"
     JOINT = "joint"
@@ -134,7 +135,7 @@ CurveOption = Annotated[
 
 
 def record(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")],
+    file: ResultArgument,
     out: Annotated[
         Path,
         typer.Option(
@@ -182,18 +183,18 @@ def record(
     ] = None,
     max_size: Annotated[
         float,
-        typer.Option(metavar="MB", help="Size that a page keeps below; key frames are thinned to it."),
+        typer.Option(metavar="MB", help="Largest size of a page; key frames are thinned to it."),
     ] = 5.0,
     package_path: PackagePathOption = None,
     progress: Annotated[bool, typer.Option(help="Show a progress bar while filming.")] = True,
 ) -> None:
-    """Record a run in 3D: one HTML page with a player, in which nothing is loaded from elsewhere.
+    """Record a run in 3D: one self-contained HTML page with a player.
 
     Pictures and videos are taken of that page by Chromium (the extra "video" of the package).
     """
     kind = kind_of(out)
     check_options(out, kind, at=at, fps=fps, size=size)
-    time, pixels = _time(at, "--at"), size_of(size)
+    time, pixels = seconds_in(at, "--at"), size_of(size)
     for option, value in (("--key-rate", key_rate), ("--max-size", max_size)):
         if value is not None and not (value > 0.0 and math.isfinite(value)):
             raise InvalidParameterError("record", option, "positive", value)
@@ -210,11 +211,11 @@ def record(
         joint=joint,
         magnify=magnify,
         body=body,
-        boresight=None if boresight is None else _direction(boresight),
+        boresight=None if boresight is None else direction_of(boresight, "record", "--boresight"),
         fps=key_rate,
         speed=None if speed is None else _ratio(speed),
-        start=_time(start, "--start"),
-        end=_time(end, "--end"),
+        start=seconds_in(start, "--start"),
+        end=seconds_in(end, "--end"),
         max_megabytes=max_size,
         curves=curve or None,
         package_path=packages,
@@ -227,19 +228,6 @@ def record(
     with not_interrupted():
         recording.save(out)
         typer.echo(f"saved {out}")
-
-
-def _time(text: str | None, option: str) -> float | None:
-    from antenna_pin.base.units import quantity
-
-    return None if text is None else quantity(bare(text), "s", option)
-
-
-def _direction(text: str) -> tuple[float, float, float]:
-    vector = vector_in(text)
-    if vector is None:
-        raise InvalidParameterError("--boresight", "direction", "three numbers such as 1,0,0", text)
-    return vector
 
 
 def _ratio(text: str) -> float:

@@ -1,4 +1,4 @@
-"""``antenna-pin report``: one file that tells of any number of runs, and of what motions come to."""
+"""``antenna-pin report``: one page on any number of runs and findings."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def report(
 ) -> None:
     """Write a report that compares runs: one HTML file for screen, phone and paper.
 
-    Portraits, sections, bifurcation diagrams, orbits, branches of these and exponents have a section each.
+    Portraits, sections, bifurcation diagrams, orbits, branches and exponents have a section each.
     """
     target = writable_file(out, ".html")
     words = ["antenna-pin", "report", *map(str, files), "--out", str(out)]

@@ -1,4 +1,4 @@
-"""``antenna-pin list`` and ``run``: scenarios, and what comes of them."""
+"""``antenna-pin list`` and ``run``: shipped scenarios, and their simulation."""
 
 from __future__ import annotations
 
@@ -18,8 +18,11 @@ from antenna_pin.cli._common import (
     SIGNALLED,
     UNBALANCED,
     CaseOption,
+    DurationOption,
     Engine,
-    Geometry,
+    GeometryOption,
+    ProgressOption,
+    QuietOption,
     SetOption,
     complain,
     load,
@@ -27,8 +30,7 @@ from antenna_pin.cli._common import (
     refuse,
     save_elsewhere,
     say,
-    say_limits,
-    say_spin,
+    say_notes,
     say_start,
     stem,
     writable_file,
@@ -52,7 +54,7 @@ def list_scenarios(
         ),
     ] = None,
 ) -> None:
-    """List the shipped scenarios and their cases, or the cases of one, such as a file of your own."""
+    """List the shipped scenarios and their cases, or the cases of one scenario."""
     from antenna_pin.scenario import list_scenarios as shipped
     from antenna_pin.scenario import scenario_summary
 
@@ -72,16 +74,12 @@ def run(
         ),
     ] = None,
     case: CaseOption = None,
-    duration: Annotated[
-        str | None, typer.Option(help="Simulated time, in seconds or with a unit ('20 ms').")
-    ] = None,
+    duration: DurationOption = None,
     out: Annotated[Path | None, typer.Option(help="Result file; NAME-CASE.nc here if left out.")] = None,
     settings: SetOption = None,
-    geometry: Annotated[
-        Geometry | None, typer.Option(help="How gaps are found, for all joints with clearance.")
-    ] = None,
+    geometry: GeometryOption = None,
     engine: Annotated[
-        Engine | None, typer.Option(help="What makes the steps; compiled needs --geometry closed-form.")
+        Engine | None, typer.Option(help="Engine of the run; compiled needs --geometry closed-form.")
     ] = None,
     accuracy: Annotated[
         float | None,
@@ -97,7 +95,7 @@ def run(
         str | None,
         typer.Option(
             metavar="TIME",
-            help="Wall time after which it ends, to be gone on with: integrator.max_wall_time.",
+            help="Wall time after which the run stops; --resume continues it: integrator.max_wall_time.",
         ),
     ] = None,
     checkpoint: Annotated[
@@ -107,12 +105,12 @@ def run(
         Path | None,
         typer.Option(
             metavar="FILE",
-            help="Go on with the run of this result from its last checkpoint.",
+            help="Continue the run of this result from its last checkpoint.",
         ),
     ] = None,
-    progress: Annotated[bool, typer.Option(help="Show a progress bar.")] = True,
+    progress: ProgressOption = True,
     summary: Annotated[bool, typer.Option(help="Print a summary of the result.")] = True,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+    quiet: QuietOption = False,
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
@@ -134,7 +132,7 @@ def run(
             refuse("run: must be given a SCENARIO, or --resume FILE; `antenna-pin list` has what ships")
         chosen, span = load(scenario, case, changes, geometry, duration), None
         path = writable_file(out or Path(f"{stem(chosen)}.nc"), ".nc")
-        if has_checkpoint(path):
+        if _has_checkpoint(path):
             complain(
                 f"note: a run to {path} was stopped; --resume {path} goes on with it, this one replaces it"
             )
@@ -144,7 +142,7 @@ def run(
         for name, value in given.items():
             if value:
                 refuse(f"run: {name} must be left out beside --resume, which goes on with what was begun")
-        chosen, path = resumed(resume)
+        chosen, path = _resumed(resume)
         chosen = chosen.with_overrides(changes) if changes else chosen
         span = None if duration is None else positive_quantity(duration, "s", "--duration", "run")
 
@@ -176,8 +174,7 @@ def run(
             if trajectory.outcome.name == "COMPLETED" and (passed := trajectory.message.partition("; ")[2]):
                 say(f"note: {passed}")
             say_start(trajectory, chosen, "note: ")
-            say_spin(trajectory, "note: ")
-            say_limits(trajectory, "note: ")
+            say_notes(trajectory, "note: ")
         outcome = trajectory.outcome.name
         if trajectory.completed:
             if outcome != "COMPLETED" and not quiet:
@@ -197,13 +194,13 @@ def _toml(text: str) -> str:
     return json.dumps(text) if number is None else repr(number)
 
 
-def has_checkpoint(path: Path) -> bool:
-    """Whether there is a checkpoint of a run whose result is to be at a path."""
+def _has_checkpoint(path: Path) -> bool:
+    """Return whether a result's path has a checkpoint."""
     return path.with_name(path.name + ".parts").joinpath("checkpoint").is_file()
 
 
-def resumed(file: Path) -> tuple[Scenario, Path]:
-    """Return what a run that was stopped was begun with, and where its result goes."""
+def _resumed(file: Path) -> tuple[Scenario, Path]:
+    """Return the scenario of a stopped run, and the path of its result."""
     from antenna_pin.simulation import Checkpoint
 
     path = file.with_suffix("") if file.suffix == ".parts" else file

@@ -1,8 +1,7 @@
-"""``antenna-pin sensitivity``: by how much results change with numbers of the scenario."""
+"""``antenna-pin sensitivity``: derivatives of results over numbers of the scenario."""
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast, get_args
 
@@ -17,7 +16,7 @@ from antenna_pin.cli._export import (
     TableOption,
     csv_target,
     exported,
-    plain,
+    plain_dict,
     save_both,
     targets_of,
 )
@@ -29,40 +28,40 @@ if TYPE_CHECKING:
     from antenna_pin.base.state import State
     from antenna_pin.sensitivity import Changed, Method, Sensitivities
 
-__all__ = ["sensitivity"]
-
 
 def sensitivity(
     context: typer.Context,
     scenario: Annotated[str, typer.Argument(metavar="SCENARIO", help="Scenario.")],
     keys: Annotated[
         list[str],
-        typer.Argument(metavar="KEY[=SCALE]...", help="Numbers of it, as in --set; a scale where one is 0."),
+        typer.Argument(
+            metavar="KEY[=SCALE]...", help="Numbers of the scenario, as in --set; a scale where one is 0."
+        ),
     ],
     case: CaseOption = None,
     settings: SetOption = None,
-    duration: Annotated[str | None, typer.Option(metavar="TIME", help="Of the run.")] = None,
+    duration: Annotated[str | None, typer.Option(metavar="TIME", help="Duration of the run.")] = None,
     method: Annotated[
         str, typer.Option(metavar="NAME", help="runs, quick-runs (two runs a key), or equation.")
     ] = "runs",
     start: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="State to go on from, JSON of State.to_json.")
+        Path | None, typer.Option(metavar="FILE", help="State at the start, JSON of State.to_json.")
     ] = None,
     pieces: Annotated[
         str | None,
         typer.Option(metavar="TIME", help="Length of pieces, each from the run's own state at its start."),
     ] = None,
-    most: Annotated[int, typer.Option(help="Results to show at most, what changes most first.")] = 12,
+    most: Annotated[int, typer.Option(help="Largest number of rows, the largest changes first.")] = 12,
     out: TableOption = None,
     plot: PlotOption = None,
     width: WidthOption = Width.PAGE,
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Say by how much results change with some numbers of a scenario, through all of its events.
+    """Differentiate results over numbers of a scenario, through all of its events.
 
-    Of each number of the result, how large it is and by how much it changes per 1 % of each key (of its
-    scale, if one is given), and what is in doubt of that; and how far along the run that can be believed.
+    Each number of the result has its value, its change per 1 % of each key (of its scale, if one is given)
+    and the error estimate; derivatives of the motion have the time up to which they are known.
     """
     table, targets = csv_target(csv), targets_of(out, plot)
     check_count("sensitivity", "--most", most)
@@ -116,62 +115,49 @@ def _state(path: Path) -> State:
         raise FileFormatError(f"--start {path}: {error}") from None
 
 
-def _facts(found: Sensitivities, rows: list[dict[str, Any]]) -> dict[str, Any]:
+def _facts(result: Sensitivities, rows: list[dict[str, Any]]) -> dict[str, Any]:
     """Return all that is known, in plain numbers."""
     from antenna_pin.sensitivity import refused_in
 
-    growth = [
-        {
-            name: value if not isinstance(value, float) or math.isfinite(value) else None
-            for name, value in pairs
-        }
-        for pairs in (one._asdict().items() for one in found.growth())
-    ]
+    keys = ("key", "value", "unit", "scale")
     return {
-        "parameters": _parameters(found),
+        "parameters": [plain_dict({key: getattr(one, key) for key in keys}) for one in result.parameters],
         "results": rows,
-        "growth": plain({"of": growth})["of"],
-        "refused": refused_in(found),
+        "growth": [plain_dict(one._asdict()) for one in result.growth()],
+        "refused": refused_in(result),
     }
 
 
-def _parameters(found: Sensitivities) -> list[dict[str, Any]]:
-    return [
-        plain({"key": p.key, "value": p.value, "unit": p.unit, "scale": p.scale}) for p in found.parameters
-    ]
-
-
-def _row(found: Sensitivities, one: Changed) -> dict[str, Any]:
+def _row(result: Sensitivities, one: Changed) -> dict[str, Any]:
     """Return the row of a number."""
     row: dict[str, Any] = {"result": one.result, "unit": one.unit, "value": one.value}
     for parameter, slope, doubt in zip(
-        found.parameters, one.slopes.tolist(), one.doubts.tolist(), strict=True
+        result.parameters, one.slopes.tolist(), one.doubts.tolist(), strict=True
     ):
         row[f"per 1 % of {parameter.key}"], row[f"doubt of {parameter.key}"] = 0.01 * slope, 0.01 * doubt
-    told: dict[str, Any] = plain(row)
-    return told
+    return plain_dict(row)
 
 
-def _print(found: Sensitivities, rows: list[dict[str, Any]]) -> None:
-    names = [f"({k})" for k in range(1, len(found.parameters) + 1)]
-    for name, one in zip(names, found.parameters, strict=True):
+def _print(result: Sensitivities, rows: list[dict[str, Any]]) -> None:
+    names = [f"({k})" for k in range(1, len(result.parameters) + 1)]
+    for name, one in zip(names, result.parameters, strict=True):
         typer.echo(f"{name} {one.key} = {one.value:.6g}{' ' + one.unit if one.unit not in ('', '1') else ''}")
     lines = []
     for row in rows:
-        changes = [_change(row, one.key) for one in found.parameters]
+        changes = [_change(row, one.key) for one in result.parameters]
         lines.append([f"{row['result']} [{row['unit'] or '-'}]", f"{row['value']:.5g}", *changes])
     from antenna_pin.sensitivity import growth_said, refused_in
 
     if lines:
         print_rows("Change per 1 %", ["", "is", *names], lines)
-    elif "piece_begin" not in found.data.coords:
+    elif "piece_begin" not in result.data.coords:
         typer.echo("no number of the result changes with these by more than is in doubt")
-    typer.echo(growth_said(found))
-    for piece in refused_in(found):
+    typer.echo(growth_said(result))
+    for piece in refused_in(result):
         typer.echo(f"no derivatives from {piece['begin']:.6g} s to {piece['end']:.6g} s: {piece['why']}")
 
 
 def _change(row: dict[str, Any], key: str) -> str:
-    """Return a change as digits tell it: those that are in doubt are left out."""
+    """Return a change, or a dash below its error estimate."""
     change, doubt = row[f"per 1 % of {key}"], row[f"doubt of {key}"]
     return f"{change:+.3g}" if change is not None and abs(change) > doubt else "-"

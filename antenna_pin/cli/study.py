@@ -1,4 +1,4 @@
-"""``antenna-pin study``: what a study's runs have come to, in tables, figures and a report.
+"""``antenna-pin study``: a study's results in tables, figures and a report.
 
 Errors leave here as exceptions; :mod:`antenna_pin.cli` turns them into one line and an exit code.
 """
@@ -25,6 +25,7 @@ from antenna_pin.cli._common import (
 )
 from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported
 from antenna_pin.cli._tables import number_text, print_rows
+from antenna_pin.cli._usage import command_group
 from antenna_pin.errors import UnknownNameError
 
 if TYPE_CHECKING:
@@ -49,7 +50,7 @@ def run_rows(design: Design) -> tuple[list[str], list[list[str]]]:
 
 
 def said_of_time(runs: int, seconds: RunTime, cores: int) -> str:
-    """Return what a study takes, in words: a range where the pace of runs changes on their way."""
+    """Return a study's duration in words; a range where the runs differ in pace."""
     alike = seconds.most <= _ALIKE * seconds.least
     times = (seconds.mean,) if alike else (seconds.least, seconds.most)
     each = " to ".join(f"{one:.2g}" for one in times)
@@ -73,18 +74,18 @@ def outcome_rows(table: xr.Dataset) -> tuple[list[str], list[list[str]]]:
 
 
 def is_grid(table: xr.Dataset) -> bool:
-    """Whether all combinations of chosen values were run; statistics say something of drawn ones only."""
+    """Return whether the runs form a grid, which has no statistics."""
     return str(table.attrs["method"]) == "grid"
 
 
 def grid_rows(table: xr.Dataset) -> tuple[list[str], list[list[str]], int]:
-    """Return head and rows of a grid's runs, values against responses, and how many are not shown.
+    """Return head and rows of a grid's runs, and the number of hidden ones.
 
     A column has one prefix for all of its numbers.
     """
     like = table["outcome"]
     head, columns = ["run"], [list(map(str, range(min(like.size, _GRID))))]
-    for name in (*parameters_of(table), *responses_of(table)):
+    for name in (*names_of(table, "parameters"), *names_of(table, "responses")):
         values = table[name].broadcast_like(like).transpose(*like.dims).values.ravel()[:_GRID].tolist()
         units, title = str(table[name].attrs.get("units", "")), name
         if table[name].dtype.kind in "fi":
@@ -102,18 +103,16 @@ def grid_rows(table: xr.Dataset) -> tuple[list[str], list[list[str]], int]:
 
 
 def print_grid(name: str, table: xr.Dataset) -> None:
-    """Print what the runs of a grid came to, a row each."""
+    """Print the responses of a grid's runs, a row each."""
     head, rows, more = grid_rows(table)
     print_rows(f"{name}: {table['outcome'].size} runs", head, rows)
     if more:
         say(f"... and {more} more; --csv of antenna-pin study show has all")
 
 
-def responses_of(table: xr.Dataset) -> list[str]:
-    """Return the names of a study's responses."""
-    import json
-
-    return list(json.loads(table.attrs["responses"]))
+def names_of(table: xr.Dataset, part: str) -> list[str]:
+    """Return the names of a study's ``parameters`` or ``responses``."""
+    return list(json.loads(table.attrs[part]))
 
 
 def print_outcomes(name: str, table: xr.Dataset) -> None:
@@ -127,22 +126,15 @@ def print_outcomes(name: str, table: xr.Dataset) -> None:
 
 
 def failures(table: xr.Dataset) -> Iterator[tuple[int, str, str, str]]:
-    """Yield runs that ended early or do not balance: number, values of the parameters, outcome, message."""
+    """Yield number, parameters, outcome, message of runs that ended early or do not balance."""
     import numpy as np
 
     outcomes = table["outcome"].values
     for place in np.argwhere(~np.isin(outcomes, ("COMPLETED", "STOPPED", "PENDING"))):
         index = dict(zip(table["outcome"].dims, map(int, place), strict=True))
         one = table.isel(index)
-        values = ", ".join(f"{name} = {value_text(one[name])}" for name in parameters_of(table))
+        values = ", ".join(f"{name} = {value_text(one[name])}" for name in names_of(table, "parameters"))
         yield int(one["run"]), values, str(one["outcome"].item()), str(one["message"].item())
-
-
-def parameters_of(table: xr.Dataset) -> list[str]:
-    """Return the names of a study's parameters."""
-    import json
-
-    return list(json.loads(table.attrs["parameters"]))
 
 
 def value_text(value: xr.DataArray) -> str:
@@ -153,13 +145,7 @@ def value_text(value: xr.DataArray) -> str:
     return f"{float(value):.6g}{f' {units}' if units not in ('', '1') else ''}"
 
 
-app = typer.Typer(
-    name="study",
-    help="Studies made by sweep: tables, figures, a report.",
-    no_args_is_help=True,
-    context_settings={"help_option_names": ["-h", "--help"]},
-    rich_markup_mode=None,
-)
+app = command_group("study", "Studies made by sweep: tables, figures, a report.")
 
 StoreArgument = Annotated[Path, typer.Argument(metavar="STORE", help="Folder of a study, NAME.study.")]
 
@@ -170,12 +156,12 @@ _FAILURES = 20
 def show(
     store: StoreArgument,
     failed: Annotated[
-        bool, typer.Option("--failed", help="List all runs that did not reach their end, or do not balance.")
+        bool, typer.Option("--failed", help="List all runs that ended early or do not balance.")
     ] = False,
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Say how the runs ended and what the responses come to; --csv and --json have every run."""
+    """Print outcomes and responses of the runs; --csv and --json have every run."""
     import numpy as np
 
     from antenna_pin.sweep import open_study, sensitivities
@@ -185,11 +171,7 @@ def show(
     table = open_study(store)
     if as_json or target is not None:
         rows = _rows(table)
-        about = {
-            "title": table.attrs["title"],
-            "digest": table.attrs["digest"],
-            "method": table.attrs["method"],
-        }
+        about = {name: table.attrs[name] for name in ("title", "digest", "method")}
         exported({"file": str(store), **about, "runs": rows}, rows, as_json, target)
         return
     name = json.loads(table.attrs["study"])["name"]
@@ -211,7 +193,7 @@ def show(
         return
     head = ("", "smallest", *(f"{100.0 * share:g} %" for share in _SHARES), "largest", "mean")
     rows_ = []
-    for response in responses_of(table):
+    for response in names_of(table, "responses"):
         values = np.ravel(table[response].values).astype(float)
         values = values[np.isfinite(values)]
         if values.size:
@@ -220,7 +202,7 @@ def show(
             rows_.append([_with_unit(table[response]), *(number_text(float(one)) for one in numbers)])
     print_rows(f"{name}: responses", head, rows_)
     if table.attrs["method"] in ("morris", "saltelli"):
-        for response in responses_of(table):
+        for response in names_of(table, "responses"):
             found = sensitivities(table, response)
             columns = list(map(str, found.data_vars))
             lines = [
@@ -294,8 +276,8 @@ def _rows(table: xr.Dataset) -> list[dict[str, Any]]:
     import numpy as np
 
     like = table["outcome"]
-    names = ["run", *parameters_of(table), *responses_of(table), "outcome", "message", "end_time", "steps"]
-    names += ["evaluations", "seed", "wall_time"]
+    names = ["run", *names_of(table, "parameters"), *names_of(table, "responses")]
+    names += ["outcome", "message", "end_time", "steps", "evaluations", "seed", "wall_time"]
     columns = {
         name: np.ravel(table[name].broadcast_like(like).transpose(*like.dims).values).tolist()
         for name in names

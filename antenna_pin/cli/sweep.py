@@ -1,4 +1,4 @@
-"""``antenna-pin sweep``: the runs of a parameter study, those that its store does not have yet."""
+"""``antenna-pin sweep``: the runs of a parameter study that its store lacks."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.cli._common import complain, refuse, say
+from antenna_pin.cli._common import ProgressOption, QuietOption, complain, refuse, say
 from antenna_pin.cli._progress import study_bar
 from antenna_pin.cli._tables import print_rows
 from antenna_pin.cli.study import is_grid, print_grid, print_outcomes, run_rows, said_of_time
@@ -37,7 +37,7 @@ def sweep(
         ),
     ] = None,
     dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Say what would be run, and how long that takes; run nothing.")
+        bool, typer.Option("--dry-run", help="Print the planned runs and their duration; run nothing.")
     ] = False,
     workers: Annotated[
         int | None,
@@ -57,15 +57,15 @@ def sweep(
     apart: Annotated[
         bool,
         typer.Option(
-            "--apart", help="Where the store is of another study or version, make another beside it."
+            "--apart", help="If the store belongs to another study or version, make another beside it."
         ),
     ] = False,
-    progress: Annotated[bool, typer.Option(help="Show a progress bar.")] = True,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")] = False,
+    progress: ProgressOption = True,
+    quiet: QuietOption = False,
 ) -> None:
-    """Make the runs of a parameter study, those that its store does not have yet.
+    """Make the runs of a parameter study that its store lacks.
 
-    All combinations are built before any is run. What was interrupted goes on with the same command.
+    All combinations are built before any is run. The same command continues an interrupted one.
     """
     from antenna_pin.sweep import list_studies, load_study, run_study
 

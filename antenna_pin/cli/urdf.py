@@ -1,4 +1,4 @@
-"""``antenna-pin urdf``: the URDF of a case, and what is read of URDFs and what is not."""
+"""``antenna-pin urdf``: the URDF of a case, and checks of URDFs."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def urdf(
         ),
     ],
     check: Annotated[
-        bool, typer.Option("--check", help="Say of each what is passed over, taken for granted or refused.")
+        bool, typer.Option("--check", help="Report for each the ignored, assumed or refused parts.")
     ] = False,
     case: CaseOption = None,
     out: Annotated[
@@ -51,10 +51,10 @@ def urdf(
     package_path: PackagePathOption = None,
     settings: SetOption = None,
 ) -> None:
-    """Write the URDF that a case simulates, or say what is read of URDFs (--check).
+    """Write the URDF of a case, or check which parts of URDFs are used (--check).
 
-    Joints with clearance are free in it; other tools can load it. Mesh files are named relative to it. With
-    --check the exit code is 0 if all load, 2 if one does not.
+    Joints with clearance are free in it, so that other tools can load it; paths of meshes are relative. With
+    --check the exit code is 0 if all load, else 2.
     """
     roots = package_folders(package_path)
     if check:
@@ -93,7 +93,7 @@ def _is_urdf(target: str) -> bool:
 def _check(
     targets: list[str], case: str | None, settings: list[str] | None, roots: list[Path], out: Path | None
 ) -> None:
-    """Print a line for each thing found, with the file before it, and a count of all."""
+    """Print a line for each finding, and a count of all."""
     from antenna_pin.base.files import check_writable, replacing
 
     target = None if out is None else check_writable(out)
@@ -105,7 +105,7 @@ def _check(
         if target is None:
             say(line)
 
-    for name in _found(targets):
+    for name in _files(targets):
         count += 1
         file = _is_urdf(name)
         if file and (case or settings):
@@ -124,7 +124,7 @@ def _check(
         raise typer.Exit(REFUSED)
 
 
-def _found(targets: list[str]) -> Iterator[str]:
+def _files(targets: list[str]) -> Iterator[str]:
     """Yield the targets, in place of a folder the URDFs in it and below."""
     for target in targets:
         path = Path(target)
@@ -140,7 +140,7 @@ def _found(targets: list[str]) -> Iterator[str]:
 def _verdict(
     name: str, file: bool, case: str | None, settings: list[str] | None, roots: list[Path]
 ) -> tuple[str, list[str]]:
-    """Return whether a URDF loads, in words, and what is to be said of it."""
+    """Return the verdict on a URDF, in words, and the details."""
     import warnings
 
     from antenna_pin.assemble import as_written, build_system, initial_state, urdf_variant
@@ -152,14 +152,14 @@ def _verdict(
     try:
         if file or Path(name).suffix in _SUFFIXES:
             written = WrittenUrdf.load(name, package_path=roots)
-            details = _said(written)
+            details = _passed_over(written)
             made = written.variant()
             system = System(_built(made))
             system.check_pose(system.neutral()[: system.model.nq], made.where)
         else:
             scenario = load(name, case, settings)
             written = as_written(scenario)
-            details = _said(written)
+            details = _passed_over(written)
             made = urdf_variant(scenario)
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", NotSimulatedWarning)  # it is said below
@@ -186,32 +186,32 @@ def _verdict(
     return said, details
 
 
-def _said(written: WrittenUrdf) -> list[str]:
+def _passed_over(written: WrittenUrdf) -> list[str]:
     return [f"passed over: {kind.text()}" for kind in written.passed_over]
 
 
-def _built(made: Urdf) -> Mechanism:
+def _built(variant: Urdf) -> Mechanism:
     """Return the mechanism on a free base, or a fixed one where that cannot be."""
     from antenna_pin.errors import MechanismError
     from antenna_pin.mechanism import WORLD, build_mechanism
 
-    if made.root == WORLD:
-        return build_mechanism(made, "fixed")
+    if variant.root == WORLD:
+        return build_mechanism(variant, "fixed")
     try:
-        return build_mechanism(made, "free")
+        return build_mechanism(variant, "free")
     except MechanismError as error:
         try:
-            return build_mechanism(made, "fixed")
+            return build_mechanism(variant, "fixed")
         except MechanismError:
             raise error from None
 
 
-def _missing(made: Urdf) -> list[str]:
+def _missing(variant: Urdf) -> list[str]:
     """Return mesh files of shapes that are drawn and are not there, each once."""
     names = (
         visual.geometry.mesh.filename
-        for link in made.robot.links
+        for link in variant.robot.links
         for visual in link.visuals
         if visual.geometry.mesh is not None
     )
-    return [name for name in dict.fromkeys(map(str, names)) if made.mesh_file(name) is None]
+    return [name for name in dict.fromkeys(map(str, names)) if variant.mesh_file(name) is None]

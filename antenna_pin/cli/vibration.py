@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from antenna_pin.base.readable import bare, decimal_in
-from antenna_pin.cli._common import Width, WidthOption, figure_target, label_of, load_result
-from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain
+from antenna_pin.cli._common import ResultArgument, Width, WidthOption, figure_target, label_of, load_result
+from antenna_pin.cli._export import CsvOption, JsonOption, csv_target, exported, plain, save_plot
 from antenna_pin.cli._tables import number_text, print_rows
-from antenna_pin.cli._usage import positive_quantity
+from antenna_pin.cli._usage import command_group, positive_quantity
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
@@ -23,15 +23,10 @@ if TYPE_CHECKING:
 
     from antenna_pin.trajectory import Trajectory
 
-app = typer.Typer(
-    name="vibration",
-    help="Vibration: responses to a shaken base, spectral densities, shock response spectra.",
-    no_args_is_help=True,
-    context_settings={"help_option_names": ["-h", "--help"]},
-    rich_markup_mode=None,
+app = command_group(
+    "vibration", "Vibration: responses to a shaken base, spectral densities, shock response spectra."
 )
 
-FileArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")]
 OfOption = Annotated[
     str | None,
     typer.Option(
@@ -44,18 +39,18 @@ SegmentOption = Annotated[
     str | None, typer.Option(metavar="TIME", help="Length of a window; an eighth of the run if left out.")
 ]
 FigureOption = Annotated[
-    Path | None, typer.Option("--plot", metavar="FILE", help="Figure of it: png, pdf or svg.")
+    Path | None, typer.Option("--plot", metavar="FILE", help="Figure of the result: png, pdf or svg.")
 ]
 
 
 def response(
-    file: FileArgument,
+    file: ResultArgument,
     of: OfOption = None,
     to: Annotated[
         str | None,
         typer.Option(
             metavar="NAME",
-            help="Quantity that is the cause; the base's acceleration if left out. Not for a sweep.",
+            help="Quantity of the excitation; the base's acceleration if left out. Not for a sweep.",
         ),
     ] = None,
     periods: Annotated[float, typer.Option(help="Length of a window of a sweep, in periods.")] = 10.0,
@@ -65,17 +60,20 @@ def response(
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Say how something answers to a shaken base, over the frequency.
+    """Compute the response to a shaken base over the frequency.
 
-    Of a base that is swept by synchronous demodulation, with what does not follow the sweep; else by the
-    ratio of spectra, with coherence.
+    A swept base: by synchronous demodulation, with the distortion. Any other: by the ratio of spectra, with
+    the coherence.
     """
-    from antenna_pin.analysis import shakes_of
+    from antenna_pin.analysis import shakes_of, swept_response
 
     target, figure = csv_target(csv), figure_target(plot, "vibration", "--plot")
     run = load_result(file, scenario=False)
     swept = to is None and any("pieces" in one["shakes"] for one in shakes_of(run).values())
-    found = _swept(run, of, periods) if swept else _transferred(run, of, to, segment)
+    if swept:
+        found = swept_response(run, _name(run, of), periods=periods)
+    else:
+        found = _transferred(run, of, to, segment)
     names = (
         ("frequency", "way", "time", "gain", "phase", "amplitude", "base", "distortion")
         if swept
@@ -90,13 +88,10 @@ def response(
         largest = [row for row in rows if row["coherence"] is not None and row["frequency"] > 0.0]
         largest = sorted(largest, key=lambda row: -row["gain"])[:8]
         head = ["frequency [Hz]", "gain [-]", "coherence [-]", "standard error [%]"]
-        shown = [
-            [
-                *(number_text(row[name]) for name in ("frequency", "gain", "coherence")),
-                number_text(100.0 * row["error"]),
-            ]
-            for row in sorted(largest, key=lambda row: row["frequency"])
-        ]
+        shown = []
+        for row in sorted(largest, key=lambda row: row["frequency"]):
+            values = (row["frequency"], row["gain"], row["coherence"], 100.0 * row["error"])
+            shown.append([*map(number_text, values)])
         print_rows(f"{label_of(run, file)}: {found.attrs['target']}, largest gains", head, shown)
     if figure is not None and not swept:
         rule = "left out: the figure is of a swept base; --csv has the numbers"
@@ -104,11 +99,11 @@ def response(
     if figure is not None:
         from antenna_pin.plot import figure_swept
 
-        _save(figure_swept(run, of, periods=periods, width=width.value), figure, as_json)
+        save_plot(figure_swept(run, of, periods=periods, width=width.value), figure, as_json)
 
 
 def density(
-    file: FileArgument,
+    file: ResultArgument,
     of: OfOption = None,
     segment: SegmentOption = None,
     confidence: Annotated[float, typer.Option(help="Probability of the interval.")] = 0.95,
@@ -121,7 +116,7 @@ def density(
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Give the power spectral density of a quantity with its confidence, and root mean squares of bands."""
+    """Compute a quantity's power spectral density with confidence, and rms values of bands."""
     from antenna_pin.analysis import band_rms, power_density, quantity
 
     target, figure = csv_target(csv), figure_target(plot, "vibration", "--plot")
@@ -140,11 +135,11 @@ def density(
     if figure is not None:
         from antenna_pin.plot import figure_density
 
-        _save(figure_density(run, of, segment=length, width=width.value), figure, as_json)
+        save_plot(figure_density(run, of, segment=length, width=width.value), figure, as_json)
 
 
 def shock(
-    file: FileArgument,
+    file: ResultArgument,
     of: OfOption = None,
     quality: Annotated[float, typer.Option(help="Q of the oscillators, 1/(2 damping ratio).")] = 10.0,
     plot: FigureOption = None,
@@ -152,7 +147,7 @@ def shock(
     as_json: JsonOption = False,
     csv: CsvOption = None,
 ) -> None:
-    """Give the shock response spectrum of an acceleration: what oscillators on it would feel."""
+    """Compute the shock response spectrum of an acceleration."""
     from antenna_pin.analysis import quantity, shock_spectrum
 
     target, figure = csv_target(csv), figure_target(plot, "vibration", "--plot")
@@ -170,23 +165,17 @@ def shock(
     if figure is not None:
         from antenna_pin.plot import figure_shock
 
-        _save(figure_shock(run, of, quality=quality, width=width.value), figure, as_json)
+        save_plot(figure_shock(run, of, quality=quality, width=width.value), figure, as_json)
 
 
 def _name(run: Trajectory, of: str | None) -> str:
-    """Return the quantity that is asked for, or the acceleration of the last link on a shaken base."""
+    """Return the selected quantity, or the last link's acceleration on a shaken base."""
     from antenna_pin.analysis import shaken_target, shakes_of
 
     if of is None and not shakes_of(run):
         rule = "given for a run whose base is not shaken: --of NAME"
         raise InvalidParameterError("vibration", "--of", rule, said="nothing")
     return shaken_target(run) if of is None else of
-
-
-def _swept(run: Trajectory, of: str | None, periods: float) -> xr.Dataset:
-    from antenna_pin.analysis import swept_response
-
-    return swept_response(run, _name(run, of), periods=periods)
 
 
 def _transferred(run: Trajectory, of: str | None, to: str | None, segment: str | None) -> xr.Dataset:
@@ -200,13 +189,13 @@ def _transferred(run: Trajectory, of: str | None, to: str | None, segment: str |
     return found.assign_attrs(target=one.name, source=cause.name, units=f"({one.units})/({cause.units})")
 
 
-def _print_peaks(found: xr.Dataset, label: str) -> None:
-    """Print where the answer to a sweep is largest, of each way."""
+def _print_peaks(response: xr.Dataset, label: str) -> None:
+    """Print the peak of the response in each direction of the sweep."""
     import numpy as np
 
     shown = []
     for way, word in ((1, "up"), (-1, "down"), (0, "at one frequency")):
-        one = found.isel(window=np.flatnonzero(found["way"].values == way))
+        one = response.isel(window=np.flatnonzero(response["way"].values == way))
         if not one.sizes["window"]:
             continue
         at = one.isel(window=int(np.argmax(one["gain"].values)))
@@ -215,7 +204,7 @@ def _print_peaks(found: xr.Dataset, label: str) -> None:
         numbers += [float(at[name]) for name in ("frequency", "gain", "amplitude")]
         numbers.append(100.0 * float(one["distortion"].max()))
         shown.append([word, *map(number_text, numbers)])
-    gain, amplitude = (str(found[name].attrs["units"]) for name in ("gain", "amplitude"))
+    gain, amplitude = (str(response[name].attrs["units"]) for name in ("gain", "amplitude"))
     head = [
         "way",
         "from [Hz]",
@@ -225,12 +214,14 @@ def _print_peaks(found: xr.Dataset, label: str) -> None:
         f"amplitude [{amplitude}]",
         "largest distortion [%]",
     ]
-    print_rows(f"{label}: {found.attrs['target']} over the base's acceleration", head, shown, numbers=False)
+    print_rows(
+        f"{label}: {response.attrs['target']} over the base's acceleration", head, shown, numbers=False
+    )
 
 
-def _rows(found: xr.Dataset, names: Sequence[str]) -> list[dict[str, Any]]:
+def _rows(table: xr.Dataset, names: Sequence[str]) -> list[dict[str, Any]]:
     """Return one row for each entry of a dataset of one dimension."""
-    columns = [found[name].values.tolist() for name in names]
+    columns = [table[name].values.tolist() for name in names]
     return [plain(dict(zip(names, row, strict=True))) for row in zip(*columns, strict=True)]
 
 
@@ -246,14 +237,5 @@ def _band(text: str) -> tuple[float, float]:
     return low, high
 
 
-def _save(figure: Any, path: Path, silent: bool) -> None:
-    from antenna_pin.plot import save_figure
-
-    save_figure(figure, path.with_suffix(""), [path.suffix[1:]])
-    if not silent:
-        typer.echo(f"saved {path}")
-
-
-app.command("response")(response)
-app.command("density")(density)
-app.command("shock")(shock)
+for _command in (response, density, shock):
+    app.command()(_command)

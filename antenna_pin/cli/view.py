@@ -1,4 +1,4 @@
-"""``antenna-pin view``: a run in 3D in the browser that pages are opened with, by one short command."""
+"""``antenna-pin view``: a run in 3D in the browser."""
 
 from __future__ import annotations
 
@@ -14,7 +14,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from antenna_pin.cli._common import PackagePathOption, load_result, not_interrupted, package_folders, say
+from antenna_pin.cli._common import (
+    PackagePathOption,
+    ResultArgument,
+    load_result,
+    not_interrupted,
+    package_folders,
+    say,
+)
 from antenna_pin.cli.record import CurveOption, IdealOption, JointOption, ViewName, ViewOption
 from antenna_pin.errors import MissingToolError, OutputError
 
@@ -62,7 +69,7 @@ def opened_by_file(browser: webbrowser.BaseBrowser, address: str) -> Iterator[bo
 
 
 def view(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")],
+    file: ResultArgument,
     ideal: IdealOption = None,
     view: ViewOption = ViewName.MECHANISM,
     joint: JointOption = None,
@@ -78,7 +85,7 @@ def view(
 ) -> None:
     """Show a run in 3D in the browser: make its page and open it.
 
-    The page is one that record makes; it stays, and can be opened again.
+    The page is that of record; it remains and can be opened again.
     """
     from antenna_pin.base.files import check_writable
 
@@ -101,14 +108,14 @@ def view(
     for text in (*recording.data["warnings"], *recording.data["thinned"]):
         say(f"note: {text}")
     with not_interrupted():
-        page = recording.save(target) if target is not None else _beside(recording, file)
+        page = recording.save(target) if target is not None else _save_nearby(recording, file)
         typer.echo(f"saved {page}")
     if opened is not None and not opened.open(page.resolve().as_uri()):
         raise MissingToolError(f"view: a browser must start, got none; open {page} in one")
 
 
-def _beside(recording: Recording, file: Path) -> Path:
-    """Write the page beside the result, where browsers that see home folders only find it; else elsewhere."""
+def _save_nearby(recording: Recording, file: Path) -> Path:
+    """Write the page beside the result, or in a temporary folder."""
     try:
         return recording.save(file.with_name(f"{file.stem}.view.html"))
     except OutputError:

@@ -1,4 +1,4 @@
-"""A scenario as a functional mock-up unit (FMI 3.0, co-simulation) that other tools step and command."""
+"""Scenarios as functional mock-up units (FMI 3.0, co-simulation)."""
 
 from antenna_pin.base.lazy import exported
 

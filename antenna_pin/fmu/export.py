@@ -22,8 +22,6 @@ from antenna_pin.fmu.packed import Packed, check_names
 from antenna_pin.scenario import Scenario
 from antenna_pin.session import start
 
-__all__ = ["export_fmu"]
-
 _MODULE = '''"""{title}: one instance, as pythonfmu3 looks for it."""
 
 from pythonfmu3 import Fmi3Slave
@@ -88,7 +86,7 @@ def export_fmu(
     name = _NO_LETTER.sub("_", f"{scenario.name}_{scenario.case or ''}".rstrip("_") or "scenario")
     name = name if name[0].isalpha() else f"_{name}"
     with tempfile.TemporaryDirectory(prefix="antenna_pin_") as folder:
-        made = _made(Path(folder), name, packed, builder)
+        made = _build(Path(folder), name, packed, builder)
         with replacing(target) as partial:
             shutil.copyfile(made, partial)
     return target
@@ -103,7 +101,7 @@ def _builder() -> Any:
         ) from None
 
 
-def _made(folder: Path, name: str, packed: Packed, builder: Any) -> Path:
+def _build(folder: Path, name: str, packed: Packed, builder: Any) -> Path:
     """Return the FMU, made in a folder."""
     module = f"{name}_{packed.token[:12]}"  # of two FMUs in one process each has its own
     script = folder / f"{module}.py"

@@ -12,25 +12,16 @@ from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNa
 from antenna_pin.scenario import Scenario
 from antenna_pin.session import Session
 
-__all__ = ["FILE", "Packed", "Variable", "check_names", "number_at", "place_of"]
-
 #: In the FMU's folder of resources.
 FILE = "antenna_pin.json"
 
 
-class Variable(NamedTuple):
-    """A number that an FMU takes or gives.
-
-    Attributes:
-        name: As its user has named it.
-        unit: SI unit; empty or "1" for none.
-        start: Its value at the start.
-        meaning: In words.
-    """
+class UnitVariable(NamedTuple):
+    """Number that an FMU takes or gives."""
 
     name: str
-    unit: str
-    start: float
+    unit: str  # SI; empty or "1" for none
+    start: float  # value at the start
     meaning: str
 
 
@@ -85,7 +76,7 @@ class Packed:
 
     # --- its variables, in a session of the scenario --------------------------------------------------------
 
-    def inputs_of(self, session: Session) -> list[Variable]:
+    def inputs_of(self, session: Session) -> list[UnitVariable]:
         """Return the inputs.
 
         Raises:
@@ -100,19 +91,21 @@ class Packed:
                 rule = f"one of each number; {place} is commanded by {' and '.join(same)}: leave one out"
                 raise InvalidParameterError("fmu", "inputs", rule, name)
         return [
-            Variable(name, session.unit(place), session[place], f"commanded: {place}, held over a step")
+            UnitVariable(name, session.unit(place), session[place], f"commanded: {place}, held over a step")
             for name, place in places.items()
         ]
 
-    def outputs_of(self, session: Session) -> list[Variable]:
+    def outputs_of(self, session: Session) -> list[UnitVariable]:
         """Return the outputs.
 
         Raises:
             AntennaPinError: There is no number of one's name.
         """
-        return [Variable(name, session.unit(name), session[name], "at the present") for name in self.outputs]
+        return [
+            UnitVariable(name, session.unit(name), session[name], "at the present") for name in self.outputs
+        ]
 
-    def parameters_of(self, session: Session) -> list[Variable]:
+    def parameters_of(self, session: Session) -> list[UnitVariable]:
         """Return the parameters.
 
         Raises:
@@ -120,7 +113,7 @@ class Packed:
         """
         known = session.settable
         return [
-            Variable(
+            UnitVariable(
                 place,
                 session.unit(place) if place in known else "",
                 number_at(self.scenario, place),
@@ -131,7 +124,7 @@ class Packed:
 
 
 def place_of(session: Session, name: str) -> str:
-    """Return the place of what an input commands: that of a command, or a place itself.
+    """Return the place of an input: that of a command, or a place itself.
 
     Raises:
         UnknownNameError: Neither is of that name.

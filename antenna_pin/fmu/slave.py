@@ -21,13 +21,10 @@ from pythonfmu3.fmi3slave import Fmi3StepResult
 
 from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.fmu.packed import Packed, Variable, place_of
+from antenna_pin.fmu.packed import Packed, UnitVariable, place_of
 from antenna_pin.scenario import Scenario
 from antenna_pin.session import Session, start
 from antenna_pin.trajectory import Outcome
-
-__all__ = ["Slave"]
-
 
 # --- units as FMI has them: products of powers of SI units ---
 
@@ -47,10 +44,7 @@ _PART = re.compile(r"([A-Za-z]+)(?:(?:\^|\*\*)(-?\d+))?")
 
 
 def powers_of(unit: str) -> dict[str, int] | None:
-    """Return the powers of SI units in a unit such as ``N m/rad``; None where there are no whole ones.
-
-    Whatever stands behind the first stroke divides.
-    """
+    """Return the powers of SI units in a unit such as ``N m/rad``."""
     found: dict[str, int] = {}
     for side, parts in enumerate(unit.split("/")):
         for part in parts.replace("**", "^").replace("*", " ").replace("(", " ").replace(")", " ").split():
@@ -80,13 +74,13 @@ class Slave(Fmi3Slave):  # type: ignore[misc]  # the library has no types
     """Instance of an FMU.
 
     Args:
-        **named: As pythonfmu3 gives them: the instance's name, the folder of resources.
+        **options: As pythonfmu3 gives them: the instance's name, the folder of resources.
     """
 
-    def __init__(self, **named: Any) -> None:
+    def __init__(self, **options: Any) -> None:
         """Make a session of the scenario that is packed, and the variables."""
-        super().__init__(**named)
-        self.packed = Packed.read(Path(named["resources"]))
+        super().__init__(**options)
+        self.packed = Packed.read(Path(options["resources"]))
         self.guid = self.packed.token
         self.time = self._first = 0.0
         self._parameters: dict[str, float] = {}
@@ -101,7 +95,7 @@ class Slave(Fmi3Slave):  # type: ignore[misc]  # the library has no types
         )
         self._starts: dict[str, float] = {}
         self._register(
-            Variable("time", "s", 0.0, "of the mechanism"),
+            UnitVariable("time", "s", 0.0, "of the mechanism"),
             Fmi3Causality.independent,
             getter=lambda: self.time,
         )
@@ -117,14 +111,14 @@ class Slave(Fmi3Slave):  # type: ignore[misc]  # the library has no types
 
     # --- variables ------------------------------------------------------------------------------------------
 
-    def _register_numbers(self, one: Variable, causality: Any, numbers: dict[str, float]) -> None:
+    def _register_numbers(self, one: UnitVariable, causality: Any, numbers: dict[str, float]) -> None:
         def write(value: float, name: str = one.name) -> None:
             numbers[name] = value
 
         self._register(one, causality, getter=lambda: numbers[one.name], setter=write)
         self._starts[one.name] = one.start
 
-    def _register(self, one: Variable, causality: Any, **functions: Any) -> None:
+    def _register(self, one: UnitVariable, causality: Any, **functions: Any) -> None:
         named: dict[str, Any] = {"description": one.meaning, **functions}
         powers = powers_of(one.unit)
         if powers is not None:
@@ -192,13 +186,13 @@ class Slave(Fmi3Slave):  # type: ignore[misc]  # the library has no types
 
     def _read(self, name: str) -> float:
         """Return an output; it may depend on the inputs at once."""
-        with self._said():
+        with self._logged():
             self._command()
         return self._session[name]
 
     @contextmanager
-    def _said(self) -> Iterator[None]:
-        """Log what is refused, before the master hears of it."""
+    def _logged(self) -> Iterator[None]:
+        """Log an error on its way to the master."""
         try:
             yield
         except AntennaPinError as error:
@@ -214,7 +208,7 @@ class Slave(Fmi3Slave):  # type: ignore[misc]  # the library has no types
         self._session.close()
 
     def _begin(self) -> None:
-        with self._said():
+        with self._logged():
             self._session: Session = start(self._scenario(), record=False)
 
     def _scenario(self) -> Scenario:

@@ -1,4 +1,4 @@
-"""A scenario explored live: sliders in a browser, half a second of its run after each change."""
+"""Live exploration of a scenario: sliders in a browser, a run after each change."""
 
 from antenna_pin.base.lazy import exported
 

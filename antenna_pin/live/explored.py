@@ -1,4 +1,4 @@
-"""A scenario with some numbers turned: what it is then, what its run shows, and its file."""
+"""Scenario with changed numbers: its curves and its file."""
 
 from __future__ import annotations
 
@@ -17,8 +17,6 @@ from antenna_pin.live.knobs import Knob, knobs_of, play_names
 from antenna_pin.scenario import Scenario, found_from, scenario_toml
 from antenna_pin.session import start
 from antenna_pin.trajectory import Outcome, Trajectory, contact_kinds, contacts_of, names_along
-
-__all__ = ["Curve", "Curves", "Explored"]
 
 Array = NDArray[np.float64]
 
@@ -156,7 +154,7 @@ class Explored:
         return self._begun.with_overrides(self.settings) if self.values else self._begun
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the scenario as it is now as a file that runs by itself: same numbers, same curves.
+        """Write the present scenario as a file of its own: same numbers, same curves.
 
         Raises:
             AntennaPinError: It is none, or cannot be written.

@@ -1,4 +1,4 @@
-"""Numbers of a scenario that one may turn, with the range over which it makes sense to."""
+"""Adjustable numbers of a scenario, with sensible ranges."""
 
 from __future__ import annotations
 
@@ -15,8 +15,6 @@ from antenna_pin.base.readable import GIVEN, bare, readable
 from antenna_pin.base.units import quantity
 from antenna_pin.scenario import LawChange, LawSpec, Scenario, TouchingSpec
 from antenna_pin.scenario.laws import declared_parameters, laws, needs_materials, unit_of
-
-__all__ = ["Knob", "knobs_of", "play_names"]
 
 # How far a number may be turned, as a factor either way: a stiffness, anything else that is positive.
 _WIDE, _USUAL = 100.0, 20.0
@@ -91,7 +89,7 @@ class Knob:
 
     @property
     def _written(self) -> tuple[str, float]:
-        """The unit in which the scenario's value has the fewest digits, as it was written; its size in SI."""
+        """Unit in which the scenario's value has fewest digits, and its SI size."""
         units = [(unit, quantity(f"1 {unit}", self.unit, self.place)) for unit in _OTHERS.get(self.unit, ())]
         return min([(self.unit, 1.0), *units], key=lambda one: _digits(self.value / one[1]))
 
@@ -101,7 +99,7 @@ class Knob:
         return self.unit in ("m", "s", "N", "Hz", "Pa", "rad", "1")
 
     def to_slider(self, value: float) -> float:
-        """Return where a slider from 0 to 1 stands for a value, at its ends for one beyond its range."""
+        """Return the slider's place from 0 to 1, an end for values beyond the range."""
         if self.logarithmic:
             value = max(value, self.low)
             share = math.log(value / self.low) / math.log(self.high / self.low)
@@ -133,7 +131,7 @@ def play_names(scenario: Scenario) -> list[str]:
 
 @takes()
 def knobs_of(scenario: Scenario, joint: str | None = None, sliding: Collection[str] = ()) -> list[Knob]:
-    """Return what may be turned: play and laws of a joint, all drives, and what else acts at the joint.
+    """Return the knobs of a joint's play, laws and elements, and of all drives.
 
     Args:
         scenario: The scenario.
@@ -207,7 +205,7 @@ def _of_play(scenario: Scenario, joint: str | None) -> Iterator[Knob]:
 
 
 def _of_laws(scenario: Scenario, joint: str | None) -> Iterator[Knob]:
-    """Yield the numbers of a joint's contact and friction laws, and of the materials that they come from."""
+    """Yield the knobs of a joint's contact and friction laws and their materials."""
     spec = scenario.clearance.get(joint or "")
     if not isinstance(spec, TouchingSpec):
         return
@@ -253,7 +251,7 @@ def _of_law(
 
 
 def _of_material(scenario: Scenario, name: str, group: str) -> Knob:
-    """Return the knob of a material's modulus; one that ships enters the scenario with all its numbers."""
+    """Return the knob of a material's modulus."""
     material = scenario.material(name)
     place = f"materials.{name}"
     beside: dict[str, Any] = {}

@@ -1,4 +1,4 @@
-"""Style of the page of an explored scenario: colours, type, and dark where the system is."""
+"""Style of the explorer's page: colours, type, dark mode."""
 
 from __future__ import annotations
 
@@ -6,8 +6,6 @@ import json
 from typing import Any
 
 from bokeh.models import CustomJS
-
-__all__ = ["COLOURS", "OUTLINE", "REFERENCE", "STYLE", "darkened", "dressed", "squared"]
 
 #: Those of the figures, told apart by the colour-blind too; what they were before is grey.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -76,7 +74,7 @@ columns[0].watched = true;
 
 
 def darkened(columns: list[Any]) -> CustomJS:
-    """Return what colours the figures in some columns by the system's wish, now and when that changes."""
+    """Return the script that colours figures by the system's light or dark mode."""
     pairs = json.dumps(list(zip(COLOURS, _ON_DARK, strict=True)))
     return CustomJS(args={"columns": columns}, code=_DARKENED.replace("PAIRS", pairs))
 
@@ -93,7 +91,7 @@ if (half > 0 && width > 0 && height > 0) {
 
 
 def squared(figure: Any, corners: Any) -> None:
-    """Keep a circle of a figure round and a square in view, of which a source has two corners."""
+    """Keep the scales of both axes equal around a square of two corners."""
     fitted = CustomJS(args={"figure": figure, "corners": corners}, code=_SQUARE)
     for side in ("inner_width", "inner_height"):
         figure.js_on_change(side, fitted)

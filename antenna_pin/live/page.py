@@ -1,4 +1,4 @@
-"""The page of a scenario that is explored: its sliders, its figures, and what they do to one another."""
+"""Page of the explorer: sliders, figures, and their interaction."""
 
 from __future__ import annotations
 
@@ -24,13 +24,11 @@ from antenna_pin.live.panels import Panels
 from antenna_pin.live.runner import COMPILING, Made, Runner
 from antenna_pin.scenario import Scenario
 
-__all__ = ["Page"]
-
 _POSITIONS = 200  # of a slider
 _TICK = 250  # between two looks at the stage of the first run [ms]
 
 
-class Page:
+class ExplorerPage:
     """Page as shown by one browser.
 
     Args:
@@ -53,10 +51,10 @@ class Page:
     ) -> None:
         """Build the page, and request the first run."""
         self._document, self._out, self._tell = document, out, tell
-        self._told = ""
+        self._stage = ""
         self._explored = Explored(scenario, joint, span)
         self._name = "-".join(filter(None, (scenario.name, scenario.case)))
-        self._runner = Runner(self._hear)
+        self._runner = Runner(self._pass_on)
         self._panels = Panels()
         self._status = dressed(Div(name="status", sizing_mode="stretch_width"))
         self._knobs = Column(name="knobs", sizing_mode="stretch_width")
@@ -190,38 +188,38 @@ class Page:
     def _ask(self) -> None:
         self._runner.ask(self._explored.scenario)
 
-    def _hear(self, made: Made) -> None:
-        """Hear of a run in its thread, and have the page show it in the page's own."""
-        self._document.add_next_tick_callback(partial(self._show, made))
+    def _pass_on(self, answer: Made) -> None:
+        """Pass a run from its thread to the page's own."""
+        self._document.add_next_tick_callback(partial(self._show, answer))
 
     def _tick(self) -> None:
         """Write the stage of the first run until its first display."""
         seconds, stage = round(time.perf_counter() - self._opened), self._runner.stage
         self._panels.announce(f"<div role='status'>First run: {escape(stage)} ({seconds} s)</div>")
-        if stage == COMPILING != self._told:
-            self._told = stage
+        if stage == COMPILING != self._stage:
+            self._stage = stage
             self._tell(f"first run: {stage}")
 
-    def _show(self, made: Made) -> None:
+    def _show(self, answer: Made) -> None:
         if self._ticking is not None:
             self._document.remove_periodic_callback(self._ticking)
             self._ticking = None
             self._panels.announce("")
             shown = f"shown after {lasting(time.perf_counter() - self._opened)}"
-            self._tell(f"first run: {made.refused or shown}")
-        if made.run is None:
-            self._say(refused=made.refused)
+            self._tell(f"first run: {answer.refused or shown}")
+        if answer.run is None:
+            self._say(refused=answer.refused)
             return
-        curves = self._explored.curves(made.run)
-        if made.done and self._reference is None:
+        curves = self._explored.curves(answer.run)
+        if answer.done and self._reference is None:
             self._reference = curves
         self._shown = curves
         self._document.hold("combine")  # one message, one picture
         self._panels.show(curves, self._reference)
-        ended, lines = said_of(made.run)
+        ended, lines = said_of(answer.run)
         about = (
-            f"{ended}; here {lasting(made.wall)} after the change"
-            if made.done
+            f"{ended}; here {lasting(answer.wall)} after the change"
+            if answer.done
             else f"on its way: {self._runner.stage} \N{HORIZONTAL ELLIPSIS}"
         )
         told = "".join(

@@ -1,4 +1,4 @@
-"""The three figures of the page: what they show of a run, and of the one it is compared with."""
+"""Three figures of the page: a run beside the one compared with."""
 
 from __future__ import annotations
 
@@ -11,8 +11,6 @@ from bokeh.plotting import figure
 from antenna_pin.base.readable import prefixed, printed_unit
 from antenna_pin.live.explored import Curve, Curves
 from antenna_pin.live.looks import COLOURS, OUTLINE, REFERENCE, dressed, squared
-
-__all__ = ["Panels"]
 
 _AROUND = 1.15  # of the outline, that is in view beside it
 _NOTHING: dict[str, object] = {"x": np.zeros(0), "y": np.zeros(0)}

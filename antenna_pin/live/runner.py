@@ -13,8 +13,6 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.session import start
 from antenna_pin.trajectory import Outcome, Trajectory
 
-__all__ = ["COMPILING", "Made", "Runner"]
-
 #: Stage of the work that may take longer than all others, once on a machine.
 COMPILING = "compiling, once on this machine, for a minute or two"
 
@@ -31,11 +29,11 @@ class Made:
     """Answer to a request.
 
     Attributes:
-        number: Of what was asked.
-        run: The run as far as it is; None if it was refused.
-        done: Whether nothing more comes of it.
-        refused: Why there is none, in one line; empty if there is.
-        wall: Since it was asked for [s].
+        number: Of the request.
+        run: The run so far; None if it was refused.
+        done: Whether the request is completed.
+        refused: Reason of a refusal, in one line; empty for a run.
+        wall: Time since the request [s].
     """
 
     number: int
@@ -49,12 +47,12 @@ class Runner:
     """Runner of requested runs in a thread; a superseded run is stopped.
 
     Args:
-        told: Called in that thread with what came of the latest.
+        deliver: Called in that thread with answers to the latest request.
     """
 
-    def __init__(self, told: Callable[[Made], None]) -> None:
+    def __init__(self, deliver: Callable[[Made], None]) -> None:
         """Start the thread, which waits."""
-        self._told = told
+        self._deliver = deliver
         self._change = threading.Condition()
         self._asked: tuple[int, Callable[[], Scenario], float] | None = None
         self._number = 0
@@ -65,7 +63,7 @@ class Runner:
         self._thread.start()
 
     def ask(self, scenario: Callable[[], Scenario]) -> int:
-        """Ask for the run of what a function returns, called in the thread; return the number of it."""
+        """Request a run of the scenario that a function returns; return its number."""
         with self._change:
             self._number += 1
             self._asked = self._number, scenario, time.perf_counter()
@@ -106,13 +104,13 @@ class Runner:
                 self._asked = None
             try:
                 self._make(number, scenario, asked)
-            except AntennaPinError as error:
-                self._tell(Made(number, None, True, str(error), time.perf_counter() - asked))
-            except Exception as error:  # one of ours, which must not end all that comes after
-                said = f"{type(error).__name__}: {' '.join(str(error).split())}"
+            except Exception as error:  # also a bug: it must not end the thread
+                said = str(error)
+                if not isinstance(error, AntennaPinError):
+                    said = f"{type(error).__name__}: {' '.join(said.split())}"
                 self._tell(Made(number, None, True, said, time.perf_counter() - asked))
 
-    def _make(self, number: int, scenario: Callable[[], Scenario], asked: float) -> None:
+    def _make(self, number: int, scenario: Callable[[], Scenario], requested: float) -> None:
         """Make a run piece by piece, identical to one run, until another request comes."""
         self._reached = None
         made = scenario()
@@ -131,10 +129,10 @@ class Runner:
             piece = max(piece, _LEAST * made.duration)
             if now - told > _PICTURE and session.time < end:
                 told = now
-                self._tell(Made(number, session.trajectory(), False, "", now - asked))
+                self._tell(Made(number, session.trajectory(), False, "", now - requested))
         run = session.trajectory()
-        self._tell(Made(number, run, True, "", time.perf_counter() - asked))
+        self._tell(Made(number, run, True, "", time.perf_counter() - requested))
 
-    def _tell(self, made: Made) -> None:
-        if made.number == self._number:
-            self._told(made)
+    def _tell(self, answer: Made) -> None:
+        if answer.number == self._number:
+            self._deliver(answer)

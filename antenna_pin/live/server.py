@@ -23,8 +23,6 @@ from antenna_pin.live.explored import SPAN, Explored
 from antenna_pin.live.runner import COMPILING
 from antenna_pin.scenario import Scenario, scenario_named
 
-__all__ = ["Exploration", "explore"]
-
 # Other machines do not reach it; other users of this one lack what the address has behind it.
 _HERE = "127.0.0.1"
 _HEIGHT = "980px"
@@ -48,7 +46,7 @@ def explore(
     out: Path | str | None = None,
     progress: Callable[[str], None] | None = _write,
 ) -> Exploration:
-    """Serve a page with sliders for a scenario's numbers, on this machine only, until it is stopped.
+    """Serve a page with sliders for a scenario's numbers, on this machine only.
 
     In a notebook what is returned shows itself; else open its ``url`` in a browser.
 
@@ -169,16 +167,13 @@ class Exploration:
             http.add_sockets([listening])
             server = BaseServer(IOLoop.current(), application, http)
             server.start()
-        except OSError as error:
-            said = error.strerror or str(error)
-            self._failed = OutputError(
-                f"explore: port {port} must be free, got: {said}; leave --port out for a free one"
-            )
-            self._ready.set()
-            loop.close()
-            return
         except BaseException as error:
             self._failed = error
+            if isinstance(error, OSError):
+                said = error.strerror or str(error)
+                self._failed = OutputError(
+                    f"explore: port {port} must be free, got: {said}; leave --port out for a free one"
+                )
             self._ready.set()
             loop.close()
             return
@@ -196,9 +191,9 @@ class Exploration:
             loop.close()
 
     def _fill(self, document: Any) -> None:
-        from antenna_pin.live.page import Page
+        from antenna_pin.live.page import ExplorerPage
 
-        Page(document, *self._about)
+        ExplorerPage(document, *self._about)
 
     def wait(self) -> None:
         """Return when it has been stopped; Ctrl-C comes through."""

@@ -1,4 +1,4 @@
-"""One-file reports on any number of runs, to be read on a screen, a phone or paper."""
+"""Reports in one file on any number of runs, for screen, phone and paper."""
 
 from antenna_pin.base.lazy import exported
 

@@ -1,4 +1,4 @@
-"""What a page is made of: sections of text, tables, pictures, recordings. Templates draw them."""
+"""Parts of a page, for templates: sections of text, tables, pictures, recordings."""
 
 from __future__ import annotations
 
@@ -12,28 +12,6 @@ from antenna_pin.analysis import ROUND_OFF_WORDS, is_round_off
 from antenna_pin.base.readable import number, prefixed, readable
 from antenna_pin.plot import Drawn
 
-__all__ = [
-    "Beside",
-    "Cell",
-    "Details",
-    "Embedded",
-    "Item",
-    "Picture",
-    "Row",
-    "Section",
-    "Statement",
-    "Table",
-    "ZERO",
-    "counts",
-    "quantities",
-    "quantity",
-    "said_of_zeros",
-    "shares_row",
-    "turned",
-    "words",
-]
-
-
 ZERO = "≈ 0"
 """What stands for a number that is zero to round-off."""
 
@@ -42,20 +20,15 @@ _SHORT = 24
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """One entry of a table.
-
-    Attributes:
-        text: As it is printed.
-        value: The number behind it, in SI units; None for words.
-    """
+    """Entry of a table."""
 
     text: str
-    value: float | None = None
+    value: float | None = None  # the number behind the text, in SI units; None for words
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A row of a table; one without cells is a heading over the rows below it."""
+    """Row of a table; without cells a heading over the rows below."""
 
     name: str
     cells: tuple[Cell, ...] = ()
@@ -64,67 +37,47 @@ class Row:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table:
-    """A table.
+    """Table."""
 
-    Attributes:
-        columns: Headings of the columns, the first of the rows' names among them.
-        rows: From top to bottom.
-        caption: What it shows.
-        key: Name by which it is found in the page.
-        dense: Whether it has so many rows that it is set small.
-    """
-
-    columns: tuple[str, ...]
+    columns: tuple[str, ...]  # headings, that of the rows' names first
     rows: tuple[Row, ...]
     caption: str = ""
-    key: str = ""
-    dense: bool = False
+    key: str = ""  # identifier in the page
+    dense: bool = False  # of so many rows that it is set small
     kind: str = field(default="table", init=False)
 
     @property
     def short(self) -> bool:
-        """Whether it is to stay on one page of paper."""
+        """Return whether the table stays on one page of paper."""
         return len(self.rows) <= _SHORT
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Statement:
-    """One thing said of the runs.
-
-    Attributes:
-        label: What it is about.
-        texts: Names of runs, and what is said of them; no names if the same holds for all.
-        code: Whether it is to be typed, or the name of a file.
-    """
+    """Statement on the runs."""
 
     label: str
-    texts: tuple[tuple[tuple[str, ...], str], ...]
-    code: bool = False
+    texts: tuple[tuple[tuple[str, ...], str], ...]  # labels of runs, none for all of them, and the text
+    code: bool = False  # a command or the name of a file
+
+
+def statement(label: str, text: str, code: bool = False) -> Statement:
+    """Return a statement on all runs."""
+    return Statement(label=label, texts=(((), text),), code=code)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Picture:
-    """A figure.
-
-    Attributes:
-        svg: Its file.
-        packed: The same as the page's script unpacks it.
-        caption: What it shows, in words that also do for those who cannot see it.
-        size: Width and height at which it was drawn [mm].
-        key: Name by which it is found in the page.
-        name: Its short name, beside others of a section; its caption if empty.
-        numbers: What it shows as numbers.
-        plain: Whether it is in the page as it is, so that it is seen where no script runs.
-    """
+    """Figure."""
 
     svg: bytes
-    packed: str
-    caption: str
-    size: tuple[float, float] = (180.0, 100.0)
-    key: str = ""
-    name: str = ""
+    packed: str  # the same for the page's script to unpack
+    caption: str  # also for those who cannot see the figure
+    size: tuple[float, float] = (180.0, 100.0)  # width and height [mm]
+    key: str = ""  # identifier in the page
+    name: str = ""  # short name beside others of a section; the caption if empty
     numbers: Sequence[Drawn] = ()
-    plain: bool = False
+    plain: bool = False  # stands unpacked in the page, for readers without scripts
     kind: str = field(default="picture", init=False)
 
     @property
@@ -135,12 +88,7 @@ class Picture:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Embedded:
-    """A recording: a part of the page that the viewer's own room made.
-
-    Attributes:
-        html: Its markup, which is safe as it stands.
-        caption: What it shows.
-    """
+    """Recording; its markup is safe."""
 
     html: str
     caption: str
@@ -148,13 +96,8 @@ class Embedded:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Beside:
-    """A table, and what is seen beside it where the screen is wide enough.
-
-    Attributes:
-        table: The table.
-        seen: Recordings and pictures.
-    """
+class PicturedTable:
+    """Table with pictures and recordings beside it on a wide screen."""
 
     table: Table
     seen: tuple[Embedded | Picture, ...] = ()
@@ -163,63 +106,53 @@ class Beside:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Details:
-    """What is shown when asked for: tables, or text as it stands in a file.
-
-    Attributes:
-        title: What is in it.
-        tables: Tables, or nothing.
-        text: Text set as code, or nothing.
-        notes: What the numbers mean.
-        key: Name by which it is found in the page.
-    """
+    """Folded tables or text."""
 
     title: str
     tables: tuple[Table, ...] = ()
-    text: str = ""
-    notes: tuple[str, ...] = ()
-    key: str = ""
+    text: str = ""  # set as code
+    notes: tuple[str, ...] = ()  # meaning of the numbers
+    key: str = ""  # identifier in the page
     kind: str = field(default="details", init=False)
 
 
-Item: TypeAlias = Table | Picture | Embedded | Beside | Details
+Item: TypeAlias = Table | Picture | Embedded | PicturedTable | Details
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Section:
-    """A part of the page under a heading.
+    """Part of the page under a heading."""
 
-    Attributes:
-        key: Its address in the page.
-        title: Its heading.
-        lead: What is to be known before the rest, one paragraph each.
-        statements: Facts by label.
-        items: Tables, pictures, recordings and details, in order.
-        notes: What is missing and why.
-        meaning: What the numbers mean; shown when asked for.
-        parts: Sections within it.
-        folded: Whether all of it is shown when asked for, and on paper.
-    """
-
-    key: str
+    key: str  # address in the page
     title: str
-    lead: tuple[str, ...] = ()
+    lead: tuple[str, ...] = ()  # paragraphs before the rest
     statements: tuple[Statement, ...] = ()
     items: tuple[Item, ...] = ()
-    notes: tuple[str, ...] = ()
-    meaning: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()  # missing parts and the reasons
+    meaning: tuple[str, ...] = ()  # of the numbers; folded
     parts: tuple[Section, ...] = ()
-    folded: bool = False
+    folded: bool = False  # unfolded on paper
 
     @property
     def empty(self) -> bool:
-        """Whether there is nothing under the heading."""
+        """Return whether there is nothing under the heading."""
         return not (self.lead or self.statements or self.items or self.notes or self.parts)
 
     @property
     def pictures(self) -> tuple[Picture, ...]:
-        """All figures in it."""
-        beside = (seen for item in self.items if isinstance(item, Beside) for seen in item.seen)
+        """All figures of the section."""
+        beside = (seen for item in self.items if isinstance(item, PicturedTable) for seen in item.seen)
         return tuple(one for one in (*self.items, *beside) if isinstance(one, Picture))
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """Outcome of a run, a finding or a study, for the page's head."""
+
+    label: str
+    completed: bool
+    outcome: str  # in a word or two
+    text: str  # in a line
 
 
 def quantities(
@@ -229,14 +162,9 @@ def quantities(
     digits: int = 4,
     scales: Mapping[str, float] | None = None,
 ) -> Row:
-    """Return a row of numbers with one prefix for all; what is None or not finite is a dash.
+    """Return a row of numbers with one prefix; None and infinite are dashes.
 
-    Args:
-        name: Of the row.
-        values: One per column, in the SI unit.
-        unit: Their SI unit.
-        digits: Significant digits.
-        scales: Of the runs, by which numbers may be zero to round-off; none is if not given.
+    ``scales`` are those of the runs, by which numbers may be zero to round-off.
     """
     still = [is_round_off(value, unit, scales or {}) for value in values]
     factor, printed = prefixed(unit, [v for v, zero in zip(values, still, strict=True) if not zero])
@@ -259,7 +187,7 @@ def quantity(
 
 
 def said_of_zeros(tables: Iterable[Table]) -> tuple[str, ...]:
-    """Return what the sign of zero means, as notes of a section, where its tables have one."""
+    """Return the note on the sign of zero, if a table has one."""
     cells = (cell for table in tables for row in table.rows for cell in row.cells)
     return (f"{ROUND_OFF_WORDS}.",) if any(cell.text == ZERO for cell in cells) else ()
 
@@ -292,13 +220,10 @@ _SPACE = "\N{NO-BREAK SPACE}"
 
 
 def turned(table: Table) -> Table:
-    """Return a table whose groups of rows are lines, one for each thing and run, if there are many groups.
+    """Return a table of many groups with one line for each thing and run.
 
-    One of few groups, or of groups of different rows, stays as it is. What is zero or missing in all is left
-    out, but for the first quantity.
-
-    Args:
-        table: With a group of rows for each thing, its columns being runs.
+    A table of few groups, or of groups of different rows, stays as it is. Quantities that are zero or missing
+    in all groups are left out, but for the first.
     """
     groups = _groups(table.rows)
     names = [tuple(row.name for row in rows) for _, rows in groups]
@@ -339,7 +264,7 @@ def _groups(rows: Sequence[Row]) -> list[tuple[str, list[Row]]]:
 
 
 def _tells(row: Row) -> bool:
-    """Whether there is a number other than zero, or a word, in a row."""
+    """Return whether a row has a number other than zero, or a word."""
     return any(cell.value if cell.value is not None else cell.text != number(None) for cell in row.cells)
 
 

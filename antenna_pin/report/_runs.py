@@ -1,4 +1,4 @@
-"""The runs that a report is about: what they are called, which of them is the ideal one."""
+"""Runs and findings of a report: labels, origin, rows of their quantities."""
 
 from __future__ import annotations
 
@@ -14,7 +14,16 @@ import xarray as xr
 
 from antenna_pin.analysis import blocks
 from antenna_pin.errors import FileFormatError, InvalidParameterError
-from antenna_pin.report._page import Details, Row, Statement, counts, quantities, shares_row
+from antenna_pin.report._page import (
+    Details,
+    Row,
+    Statement,
+    Table,
+    counts,
+    quantities,
+    shares_row,
+    statement,
+)
 from antenna_pin.scenario import Scenario, scenario_toml
 from antenna_pin.trajectory import (
     FORMAT,
@@ -32,41 +41,16 @@ from antenna_pin.trajectory import (
 from antenna_pin.trajectory.columns import Variable
 from antenna_pin.trajectory.quantities import slides_along
 
-__all__ = [
-    "Finding",
-    "Judged",
-    "Reported",
-    "ReportedRun",
-    "Run",
-    "along",
-    "every",
-    "ideal_of",
-    "labels_of",
-    "origin",
-    "parted",
-    "reported",
-    "row_of",
-    "rows_along",
-    "slides_in",
-]
-
-
 Run: TypeAlias = Trajectory | str | os.PathLike[str] | tuple[str, Trajectory]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReportedRun:
-    """A run as the report sees it.
+    """Run of a report."""
 
-    Attributes:
-        label: Its name in tables and figures, unlike those of the others.
-        run: What it is.
-        file: Where it was read from; None for one that was given as an object.
-    """
-
-    label: str
+    label: str  # in tables and figures, unlike those of the others
     run: Trajectory
-    file: Path | None = None
+    file: Path | None = None  # None for a run that was passed as an object
 
     @property
     def data(self) -> xr.Dataset:
@@ -75,12 +59,12 @@ class ReportedRun:
 
     @property
     def ideal(self) -> bool:
-        """Whether it has no contact, so that others are compared with it."""
+        """Return whether the run has no contact, so that others are compared with it."""
         return self.data.sizes.get("contact", 0) == 0
 
     @property
     def samples(self) -> int:
-        """How many samples it has."""
+        """Return the number of samples."""
         return int(self.data.sizes["time"])
 
     @property
@@ -90,7 +74,7 @@ class ReportedRun:
 
     @property
     def conserved(self) -> dict[str, Any]:
-        """How well it kept what is conserved."""
+        """Return the errors of energy and momentum."""
         found: dict[str, Any] = json.loads(self.data.attrs.get("conservation", "{}"))
         return found
 
@@ -104,7 +88,7 @@ class ReportedRun:
 
 
 def reported(runs: Iterable[Run] | Run) -> list[ReportedRun]:
-    """Return runs with labels that tell them apart: the case, or the file's name, or a number.
+    """Return runs with distinct labels: the case, the file's name, or a number.
 
     Raises:
         InvalidParameterError: There is no run.
@@ -133,12 +117,8 @@ def reported(runs: Iterable[Run] | Run) -> list[ReportedRun]:
         first = [stem or label for label, stem, _, _ in found]
     result: list[ReportedRun] = []
     for (_, _, run, file), label in zip(found, first, strict=True):
-        taken = {other.label for other in result}
-        name, copy = label, 2
-        while name in taken:
-            name, copy = f"{label} ({copy})", copy + 1
         series(run.data, "report")
-        result.append(ReportedRun(name, run, file))
+        result.append(ReportedRun(_free(label, result), run, file))
     return result
 
 
@@ -150,9 +130,14 @@ def _is_pair(entry: object) -> bool:
 
 
 def ideal_of(runs: Sequence[ReportedRun]) -> ReportedRun | None:
-    """Return the run that the others are compared with: the first without contact, if others have some."""
+    """Return the reference run: the first without contact, if others have some."""
     ideals = [run for run in runs if run.ideal and run.samples > 1]
     return ideals[0] if ideals and len(runs) > 1 else None
+
+
+def run_table(runs: Sequence[ReportedRun], rows: Iterable[Row], caption: str, key: str) -> Table:
+    """Return a table with a column for each run."""
+    return Table(columns=("", *labels_of(runs)), rows=tuple(rows), caption=caption, key=key)
 
 
 def labels_of(runs: Sequence[ReportedRun]) -> tuple[str, ...]:
@@ -161,57 +146,31 @@ def labels_of(runs: Sequence[ReportedRun]) -> tuple[str, ...]:
 
 
 Reported: TypeAlias = Run | xr.Dataset
-"""What a report takes: runs, and the datasets of what motions come to."""
+"""Contents of a report: runs, and datasets of findings."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Finding:
-    """A dataset of what a motion comes to, as the report sees it.
+    """Dataset of a motion's analysis or of a fit, in a report."""
 
-    Attributes:
-        label: Its name, unlike those of others.
-        kind: What it is of.
-        table: The dataset.
-        file: Where it was read from; None for one that was given as an object.
-    """
-
-    label: str
+    label: str  # unlike those of others
     kind: TableKind
     table: xr.Dataset
-    file: Path | None = None
+    file: Path | None = None  # None for a dataset that was passed as an object
 
 
-@dataclass(frozen=True, slots=True)
-class Judged:
-    """What a finding comes to, for the page's head.
-
-    Attributes:
-        label: Of the finding.
-        completed: Whether it says what it was made for.
-        outcome: In a word or two.
-        text: In a line.
-    """
-
-    label: str
-    completed: bool
-    outcome: str
-    text: str
-
-
-def parted(given: Iterable[Reported] | Reported) -> tuple[list[Run], list[Finding]]:
+def parted(entries: Iterable[Reported] | Reported) -> tuple[list[Run], list[Finding]]:
     """Return the runs among what is given, not yet read, and the rest.
 
     Raises:
         FileFormatError: A file is neither that of a run nor one of these datasets.
         InvalidParameterError: A dataset is none of these.
     """
-    single = isinstance(given, Trajectory | xr.Dataset | str | os.PathLike) or (
-        isinstance(given, tuple) and len(given) == 2 and isinstance(given[1], Trajectory)
-    )
+    single = isinstance(entries, Trajectory | xr.Dataset | str | os.PathLike) or _is_pair(entries)
     runs: list[Run] = []
     found: list[Finding] = []
-    entries: list[Any] = [given] if single else list(given)  # type: ignore[arg-type]
-    for entry in entries:
+    several: list[Any] = [entries] if single else list(entries)  # type: ignore[arg-type]
+    for entry in several:
         if isinstance(entry, xr.Dataset):
             kind = kind_of(entry)
             if kind is None:
@@ -231,7 +190,7 @@ def parted(given: Iterable[Reported] | Reported) -> tuple[list[Run], list[Findin
 
 
 def _kind_in(path: Path) -> TableKind | None:
-    """Return what a file is of; None for one of a run, and for one whose reader will say what is wrong."""
+    """Return the kind of a file's dataset; None for a run."""
     said = format_of(path)
     if said is None or said.startswith(FORMAT.rpartition(" ")[0]):
         return None
@@ -249,7 +208,8 @@ def _either() -> str:
     return f"{', '.join(most)} or {last}"
 
 
-def _free(label: str, others: Sequence[Finding]) -> str:
+def _free(label: str, others: Sequence[Finding | ReportedRun]) -> str:
+    """Return a label that no other has."""
     taken, name, copy = {one.label for one in others}, label, 2
     while name in taken:
         name, copy = f"{label} ({copy})", copy + 1
@@ -257,37 +217,32 @@ def _free(label: str, others: Sequence[Finding]) -> str:
 
 
 def origin(finding: Finding, shown: set[str]) -> tuple[tuple[Statement, ...], tuple[Details, ...]]:
-    """Return where a finding comes from: its command, file, versions, and its scenario in full.
+    """Return a finding's scenario, command, file and versions.
 
-    Args:
-        finding: The finding.
-        shown: Scenarios that the page has already, as their files would be; this one's is added.
+    ``shown`` has the texts of scenarios that the page contains already; this one's is added.
     """
     attributes = finding.table.attrs
-    statements = []
-
-    def say(label: str, text: str, code: bool = False) -> None:
-        if text:
-            statements.append(Statement(label=label, texts=(((), text),), code=code))
-
     scenario = _scenario(attributes)
     said = ""
     if scenario is not None:
         parts = [f"case {scenario.case}" if scenario.case else "", *scenario.overrides]
         said = ", ".join([f"{scenario.name}: {scenario.title}", *filter(None, parts)])
-    say("scenario", said or "a system built in Python")
     command = str(attributes.get("command") or "")
-    say("repeat it", command or "made in Python: run its script again", code=bool(command))
-    say("file", "" if finding.file is None else str(finding.file), code=True)
     versions = json.loads(str(attributes.get("versions") or "{}"))
     same = versions == library_versions()
     listed = ", ".join(f"{name} {version}" for name, version in versions.items())
-    say("versions", "those of this report" if same else listed)
+    every = (
+        statement("scenario", said or "a system built in Python"),
+        statement("repeat it", command or "made in Python: run its script again", bool(command)),
+        statement("file", "" if finding.file is None else str(finding.file), True),
+        statement("versions", "those of this report" if same else listed),
+    )
+    statements = tuple(one for one in every if one.texts[0][1])
     text = "" if scenario is None else scenario_toml(scenario)
     if not text or text in shown:
-        return tuple(statements), ()
+        return statements, ()
     shown.add(text)
-    return tuple(statements), (Details(title=f"Scenario of {finding.label}", text=text, key="scenario"),)
+    return statements, (Details(title=f"Scenario of {finding.label}", text=text, key="scenario"),)
 
 
 def _scenario(attributes: dict[Any, Any]) -> Scenario | None:
@@ -304,7 +259,7 @@ def every(runs: Sequence[ReportedRun], dimension: str) -> list[str]:
 
 
 def slides_in(runs: Sequence[ReportedRun], dimension: str, name: str) -> bool:
-    """Return whether what a label stands for slides, by the first of the runs that has it."""
+    """Return whether a label's element slides, by the first run that has it."""
     known = (slides_along(run.data, dimension) for run in runs)
     return next((one[name] for one in known if name in one), False)
 
@@ -315,14 +270,7 @@ def row_of(
     slides: bool = False,
     scales: Mapping[str, float] | None = None,
 ) -> Row:
-    """Return the row of a quantity.
-
-    Args:
-        of: The quantity.
-        values: One per column, in the SI unit; what is None or not finite is a dash.
-        slides: Whether what it belongs to slides.
-        scales: Of the runs, by which numbers may be zero to round-off; none is if not given.
-    """
+    """Return the row of a quantity; arguments as for :func:`antenna_pin.report._page.quantities`."""
     known = [None if value is None or not np.isfinite(value) else value for value in values]
     if of.form == "count":
         return counts(of.words(slides), (None if value is None else int(value) for value in known))
@@ -341,13 +289,7 @@ def rows_along(
 ) -> Iterator[Row]:
     """Yield a row for each quantity of one label along a dimension.
 
-    Args:
-        runs: The runs, columns of the table.
-        dimension: The dimension.
-        name: The label.
-        tables: Of each run the data, or a table that follows from them.
-        variables: The quantities; those that no table has are reduced from series of the data.
-        scales: As for :func:`row_of`.
+    ``tables`` are the runs' data, or derived from them. Quantities that no table has are reduced from series.
     """
     slides = slides_in(runs, dimension, name)
     for one in variables:
@@ -362,7 +304,7 @@ def along(
     scales: Mapping[str, float] | None,
     heading: Callable[[str], str],
 ) -> Iterator[Row]:
-    """Yield the rows of all labels along a dimension, each group under its heading (:func:`rows_along`)."""
+    """Yield the rows of all labels along a dimension under their headings (:func:`rows_along`)."""
     known = list(variables)
     for name in every(runs, dimension):
         yield Row(heading(name))

@@ -33,13 +33,10 @@ from antenna_pin.report import (
     results,
     words,
 )
-from antenna_pin.report._page import Beside, Details, Embedded, Picture, Section, Table
-from antenna_pin.report._runs import Finding, Judged, Reported, ReportedRun, every, origin, parted, reported
-from antenna_pin.report.figures import DrawnFigure, Numbers, drawn, glance
+from antenna_pin.report._page import Details, Embedded, Picture, PicturedTable, Section, Status, Table
+from antenna_pin.report._runs import Finding, Reported, ReportedRun, every, origin, parted, reported
+from antenna_pin.report.figures import DrawnFigure, FigureNumbers, drawn, glance
 from antenna_pin.report.joints import hardest_joint, joint_key
-
-__all__ = ["Report", "page", "report"]
-
 
 # --- which section of a page a figure is in, and how many figures there is room for ---
 
@@ -71,28 +68,16 @@ _SECTIONS = {
 
 @dataclass(frozen=True, slots=True)
 class Placed:
-    """The figures of a page by their sections.
+    """Figures of a page by their sections."""
 
-    Attributes:
-        sections: Pictures by the section's key.
-        reasons: Why there are none of some, by the section's key.
-        notes: What there was no room for.
-        megabytes: What the pictures take [MB].
-    """
-
-    sections: dict[str, list[Picture]] = field(default_factory=dict)
-    reasons: dict[str, list[str]] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
-    megabytes: float = 0.0
+    sections: dict[str, list[Picture]] = field(default_factory=dict)  # by key
+    reasons: dict[str, list[str]] = field(default_factory=dict)  # for missing figures, by key
+    notes: tuple[str, ...] = ()  # on figures without room
+    megabytes: float = 0.0  # size of the pictures [MB]
 
     @classmethod
     def of(cls, figures: Iterable[DrawnFigure], runs: Sequence[ReportedRun]) -> Placed:
-        """Return figures in their sections, as many as there is room for.
-
-        Args:
-            figures: In the catalogue's orbits.
-            runs: What they are of.
-        """
+        """Return figures of the runs in their sections, as many as there is room for."""
         played = {name for run in runs for name in run.names("clearance_joint")}
         sections: dict[str, list[Picture]] = {}
         reasons: dict[str, list[str]] = {}
@@ -118,8 +103,8 @@ class Placed:
         """Return the pictures of a section."""
         return tuple(self.sections.get(key, ()))
 
-    def told(self, section: Section) -> Section:
-        """Return a section with why some of its figures are missing."""
+    def with_reasons(self, section: Section) -> Section:
+        """Return a section with the reasons for its missing figures."""
         return replace(section, notes=(*section.notes, *self.reasons.get(section.key, ())))
 
 
@@ -213,24 +198,17 @@ def report(
         parts = _of_runs(found, processes if figures else 0, recordings, window, quantities)
     shown = {detail.text for part in parts.closing for detail in part.items if isinstance(detail, Details)}
     told = [_of_finding(k, one, figures, shown) for k, one in enumerate(findings, start=1)]
-    files = [one.file for one in findings]
-    sections = (
-        *parts.opening,
-        *(section for section, _ in told),
-        *parts.closing,
-        provenance.provenance(found, command, files),
-    )
-    kept = tuple(section for section in sections if not section.empty)
-    judged = [one for _, one in told]
-    statuses = [*results.statuses(found), *judged]
+    origins = provenance.provenance(found, command, [one.file for one in findings])
+    sections = (*parts.opening, *(section for section, _ in told), *parts.closing, origins)
+    statuses = [*map(results.status, found), *(one for _, one in told)]
     heading = title if title is not None else _title(found, findings)
     warned = results.warnings(found)
-    return page(heading, statuses, kept, warnings=warned, moves=parts.moves, data=parts.data)
+    return page(heading, statuses, sections, warnings=warned, moves=parts.moves, data=parts.data)
 
 
 @dataclass(frozen=True, slots=True)
 class _Parts:
-    """What runs bring to a page: sections around those of findings, and room for numbers."""
+    """Contribution of the runs to a page: sections, and room for numbers."""
 
     opening: tuple[Section, ...] = ()
     closing: tuple[Section, ...] = ()
@@ -239,42 +217,42 @@ class _Parts:
 
 
 def _of_runs(
-    found: list[ReportedRun],
+    runs: list[ReportedRun],
     drawing: int,
     recordings: bool,
     window: float | None,
     quantities: Sequence[str],
 ) -> _Parts:
     """Return what runs bring; ``drawing``: how many processes draw figures, 0 for no figures."""
-    scales = round_off_scales(*(run.data for run in found))
-    placed = Placed.of(drawn(found, drawing) if drawing else (), found)
-    hardest, played = hardest_joint(found), every(found, "clearance_joint")
+    scales = round_off_scales(*(run.data for run in runs))
+    placed = Placed.of(drawn(runs, drawing) if drawing else (), runs)
+    hardest, played = hardest_joint(runs), every(runs, "clearance_joint")
     sections = [
         *(
             joints.with_play(
-                found, name, scales, placed[joints.joint_key(name)], len(played) > 2 and name != hardest
+                runs, name, scales, placed[joints.joint_key(name)], len(played) > 2 and name != hardest
             )
             for name in played
         ),
-        joints.without_play(found, scales, placed["joints"]),
-        elements.loops(found, scales, placed["loops"]),
-        elements.drives(found, scales, placed["drives"]),
-        elements.controllers(found, placed["controllers"]),
-        elements.springs(found, scales, placed["springs"]),
-        elements.stops_and_latches(found, scales, placed["stops"]),
-        elements.gears(found, placed["gears"]),
-        elements.elastic_parts(found, placed["elastic"]),
-        elements.forces(found, scales, placed["forces"]),
-        joints.base(found, scales, placed["base"]),
-        motion.deviations(found),
-        motion.pointing(found, window, placed["pointing"]),
+        joints.without_play(runs, scales, placed["joints"]),
+        elements.loops(runs, scales, placed["loops"]),
+        elements.drives(runs, scales, placed["drives"]),
+        elements.controllers(runs, placed["controllers"]),
+        elements.springs(runs, scales, placed["springs"]),
+        elements.stops_and_latches(runs, scales, placed["stops"]),
+        elements.gears(runs, placed["gears"]),
+        elements.elastic_parts(runs, placed["elastic"]),
+        elements.forces(runs, scales, placed["forces"]),
+        joints.base(runs, scales, placed["base"]),
+        motion.deviations(runs),
+        motion.pointing(runs, window, placed["pointing"]),
         Section(key="figures", title="More figures", items=placed["figures"], notes=placed.notes),
     ]
-    said = Section(key="what", title="What was run", parts=tuple(words.scenario_sections(found)), folded=True)
-    sections = [placed.told(section) for section in sections]
-    closing = (results.conservation(found, placed["conservation"]), motion.frequencies(found), said)
+    said = Section(key="what", title="What was run", parts=tuple(words.scenario_sections(runs)), folded=True)
+    sections = [placed.with_reasons(section) for section in sections]
+    closing = (results.conservation(runs, placed["conservation"]), motion.frequencies(runs), said)
     seen: list[Embedded | Picture] = []
-    if drawing and hardest is not None and (small := glance(found, hardest)) is not None:
+    if drawing and hardest is not None and (small := glance(runs, hardest)) is not None:
         seen.append(small)
     left = MEGABYTES - FIXED - placed.megabytes - sum(map(_megabytes, (*sections, *closing)))
     data = min(DATA, max(left - MOVING, 0.25 * left)) if recordings else DATA
@@ -282,24 +260,19 @@ def _of_runs(
     if recordings:
         from antenna_pin.report.figures import recordings as made
 
-        shown = made(found, left - min(data, placed.megabytes * 3.0))
+        shown = made(runs, left - min(data, placed.megabytes * 3.0))
         moves = bool(shown)
         seen[:0] = shown.whole[:1]
-        sections = [joints.beside(section, shown.close) for section in sections]
-        others = Section(
-            key="recordings",
-            title="More recordings",
-            items=tuple(shown.whole[1:]),
-            notes=tuple(shown.notes),
-        )
-        sections.append(others)
-    return _Parts((head.key_results(found, scales, seen, quantities), *sections), closing, moves, data)
+        sections = [joints.with_recordings(section, shown.close) for section in sections]
+        others, notes = tuple(shown.whole[1:]), tuple(shown.notes)
+        sections.append(Section(key="recordings", title="More recordings", items=others, notes=notes))
+    return _Parts((head.key_results(runs, scales, seen, quantities), *sections), closing, moves, data)
 
 
 def _megabytes(section: Section) -> float:
     """Return about what the tables and texts of a section take in the page [MB]."""
     tables = [item for item in section.items if isinstance(item, Table)]
-    tables += [item.table for item in section.items if isinstance(item, Beside)]
+    tables += [item.table for item in section.items if isinstance(item, PicturedTable)]
     folded = [item for item in section.items if isinstance(item, Details)]
     tables += [table for item in folded for table in item.tables]
     cells = sum((_SMALL if one.dense else _CELL) * len(one.rows) * len(one.columns) for one in tables)
@@ -321,8 +294,8 @@ _TELLS = {
 }
 
 
-def _of_finding(k: int, finding: Finding, figures: bool, shown: set[str]) -> tuple[Section, Judged]:
-    """Return the section of a finding, with where it comes from, and what it comes to."""
+def _of_finding(k: int, finding: Finding, figures: bool, shown: set[str]) -> tuple[Section, Status]:
+    """Return the section of a finding with its origin, and the verdict."""
     section, judged = _TELLS[finding.kind](finding, f"finding-{k}", figures)
     statements, details = origin(finding, shown)
     whole = dataclasses.replace(
@@ -333,30 +306,24 @@ def _of_finding(k: int, finding: Finding, figures: bool, shown: set[str]) -> tup
 
 def page(
     title: str,
-    statuses: Iterable[Any],
+    statuses: Iterable[Status],
     sections: Iterable[Section],
     *,
     warnings: Iterable[str] = (),
     moves: bool = False,
     data: float = DATA,
 ) -> Report:
-    """Return the page of some sections.
+    """Return the page of the sections that are not empty.
 
-    Args:
-        title: Its heading.
-        statuses: How each ended: ``label``, ``outcome``, ``text``, ``completed``.
-        sections: What is in it.
-        warnings: What is to be minded.
-        moves: Whether there are recordings in it.
-        data: What the numbers of its figures may take [MB].
+    ``moves``: whether there are recordings in it; ``data``: room for the numbers of its figures [MB].
     """
-    kept = tuple(sections)
+    kept = tuple(section for section in sections if not section.empty)
     shared = None
     if moves:
         from antenna_pin.record import shared_head
 
         shared = shared_head(packed=True)
-    numbers = Numbers(1e6 * data)
+    numbers = FigureNumbers(1e6 * data)
     for picture in (one for section in kept for one in section.pictures):
         numbers.add(picture.key, picture.numbers)
     own = script("\n".join(_asset(name) for name in _SCRIPTS))

@@ -17,30 +17,10 @@ from antenna_pin.analysis import (
     said_of_constraints,
     stop_impacts,
 )
-from antenna_pin.report._page import (
-    Details,
-    Picture,
-    Row,
-    Section,
-    Statement,
-    Table,
-    said_of_zeros,
-    turned,
-)
-from antenna_pin.report._runs import ReportedRun, along, every, labels_of, row_of, rows_along, slides_in
+from antenna_pin.report._page import Details, Picture, Row, Section, Statement, Table, said_of_zeros, turned
+from antenna_pin.report._runs import ReportedRun, along, every, row_of, rows_along, run_table, slides_in
 from antenna_pin.trajectory import elements_of
 from antenna_pin.trajectory.quantities import RUN, SUMMARIES, TABLES
-
-__all__ = [
-    "controllers",
-    "drives",
-    "elastic_parts",
-    "forces",
-    "gears",
-    "loops",
-    "springs",
-    "stops_and_latches",
-]
 
 _Scales = Mapping[str, float]
 
@@ -58,7 +38,7 @@ def loops(runs: Sequence[ReportedRun], scales: _Scales, pictures: Sequence[Pictu
         texts.setdefault(said_of_constraints(run.run.constraints), []).append(run.label)
     everywhere = len(texts) == 1 and len(held) == len(runs)
     said = tuple((() if everywhere else tuple(labels), text) for text, labels in texts.items())
-    (how,) = _table(held, tuple(_held(held)), "How loops and motions were held", "loops", turn=False)
+    (how,) = _table(held, tuple(_constraints(held)), "How loops and motions were held", "loops", turn=False)
     about = {name: one for run in reversed(held) for name, one in closures_of(run.data).items()}
     joined = {name: one for run in reversed(held) for name, one in couplings_of(run.data).items()}
     closures = along(
@@ -102,7 +82,7 @@ def loops(runs: Sequence[ReportedRun], scales: _Scales, pictures: Sequence[Pictu
     )
 
 
-def _held(runs: Sequence[ReportedRun]) -> Iterator[Row]:
+def _constraints(runs: Sequence[ReportedRun]) -> Iterator[Row]:
     for heading, keys in (
         ("counts", ("freedoms", "closure_equations", "closure_rank", "motions", "mobility", "freedoms_left")),
         ("residuals", ("position_residual", "angle_residual", "velocity_residual", "rate_residual")),
@@ -274,7 +254,7 @@ def _summarized(
     scales: _Scales,
     more: Callable[[str, bool], Iterator[Row]] = lambda place, slides: iter(()),
 ) -> tuple[Row, ...]:
-    """Return rows of what summaries have of elements of a family, and of what else is known of each."""
+    """Return rows of a family's elements by the summaries, and further rows."""
     found: list[dict[str, dict[str, Any]]] = [run.run.summary().get(family, {}) for run in runs]
     rows: list[Row] = []
     for name in dict.fromkeys(name for one in found for name in one):
@@ -299,7 +279,7 @@ def _recorded(runs: Sequence[ReportedRun], dim: str, scales: _Scales, word: str 
 
 
 def _of_series(runs: Sequence[ReportedRun], table: str, name: str, scales: _Scales) -> Iterator[Row]:
-    """Yield rows of a table whose quantities are reductions of series, if a run has the name there."""
+    """Yield rows of a table reduced from series, if a run has the name."""
     variables = list(TABLES[table].values())
     (dim,) = variables[0].dims
     if name in every(runs, dim):
@@ -327,5 +307,5 @@ def _table(
 ) -> tuple[Table, ...]:
     if not any(row.cells for row in rows):
         return ()
-    table = Table(columns=("", *labels_of(runs)), rows=rows, caption=caption, key=key)
+    table = run_table(runs, rows, caption, key)
     return (turned(table) if turn else table,)

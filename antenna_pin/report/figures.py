@@ -21,9 +21,6 @@ from antenna_pin.report._page import Embedded, Picture
 from antenna_pin.report._runs import ReportedRun, every, ideal_of
 from antenna_pin.report.joints import hardness
 
-__all__ = ["DrawnFigure", "Numbers", "Recordings", "drawn", "glance", "packed", "picture", "recordings"]
-
-
 _Array = NDArray[np.float64]
 # Samples of a line, of which the page has fewer where all would take too much, at least.
 _FEWEST = 64
@@ -34,8 +31,8 @@ def packed(content: bytes) -> str:
     return base64.b64encode(zlib.compress(content, 9)).decode()
 
 
-class Numbers:
-    """The numbers of all figures of a page, each column once: places, seven digits of what is over them.
+class FigureNumbers:
+    """Numbers of all figures of a page, each column once, to seven digits.
 
     Args:
         most: What they may take [bytes]; longer lines are thinned to keep to it.
@@ -52,15 +49,15 @@ class Numbers:
             self._figures[key] = drawn
 
     def written(self) -> dict[str, Any]:
-        """Return what the page's script reads: columns, and of each figure their names and which they are."""
+        """Return the columns for the page's script, and each figure's references to them."""
         samples = max((one.columns[0].size for drawn in self._figures.values() for one in drawn), default=0)
-        made, size = self._made(samples)
+        made, size = self._packed(samples)
         while size > self._most and samples > _FEWEST:
             samples = max(int(0.9 * samples * self._most / size), _FEWEST)
-            made, size = self._made(samples)
+            made, size = self._packed(samples)
         return made
 
-    def _made(self, most: int) -> tuple[dict[str, Any], int]:
+    def _packed(self, most: int) -> tuple[dict[str, Any], int]:
         columns: dict[tuple[int, bytes], int] = {}
         texts: list[list[Any]] = []
         figures: dict[str, list[dict[str, Any]]] = {}
@@ -82,7 +79,7 @@ class Numbers:
 
 
 def thinned(columns: Sequence[_Array], most: int) -> Iterable[_Array]:
-    """Return columns with so many samples at most: of each stretch the first, the least and the greatest."""
+    """Return thinned columns: first, least and greatest sample of each part."""
     count = columns[0].size
     if count <= most:
         return columns
@@ -115,31 +112,22 @@ _MORE = 3
 
 @dataclass(frozen=True, slots=True)
 class Recordings:
-    """The recordings of a page.
+    """Recordings of a page."""
 
-    Attributes:
-        whole: Of every run but the ideal one, the first in the page's head.
-        close: Of every joint with play, close up.
-        notes: What is missing, and why.
-    """
-
-    whole: list[Embedded] = field(default_factory=list)
-    close: dict[str, list[Embedded]] = field(default_factory=dict)
-    notes: list[str] = field(default_factory=list)
+    whole: list[Embedded] = field(default_factory=list)  # of every run but the ideal one
+    close: dict[str, list[Embedded]] = field(default_factory=dict)  # close-ups by joint with play
+    notes: list[str] = field(default_factory=list)  # missing recordings and the reasons
 
     def __bool__(self) -> bool:
-        """Whether there is any."""
+        """Return whether there is any."""
         return bool(self.whole or self.close)
 
 
 def recordings(runs: Sequence[ReportedRun], megabytes: float) -> Recordings:
-    """Return a recording of every run, and of clearance joints close up, the hardest hit first.
+    """Return a recording of every run, and close-ups of joints, hardest hit first.
 
-    The ideal run is the ghost in the others, and has no recording of its own beside them.
-
-    Args:
-        runs: What is reported.
-        megabytes: What all of them may take in the page, the viewer excepted [MB].
+    The ideal run is the ghost in the others, and has no recording of its own beside them. ``megabytes``: size
+    of all recordings in the page, without the viewer [MB].
     """
     found = Recordings()
     wanted = list(_wanted(runs))
@@ -155,7 +143,7 @@ def recordings(runs: Sequence[ReportedRun], megabytes: float) -> Recordings:
         what = f"{run.label}, joint {joint} close up" if joint is not None else run.label
         share = megabytes * shares[number] / sum(shares)
         try:
-            html = _made(run, joint, ghost, share, f"recording-{number}")
+            html = _markup(run, joint, ghost, share, f"recording-{number}")
         except AntennaPinError as error:
             found.notes.append(f"{what}: {error}.")
             continue
@@ -169,7 +157,7 @@ def recordings(runs: Sequence[ReportedRun], megabytes: float) -> Recordings:
 
 
 def _wanted(runs: Sequence[ReportedRun]) -> Iterator[tuple[ReportedRun, str | None, ReportedRun | None]]:
-    """Yield runs, with the joint that is to be close up, and the run that is a ghost beside."""
+    """Yield run, joint of the close-up, and ghost of each recording."""
     ideal = ideal_of(runs)
     moving = [
         run
@@ -187,8 +175,10 @@ def _wanted(runs: Sequence[ReportedRun]) -> Iterator[tuple[ReportedRun, str | No
                 yield run, joint, None
 
 
-def _made(run: ReportedRun, joint: str | None, ghost: ReportedRun | None, share: float, identity: str) -> str:
-    """Return the part of the page that one recording is, of a size that is kept."""
+def _markup(
+    run: ReportedRun, joint: str | None, ghost: ReportedRun | None, share: float, identity: str
+) -> str:
+    """Return the markup of one recording within its size."""
     view: View = "mechanism" if joint is None else "joint"
     limit, html = share / _PACKED + _SHAPES, ""
     for _ in range(_TRIALS):
@@ -232,7 +222,7 @@ _DIGITS = re.compile(rb"(\.\d\d)\d+")
 
 
 class DrawnFigure(NamedTuple):
-    """A figure of the catalogue as the report has it: its pictures, or why there is none."""
+    """Figure of the catalogue: its pictures, or the reason for none."""
 
     name: str
     joint: str | None
@@ -241,17 +231,12 @@ class DrawnFigure(NamedTuple):
 
 
 def drawn(runs: Sequence[ReportedRun], processes: int = 1) -> list[DrawnFigure]:
-    """Return the figures that the runs allow; the reason for one that cannot be drawn is with it.
-
-    Args:
-        runs: What the report is about.
-        processes: How many draw, at most, forked from this one.
-    """
+    """Return the figures that the runs allow, drawn by forked processes."""
     drawable = [run for run in runs if run.samples > 1]
     names = _short_names(drawable)
     ideal = ideal_of(drawable)
 
-    def made(each: plot.Allowed) -> DrawnFigure:
+    def draw(each: plot.Allowed) -> DrawnFigure:
         """Return a figure as one picture or some, or why there is none."""
         wanted = [run for run in drawable if run.names("contact") or not each.figure.touching]
         key = "-".join(re.sub(r"[^\w.+-]", " ", each.title.lower()).split())
@@ -268,11 +253,11 @@ def drawn(runs: Sequence[ReportedRun], processes: int = 1) -> list[DrawnFigure]:
         return DrawnFigure(each.figure.name, each.joint, tuple(pictures))
 
     allowed = plot.allowed_figures([(run.label, run.run) for run in drawable]) if drawable else ()
-    return list(side_by_side(made, [each for each in allowed if each.figure.reported], processes))
+    return list(side_by_side(draw, [each for each in allowed if each.figure.reported], processes))
 
 
 def _within_its_section(title: str, joint: str | None) -> str:
-    """Return a figure's title where its joint, if it is of one, need not be named again."""
+    """Return a figure's title for the section of its joint, without the joint's name."""
     if joint is None:
         return title
     named = re.escape(joint)
@@ -280,7 +265,7 @@ def _within_its_section(title: str, joint: str | None) -> str:
 
 
 def glance(runs: Sequence[ReportedRun], joint: str) -> Picture | None:
-    """Return the one picture of the page's head, of a joint; none where it cannot be drawn."""
+    """Return the picture of the page's head; None where it cannot be drawn."""
     drawable = [run for run in runs if run.samples > 1]
     names = _short_names(drawable)
     try:
@@ -304,7 +289,7 @@ def _short_names(runs: Sequence[ReportedRun]) -> dict[str, str]:
 def _parts(
     drawing: plot.Allowed, runs: Sequence[ReportedRun], names: dict[str, str], ideal: ReportedRun | None
 ) -> Iterator[tuple[Any, list[str]]]:
-    """Yield the figure of all runs, or of some each where it would be too tall, and which runs it shows."""
+    """Yield the figure and its runs, split where it would be too tall."""
     figure = drawing.draw([(names[run.label], run.run) for run in runs], width="page")
     compares = drawing.figure.compares
     others = [run for run in runs if run is not ideal or not compares]
@@ -318,15 +303,7 @@ def _parts(
 
 
 def picture(figure: Any, caption: str, key: str, name: str = "", *, plain: bool = False) -> Picture:
-    """Return a figure as a page has it: vectors, and the numbers behind them.
-
-    Args:
-        figure: One that the room of figures drew.
-        caption: What it shows.
-        key: Name by which it is found in the page.
-        name: Its short name, beside others of a section.
-        plain: Whether it is to be seen where no script runs.
-    """
+    """Return a figure for a page: vectors, and the numbers behind them."""
     size = tuple(_MILLIMETRES * float(one) for one in figure.get_size_inches())
     svg = _shortened(plot.rendered(figure, "svg", DPI))
     return Picture(
@@ -342,5 +319,5 @@ def picture(figure: Any, caption: str, key: str, name: str = "", *, plain: bool 
 
 
 def _shortened(svg: bytes) -> bytes:
-    """Return a figure's file with the places of its lines to a hundredth of a point, 4 µm."""
+    """Return a figure's file with coordinates to a hundredth of a point, 4 µm."""
     return _PATH.sub(lambda path: _DIGITS.sub(rb"\1", path[0]), svg)

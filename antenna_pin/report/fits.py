@@ -1,4 +1,4 @@
-"""Fits to measured records, what tests can tell, and experiments beside one another in a report."""
+"""Report sections of fits, of identifiability, and of experiments."""
 
 from __future__ import annotations
 
@@ -14,13 +14,10 @@ from antenna_pin.fit.confidence_bands import BEYOND_CHANCE
 from antenna_pin.fit.profile_likelihood import interval_text, profile_interval
 from antenna_pin.fit.uncertainty import autocorrelation, is_correlated
 from antenna_pin.plot import correlations, table_figures
-from antenna_pin.report._page import Cell, Picture, Row, Section, Statement, Table
-from antenna_pin.report._runs import Finding, Judged
+from antenna_pin.report._page import Cell, Picture, Row, Section, Status, Table, statement
+from antenna_pin.report._runs import Finding
 from antenna_pin.report.figures import picture
 
-__all__ = ["experiments", "fit", "identifiability"]
-
-_NO_BREAK = "\N{NO-BREAK SPACE}"
 # Correlations from which on two parameters are hardly told apart, as the figure marks them.
 _STRONG = 0.95
 _NOISE = {
@@ -42,30 +39,19 @@ def _error(value: float, unit: str) -> Cell:
 
 def _pictures(table: xr.Dataset, key: str, figures: bool) -> Iterator[Picture]:
     for one in table_figures(table) if figures else ():
-        small = one.name in ("correlation",)
-        drawn = one.draw(width="column" if small else "page")
+        drawn = one.draw(width="column" if one.name == "correlation" else "page")
         yield picture(drawn, one.title, f"{key}-{one.name}", one.title)
 
 
-def _said(label: str, text: str) -> Statement:
-    return Statement(label=label, texts=(((), text),))
-
-
-def fit(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
+def fit(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]:
     """Return the section of a fit."""
     table = finding.table
     names = [str(one) for one in table["title"].values]
     chi2, freedoms = float(table.attrs["chi2"]), float(table.attrs["freedoms"])
     rows = list(_values(table))
+    profile = ("interval of its profile",) if "profile_end" in table else ()
     parameters = Table(
-        columns=(
-            "",
-            "value",
-            "standard error",
-            "interval",
-            *(("interval of its profile",) if "profile_end" in table else ()),
-            "start",
-        ),
+        columns=("", "value", "standard error", "interval", *profile, "start"),
         rows=tuple(rows),
         caption=f"Parameters, with intervals of {_percent(table)}",
         key=f"{key}-parameters",
@@ -76,12 +62,11 @@ def fit(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
         caption="Records",
         key=f"{key}-records",
     )
-    noise = _NOISE[table.attrs["noise"]]
-    statements = [
-        _said("noise", noise),
-        _said("chi squared", f"{number(chi2)} for {freedoms:g} degrees of freedom"),
-        _said("search", f"{table.attrs['message']}; {int(table.attrs['runs'])} runs"),
-    ]
+    statements = (
+        statement("noise", _NOISE[table.attrs["noise"]]),
+        statement("chi squared", f"{number(chi2)} for {freedoms:g} degrees of freedom"),
+        statement("search", f"{table.attrs['message']}; {int(table.attrs['runs'])} runs"),
+    )
     error = np.asarray(table["sd"].values, dtype=float)
     said = f"{len(names)} parameter{'s' if len(names) > 1 else ''} from {table.sizes['row']} numbers"
     for which, words in ((np.isinf(error), "cannot be told"), (np.isnan(error), "at a bound")):
@@ -91,7 +76,7 @@ def fit(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
         key=key,
         title=f"Fit: {finding.label}",
         lead=(f"{said[0].upper()}{said[1:]}.",),
-        statements=tuple(statements),
+        statements=statements,
         items=(parameters, *_pictures(table, key, figures), records),
         notes=tuple(_notes(table, names)),
         meaning=(
@@ -102,7 +87,7 @@ def fit(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
     converged = bool(int(table.attrs["converged"])) and not table.attrs.get("verdict")
     values = "; ".join(f"{row.name} {row.cells[0].text}" for row in rows[:4])
     outcome = "fitted" if converged else "not at an end"
-    return part, Judged(finding.label, converged, outcome, values)
+    return part, Status(finding.label, converged, outcome, values)
 
 
 def _percent(table: xr.Dataset) -> str:
@@ -113,9 +98,8 @@ def _values(table: xr.Dataset) -> Iterator[Row]:
     for k in range(table.sizes["parameter"]):
         one = table.isel(parameter=k)
         unit = str(one["units"].item())
-        value, error, low, high, start = (
-            float(one[name]) for name in ("value", "sd", "low", "high", "start")
-        )
+        names = ("value", "sd", "low", "high", "start")
+        value, error, low, high, start = (float(one[name]) for name in names)
         interval = interval_text(value, low, high, unit)
         cells = [
             _quantity(value, unit, 5),
@@ -174,8 +158,8 @@ def _notes(table: xr.Dataset, names: list[str]) -> Iterator[str]:
             yield "Residuals are smaller than the stated noise: sd is too large, and intervals are too wide."
 
 
-def identifiability(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
-    """Return the section of what a test can tell."""
+def identifiability(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]:
+    """Return the section of a test's identifiability."""
     table = finding.table
     rows = []
     for k in range(table.sizes["parameter"]):
@@ -183,17 +167,13 @@ def identifiability(finding: Finding, key: str, figures: bool) -> tuple[Section,
         unit = str(one["units"].item())
         half, alone, inflation = (float(one[name]) for name in ("half", "alone", "inflation"))
         quantile = float(table.attrs["quantile"])
-        rows.append(
-            Row(
-                str(one["title"].item()),
-                (
-                    _quantity(float(one["value"]), unit),
-                    _error(half, unit),
-                    _error(quantile * alone, unit),
-                    Cell(number(inflation, 3) if math.isfinite(inflation) else "–"),
-                ),
-            )
+        cells = (
+            _quantity(float(one["value"]), unit),
+            _error(half, unit),
+            _error(quantile * alone, unit),
+            Cell(number(inflation, 3) if math.isfinite(inflation) else "–"),
         )
+        rows.append(Row(str(one["title"].item()), cells))
     numbers = Table(
         columns=("", "value", "interval to expect, ±", "if all others were known, ±", "times wider"),
         rows=tuple(rows),
@@ -219,10 +199,10 @@ def identifiability(finding: Finding, key: str, figures: bool) -> tuple[Section,
         ),
     )
     whole = determined == table.sizes["parameter"]
-    return part, Judged(finding.label, whole, "all can be told" if whole else "not all can be told", lead)
+    return part, Status(finding.label, whole, "all can be told" if whole else "not all can be told", lead)
 
 
-def experiments(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
+def experiments(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]:
     """Return the section of experiments beside one another."""
     table = finding.table
     titles = [str(one) for one in table["title"].values]
@@ -238,18 +218,15 @@ def experiments(finding: Finding, key: str, figures: bool) -> tuple[Section, Jud
     ]
     for k in range(table.sizes["experiment"]):
         one = table.isel(experiment=k)
-        worth = (Cell(number(float(one[name]), 3), _finite(float(one[name]))) for name in criteria)
-        often = [Cell(str(int(one["count"])), float(one["count"]))] if plan else []
-        rows.append(Row(str(one["experiment"].item()), (*cells(one["half"].values), *worth, *often)))
+        values = (float(one[name]) for name in criteria)
+        worth = (Cell(number(value, 3), value if math.isfinite(value) else None) for value in values)
+        count = [Cell(str(int(one["count"])), float(one["count"]))] if plan else []
+        rows.append(Row(str(one["experiment"].item()), (*cells(one["half"].values), *worth, *count)))
     wanted, criterion = str(table.attrs["wanted"]), str(table.attrs["criterion"])
     total = int(table.attrs["total"])
+    often = (f"of {total} more",) if plan else ()
     numbers = Table(
-        columns=(
-            "",
-            *(f"{title}, ±" for title in titles),
-            *criteria,
-            *((f"of {total} more",) if plan else ()),
-        ),
+        columns=("", *(f"{title}, ±" for title in titles), *criteria, *often),
         rows=tuple(rows),
         caption=f"Intervals of {_percent(table)} to expect after each experiment, the best first",
         key=f"{key}-experiments",
@@ -263,7 +240,7 @@ def experiments(finding: Finding, key: str, figures: bool) -> tuple[Section, Jud
         lead=(f"{said[0].upper()}{said[1:]}.",),
         items=(*_pictures(table, key, figures), numbers),
         statements=tuple(
-            _said(str(name), str(what))
+            statement(str(name), str(what))
             for name, what in zip(table["experiment"].values, table["what"].values, strict=True)
             if str(what)
         ),
@@ -273,8 +250,4 @@ def experiments(finding: Finding, key: str, figures: bool) -> tuple[Section, Jud
             "squared errors; E the longest axis. All at the present values, to first order.",
         ),
     )
-    return part, Judged(finding.label, True, "ranked", said)
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
+    return part, Status(finding.label, True, "ranked", said)

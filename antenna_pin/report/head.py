@@ -1,4 +1,4 @@
-"""The head of a page on runs: a few key numbers, and what is seen beside them."""
+"""Head of a page on runs: key numbers, with pictures beside them."""
 
 from __future__ import annotations
 
@@ -18,22 +18,19 @@ from antenna_pin.analysis import (
 from antenna_pin.base.readable import readable
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.report._page import (
-    Beside,
     Embedded,
     Picture,
+    PicturedTable,
     Row,
     Section,
-    Table,
     counts,
     quantities,
     said_of_zeros,
     words,
 )
-from antenna_pin.report._runs import ReportedRun, every, ideal_of, labels_of, slides_in
+from antenna_pin.report._runs import ReportedRun, every, ideal_of, run_table, slides_in
 from antenna_pin.report.joints import hardness
 from antenna_pin.trajectory.quantities import TABLES
-
-__all__ = ["key_results"]
 
 # Joints with play that have a row of their own, the hardest hit ones.
 _JOINTS = 3
@@ -42,31 +39,32 @@ _JOINTS = 3
 def key_results(
     runs: Sequence[ReportedRun],
     scales: Mapping[str, float],
-    seen: Sequence[Embedded | Picture] = (),
+    pictures: Sequence[Embedded | Picture] = (),
     own: Sequence[str] = (),
 ) -> Section:
-    """Return the key numbers of all runs in one short table, columns being runs.
+    """Return the key numbers of all runs in one table with pictures.
 
-    Args:
-        runs: What is reported.
-        scales: Of the runs, by which numbers are zero to round-off.
-        seen: What stands beside the table.
-        own: Functions of a run, as ``FILE.py:NAME``.
+    ``own``: functions of a run, as ``FILE.py:NAME``.
     """
     rows = [
         quantities("simulated time", [run.end for run in runs], "s"),
         *_blows(runs),
         *_deviation(runs, scales),
-        *_held(runs, scales),
+        *_constraints(runs, scales),
         *_stopped(runs),
         *_own(runs, own),
-        quantities("energy balance, error over scale", [_error(run) for run in runs], "1", 3),
+        quantities(
+            "energy balance, error over scale",
+            [run.conserved.get("energy_error_relative") for run in runs],
+            "1",
+            3,
+        ),
     ]
-    table = Table(columns=("", *labels_of(runs)), rows=tuple(rows), caption="Key numbers", key="key-results")
+    table = run_table(runs, rows, "Key numbers", "key-results")
     return Section(
         key="results",
         title="Key results",
-        items=(Beside(table=table, seen=tuple(seen)),),
+        items=(PicturedTable(table=table, seen=tuple(pictures)),),
         meaning=said_of_zeros([table]),
     )
 
@@ -81,29 +79,20 @@ def _blows(runs: Sequence[ReportedRun]) -> Iterator[Row]:
     joints = every(runs, "clearance_joint")
     if not joints:
         return
-    tables = [impacts(run.data) if run.names("clearance_joint") else None for run in runs]
-    yield counts(
-        "blows",
-        (
-            None
-            if table is None
-            else len(set(zip(table["clearance_joint"].values, table["blow"].values, strict=True)))
-            for table in tables
-        ),
-    )
+    blows: list[int | None] = []
+    lost: list[float | None] = []
+    for run in runs:
+        play = bool(run.names("clearance_joint"))
+        table = impacts(run.data) if play else None
+        pairs = (
+            () if table is None else zip(table["clearance_joint"].values, table["blow"].values, strict=True)
+        )
+        blows.append(len(set(pairs)) if play else None)
+        lost.append(float(load_statistics(run.data)["joint_dissipated"].values.sum()) if play else None)
+    yield counts("blows", blows)
     for joint in sorted(joints, key=lambda name: -hardness(runs, name))[:_JOINTS]:
-        mine = [impacts(run.data, joint) if joint in run.names("clearance_joint") else None for run in runs]
-        peaks = [
-            None if one is None else float(one["peak_force"].max()) if one.sizes["impact"] else 0.0
-            for one in mine
-        ]
+        peaks = [hardness([run], joint) if joint in run.names("clearance_joint") else None for run in runs]
         yield quantities(f"peak force in {joint}", peaks, "N")
-    lost = [
-        float(load_statistics(run.data)["joint_dissipated"].values.sum())
-        if run.names("clearance_joint")
-        else None
-        for run in runs
-    ]
     yield quantities("energy lost in contacts", lost, "J")
 
 
@@ -132,7 +121,7 @@ def _deviation(runs: Sequence[ReportedRun], scales: Mapping[str, float]) -> Iter
         yield quantities(f"deviation of {of}", values, units, 4, scales)
 
 
-def _held(runs: Sequence[ReportedRun], scales: Mapping[str, float]) -> Iterator[Row]:
+def _constraints(runs: Sequence[ReportedRun], scales: Mapping[str, float]) -> Iterator[Row]:
     """Yield the largest force of a closure, and the largest effort of a drive."""
     closures = [closure_loads(run.data) if run.names("closure") else None for run in runs]
     if any(one is not None for one in closures):
@@ -140,12 +129,8 @@ def _held(runs: Sequence[ReportedRun], scales: Mapping[str, float]) -> Iterator[
         yield quantities("peak force of a closure", forces, "N", 4, scales)
     for name in every(runs, "drive")[:1]:
         of, slides = TABLES["drive loads"]["peak_effort"], slides_in(runs, "drive", name)
-        efforts = [
-            float(drive_loads(run.data)["peak_effort"].sel(drive=name))
-            if name in run.names("drive")
-            else None
-            for run in runs
-        ]
+        driven = (drive_loads(run.data) if name in run.names("drive") else None for run in runs)
+        efforts = [None if one is None else float(one["peak_effort"].sel(drive=name)) for one in driven]
         yield quantities(f"{of.words(slides)} of drive {name}", efforts, of.unit(slides), 4, scales)
 
 
@@ -166,8 +151,3 @@ def _stopped(runs: Sequence[ReportedRun]) -> Iterator[Row]:
             last = f" by {readable(max(caught), 's')}" if caught else ""
             said.append(f"{len(held)} of {len(one)}{last}" if one else "")
         yield words("latched at the end", said)
-
-
-def _error(run: ReportedRun) -> float | None:
-    value: float | None = run.conserved.get("energy_error_relative")
-    return value

@@ -1,4 +1,4 @@
-"""A section for each joint with play, and one for those without: motion, impacts, loads, settling."""
+"""Sections of joints, with and without play: motion, impacts, loads, settling."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ import xarray as xr
 from antenna_pin.analysis import Settling, blocks, impacts, load_statistics, settling
 from antenna_pin.base.readable import number, readable
 from antenna_pin.report._page import (
-    Beside,
     Details,
     Embedded,
     Picture,
+    PicturedTable,
     Row,
     Section,
     Table,
@@ -23,12 +23,10 @@ from antenna_pin.report._page import (
     said_of_zeros,
     words,
 )
-from antenna_pin.report._runs import ReportedRun, every, ideal_of, labels_of, row_of, rows_along
+from antenna_pin.report._runs import ReportedRun, every, ideal_of, row_of, rows_along, run_table
 from antenna_pin.trajectory import contact_joints
 from antenna_pin.trajectory.columns import Variable
 from antenna_pin.trajectory.quantities import CONTACTS, SUMMARIES, TABLES, reduced
-
-__all__ = ["base", "beside", "hardest_joint", "hardness", "joint_key", "with_play", "without_play"]
 
 #: Rows of the tables of largest impacts.
 LARGEST = 8
@@ -43,7 +41,7 @@ _IMPACTS = [one for name, one in TABLES["impacts"].items() if name not in _HIDDE
 
 
 def contact_details(runs: Sequence[ReportedRun], joint: str, scales: Mapping[str, float]) -> Details:
-    """Return statistics of the impacts in a joint, the hardest, its loads, and when it settled."""
+    """Return statistics, hardest impacts, loads and settling of a joint."""
     found = [impacts(run.data, joint) for run in runs]
     tables = [_impact_summary(runs, found, joint)]
     for run, table in zip(runs, found, strict=True):
@@ -85,12 +83,8 @@ _ROWS = (
 
 def _impact_summary(runs: Sequence[ReportedRun], tables: Sequence[xr.Dataset], joint: str) -> Table:
     def column(name: str, of: Callable[[np.ndarray], float]) -> list[float | None]:
-        found: list[float | None] = []
-        for table in tables:
-            values = table[name].values
-            values = values[np.isfinite(values)]
-            found.append(float(of(values)) if values.size else None)
-        return found
+        known = (table[name].values[np.isfinite(table[name].values)] for table in tables)
+        return [float(of(values)) if values.size else None for values in known]
 
     statistics = TABLES["impact statistics"]
     rows = [
@@ -105,12 +99,7 @@ def _impact_summary(runs: Sequence[ReportedRun], tables: Sequence[xr.Dataset], j
                 if one.name != "restitution" or word == "median":
                     values = column(one.name, of)
                     rows.append(quantities(f"{one.words()}, {word}", values, one.unit(), one.digits))
-    return Table(
-        columns=("", *labels_of(runs)),
-        rows=tuple(rows),
-        caption="Impacts in numbers",
-        key=f"impact-summary-{joint}",
-    )
+    return run_table(runs, rows, "Impacts in numbers", f"impact-summary-{joint}")
 
 
 def _impact_table(table: xr.Dataset, caption: str, key: str, dense: bool = False) -> Table:
@@ -127,22 +116,13 @@ def _impact_table(table: xr.Dataset, caption: str, key: str, dense: bool = False
 def _loads(
     runs: Sequence[ReportedRun], joint: str, scales: Mapping[str, float]
 ) -> tuple[tuple[Table, ...], tuple[str, ...]]:
-    """Return statistics of the forces in a joint with play: of the whole, and of each contact."""
+    """Return statistics of a joint's forces: of the whole, and of each contact."""
     found = [load_statistics(run.data, joint) for run in runs]
-    columns = ("", *labels_of(runs))
-    contacts = list(dict.fromkeys(str(name) for one in found for name in one["contact"].values))
-    whole = Table(
-        columns=columns,
-        rows=tuple(_load_rows(found, "clearance_joint", joint, scales)),
-        caption="Size of the whole contact force on the journal",
-        key=f"loads-{joint}",
-    )
-    each = Table(
-        columns=columns,
-        rows=tuple(row for name in contacts for row in _load_rows(found, "contact", name, scales)),
-        caption="Normal force of each contact",
-        key=f"loads-contacts-{joint}",
-    )
+    contacts = dict.fromkeys(str(name) for one in found for name in one["contact"].values)
+    rows = _load_rows(found, "clearance_joint", joint, scales)
+    whole = run_table(runs, rows, "Size of the whole contact force on the journal", f"loads-{joint}")
+    rows = (row for name in contacts for row in _load_rows(found, "contact", name, scales))
+    each = run_table(runs, rows, "Normal force of each contact", f"loads-contacts-{joint}")
     notes = (
         "Percentiles of the time: a force that is not exceeded for so much of it. The force on the "
         "journal may be far below those of its contacts, which press from opposite sides when the "
@@ -153,10 +133,10 @@ def _loads(
 
 
 def _load_rows(
-    found: Sequence[xr.Dataset], dimension: str, name: str, scales: Mapping[str, float]
+    statistics: Sequence[xr.Dataset], dimension: str, name: str, scales: Mapping[str, float]
 ) -> Iterator[Row]:
     prefix = "joint_" if dimension == "clearance_joint" else ""
-    mine = [one.sel({dimension: name}) if name in one[dimension].values else None for one in found]
+    mine = [one.sel({dimension: name}) if name in one[dimension].values else None for one in statistics]
 
     def column(key: str) -> list[float | None]:
         values = (None if one is None else float(one[prefix + key]) for one in mine)
@@ -181,16 +161,12 @@ def _load_rows(
 
 def _settlings(runs: Sequence[ReportedRun], joint: str) -> tuple[tuple[Table, ...], tuple[str, ...]]:
     """Return when impacts in a joint turned into lasting contact."""
-    found = [next((one for one in settling(run.data, joint)), None) for run in runs]
+    found = [next(iter(settling(run.data, joint)), None) for run in runs]
     known = [one for one in found if one is not None]
     if not known:
         return (), ()
-    table = Table(
-        columns=("", *labels_of(runs)),
-        rows=tuple(_settling_rows(joint, found)),
-        caption="When impacts turn into lasting contact",
-        key=f"settling-{joint}",
-    )
+    rows = _settling_rows(joint, found)
+    table = run_table(runs, rows, "When impacts turn into lasting contact", f"settling-{joint}")
     note = (
         "Settled: from this time on its contacts are never all apart for longer than "
         f"{readable(known[0].longest_gap, 's')}. Rate of decay: of the straight line through the logarithm "
@@ -201,18 +177,18 @@ def _settlings(runs: Sequence[ReportedRun], joint: str) -> tuple[tuple[Table, ..
     return (table,), (note,)
 
 
-def _settling_rows(joint: str, found: Sequence[Settling | None]) -> Iterator[Row]:
+def _settling_rows(joint: str, settlings: Sequence[Settling | None]) -> Iterator[Row]:
     yield Row(joint)
     for name, of in TABLES["settling"].items():
         if name == "decay_rate":
-            values = [one.decay_rate if one is not None and one.decays else None for one in found]
+            values = [one.decay_rate if one is not None and one.decays else None for one in settlings]
         else:
-            values = [None if one is None else getattr(one, name) for one in found]
+            values = [None if one is None else getattr(one, name) for one in settlings]
         yield row_of(of, values)
-        if name == "time" and any(one is not None and one.note for one in found):
-            yield words("why it has not settled", ("" if one is None else one.note for one in found))
-        if name == "decay_rate" and any(one is not None and one.decays is False for one in found):
-            said = ("no decay" if one is not None and one.decays is False else "" for one in found)
+        if name == "time" and any(one is not None and one.note for one in settlings):
+            yield words("why it has not settled", ("" if one is None else one.note for one in settlings))
+        if name == "decay_rate" and any(one is not None and one.decays is False for one in settlings):
+            said = ("no decay" if one is not None and one.decays is False else "" for one in settlings)
             yield words("approach speeds over time", said)
 
 
@@ -225,13 +201,13 @@ def joint_key(joint: str) -> str:
 
 
 def hardness(runs: Sequence[ReportedRun], joint: str) -> float:
-    """Return the largest force of a contact in a joint with play, of all runs [N]."""
+    """Return the largest contact force in a joint over all runs [N]."""
     tables = (impacts(run.data, joint) for run in runs if joint in run.names("clearance_joint"))
     return max((float(one["peak_force"].max()) for one in tables if one.sizes["impact"]), default=0.0)
 
 
 def hardest_joint(runs: Sequence[ReportedRun]) -> str | None:
-    """Return the joint that a page's head shows: the hardest hit, else the first that moves; None if none."""
+    """Return the joint of the page's head: the hardest hit, else the first moving."""
     hit = {name: hardness(runs, name) for name in every(runs, "clearance_joint")}
     if hit:
         return max(hit, key=lambda name: hit[name])
@@ -245,28 +221,15 @@ def with_play(
     pictures: Sequence[Picture] = (),
     folded: bool = False,
 ) -> Section:
-    """Return the section of a joint with play.
-
-    Args:
-        runs: What is reported.
-        joint: Name of the joint.
-        scales: Of the runs, by which numbers are zero to round-off.
-        pictures: Its figures.
-        folded: Whether it is shown when asked for.
-    """
+    """Return the section of a joint with play."""
     touched = [run for run in runs if joint in run.names("clearance_joint")]
     rows = (*_motion(runs, joint, scales), *_contact(runs, joint), *_settled(runs, joint))
-    table = Table(
-        columns=("", *labels_of(runs)),
-        rows=rows,
-        caption="Motion and contact in numbers",
-        key=joint_key(joint),
-    )
+    table = run_table(runs, rows, "Motion and contact in numbers", joint_key(joint))
     return Section(
         key=joint_key(joint),
         title=f"Joint {joint}",
         items=(
-            Beside(table=table),
+            PicturedTable(table=table),
             *pictures,
             contact_details(touched, joint, scales),
             *every_impact(touched, joint),
@@ -281,13 +244,11 @@ def with_play(
     )
 
 
-def beside(section: Section, close: Mapping[str, Sequence[Embedded]]) -> Section:
-    """Return a section with what shows its joint close up beside its table, if it is of such a joint."""
+def with_recordings(section: Section, close: Mapping[str, Sequence[Embedded]]) -> Section:
+    """Return a section with close-ups of its joint beside its table."""
     seen = next((tuple(made) for joint, made in close.items() if joint_key(joint) == section.key), ())
-    items = (
-        replace(item, seen=seen) if seen and isinstance(item, Beside) else item for item in section.items
-    )
-    return replace(section, items=tuple(items))
+    items = [replace(one, seen=seen) if isinstance(one, PicturedTable) else one for one in section.items]
+    return replace(section, items=tuple(items)) if seen else section
 
 
 def without_play(
@@ -300,9 +261,7 @@ def without_play(
         for joint in every(runs, dimension):
             if joint not in played:
                 rows += [Row(f"joint {joint}"), *_motion(runs, joint, scales)]
-    table = Table(
-        columns=("", *labels_of(runs)), rows=tuple(rows), caption="Their motion in numbers", key="joints"
-    )
+    table = run_table(runs, rows, "Their motion in numbers", "joints")
     return Section(
         key="joints",
         title="Joints without play" if played else "Joints",
@@ -328,13 +287,12 @@ def _motion(runs: Sequence[ReportedRun], joint: str, scales: Mapping[str, float]
 
 
 def _contact(runs: Sequence[ReportedRun], joint: str) -> Iterator[Row]:
-    tables = [impacts(run.data, joint) if joint in run.names("clearance_joint") else None for run in runs]
-    loads = [
-        load_statistics(run.data, joint) if joint in run.names("clearance_joint") else None for run in runs
-    ]
+    touched = [run if joint in run.names("clearance_joint") else None for run in runs]
+    tables = [None if run is None else impacts(run.data, joint) for run in touched]
+    loads = [None if run is None else load_statistics(run.data, joint) for run in touched]
 
-    def number(run: ReportedRun, of: Variable) -> float | None:
-        if joint not in run.names("clearance_joint"):
+    def number(run: ReportedRun | None, of: Variable) -> float | None:
+        if run is None:
             return None
         owners = list(contact_joints(run.data).values())
         mine = np.isin(
@@ -346,7 +304,7 @@ def _contact(runs: Sequence[ReportedRun], joint: str) -> Iterator[Row]:
     shares = [None if one is None else float(one["joint_contact_share"].values[0]) for one in loads]
     for of in CONTACTS:
         if of.key():
-            yield row_of(of, [number(run, of) for run in runs])
+            yield row_of(of, [number(run, of) for run in touched])
         if of.form == "count":
             yield counts("blows", blows)
     yield row_of(TABLES["loads"]["contact_share"], shares)
@@ -369,22 +327,14 @@ def base(
     runs: Sequence[ReportedRun], scales: Mapping[str, float], pictures: Sequence[Picture] = ()
 ) -> Section:
     """Return how far a free base went and turned."""
-    items: list[Table | Picture] = []
-    if any("base_position" in run.data for run in runs):
-        rows = (
-            quantities(
-                "farthest from its start", [_moved(run, _displacement) for run in runs], "m", 4, scales
-            ),
-            quantities("largest turn from its start", [_moved(run, _turn) for run in runs], "rad", 4, scales),
-        )
-        items.append(
-            Table(columns=("", *labels_of(runs)), rows=rows, caption="Motion of the base", key="base")
-        )
-    return Section(key="base", title="Base", items=(*items, *pictures))
-
-
-def _moved(run: ReportedRun, of: Callable[[ReportedRun], float]) -> float | None:
-    return of(run) if "base_position" in run.data else None
+    free = [run if "base_position" in run.data else None for run in runs]
+    farthest, largest = ([None if run is None else of(run) for run in free] for of in (_displacement, _turn))
+    rows = (
+        quantities("farthest from its start", farthest, "m", 4, scales),
+        quantities("largest turn from its start", largest, "rad", 4, scales),
+    )
+    table = run_table(runs, rows, "Motion of the base", "base")
+    return Section(key="base", title="Base", items=(*([table] if any(free) else ()), *pictures))
 
 
 def _displacement(run: ReportedRun) -> float:

@@ -1,4 +1,4 @@
-"""What the analyses find in the motion: deviation from the ideal run, and dominant frequencies."""
+"""Analyses of the motion: deviation from the ideal run, dominant frequencies, pointing."""
 
 from __future__ import annotations
 
@@ -25,10 +25,7 @@ from antenna_pin.analysis import (
 from antenna_pin.base.readable import number, readable
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.report._page import Cell, Details, Picture, Row, Section, Table, quantities, quantity, words
-from antenna_pin.report._runs import ReportedRun, ideal_of, labels_of
-
-__all__ = ["deviations", "frequencies", "pointing"]
-
+from antenna_pin.report._runs import ReportedRun, every, ideal_of, run_table
 
 #: Frequencies named per signal and run.
 FREQUENCIES = 3
@@ -40,11 +37,10 @@ _Pick: TypeAlias = Callable[[ReportedRun, int, int], np.ndarray | None]
 
 
 def deviations(runs: Sequence[ReportedRun]) -> Section:
-    """Return how far each run is from the ideal one, if there is one among them."""
+    """Return each run's deviation from the ideal one."""
     ideal = ideal_of(runs)
     if ideal is None:
-        note = "No other run, without clearance, to deviate from; add one to see this."
-        return _section(notes=(note,))
+        return _section(notes=("No other run, without clearance, to deviate from; add one to see this.",))
     found: list[tuple[ReportedRun, tuple[DeviationMeasures, ...]]] = []
     notes = []
     for run in runs:
@@ -56,9 +52,9 @@ def deviations(runs: Sequence[ReportedRun]) -> Section:
             notes.append(f"{run.label}: {error}.")
     if not found:
         return _section(notes=tuple(notes))
-    every = list(dict.fromkeys(m.of for _, one in found for m in one))
-    joints = [of for of in every if not of.startswith("base ")]
-    bases = [of for of in every if of.startswith("base ")]
+    measured = list(dict.fromkeys(m.of for _, one in found for m in one))
+    joints = [of for of in measured if not of.startswith("base ")]
+    bases = [of for of in measured if of.startswith("base ")]
     scales = round_off_scales(*(run.data for run in runs))
     items: list[Table | Details] = []
     if joints:
@@ -89,19 +85,21 @@ def _section(
 
 
 def _deviation_table(
-    found: Sequence[tuple[ReportedRun, Sequence[DeviationMeasures]]],
+    deviations: Sequence[tuple[ReportedRun, Sequence[DeviationMeasures]]],
     quantities: Sequence[str],
     caption: str,
     key: str,
     scales: Mapping[str, float],
 ) -> Table:
-    """Return a table with a row per quantity, or, of several runs, per quantity and run."""
+    """Return a table with a row per quantity, and per run of several."""
     rows: list[Row] = []
     for of in quantities:
-        if len(found) > 1:
+        if len(deviations) > 1:
             rows.append(Row(of))
-        for run, one in found:
-            rows += [_measures(run.label if len(found) > 1 else of, m, scales) for m in one if m.of == of]
+        for run, one in deviations:
+            rows += [
+                _measures(run.label if len(deviations) > 1 else of, m, scales) for m in one if m.of == of
+            ]
     columns = ("", "largest", "at", "root mean square", "at the end", "growth")
     return Table(columns=columns, rows=tuple(rows), caption=caption, key=key)
 
@@ -133,39 +131,33 @@ def frequencies(runs: Sequence[ReportedRun]) -> Section:
     """Return the strongest periodic parts of the joints' accelerations and the journals' forces."""
     signals: dict[str, _Pick] = {}
     units: dict[str, str] = {}
-    for name in dict.fromkeys(name for run in runs for name in run.names("joint")):
+    for name in every(runs, "joint"):
         label = f"acceleration of {name}"
         signals[label], units[label] = _picker("motion_acceleration", "joint", name), "rad/s^2"
-    for name in dict.fromkeys(name for run in runs for name in run.names("elastic_part")):
+    for name in every(runs, "elastic_part"):
         slides = any(elastic_parts_of(run.data).get(name, {}).get("slides") for run in runs)
         label = f"deflection of {name}"
         signals[label], units[label] = _picker("deflection", "elastic_part", name), "m" if slides else "rad"
-    for name in dict.fromkeys(name for run in runs for name in run.names("clearance_joint")):
+    for name in every(runs, "clearance_joint"):
         label = f"force on the journal of {name}"
         signals[label], units[label] = _picker("joint_force", "clearance_joint", name), "N"
     rows: list[Row] = []
     notes: list[str] = []
     for label, pick in signals.items():
-        found = []
+        found: list[xr.Dataset | None] = []
         for run in runs:
             try:
-                values = pick(run, 0, 1)
-                time = run.data["time"].values
-                found.append(
-                    None
-                    if values is None
-                    else dominant_frequencies(
-                        time, _reader(run, pick), FREQUENCIES, scale=_scale(run, signals, units, units[label])
-                    )
-                )
+                if pick(run, 0, 1) is None:
+                    found.append(None)
+                    continue
+                time, scale = run.data["time"].values, _scale(run, signals, units, units[label])
+                found.append(dominant_frequencies(time, _reader(run, pick), FREQUENCIES, scale=scale))
             except AntennaPinError as error:
                 found.append(None)
                 notes.append(f"{run.label}, {label}: {error}.")
         if any(one is not None for one in found):
             rows += _frequency_rows(label, found, units[label])
-    table = Table(
-        columns=("", *labels_of(runs)), rows=tuple(rows), caption="Strongest frequencies", key="frequencies"
-    )
+    table = run_table(runs, rows, "Strongest frequencies", "frequencies")
     meaning = (
         "Strongest first, with the amplitude of the sine; only what stands out five times above its "
         "surroundings. An amplitude is a mean over the whole run."
@@ -180,13 +172,8 @@ def frequencies(runs: Sequence[ReportedRun]) -> Section:
     )
 
 
-def _scale(
-    run: ReportedRun,
-    signals: Mapping[str, _Pick],
-    units: Mapping[str, str],
-    unit: str,
-) -> float:
-    """Return the largest size of what a run has in a unit, which round-off is judged by."""
+def _scale(run: ReportedRun, signals: Mapping[str, _Pick], units: Mapping[str, str], unit: str) -> float:
+    """Return the largest size of a run's signals of a unit, for round-off."""
     largest = 0.0
     for part in blocks(run.data):
         own = replace(run, run=replace(run.run, data=part))
@@ -197,10 +184,10 @@ def _scale(
 
 
 def _picker(variable: str, dimension: str, name: str) -> _Pick:
-    def pick(run: ReportedRun, first: int, last: int) -> np.ndarray | None:
+    def pick(run: ReportedRun, begin: int, last: int) -> np.ndarray | None:
         if name not in run.names(dimension):
             return None
-        values = np.asarray(run.data[variable].sel({dimension: name})[first:last].values, dtype=float)
+        values = np.asarray(run.data[variable].sel({dimension: name})[begin:last].values, dtype=float)
         return np.linalg.norm(values, axis=1) if values.ndim == 2 else values
 
     return pick
@@ -209,23 +196,23 @@ def _picker(variable: str, dimension: str, name: str) -> _Pick:
 def _reader(run: ReportedRun, pick: _Pick) -> Callable[[int, int], np.ndarray]:
     """Return what reads a signal that a run has."""
 
-    def read(first: int, last: int) -> np.ndarray:
-        values = pick(run, first, last)
+    def read(begin: int, last: int) -> np.ndarray:
+        values = pick(run, begin, last)
         assert values is not None
         return values
 
     return read
 
 
-def _frequency_rows(label: str, found: Sequence[xr.Dataset | None], unit: str) -> Iterator[Row]:
+def _frequency_rows(label: str, spectra: Sequence[xr.Dataset | None], unit: str) -> Iterator[Row]:
     yield Row(label)
-    most = max(one.sizes["peak"] for one in found if one is not None)
+    most = max(one.sizes["peak"] for one in spectra if one is not None)
     if not most:
-        quiet = all(one is None or one.attrs["round_off"] for one in found)
-        yield words("nothing above round-off" if quiet else "nothing stands out", ("" for _ in found))
+        quiet = all(one is None or one.attrs["round_off"] for one in spectra)
+        yield words("nothing above round-off" if quiet else "nothing stands out", ("" for _ in spectra))
     for k in range(most):
         cells = []
-        for one in found:
+        for one in spectra:
             if one is None or k >= one.sizes["peak"]:
                 cells.append(Cell(number(None)))
                 continue
@@ -246,12 +233,9 @@ _ASKED = ("window", "drift_spacing", "periods")
 
 
 def pointing(runs: Sequence[ReportedRun], window: float | None, pictures: Sequence[Picture] = ()) -> Section:
-    """Return pointing indices of the runs whose scenario says what looks where.
+    """Return pointing indices of the runs whose scenario defines a boresight.
 
-    Args:
-        runs: What is reported.
-        window: Length of the windows [s]; a tenth of the shortest run if left out.
-        pictures: Its figures.
+    ``window``: length of the windows [s]; a tenth of the shortest run if left out.
     """
     looking = [run for run in runs if run.run.scenario is not None and run.run.scenario.pointing is not None]
     ideal = ideal_of(runs)
@@ -262,10 +246,11 @@ def pointing(runs: Sequence[ReportedRun], window: float | None, pictures: Sequen
     span = min((run.end - float(run.data["time"].values[0]) for run in judged), default=0.0)
     length = span / WINDOWS if window is None else window
     for run in judged:
-        if not _commanded(run) and ideal is None:
+        reference = None if _commanded(run) else ideal
+        if reference is None and not _commanded(run):
             continue
         try:
-            errors = pointing_error(run.run, None if _commanded(run) or ideal is None else ideal.run)
+            errors = pointing_error(run.run, None if reference is None else reference.run)
             long = run.samples > WITH_WINDOWS
             indices = _indices(errors, None if long else length)
             if long:
@@ -277,7 +262,7 @@ def pointing(runs: Sequence[ReportedRun], window: float | None, pictures: Sequen
             notes.append(f"{run.label}: {error}.")
             continue
         found.append((run, indices))
-        told = str(errors.attrs["against"]) + ("" if _commanded(run) or ideal is None else f", {ideal.label}")
+        told = str(errors.attrs["against"]) + ("" if reference is None else f", {reference.label}")
         against.setdefault(f"boresight of {errors.attrs['body']} against the {told}", []).append(run.label)
     if not found:
         return Section(key="pointing", title="Pointing", items=tuple(pictures), notes=tuple(notes))
@@ -305,7 +290,7 @@ def pointing(runs: Sequence[ReportedRun], window: float | None, pictures: Sequen
 
 
 def _commanded(run: ReportedRun) -> bool:
-    """Whether the run's scenario names a direction to compare with, rather than an ideal run."""
+    """Return whether the run's scenario commands a direction."""
     scenario = run.run.scenario
     return scenario is not None and scenario.pointing is not None and scenario.pointing.commanded != "ideal"
 
@@ -324,26 +309,26 @@ def _indices(errors: xr.Dataset, window: float | None) -> xr.Dataset:
     )
 
 
-def _rows(found: Sequence[xr.Dataset]) -> Iterator[Row]:
-    kinds = list(dict.fromkeys(str(kind) for one in found for kind in one["index"].values))
-    components = list(dict.fromkeys(str(name) for one in found for name in one["component"].values))
+def _rows(indices: Sequence[xr.Dataset]) -> Iterator[Row]:
+    kinds = list(dict.fromkeys(str(kind) for one in indices for kind in one["index"].values))
+    components = list(dict.fromkeys(str(name) for one in indices for name in one["component"].values))
     components.sort(key=lambda name: name != "half-cone")  # what counts for a dish stands first
     meanings = {
         str(kind): str(text).partition(":")[0]
-        for one in found
+        for one in indices
         for kind, text in zip(one["index"].values, one["definition"].values, strict=True)
     }
     for kind in kinds:
         yield Row(f"{kind}, {meanings[kind]}")
         for name in components:
-            cells = [_picked(one, "extreme", kind, name) for one in found]
+            cells = [_picked(one, "extreme", kind, name) for one in indices]
             yield quantities(f"{name}, largest", cells, "rad")
             if name == "half-cone":
-                levels = [_picked(one.sel(interpretation="temporal"), "level", kind, name) for one in found]
+                levels = [_picked(one.sel(interpretation="temporal"), "level", kind, name) for one in indices]
                 yield quantities(f"{name}, {number(100.0 * CONFIDENCE)} % of the time", levels, "rad")
 
 
-def _picked(found: xr.Dataset, variable: str, kind: str, name: str) -> float | None:
-    if kind not in found["index"].values or name not in found["component"].values:
+def _picked(indices: xr.Dataset, variable: str, kind: str, name: str) -> float | None:
+    if kind not in indices["index"].values or name not in indices["component"].values:
         return None
-    return float(found[variable].sel(index=kind, component=name))
+    return float(indices[variable].sel(index=kind, component=name))

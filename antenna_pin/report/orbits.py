@@ -21,12 +21,9 @@ from antenna_pin.plot import (
     figure_section,
     figure_sensitivity,
 )
-from antenna_pin.report._page import Cell, Picture, Row, Section, Statement, Table, quantities
-from antenna_pin.report._runs import Finding, Judged
+from antenna_pin.report._page import Cell, Picture, Row, Section, Status, Table, quantities, statement
+from antenna_pin.report._runs import Finding
 from antenna_pin.report.figures import picture
-
-__all__ = ["branch", "diagram", "exponents", "orbit", "portrait", "section", "sensitivity"]
-
 
 _NEUTRAL = "neutral, as far as can be told"
 
@@ -42,11 +39,11 @@ def _multiplier(one: complex) -> Cell:
     return Cell(f"{number(abs(one))} at {angle}°", abs(one))
 
 
-def _said(label: str, text: str) -> Statement:
-    return Statement(label=label, texts=(((), text),))
+def _picture(draw: Callable[[], object], caption: str, key: str, figures: bool) -> tuple[Picture, ...]:
+    return (picture(draw(), caption, f"{key}-figure"),) if figures else ()
 
 
-def orbit(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
+def orbit(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]:
     """Return the section of a periodic solution."""
     table = finding.table
     stability = str(table["stability"].item())
@@ -54,30 +51,23 @@ def orbit(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
     period, doubt = float(table["period"].item()), float(table["doubt"].item())
     real, imaginary = table["multiplier_real"].values, table["multiplier_imaginary"].values
     sizes = np.hypot(real, imaginary)
-    rows = tuple(
-        Row(
-            str(k + 1),
-            (
-                _multiplier(complex(real[k], imaginary[k])),
-                *(_plain(float(one[k])) for one in (sizes, table["exponent"].values)),
-            ),
-        )
-        for k in range(len(real))
-    )
+    rows = []
+    for k, pair in enumerate(zip(real, imaginary, strict=True)):
+        numbers = (_plain(float(one[k])) for one in (sizes, table["exponent"].values))
+        rows.append(Row(str(k + 1), (_multiplier(complex(*pair)), *numbers)))
     multipliers = Table(
         columns=("", "multiplier", "size", "exponent [1/s]"),
-        rows=rows,
+        rows=tuple(rows),
         caption=f"Floquet multipliers, known to {number(doubt, 1)}",
         key=f"{key}-multipliers",
     )
     onsets, events = int(table["onsets"].item()), int(table["events"].item())
     residual = float(table["residual"].item())
     statements = [
-        _said("in a period", f"{onsets} contacts that begin, {events} events"),
-        _said("ends of a period", f"{number(residual, 2)} error scales apart"),
+        statement("in a period", f"{onsets} contacts that begin, {events} events"),
+        statement("ends of a period", f"{number(residual, 2)} error scales apart"),
     ]
     caption = "Floquet multipliers and the unit circle"
-    shown = picture(figure_multipliers(table), caption, f"{key}-figure") if figures else None
     found = " (found too)" if int(table.attrs["free_period"]) else ""
     said = f"orbit of {readable(period, 's', 9)}{found}, {words}"
     part = Section(
@@ -85,49 +75,44 @@ def orbit(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
         title=f"Periodic solution: {finding.label}",
         lead=(f"An {said}.",),
         statements=tuple(statements),
-        items=(*((shown,) if shown else ()), multipliers),
+        items=(*_picture(lambda: figure_multipliers(table), caption, key, figures), multipliers),
     )
-    return part, Judged(finding.label, True, stability, said)
+    return part, Status(finding.label, True, stability, said)
 
 
-def branch(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
+def branch(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]:
     """Return the section of a branch of periodic solutions."""
     table = finding.table
     parameter, unit = str(table.attrs["parameter"]), str(table["value"].attrs.get("units", "")) or "1"
     spans = stability_spans(table)
-    rows = tuple(
-        Row(
-            one.stability,
-            (
-                Cell(readable(one.first, unit, 6), one.first),
-                Cell(readable(one.last, unit, 6), one.last),
-                Cell(str(one.orbits), float(one.orbits)),
-                *map(_multiplier, one.largest),
-            ),
-        )
-        for one in spans
-    )
+    rows = []
+    for one in spans:
+        ends = (Cell(readable(end, unit, 6), end) for end in (one.first, one.last))
+        count = Cell(str(one.orbits), float(one.orbits))
+        rows.append(Row(one.stability, (*ends, count, *map(_multiplier, one.largest))))
     columns = ("", "from", "to", "orbits", "largest multiplier, of least size", "of greatest")
     items: list[Table | Picture] = [
-        Table(columns=columns, rows=rows, caption=f"Orbits over {parameter}", key=f"{key}-stability")
+        Table(columns=columns, rows=tuple(rows), caption=f"Orbits over {parameter}", key=f"{key}-stability")
     ]
-    happened = _happened(table, unit)
-    if happened:
+    bifurcations = []
+    for kind, at, doubt in zip(*(table[name].values for name in ("kind", "at", "at_doubt")), strict=True):
+        cells = (Cell(readable(float(x), unit, n), float(x)) for x, n in ((at, 9), (doubt, 2)))
+        bifurcations.append(Row(str(kind), tuple(cells)))
+    if bifurcations:
         items.append(
             Table(
                 columns=("", f"at {parameter}", "known to"),
-                rows=tuple(happened),
+                rows=tuple(bifurcations),
                 caption="What happens to them",
                 key=f"{key}-bifurcations",
             )
         )
     if figures:
-        drawn = (figure_branch(table, width="column"), f"Periodic solutions over {parameter}")
-        others = (figure_multipliers(table), "Their Floquet multipliers and the unit circle")
-        items[:0] = [
-            picture(figure, caption, f"{key}-figure-{k}")
-            for k, (figure, caption) in enumerate((drawn, others), start=1)
-        ]
+        drawn = (
+            (figure_branch(table, width="column"), f"Periodic solutions over {parameter}"),
+            (figure_multipliers(table), "Their Floquet multipliers and the unit circle"),
+        )
+        items[:0] = [picture(*one, f"{key}-figure-{k}") for k, one in enumerate(drawn, start=1)]
     kinds = [str(one) for one in table["kind"].values]
     what = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds)) or "no bifurcation found"
     said = f"{table.sizes['point']} orbits over {parameter}: {table.attrs['message']}; {what}"
@@ -144,24 +129,10 @@ def branch(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
         notes=tuple(notes),
     )
     every = ", ".join(dict.fromkeys(one.stability for one in spans))
-    return part, Judged(finding.label, True, every, said)
+    return part, Status(finding.label, True, every, said)
 
 
-def _happened(table: xr.Dataset, unit: str) -> list[Row]:
-    parts = [table[name].values for name in ("kind", "at", "at_doubt")]
-    return [
-        Row(
-            str(kind),
-            (
-                Cell(readable(float(at), unit, 9), float(at)),
-                Cell(readable(float(doubt), unit, 2), float(doubt)),
-            ),
-        )
-        for kind, at, doubt in zip(*parts, strict=True)
-    ]
-
-
-def exponents(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
+def exponents(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]:
     """Return the section of Lyapunov exponents."""
     table = finding.table
     interval, verdict = float(table.attrs["interval"]), str(table.attrs["verdict"])
@@ -177,8 +148,7 @@ def exponents(finding: Finding, key: str, figures: bool) -> tuple[Section, Judge
         key=f"{key}-exponents",
     )
     caption = "Convergence of the exponents, with one standard error"
-    drawn = figure_exponents(table, width="column") if figures else None
-    pictures = (picture(drawn, caption, f"{key}-figure"),) if drawn else ()
+    pictures = _picture(lambda: figure_exponents(table, width="column"), caption, key, figures)
     said = f"{verdict}, over {table.sizes['interval']} intervals of {readable(interval, 's', 6)}"
     part = Section(
         key=key,
@@ -187,20 +157,15 @@ def exponents(finding: Finding, key: str, figures: bool) -> tuple[Section, Judge
         items=(*pictures, numbers),
         notes=("The verdict is that of the largest exponent, at three standard errors.",),
     )
-    return part, Judged(
-        finding.label, verdict != "too short to say", verdict, f"largest exponent {_told(values, errors)}"
-    )
-
-
-def _told(values: np.ndarray, errors: np.ndarray) -> str:
     error = f" ± {number(float(errors[0]), 2)}" if np.isfinite(errors[0]) else ", error unknown"
-    return f"{number(float(values[0]))}{error} 1/s"
+    text = f"largest exponent {number(float(values[0]))}{error} 1/s"
+    return part, Status(finding.label, verdict != "too short to say", verdict, text)
 
 
 _MOST = 20  # results in the table
 
 
-def sensitivity(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
+def sensitivity(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]:
     """Return the section of sensitivities."""
     table = finding.table
     names = [str(one) for one in table["parameter"].values]
@@ -218,28 +183,26 @@ def sensitivity(finding: Finding, key: str, figures: bool) -> tuple[Section, Jud
         key=f"{key}-changes",
     )
     caption = "What moves what: change of results per 1 % of each number, and of a motion over time"
-    drawn = figure_sensitivity(table) if figures else None
-    pictures = (picture(drawn, caption, f"{key}-figure"),) if drawn else ()
+    pictures = _picture(lambda: figure_sensitivity(table), caption, key, figures)
     believed = np.asarray(table["believed"].values, dtype=float)
     first = int(np.argmin(believed))
     throughout = bool(np.isinf(believed[first]))
     until = f"up to {readable(float(believed[first]), 's', 6)}, over {names[first]}"
     said = "to the end" if throughout else until
     refused = json.loads(str(table.attrs["refused"]))
-    spans = [
-        f"{readable(one['begin'], 's', 6)} to {readable(one['end'], 's', 6)}: {one['why']}" for one in refused
-    ]
     part = Section(
         key=key,
         title=f"Sensitivities: {finding.label}",
         lead=(f"Derivatives of velocities are known to 1 % {said}.",),
         items=(*pictures, *((numbers,) if rows else ())),
         notes=tuple(
-            f"No derivatives from {at}: {one['why']}." for at, one in zip(spans, refused, strict=True)
+            f"No derivatives from {readable(one['begin'], 's', 6)} to {readable(one['end'], 's', 6)}: "
+            f"{one['why']}."
+            for one in refused
         ),
     )
     judged = "known" if throughout else "in doubt"
-    return part, Judged(finding.label, throughout, judged, f"velocities known to 1 % {said}")
+    return part, Status(finding.label, throughout, judged, f"velocities known to 1 % {said}")
 
 
 def _change(change: float, doubt: float) -> Cell:
@@ -263,11 +226,7 @@ def _ranges(rows: list[Row], key: str, of: str) -> Table:
     return Table(columns=columns, rows=tuple(rows), caption=f"Range of the {of}", key=f"{key}-range")
 
 
-def _picture(draw: Callable[[], object], caption: str, key: str, figures: bool) -> tuple[Picture, ...]:
-    return (picture(draw(), caption, f"{key}-figure"),) if figures else ()
-
-
-def portrait(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
+def portrait(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]:
     """Return the section of a phase portrait."""
     found = portrait_of(finding.table)
     rows = [_statistics(one.name, one.values, one.units) for one in found.quantities]
@@ -280,10 +239,10 @@ def portrait(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged
         _ranges(rows, key, "quantities"),
     )
     part = Section(key=key, title=f"Phase portrait: {finding.label}", lead=(f"{said}.",), items=items)
-    return part, Judged(finding.label, True, "phase portrait", said)
+    return part, Status(finding.label, True, "phase portrait", said)
 
 
-def section(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
+def section(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]:
     """Return the section of the points of a Poincare section."""
     table = finding.table
     names = json.loads(table.attrs["quantities"])
@@ -309,7 +268,7 @@ def section(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]
         f"Rule of settling: {table.attrs['rule']}; tolerance {number(float(table.attrs['tolerance']))}.",
     )
     part = Section(key=key, title=f"Section: {finding.label}", lead=tuple(lead), items=items, notes=notes)
-    return part, Judged(finding.label, whether, "settled" if whether else "not settled", f"section: {words}")
+    return part, Status(finding.label, whether, "settled" if whether else "not settled", f"section: {words}")
 
 
 def _recurs(points: np.ndarray, deep: bool = False) -> str:
@@ -323,7 +282,7 @@ def _recurs(points: np.ndarray, deep: bool = False) -> str:
     return f"{found.words}, confidence {number(found.confidence, 2)}"
 
 
-def diagram(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]:
+def diagram(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]:
     """Return the section of a bifurcation diagram."""
     table = finding.table
     parameter, branches = str(table.attrs["parameter"]), [str(one) for one in table["branch"].values]
@@ -367,13 +326,13 @@ def diagram(finding: Finding, key: str, figures: bool) -> tuple[Section, Judged]
             f"Rule of settling: {table.attrs['rule']}; tolerance {number(float(table.attrs['tolerance']))}.",
         ),
     )
-    return part, Judged(
+    return part, Status(
         finding.label, not bad, "settled" if not bad else "not all settled", f"{said}: {tally}"
     )
 
 
 def _come_to(table: xr.Dataset, names: list[str], b: int, k: int) -> tuple[str, str]:
-    """Return what the points of a value of a branch come to, in a word or two and in a line."""
+    """Return the recurrence of a value's points, briefly and in a line."""
     count = int(table["points"].values[b, k])
     if not count:
         return "failed", f"failed: {table['message'].values[b, k]}"

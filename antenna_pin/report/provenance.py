@@ -1,54 +1,42 @@
-"""Where the numbers come from: versions, scenarios in full, commands that repeat all of it."""
+"""Origin of the numbers: versions, scenarios in full, commands that repeat them."""
 
 from __future__ import annotations
 
 import json
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.report._page import Details, Section, Statement, Table, words
+from antenna_pin.report._page import Details, Section, Statement, Table, statement, words
 from antenna_pin.report._runs import ReportedRun, labels_of
 from antenna_pin.scenario import Scenario, list_scenarios, scenario_toml
 from antenna_pin.trajectory import library_versions
 
-__all__ = ["provenance", "report_command", "run_command"]
-
 
 def provenance(
-    runs: Sequence[ReportedRun], command: str | None, beside: Sequence[Path | None] = ()
+    runs: Sequence[ReportedRun], command: str | None, findings: Sequence[Path | None] = ()
 ) -> Section:
     """Return versions, dates, scenarios and commands.
 
-    Args:
-        runs: What is reported.
-        command: The command line that wrote the report; None for one made in Python.
-        beside: Files of what is reported beside runs, which say themselves how they were made.
+    ``findings``: files reported beside the runs, which have their own commands.
     """
     statements = []
-    if runs:
-        commands = tuple(((run.label,), run_command(run) or _NO_COMMAND) for run in runs)
-        statements.append(Statement(label="repeat the runs", texts=commands, code=True))
-    again = command or report_command(runs, beside)
+
+    def state(label: str, texts: Iterable[tuple[ReportedRun, object]], code: bool = False) -> None:
+        if known := tuple(((run.label,), str(text)) for run, text in texts if text):
+            statements.append(Statement(label=label, texts=known, code=code))
+
+    state("repeat the runs", ((run, run_command(run) or _NO_COMMAND) for run in runs), True)
+    again = command or report_command(runs, findings)
     if again is not None:
-        statements.append(Statement(label="repeat this report", texts=(((), again),), code=True))
-    dates = tuple(
-        ((run.label,), str(run.data.attrs["finished"])) for run in runs if "finished" in run.data.attrs
-    )
-    if dates:
-        statements.append(Statement(label="runs finished (UTC)", texts=dates))
-    files = tuple(((run.label,), str(run.file)) for run in runs if run.file is not None)
-    if files:
-        statements.append(Statement(label="files", texts=files, code=True))
-    assumed = tuple(((run.label,), "; ".join(run.run.assumed)) for run in runs if run.run.assumed)
-    if assumed:
-        statements.append(Statement(label="assumed, or left out", texts=assumed))
+        statements.append(statement("repeat this report", again, True))
+    state("runs finished (UTC)", ((run, run.data.attrs.get("finished")) for run in runs))
+    state("files", ((run, run.file) for run in runs), True)
+    state("assumed, or left out", ((run, "; ".join(run.run.assumed)) for run in runs))
     sources = dict.fromkeys(run.run.scenario.source for run in runs if run.run.scenario is not None)
     if any(sources):
-        statements.append(
-            Statement(label="source of the numbers", texts=(((), "; ".join(filter(None, sources))),))
-        )
+        statements.append(statement("source of the numbers", "; ".join(filter(None, sources))))
     return Section(
         key="provenance",
         title="Provenance",
@@ -129,7 +117,7 @@ def _file_name(label: str) -> str:
 
 @takes()
 def report_command(runs: Sequence[ReportedRun], beside: Sequence[Path | None] = ()) -> str | None:
-    """Return a command that writes a report of files; None where something came from no file.
+    """Return a command that writes a report of files; None for objects.
 
     Args:
         runs: Runs that are reported.

@@ -1,18 +1,15 @@
-"""How runs ended, what is to be warned of, and how well they kept what is conserved."""
+"""Outcomes of runs, warnings, and conservation."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from antenna_pin.analysis import answer, said_of_limits, said_of_singular, said_of_spin
 from antenna_pin.base.readable import number, readable
-from antenna_pin.report._page import Details, Picture, Section, Table
-from antenna_pin.report._runs import ReportedRun, labels_of, row_of
+from antenna_pin.report._page import Details, Picture, Section, Status
+from antenna_pin.report._runs import ReportedRun, row_of, run_table
 from antenna_pin.trajectory.quantities import RUN
-
-__all__ = ["CONSERVED_WITHIN", "Status", "conservation", "statuses", "warnings"]
 
 #: Relative errors of what must be conserved beyond which a run is not to be trusted.
 CONSERVED_WITHIN = 1e-6
@@ -25,29 +22,8 @@ _MOST = 3
 GAPS_WITHIN = 1e-9
 
 
-@dataclass(frozen=True, slots=True)
-class Status:
-    """How a run ended.
-
-    Attributes:
-        label: Of the run.
-        completed: Whether it reached its end.
-        outcome: Its name: COMPLETED, INTERRUPTED, ...
-        text: In words, with the time that it reached.
-    """
-
-    label: str
-    completed: bool
-    outcome: str
-    text: str
-
-
-def statuses(runs: Sequence[ReportedRun]) -> list[Status]:
-    """Return how each run ended."""
-    return [_status(run) for run in runs]
-
-
-def _status(run: ReportedRun) -> Status:
+def status(run: ReportedRun) -> Status:
+    """Return the outcome of a run."""
     reached = f"{readable(run.end, 's')} in {run.samples} sample{'s' if run.samples != 1 else ''}"
     wanted = run.run.scenario.duration if run.run.scenario is not None else None
     if not run.run.completed and wanted is not None:
@@ -57,7 +33,7 @@ def _status(run: ReportedRun) -> Status:
 
 
 def _answered(run: ReportedRun) -> str:
-    """Return what a run has come to in a sentence: its hardest blow, pointing, and what else happened."""
+    """Return a run's result in a sentence: hardest blow, pointing, other events."""
     lines = answer(run.run).lines if run.samples > 1 else ()
     told = [line for line in lines if line.about != "energy"] or list(lines)
     hardest = [line for line in told if line.about in run.names("clearance_joint")][:1]
@@ -68,7 +44,7 @@ def _answered(run: ReportedRun) -> str:
 
 
 def warnings(runs: Sequence[ReportedRun]) -> list[str]:
-    """Return what a reader must know before believing the numbers, one sentence each."""
+    """Return the warnings on the runs, one sentence each."""
     said: dict[str, list[str]] = {}
     for run in runs:
         for text in _warnings(run):
@@ -80,13 +56,12 @@ def _warnings(run: ReportedRun) -> Iterator[str]:
     data = run.data
     if run.samples < 2:
         yield "one sample only, so nothing is drawn or analysed over time."
-    kept = run.conserved
     for key, what in (
         ("energy_error_relative", "the energy balance is off by"),
         ("linear_momentum_drift_relative", "linear momentum drifts by"),
         ("angular_momentum_drift_relative", "angular momentum drifts by"),
     ):
-        value = kept.get(key)
+        value = run.conserved.get(key)
         if value is not None and not abs(value) <= CONSERVED_WITHIN:
             yield (
                 f"{what} {number(value, 2)} of its scale, more than {number(CONSERVED_WITHIN)}; "
@@ -130,23 +105,16 @@ def _differences(runs: Sequence[ReportedRun]) -> Iterator[str]:
 
 
 def conservation(runs: Sequence[ReportedRun], pictures: Sequence[Picture] = ()) -> Section:
-    """Return how well each run kept what must be kept."""
-    kept = [run.conserved for run in runs]
-
+    """Return the errors of conserved quantities of each run."""
     rows = [
-        row_of(of, [found.get(of.name) for found in kept])
+        row_of(of, [run.conserved.get(of.name) for run in runs])
         for of in RUN.values()
         if of.source == "conservation"
     ]
     if any(run.names("contact") for run in runs):
         gaps = [float(run.data.attrs["gap_difference"]) if run.names("contact") else None for run in runs]
         rows.append(row_of(RUN["gap_difference"], gaps))
-    table = Table(
-        columns=("", *labels_of(runs)),
-        rows=tuple(rows),
-        caption="Errors and drifts",
-        key="conservation",
-    )
+    table = run_table(runs, rows, "Errors and drifts", "conservation")
     return Section(
         key="conservation",
         title="Energy and momentum",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
@@ -14,26 +13,14 @@ from antenna_pin import plot
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number, prefixed, readable
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.report._page import Cell, Details, Picture, Row, Section, Statement, Table
+from antenna_pin.report._page import Cell, Details, Picture, Row, Section, Status, Table, statement
 from antenna_pin.report.document import Report, page
 from antenna_pin.report.figures import picture
 from antenna_pin.sweep.sensitivity import sensitivities
 from antenna_pin.sweep.statistics import quantiles
 
-__all__ = ["study_report"]
-
 _MOST_FAILURES = 200
 _MOST_FIGURES = 40
-
-
-@dataclass(frozen=True, slots=True)
-class _Status:
-    """How the study stands, for the page's head."""
-
-    label: str
-    outcome: str
-    text: str
-    completed: bool
 
 
 @takes()
@@ -54,20 +41,19 @@ def study_report(study: xr.Dataset, *, title: str | None = None, figures: bool =
     if figures:
         sections.insert(1, _figures(study))
     sections.append(_provenance(study, about))
-    kept = [section for section in sections if not section.empty]
-    return page(heading, [_status(study, about["name"])], kept)
+    return page(heading, [_status(study, about["name"])], sections)
 
 
-def _status(study: xr.Dataset, name: str) -> _Status:
+def _status(study: xr.Dataset, name: str) -> Status:
     count, pending = study["outcome"].size, int((study["outcome"].values == "PENDING").sum())
     faults = {words: outcome for (words, outcome), runs in _faults(study).items() if runs.any()}
     outcome = "PENDING" if pending else next(iter(faults.values()), "COMPLETED")
     said = f"{count - pending} of {count} runs made; {_counted(study) or 'all of them reached their end'}"
-    return _Status(name, outcome, said, not pending and not faults)
+    return Status(name, not pending and not faults, outcome, said)
 
 
 def _faults(study: xr.Dataset) -> dict[tuple[str, str], NDArray[np.bool_]]:
-    """Return which runs have each fault, of which one has at most one, by its words and the outcome."""
+    """Return the runs with each fault, by its words and outcome."""
     outcomes = study["outcome"].values
     lacking = np.zeros(outcomes.shape, dtype=bool)
     for response in _names(study, "responses"):
@@ -96,15 +82,8 @@ def _names(study: xr.Dataset, what: str) -> list[str]:
 
 def _responses(study: xr.Dataset) -> Section:
     shares = plot.QUANTILES
-    head = (
-        "",
-        "smallest",
-        *(f"{100.0 * share:g} %" for share in shares),
-        "largest",
-        "mean",
-        "spread",
-        "runs",
-    )
+    levels = (f"{100.0 * share:g} %" for share in shares)
+    head = ("", "smallest", *levels, "largest", "mean", "spread", "runs")
     rows = []
     for name in _names(study, "responses"):
         values = np.ravel(study[name].values).astype(float)
@@ -113,13 +92,8 @@ def _responses(study: xr.Dataset) -> Section:
             rows.append(Row(name, tuple(Cell("–") for _ in head[1:])))
             continue
         found = quantiles(study, name, shares)
-        numbers = [
-            values.min(),
-            *found["quantile"].values,
-            values.max(),
-            values.mean(),
-            values.std(ddof=1) if values.size > 1 else np.nan,
-        ]
+        spread = values.std(ddof=1) if values.size > 1 else np.nan
+        numbers = [values.min(), *found["quantile"].values, values.max(), values.mean(), spread]
         factor, unit = prefixed(str(study[name].attrs.get("units", "")), [float(one) for one in numbers])
         cells = [Cell(number(factor * float(one)), float(one)) for one in numbers]
         rows.append(Row(name, (*cells, Cell(str(values.size), float(values.size))), unit))
@@ -128,8 +102,7 @@ def _responses(study: xr.Dataset) -> Section:
     if study.attrs["method"] != "grid":
         items.append(_intervals(study))
     meaning = tuple(
-        Statement(label=name, texts=(((), str(study[name].attrs.get("long_name", ""))),))
-        for name in _names(study, "responses")
+        statement(name, str(study[name].attrs.get("long_name", ""))) for name in _names(study, "responses")
     )
     return Section(key="responses", title="Responses", statements=meaning, items=tuple(items))
 
@@ -176,28 +149,16 @@ def _sensitivities(study: xr.Dataset, figures: bool) -> Section:
             notes.append(f"{name}: {error}.")
             continue
         columns = [str(one) for one in found.data_vars]
-        rows = [
-            Row(
-                str(factor),
-                tuple(
-                    Cell(readable(float(found[c].sel(factor=factor)), found[c].attrs["units"]))
-                    for c in columns
-                ),
-            )
-            for factor in found["factor"].values
-        ]
+        rows = []
+        for factor in found["factor"].values:
+            values = ((float(found[c].sel(factor=factor)), found[c].attrs["units"]) for c in columns)
+            rows.append(Row(str(factor), tuple(Cell(readable(*one)) for one in values)))
         words = tuple(f"{c}: {found[c].attrs['long_name']}" for c in columns if not c.endswith("_conf"))
-        items.append(
-            Table(
-                columns=("", *columns),
-                rows=tuple(rows),
-                caption=f"{name} ({'; '.join(words)})",
-                key=f"sensitivity-{name}",
-            )
-        )
+        caption, key = f"{name} ({'; '.join(words)})", f"sensitivity-{name}"
+        items.append(Table(columns=("", *columns), rows=tuple(rows), caption=caption, key=key))
         if figures:
             shown = plot.study_sensitivities(found, name)
-            items.append(picture(shown, f"Sensitivities of {name}", f"sensitivity-{name}"))
+            items.append(picture(shown, f"Sensitivities of {name}", key))
     return Section(key="sensitivities", title="Sensitivities", items=tuple(items), notes=tuple(notes))
 
 
@@ -211,16 +172,8 @@ def _parameters(study: xr.Dataset) -> Section:
             ends = f"{readable(float(values.min()), units)} to {readable(float(values.max()), units)}"
         else:
             ends = ", ".join(map(str, values))
-        rows.append(
-            Row(
-                name,
-                (
-                    Cell(str(found.attrs.get("key", ""))),
-                    Cell(ends),
-                    Cell(str(values.size), float(values.size)),
-                ),
-            )
-        )
+        key, count = Cell(str(found.attrs.get("key", ""))), Cell(str(values.size), float(values.size))
+        rows.append(Row(name, (key, Cell(ends), count)))
     table = Table(
         columns=("", "key of the scenario", "values", "number"),
         rows=tuple(rows),
@@ -232,8 +185,6 @@ def _parameters(study: xr.Dataset) -> Section:
 
 def _failures(study: xr.Dataset) -> Section:
     rows = list(_failed(study))
-    if not rows:
-        return Section(key="failures", title="Failures")
     table = Table(
         columns=("run", "parameters", "outcome", "why"),
         rows=tuple(rows[:_MOST_FAILURES]),
@@ -241,12 +192,8 @@ def _failures(study: xr.Dataset) -> Section:
         key="failures",
     )
     more = len(rows) - _MOST_FAILURES
-    return Section(
-        key="failures",
-        title="Failures",
-        items=(table,),
-        notes=(f"{more} more are in the store.",) if more > 0 else (),
-    )
+    notes = (f"{more} more are in the store.",) if more > 0 else ()
+    return Section(key="failures", title="Failures", items=(table,) if rows else (), notes=notes)
 
 
 def _failed(study: xr.Dataset) -> Iterator[Row]:
@@ -269,17 +216,15 @@ def _provenance(study: xr.Dataset, about: dict[str, object]) -> Section:
     wall = np.ravel(study["wall_time"].values) if "wall_time" in study else np.zeros(0)
     wall = wall[np.isfinite(wall)]
     statements = [
-        Statement(
-            label="scenario", texts=(((), f"{about['scenario']}, case {about['case'] or 'of its default'}"),)
-        ),
-        Statement(label="samples", texts=(((), f"{study.attrs['method']}, seed {about['seed']}"),)),
-        Statement(label="versions", texts=(((), versions),)),
-        Statement(label="digest", texts=(((), str(study.attrs["digest"])),), code=True),
+        statement("scenario", f"{about['scenario']}, case {about['case'] or 'of its default'}"),
+        statement("samples", f"{study.attrs['method']}, seed {about['seed']}"),
+        statement("versions", versions),
+        statement("digest", str(study.attrs["digest"]), code=True),
     ]
     if wall.size:
         each = readable(float(wall.mean()), "s")
         said = f"{readable(float(wall.sum()), 's')} for {wall.size} runs, {each} each"
-        statements.insert(2, Statement(label="time", texts=(((), said),)))
+        statements.insert(2, statement("time", said))
     text = json.dumps(about, indent=1, ensure_ascii=False)
     return Section(
         key="provenance",

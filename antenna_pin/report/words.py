@@ -1,4 +1,4 @@
-"""What was run, in words: from the scenario and the mechanism that a run carries, whatever they are."""
+"""Description of the runs, from their scenario and mechanism."""
 
 from __future__ import annotations
 
@@ -28,9 +28,6 @@ from antenna_pin.report._runs import ReportedRun, labels_of
 from antenna_pin.scenario import ClearanceSpec, PointingSpec, Scenario, TouchingSpec
 from antenna_pin.scenario.clearance import words_of_assumed
 
-__all__ = ["scenario_sections"]
-
-
 # --- laws of contact and friction in words, with all parameters as they were used, and materials ---
 
 # What contacts of a kind are called, of joints that have several.
@@ -38,7 +35,7 @@ _PLACES = {"radial": "bore", "axial": "flanges", "wall": "walls"}
 
 
 def words_of_laws(run: ReportedRun) -> Iterator[tuple[str, str]]:
-    """Yield the laws of each joint with clearance that a result carries, their limits, and the materials."""
+    """Yield the laws of each joint with clearance, their limits, and materials."""
     scenario = run.run.scenario
     joints: dict[str, dict[str, Any]] = json.loads(run.data.attrs.get("clearance_joints", "{}"))
     for name, joint in joints.items():
@@ -50,12 +47,10 @@ def words_of_laws(run: ReportedRun) -> Iterator[tuple[str, str]]:
             yield f"{name}, {place}", text
         yield f"{name}, friction", _law(joint["friction_law"])
         floor = readable(joint["approach_speed_floor"], "m/s", GIVEN)
+        deepest = readable(min(of["depth_limit"] for of in contacts), "m", GIVEN)
         yield (
             f"{name}, limits",
-            (
-                f"approach speeds count as {floor} at least; a run ends at a depth of "
-                f"{readable(min(of['depth_limit'] for of in contacts), 'm', GIVEN)}"
-            ),
+            f"approach speeds count as {floor} at least; a run ends at a depth of {deepest}",
         )
         if scenario is None:
             continue
@@ -92,7 +87,7 @@ def words_of_flexible(run: ReportedRun) -> Iterator[tuple[str, str]]:
     for hub in dict.fromkeys(one["hub"] for one in about.values()):
         texts = []
         mine = [(name, one) for name, one in about.items() if one["hub"] == hub]
-        for said, group in itertools.groupby(mine, key=lambda pair: _said(pair[1])):
+        for said, group in itertools.groupby(mine, key=lambda pair: _elastic_part(pair[1])):
             names = [name for name, _ in group]
             texts.append(
                 f"{names[0]}: {said}"
@@ -102,7 +97,7 @@ def words_of_flexible(run: ReportedRun) -> Iterator[tuple[str, str]]:
         yield hub, "; ".join(texts)
 
 
-def _said(part: dict[str, Any]) -> str:
+def _elastic_part(part: dict[str, Any]) -> str:
     unit, verb = ("kg", "slides") if part["slides"] else ("kg m^2", "turns")
     return (
         f"{readable(part['moved'], unit, 4)} that {verb} against a spring, "
@@ -123,17 +118,10 @@ def words_of_elements(scenario: Scenario) -> Iterator[tuple[str, str]]:
             if element.acts_at not in (None, name):
                 text += f", at {element.acts_at}"
             clearance = scenario.clearance.get(element.acts_at or "")
-            if (
-                element.about in ("bearing", "journal")
-                and clearance is not None
-                and clearance.model != "ideal"
-            ):
+            play = clearance is not None and clearance.model != "ideal"
+            if play and element.about in ("bearing", "journal"):
                 text += f", about the {element.about}'s axis"
-            yield f"{FAMILIES[table].word} {name}", text + _off(element)
-
-
-def _off(element: ForceElement) -> str:
-    return "" if element.acts else ", off at the start"
+            yield f"{FAMILIES[table].word} {name}", text + ("" if element.acts else ", off at the start")
 
 
 def words_of_bearings(run: ReportedRun) -> Iterator[tuple[str, str]]:
@@ -172,25 +160,23 @@ def words_of_friction(run: ReportedRun) -> Iterator[tuple[str, str]]:
 
 
 def names_of_elements(run: ReportedRun) -> Iterator[tuple[str, str]]:
-    """Yield the names of drives, springs and forces of a system built in Python, and what else is told."""
+    """Yield names of drives, springs and forces of a system built in Python."""
     about = drives_of(run.run)
     for dimension, word in (("drive", "drives"), ("spring", "springs"), ("force", "forces")):
-        if names := run.names(dimension):
-            held = {name: "prescribed motion" for name in names if about.get(name, {}).get("motion")}
-            yield (
-                word,
-                ", ".join(
-                    f"{name} ({held[name]} of {about[name]['joint']})" if name in held else name
-                    for name in names
-                ),
-            )
+        motions = {name: one["joint"] for name, one in about.items() if one.get("motion")}
+        names = (
+            f"{name} (prescribed motion of {motions[name]})" if name in motions else name
+            for name in run.names(dimension)
+        )
+        if text := ", ".join(names):
+            yield word, text
 
 
 # --- closures of loops and couplings in words: what they join, where, and along what ---
 
 
 def words_of_closures(run: ReportedRun, mechanism: Mechanism) -> Iterator[tuple[str, str]]:
-    """Yield each closure of a loop; those that hold a joint of the tree are said with the joints."""
+    """Yield each closure of a loop, but those that hold a tree's joint."""
     for name, closure in closures_of(run.run).items():
         if name in mechanism.joints:
             continue
@@ -203,12 +189,6 @@ def words_of_closures(run: ReportedRun, mechanism: Mechanism) -> Iterator[tuple[
                 text += f", axis ({', '.join(number(float(x), 5) for x in _cleared(axis))})"
             places.append(text)
         yield name, f"{closure['kind']}, {closure['equations']} equations: {places[0]}; {places[1]}"
-
-
-def words_of_couplings(run: ReportedRun) -> Iterator[tuple[str, str]]:
-    """Yield each coupling: which joint follows which, and how."""
-    for name, one in couplings_of(run.run).items():
-        yield name, said_of_coupling(one)
 
 
 def _cleared(axis: np.ndarray) -> np.ndarray:
@@ -253,7 +233,7 @@ _UNITS = {"roll": "rad"}
 
 
 def words_of_carried_clearances(run: ReportedRun) -> Iterator[tuple[str, str]]:
-    """Yield what the result of a system built in Python tells of its clearance joints."""
+    """Yield the clearance joints of a system built in Python."""
     places: dict[str, Any] = json.loads(run.data.attrs.get("clearance_joints", "{}"))
     for name, place in places.items():
         given = ", ".join(
@@ -293,7 +273,7 @@ _ORDER = (
 
 
 def scenario_sections(runs: Sequence[ReportedRun]) -> list[Section]:
-    """Return the sections that say what was run; what holds for all runs is said once."""
+    """Return the sections that describe the runs; statements on all runs stand once."""
     said = [dict(_words(run)) for run in runs]
     titles = [title for title in _ORDER if any(words.get(title) for words in said)]
     return [
@@ -306,11 +286,11 @@ def scenario_sections(runs: Sequence[ReportedRun]) -> list[Section]:
     ]
 
 
-def _merged(said: Sequence[Words], labels: Sequence[str]) -> Iterator[Statement]:
-    """Yield one statement per label, with the runs that it holds for unless it holds for all."""
-    for label in dict.fromkeys(label for words in said for label in words):
+def _merged(statements: Sequence[Words], labels: Sequence[str]) -> Iterator[Statement]:
+    """Yield one statement per label, with its runs unless it applies to all."""
+    for label in dict.fromkeys(label for words in statements for label in words):
         by_text: dict[str, list[str]] = {}
-        for words, name in zip(said, labels, strict=True):
+        for words, name in zip(statements, labels, strict=True):
             if label in words:
                 by_text.setdefault(words[label], []).append(name)
         texts = tuple((tuple(names), text) for text, names in by_text.items())
@@ -331,42 +311,24 @@ def _words(run: ReportedRun) -> Iterator[tuple[str, Words]]:
         yield "Mechanism", dict(_mechanism(mechanism, scenario))
         yield "Joints", dict(_joints(mechanism, scenario, run))
         yield "Closures", dict(words_of_closures(run, mechanism))
-        yield "Couplings", dict(words_of_couplings(run))
+        yield "Couplings", {name: said_of_coupling(one) for name, one in couplings_of(run.run).items()}
     yield "Flexible links", dict(words_of_flexible(run))
     if scenario is not None:
         yield "Clearance", dict(words_of_clearances(scenario))
         yield "Controllers", {name: _controller(table) for name, table in scenario.controllers.items()}
-        yield (
-            "Drives and springs",
-            dict(
-                (
-                    *words_of_elements(scenario),
-                    *words_of_bearings(run),
-                    *words_of_forces(run),
-                    *words_of_friction(run),
-                )
-            ),
-        )
+        elements = words_of_elements(scenario)
     else:
         yield "Clearance", dict(words_of_carried_clearances(run))
-        yield (
-            "Drives and springs",
-            dict(
-                (
-                    *names_of_elements(run),
-                    *words_of_bearings(run),
-                    *words_of_forces(run),
-                    *words_of_friction(run),
-                )
-            ),
-        )
+        elements = names_of_elements(run)
+    carried = (*words_of_bearings(run), *words_of_forces(run), *words_of_friction(run))
+    yield "Drives and springs", dict((*elements, *carried))
     yield "Contact and friction", dict(words_of_laws(run))
     yield "Start", dict(_start(run, mechanism))
     yield "Computation", dict(_computation(run))
 
 
 def _controller(table: Any) -> str:
-    """Return what a controller is in words, and when it is asked."""
+    """Return a controller in words, with its sampling."""
     own = table.build()
     late = f", {own.delay:g} s late" if own.delay else ""
     late = f", {own.delay_periods:g} periods late" if own.delay_periods else late
@@ -379,14 +341,12 @@ def _vector(values: Sequence[float] | np.ndarray, unit: str = "1", digits: int =
 
 
 def _scenario(scenario: Scenario, label: str) -> Iterator[tuple[str, str]]:
-    yield (
-        "scenario",
-        f"{scenario.name}: {scenario.title}" if scenario.title else scenario.name or "without a name",
-    )
+    title = f"{scenario.name}: {scenario.title}" if scenario.title else scenario.name
+    yield "scenario", title or "without a name"
     if scenario.case:
         # The run's label says its case already, as a rule.
-        words = [] if scenario.case == label and scenario.description else [scenario.case]
-        yield "case", ": ".join([*words, *([scenario.description] if scenario.description else [])])
+        said = scenario.case == label and bool(scenario.description)
+        yield "case", ": ".join(filter(None, ("" if said else scenario.case, scenario.description)))
     yield "simulated time", readable(scenario.duration, "s", GIVEN)
     if scenario.pointing is not None:
         yield "pointing", _looks(scenario.pointing)
@@ -418,11 +378,8 @@ def _mechanism(mechanism: Mechanism, scenario: Scenario | None) -> Iterator[tupl
     # Of a planar joint's massless link nothing is known but that it carries what is mounted on it.
     listed = ", ".join(f"{name} {readable(mass, 'kg', 6)}" for name, mass in masses.items())
     yield "bodies", f"{listed}; {readable(sum(masses.values()), 'kg', 6)} in all"
-    if mechanism.urdf.allow_impossible_inertia:
-        yield (
-            "inertia against the triangle rule, allowed by name",
-            ", ".join(mechanism.urdf.allow_impossible_inertia),
-        )
+    if allowed := mechanism.urdf.allow_impossible_inertia:
+        yield "inertia against the triangle rule, allowed by name", ", ".join(allowed)
 
 
 def _joints(
@@ -447,10 +404,8 @@ def _joints(
             if own := [one for one, spec in bearings.items() if spec.joint == name]:
                 text += f"; on bearing{'s' if own[1:] else ''} {', '.join(own)}"
         yield name, text
-    locked = (
-        [] if scenario is None else [n for n, j in scenario.mechanism.joints.items() if j.kind == "locked"]
-    )
-    if locked:
+    joints = {} if scenario is None else scenario.mechanism.joints
+    if locked := [name for name, joint in joints.items() if joint.kind == "locked"]:
         yield "locked", ", ".join(locked)
 
 
@@ -459,21 +414,17 @@ def _joints(
 
 def _start(run: ReportedRun, mechanism: Mechanism | None) -> Iterator[tuple[str, str]]:
     data = run.data
-    for k, name in enumerate(run.names("sliding_joint")):
-        way, speed = (float(_first(run, f"slide_{key}")[k]) for key in ("position", "rate"))
-        yield (
-            name,
-            f"{readable(way, 'm')}, " + (f"sliding at {readable(speed, 'm/s')}" if speed else "at rest"),
-        )
-    for k, name in enumerate(run.names("joint")):
-        angle, rate = (float(_first(run, f"motion_{key}")[k]) for key in ("angle", "rate"))
-        yield (
-            name,
-            f"{readable(angle, 'rad')}, " + (f"turning at {readable(rate, 'rad/s')}" if rate else "at rest"),
-        )
+    for dimension, series, unit, verb in (
+        ("sliding_joint", ("slide_position", "slide_rate"), "m", "sliding"),
+        ("joint", ("motion_angle", "motion_rate"), "rad", "turning"),
+    ):
+        for k, name in enumerate(run.names(dimension)):
+            place, speed = (float(_sample(run, one)[k]) for one in series)
+            moving = f"{verb} at {readable(speed, f'{unit}/s')}" if speed else "at rest"
+            yield name, f"{readable(place, unit)}, {moving}"
     if "base_position" in data:
-        place, turn = _first(run, "base_position"), _first(run, "base_attitude")
-        speed, spin = _first(run, "base_velocity"), _first(run, "base_angular_velocity")
+        place, turn = _sample(run, "base_position"), _sample(run, "base_attitude")
+        speed, spin = _sample(run, "base_velocity"), _sample(run, "base_angular_velocity")
         text = f"at {_vector(place, 'm')}" if place.any() else "at the origin"
         if np.abs(turn[:3]).any():
             text += f", attitude {_vector(turn)} (quaternion xyzw)"
@@ -483,17 +434,15 @@ def _start(run: ReportedRun, mechanism: Mechanism | None) -> Iterator[tuple[str,
             text += ", at rest"
         yield "base", text
     for k, name in enumerate(run.names("clearance_joint")):
-        centre = _first(run, "journal_position")[k]
-        tilt = float(_first(run, "journal_tilt")[k])
+        centre = _sample(run, "journal_position")[k]
+        tilt = float(_sample(run, "journal_tilt")[k])
         where = "centred" if not centre.any() else f"centre at {_vector(1e6 * centre)} µm in bearing axes"
-        yield (
-            f"{name}, journal",
-            f"{where}, {'not tilted' if tilt == 0.0 else 'tilted by ' + readable(tilt, 'rad')}",
-        )
+        turned = f"tilted by {readable(tilt, 'rad')}" if tilt else "not tilted"
+        yield f"{name}, journal", f"{where}, {turned}"
 
 
-def _first(run: ReportedRun, name: str) -> Any:
-    """Return a variable's first sample; no more of it is read, as a run may be long."""
+def _sample(run: ReportedRun, name: str) -> Any:
+    """Return a variable's first sample, without reading the rest."""
     return np.asarray(run.data[name][0].values)
 
 
@@ -513,10 +462,8 @@ def _computation(run: ReportedRun) -> Iterator[tuple[str, str]]:
             if value != type(spec.scales).model_fields[name].default
         }
         if changed:
-            yield (
-                "error scales",
-                ", ".join(f"{name.replace('_', ' ')} {number(v)}" for name, v in changed.items()),
-            )
+            scales = (f"{name.replace('_', ' ')} {number(value)}" for name, value in changed.items())
+            yield "error scales", ", ".join(scales)
         yield "samples", f"{readable(scenario.output.rate, 'Hz')}, and at every contact event and force peak"
     counts = run.run.counts
     yield (

@@ -1,4 +1,4 @@
-"""What runs, scenarios, systems, modes, orbits and studies show of themselves."""
+"""Text and HTML summaries of runs, scenarios, systems, modes, orbits, studies."""
 
 from __future__ import annotations
 
@@ -27,21 +27,6 @@ if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
     from antenna_pin.sweep import Study
     from antenna_pin.trajectory import Trajectory
-
-__all__ = [
-    "Card",
-    "Fact",
-    "Fold",
-    "measured",
-    "modes_card",
-    "orbit_card",
-    "run_card",
-    "scenario_card",
-    "study_card",
-    "system_card",
-    "table",
-]
-
 
 _TEXT_COLUMNS, _LINES = 80, 24
 
@@ -91,53 +76,32 @@ def _style() -> str:
 
 @dataclass(frozen=True, slots=True)
 class Fact:
-    """One thing that is said: what it is about, and what is said.
-
-    Attributes:
-        about: Of what.
-        text: What.
-        good: Whether that is as it should be; None where that is no question.
-    """
+    """Fact and its subject."""
 
     about: str
     text: str
-    good: bool | None = None
+    good: bool | None = None  # None for neither good nor bad
 
 
 @dataclass(frozen=True, slots=True)
 class Fold:
-    """A part that folds.
-
-    Attributes:
-        title: Its title.
-        said: What is said beside it while it is folded.
-        html: What is in it.
-        open: Whether it is open at first.
-    """
+    """Foldable part."""
 
     title: str
-    said: str
+    said: str  # beside the title
     html: str
-    open: bool = False
+    open: bool = False  # at first
 
 
 @dataclass(frozen=True, slots=True)
 class Card:
-    """What a thing shows of itself.
-
-    Attributes:
-        kind: What it is.
-        title: Which one.
-        facts: What is said of it first.
-        folds: What is there besides, in a notebook.
-        hint: What to ask it next, in a shell.
-    """
+    """Summary of an object."""
 
     kind: str
     title: str
     facts: tuple[Fact, ...]
-    folds: tuple[Fold, ...] = ()
-    hint: str = ""
+    folds: tuple[Fold, ...] = ()  # in a notebook only
+    hint: str = ""  # on further methods, in a shell only
 
     def text(self) -> str:
         """Return it as text, of 80 columns and at most 24 lines."""
@@ -176,23 +140,23 @@ def _look(good: bool | None) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Measured:
-    """A number with its unit, and all its digits for who points at it."""
+class Number:
+    """Rounded number with its unit, and all its digits as title."""
 
     value: float
     text: str
 
 
-def measured(value: float | None, unit: str = "1", digits: int = 4) -> Measured | str:
-    """Return a number for a table's cell, as it is read, with all its digits behind it; a dash for none."""
+def number_cell(value: float | None, unit: str = "1", digits: int = 4) -> Number | str:
+    """Return a cell of a rounded number, with all its digits as title."""
     if value is None or value != value:
         return readable(None)
-    return Measured(float(value), readable(float(value), unit, digits))
+    return Number(float(value), readable(float(value), unit, digits))
 
 
 def table(rows: Sequence[Sequence[Any]], head: Sequence[str] = ()) -> str:
     """Return rows of texts and numbers (:func:`measured`) as HTML."""
-    columns = [any(isinstance(one, Measured) for one in column) for column in zip(*rows, strict=True)]
+    columns = [any(isinstance(one, Number) for one in column) for column in zip(*rows, strict=True)]
     right = ['class="n"' if numbers else "" for numbers in columns] or [""] * len(head)
     cells = (_element("th", look, escape(one)) for look, one in zip(right, head, strict=False))
     top = f"<tr>{''.join(cells)}</tr>" if head else ""
@@ -201,7 +165,7 @@ def table(rows: Sequence[Sequence[Any]], head: Sequence[str] = ()) -> str:
 
 
 def _cell(look: str, one: Any) -> str:
-    if isinstance(one, Measured):
+    if isinstance(one, Number):
         return _element("td", f'{look} title="{one.value!r}"', escape(one.text))
     return _element("td", look, escape(str(one)))
 
@@ -215,7 +179,7 @@ _SYSTEM_ROWS = 60  # of a table
 
 
 def system_card(system: System) -> Card:
-    """Return what a system is: its mechanism, joints by kind, elements by family, and its state."""
+    """Return a system's card: mechanism, joints by kind, elements by family, state."""
     mechanism, model = system.mechanism, system.model
     joints = dict(_joints(system))
     mass = float(sum(one.mass for one in model.inertias))
@@ -253,7 +217,7 @@ def _joints(system: System) -> Iterator[tuple[str, str]]:
 
 
 def _acting(system: System) -> Iterator[tuple[str, dict[str, str]]]:
-    """Yield what acts on joints and links, by family, and what holds them: names and kinds."""
+    """Yield elements by family, and constraints: names and kinds."""
     for family, elements in system.families.items():
         yield (
             family,
@@ -264,17 +228,16 @@ def _acting(system: System) -> Iterator[tuple[str, dict[str, str]]]:
     yield "couplings", dict.fromkeys(system.couplings, "")
 
 
-def _elements_by_kind(kinds: Mapping[str, str]) -> str:
-    """Return names, those of a kind together: "root, first (Latch)"."""
+def _elements_by_kind(kinds: Mapping[str, str], most: int = _NAMES) -> str:
+    """Return names by kind, at most so many each: "root, first (Latch)"."""
     names: dict[str, list[str]] = {}
     for name, kind in kinds.items():
         names.setdefault(kind, []).append(name)
-    return "; ".join(f"{_few(some)}{f' ({kind})' if kind else ''}" for kind, some in names.items())
-
-
-def _few(names: list[str]) -> str:
-    left = len(names) - _NAMES
-    return ", ".join(names) if left <= 0 else f"{', '.join(names[:_NAMES])} and {left} more"
+    texts = []
+    for kind, some in names.items():
+        more = f" and {len(some) - most} more" if len(some) > most else ""
+        texts.append(f"{', '.join(some[:most])}{more}{f' ({kind})' if kind else ''}")
+    return "; ".join(texts)
 
 
 Array = NDArray[np.float64]
@@ -288,7 +251,7 @@ _COLUMNS = 120  # of the sketch: in each, the least and the largest value are ke
 
 
 def motion_sketch(data: xr.Dataset) -> str:
-    """Return the angles of a run's joints over time as inline SVG; nothing if there is nothing to draw."""
+    """Return the joints' angles over time as inline SVG; empty without any."""
     if "time" not in data.coords:  # a result without series
         return ""
     time = np.asarray(data["time"].values, dtype=float)
@@ -331,7 +294,7 @@ def motion_sketch(data: xr.Dataset) -> str:
 
 
 def _path(time: Array, values: Array, low: float, span: float) -> str:
-    """Return the line as an SVG path, thinned to what a screen can show, peaks kept."""
+    """Return a curve as an SVG path, thinned to screen resolution, peaks included."""
     # Columns of equal time, not of equal number of samples: these crowd at impacts.
     column = np.minimum(((time - time[0]) / (time[-1] - time[0]) * _COLUMNS).astype(int), _COLUMNS - 1)
     starts = np.flatnonzero(np.diff(column, prepend=-1))
@@ -378,14 +341,17 @@ def run_card(run: Trajectory) -> Card:
     folds = [Fold("data", f"{len(data.data_vars)} variables", _variables(data))]
     if "conservation" in attributes:  # a whole result, not one that is being put together
         found, summary = answer(run), run.summary()
-        facts[1:1] = [Fact("run", found.ended.partition(", ")[2]), *map(_fact, found.lines)]
-        tables = [_named(summary[key]) for key in ("motion", "slides") if summary.get(key)]
+        facts[1:1] = [
+            Fact("run", found.ended.partition(", ")[2]),
+            *(Fact(line.about, line.text) for line in found.lines),
+        ]
+        tables = [_group(summary[key]) for key in ("motion", "slides") if summary.get(key)]
         joints = len(summary["motion"]) + len(summary.get("slides", ()))
         sketch = motion_sketch(data)
         folds[:0] = [
             Fold("motion", f"{joints} joints", "".join(tables) + sketch, bool(sketch)),
             *_contacts(summary),
-            Fold("kept", "energy and momentum", table(list(_kept(summary)))),
+            Fold("kept", "energy and momentum", table(list(_conservation(summary)))),
         ]
     facts[len(facts) - 1 : -1] = [Fact("assumed", line) for line in run.assumed]
     hint = "summary() has the numbers; plot(NAME), record(FILE), report(FILE), analyse()"
@@ -394,22 +360,18 @@ def run_card(run: Trajectory) -> Card:
     )
 
 
-def _fact(line: Any) -> Fact:
-    return Fact(line.about, line.text)
-
-
-def _named(named: Mapping[str, Mapping[str, Any]]) -> str:
+def _group(group: Mapping[str, Mapping[str, Any]]) -> str:
     """Return the table of a group of a summary."""
-    head = [HEADINGS[key] for key in next(iter(named.values()))]
+    head = [HEADINGS[key] for key in next(iter(group.values()))]
     rows = [
         [
             name,
             *(
-                str(value) if of.form == "count" else measured(value, of.unit(slides))
+                str(value) if of.form == "count" else number_cell(value, of.unit(slides))
                 for value, (of, slides) in zip(one.values(), head, strict=True)
             ),
         ]
-        for name, one in named.items()
+        for name, one in group.items()
     ]
     return table(rows[:_ROWS], ("", *(of.words(slides) for of, slides in head)))
 
@@ -418,14 +380,14 @@ def _contacts(summary: Mapping[str, Any]) -> Iterator[Fold]:
     if contacts := summary["contacts"]:
         peak = max(one["peak_force"] for one in contacts.values())
         said = f"{len(contacts)}, {HEADINGS['peak_force'][0].words()} {readable(peak, 'N')}"
-        yield Fold("contacts", said, _named(contacts))
+        yield Fold("contacts", said, _group(contacts))
 
 
-def _kept(summary: Mapping[str, Any]) -> Iterator[list[Any]]:
+def _conservation(summary: Mapping[str, Any]) -> Iterator[list[Any]]:
     kept = summary["conservation"]
     for key in ("energy_error", *(name for name in kept if name.endswith("_relative"))):
         if kept.get(key) is not None:
-            yield [RUN[key].words(), measured(kept[key], RUN[key].unit(), 2)]
+            yield [RUN[key].words(), number_cell(kept[key], RUN[key].unit(), 2)]
 
 
 def _variables(data: xr.Dataset) -> str:
@@ -459,7 +421,7 @@ _LONGEST = 16_000  # letters of the scenario's text
 
 
 def scenario_card(scenario: Scenario) -> Card:
-    """Return what a scenario is: its mechanism, what has play, what drives it; all of it as a file has it."""
+    """Return a scenario's card: mechanism, play, elements, and its whole file."""
     name = scenario.name + (f", case {scenario.case}" if scenario.case else "")
     facts = [Fact("title", scenario.title), Fact("case", scenario.description)]
     facts.append(Fact("duration", readable(scenario.duration, "s")))
@@ -478,16 +440,16 @@ def scenario_card(scenario: Scenario) -> Card:
     return Card("Scenario", name, tuple(one for one in facts if one.text), folds)
 
 
-def _by_kind(held: Mapping[str, Any]) -> str:
+def _by_kind(entries: Mapping[str, Any]) -> str:
     """Return the names of entries, those of a kind together."""
-    kinds: dict[str, list[str]] = {}
-    for name, one in held.items():
-        kinds.setdefault(str(getattr(one, "model", "") or getattr(one, "kind", "")), []).append(name)
-    return "; ".join(f"{', '.join(names)}{f' ({kind})' if kind else ''}" for kind, names in kinds.items())
+    kinds = {
+        name: str(getattr(one, "model", "") or getattr(one, "kind", "")) for name, one in entries.items()
+    }
+    return _elements_by_kind(kinds, len(kinds))
 
 
 def study_card(study: Study) -> Card:
-    """Return what a study varies, and what it keeps of each run."""
+    """Return a study's card: varied parameters, responses."""
     facts = [
         Fact("title", study.title),
         Fact("scenario", f"{study.scenario}{f', case {study.case}' if study.case else ''}"),
@@ -499,8 +461,8 @@ def study_card(study: Study) -> Card:
         Fact("kept of each", ", ".join(study.responses)),
         Fact("full results", study.results),
     ]
-    varied = [[name, _given(one)] for name, one in study.parameters.items()]
-    kept = [[name, _given(one)] for name, one in study.responses.items()]
+    varied = [[name, _entry(one)] for name, one in study.parameters.items()]
+    kept = [[name, _entry(one)] for name, one in study.responses.items()]
     folds = (
         Fold("parameters", str(len(varied)), table(varied[:_ROWS])),
         Fold("responses", str(len(kept)), table(kept[:_ROWS])),
@@ -508,16 +470,10 @@ def study_card(study: Study) -> Card:
     return Card("Study", study.name, tuple(one for one in facts if one.text), folds)
 
 
-def _given(one: Any) -> str:
+def _entry(one: Any) -> str:
     """Return what is given of an entry of a file."""
     given = one.model_dump(mode="json", exclude_unset=True, exclude_none=True)
-    return _short(
-        ", ".join(f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in given.items())
-    )
-
-
-def _short(text: str) -> str:
-    """Return a text, without its middle where it is long."""
+    text = ", ".join(f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in given.items())
     return text if len(text) <= _TEXT else f"{text[: _TEXT - 5]} ..."
 
 
@@ -528,7 +484,7 @@ def modes_card(modes: Modes) -> Card:
     kinds = [str(kind) for kind in data["kind"].values]
     said = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
     rows = [
-        [str(int(mode)), measured(frequency, "Hz", 6), measured(ratio), kind]
+        [str(int(mode)), number_cell(frequency, "Hz", 6), number_cell(ratio), kind]
         for mode, frequency, ratio, kind in zip(
             data["mode"].values, modes.frequency, modes.damping_ratio, kinds, strict=True
         )
@@ -552,15 +508,10 @@ def orbit_card(orbit: Orbit) -> Card:
         Fact("closed to", f"{number(orbit.residual, 2)} error scales, after {orbit.iterations} iterations"),
         Fact("told by", f"the state at {readable(orbit.start.time, 's')}"),
     ]
-    rows = [
-        [
-            measured(one.real, digits=6),
-            measured(one.imag, digits=6),
-            measured(abs(one), digits=6),
-            measured(growth, "1/s", 6),
-        ]
-        for one, growth in zip(orbit.multipliers, orbit.exponents, strict=True)
-    ]
+    rows = []
+    for one, growth in zip(orbit.multipliers, orbit.exponents, strict=True):
+        parts = [number_cell(part, digits=6) for part in (one.real, one.imag, abs(one))]
+        rows.append([*parts, number_cell(growth, "1/s", 6)])
     head = ("real part", "imaginary part", "size", "exponent")
     folds = (Fold("multipliers", "the largest first", table(rows[:_ROWS], head), True),)
     title = f"{about}period {readable(orbit.period, 's', 6)}"

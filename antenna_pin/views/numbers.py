@@ -1,4 +1,4 @@
-"""What a run shows, in numbers, as the run's own."""
+"""Numbers of a run, as its own methods."""
 
 from __future__ import annotations
 
@@ -23,8 +23,6 @@ from antenna_pin.analysis import (
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.trajectory import Trajectory
-
-__all__ = ["RunNumbers", "item_of"]
 
 
 @takes()
@@ -84,17 +82,14 @@ OF_A_RUN = (
 
 
 class RunNumbers:
-    """Numbers of a run: ``run.analyse()`` has all that ``antenna-pin analyse`` says.
+    """Numbers of a run: ``run.analyse()`` has all that ``antenna-pin analyse`` prints.
 
     One analysis alone is a function of the same name in :mod:`antenna_pin.analysis`, such as
     ``run.analyse.impacts()`` or ``run.analyse.deviation(ideal)``.
-
-    Args:
-        run: The run.
     """
 
     def __init__(self, run: Trajectory) -> None:
-        """Take the run."""
+        """Bind the analyses to a run."""
         self._run = run
 
     def __call__(self, ideal: Trajectory | None = None, *, longest_gap: float | str = 1e-3) -> dict[str, Any]:
@@ -164,8 +159,8 @@ class RunNumbers:
         function = getattr(analysis, name)
 
         @functools.wraps(function)
-        def bound(*arguments: Any, **named: Any) -> Any:
-            return function(self._run, *arguments, **named)
+        def bound(*arguments: Any, **options: Any) -> Any:
+            return function(self._run, *arguments, **options)
 
         signature = inspect.signature(function)
         bound.__signature__ = signature.replace(  # type: ignore[attr-defined]

@@ -1,9 +1,9 @@
-"""Figures, recording and report of a run, as the run's own."""
+"""Figures, recording and report of a run, as its own methods."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, cast
@@ -21,22 +21,15 @@ from antenna_pin.trajectory import Trajectory
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-__all__ = ["Drawing", "RunFigures", "recorded", "reported"]
-
 Width = Literal["column", "page"]
 _FILMS = (".mp4", ".gif")
 
 
 class Drawing:
-    """One figure of a run, ready to be drawn: ``run.plot.contact_forces()``.
-
-    Args:
-        run: The run.
-        figure: The figure.
-    """
+    """Figure of a run, ready to be drawn: ``run.plot.contact_forces()``."""
 
     def __init__(self, run: Trajectory, figure: RunFigure) -> None:
-        """Take both."""
+        """Bind a figure to a run."""
         self.__doc__ = f"{_title(figure)}: figure {figure.name!r} of the catalogue."
         self._run, self._figure = run, figure
 
@@ -76,14 +69,11 @@ class Drawing:
 class RunFigures:
     """Figures of a run: ``run.plot("contact_forces")``, or ``run.plot.contact_forces()``.
 
-    Names are found by completion, of figures that the run has something for; by itself it shows their list.
-
-    Args:
-        run: The run.
+    Completion and ``repr`` list the figures that the run allows.
     """
 
     def __init__(self, run: Trajectory) -> None:
-        """Take the run."""
+        """Bind the figures to a run."""
         self._run = run
 
     def __call__(
@@ -95,23 +85,16 @@ class RunFigures:
         width: Width = "page",
         **options: Any,
     ) -> Figure:
-        """Return a figure of the run.
+        """Return a figure of the run, the first allowed if no name is given.
 
-        Args:
-            name: Which one; the first that the run allows if left out.
-            beside: Other runs in it, each a trajectory or a pair of a label and one; an ideal one among them
-                is what the others are compared with.
-            joint: The joint that it is of; the first that the run is about if left out.
-            width: "column" (88 mm) or "page" (180 mm).
-            **options: Further ones of the figure's own, such as ``zoom``.
+        Further arguments and errors are those of :class:`Drawing`.
 
         Raises:
-            UnknownNameError: There is no figure, or no joint, of that name.
-            InvalidParameterError: The runs do not have what the figure shows; the message lists what they do.
+            UnknownNameError: There is no figure of that name.
         """
         if name is not None and not isinstance(name, str):
             raise InvalidParameterError("plot", "name", "the name of a figure", name)
-        chosen = self._names()[0] if name is None else name
+        chosen = self.__dir__()[0] if name is None else name
         drawing = Drawing(self._run, run_figure(chosen))
         return drawing(beside=beside, joint=joint, width=width, **options)
 
@@ -126,14 +109,11 @@ class RunFigures:
 
     def __dir__(self) -> list[str]:
         """Return the names of figures that the run allows."""
-        return self._names()
-
-    def _names(self) -> list[str]:
         return list(dict.fromkeys(one.figure.name for one in allowed_figures([self._run], names=CATALOGUE)))
 
     def __repr__(self) -> str:
         """List the figures that the run allows, by name."""
-        names = self._names()
+        names = self.__dir__()
         widest = max(map(len, names))
         lines = [f"  {name:<{widest}}  {_title(CATALOGUE[name])}" for name in names]
         return "\n".join(["Figures of this run, each drawn by plot(NAME):", *lines])
@@ -143,7 +123,7 @@ class RunFigures:
         rows = "".join(
             f"<tr><td style='text-align:left'><code>{escape(name)}</code></td>"
             f"<td style='text-align:left'>{escape(_title(CATALOGUE[name]))}</td></tr>"
-            for name in self._names()
+            for name in self.__dir__()
         )
         return f"<table><caption>Figures of this run: plot(NAME)</caption>{rows}</table>"
 
@@ -152,11 +132,11 @@ def _title(figure: RunFigure) -> str:
     return figure.title.format(joint="a joint")
 
 
-def _several(beside: Any) -> list[Any]:
-    """Return one run, a pair of a label and one, or several of these, as a list."""
-    pair = isinstance(beside, tuple) and len(beside) == 2 and isinstance(beside[0], str)
-    one = pair or isinstance(beside, Trajectory | xr.Dataset)
-    several = [beside] if one else list(beside) if isinstance(beside, Iterable) else [beside]
+def _several(runs: Any) -> list[Any]:
+    """Return runs, or pairs of a label and a run, as a list."""
+    pair = isinstance(runs, tuple) and len(runs) == 2 and isinstance(runs[0], str)
+    one = pair or isinstance(runs, Trajectory | xr.Dataset)
+    several = [runs] if one else list(runs) if isinstance(runs, Iterable) else [runs]
     for each in several:
         run = each[1] if isinstance(each, tuple) and len(each) == 2 else each
         if not isinstance(run, Trajectory | xr.Dataset):
@@ -174,7 +154,7 @@ def recorded(
     joint: str | None = None,
     **options: Any,
 ) -> Recording:
-    """Return a recording of the run, which shows itself in a notebook, and write it if a path is given.
+    """Return a recording of the run; write it if a path is given.
 
     Args:
         run: The run.
@@ -214,7 +194,7 @@ def recorded(
 def reported(
     run: Trajectory, path: str | os.PathLike[str] | None = None, *, beside: Any = (), **options: Any
 ) -> Report:
-    """Return a report on the run, which shows itself in a notebook, and write it if a path is given.
+    """Return a report on the run; write it if a path is given.
 
     Args:
         run: The run.
@@ -228,9 +208,14 @@ def reported(
         OutputError: It cannot be written there.
         AntennaPinError: What :func:`antenna_pin.report.report` refuses.
     """
+    return saved_report(lambda: report(cast("Any", [*_several(beside), run]), **options), path)
+
+
+def saved_report(make: Callable[[], Report], path: str | os.PathLike[str] | None) -> Report:
+    """Return a report; write it if a path is given, which is checked before the work."""
     if path is not None:
         check_writable(path, ".html")
-    made = report(cast("Any", [*_several(beside), run]), **options)
+    made = make()
     if path is not None:
         made.save(path)
     return made

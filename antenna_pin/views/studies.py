@@ -1,4 +1,4 @@
-"""Figures and report of a study that has been run, as the study's own."""
+"""Figures and report of a completed study, of modes and of orbits."""
 
 from __future__ import annotations
 
@@ -6,13 +6,12 @@ import json
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import xarray as xr
 from numpy.typing import ArrayLike
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.files import check_writable
 from antenna_pin.errors import InvalidParameterError, OutputError, UnknownNameError
 from antenna_pin.linear import Modes, first_source, frequency_response, swing
 from antenna_pin.nonlinear import Orbit, orbit_table
@@ -21,19 +20,10 @@ from antenna_pin.record import record_several
 from antenna_pin.report import Report, report, study_report
 from antenna_pin.sweep import Study, open_study, sensitivities
 from antenna_pin.trajectory import Trajectory
+from antenna_pin.views.runs import Width, saved_report
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-__all__ = [
-    "StudyFigures",
-    "figures_of_study",
-    "modes_plotted",
-    "modes_recorded",
-    "orbit_plotted",
-    "orbit_reported",
-    "reported",
-]
 
 
 @takes()
@@ -43,7 +33,7 @@ def modes_plotted(
     targets: str | Sequence[str] | None = None,
     *,
     frequencies: ArrayLike | None = None,
-    width: Literal["column", "page"] = "page",
+    width: Width = "page",
 ) -> Figure:
     """Return magnitude and phase of a frequency response.
 
@@ -97,7 +87,7 @@ def _table(orbit: Orbit) -> xr.Dataset:
 
 
 @takes()
-def orbit_plotted(orbit: Orbit, *, width: Literal["column", "page"] = "column") -> Figure:
+def orbit_plotted(orbit: Orbit, *, width: Width = "column") -> Figure:
     """Return Floquet multipliers in the complex plane, with the unit circle.
 
     Args:
@@ -111,7 +101,7 @@ def orbit_plotted(orbit: Orbit, *, width: Literal["column", "page"] = "column") 
 def orbit_reported(
     orbit: Orbit, path: str | os.PathLike[str] | None = None, *, beside: Any = (), **options: Any
 ) -> Report:
-    """Return a report on the orbit, which shows itself in a notebook, and write it if a path is given.
+    """Return a report on the orbit; write it if a path is given.
 
     Args:
         orbit: The orbit.
@@ -122,17 +112,9 @@ def orbit_reported(
     Raises:
         OutputError: It cannot be written there.
     """
-    if path is not None:
-        check_writable(path, ".html")
     one = isinstance(beside, Trajectory | xr.Dataset) or not isinstance(beside, Iterable)
     several = [beside] if one else list(beside)
-    made = report(cast("Any", [*several, _table(orbit)]), **options)
-    if path is not None:
-        made.save(path)
-    return made
-
-
-Width = Literal["column", "page"]
+    return saved_report(lambda: report(cast("Any", [*several, _table(orbit)]), **options), path)
 
 
 @takes()
@@ -164,14 +146,10 @@ def _opened(study: Study, store: str | os.PathLike[str] | None) -> xr.Dataset:
 
 
 class StudyFigures:
-    """Figures of a study that has been run: ``study.plot("peak_force-response")``.
-
-    Args:
-        study: The study.
-    """
+    """Figures of a study that has been run: ``study.plot("peak_force-response")``."""
 
     def __init__(self, study: Study) -> None:
-        """Take the study."""
+        """Bind the figures to a study."""
         self._study = study
 
     def __call__(
@@ -222,7 +200,7 @@ def reported(
     title: str | None = None,
     figures: bool = True,
 ) -> Report:
-    """Return a report on the study, which shows itself in a notebook, and write it if a path is given.
+    """Return a report on the study; write it if a path is given.
 
     Args:
         study: The study.
@@ -234,9 +212,4 @@ def reported(
     Raises:
         OutputError: It has not been run there, or the report cannot be written.
     """
-    if path is not None:
-        check_writable(path, ".html")
-    made = study_report(_opened(study, store), title=title, figures=figures)
-    if path is not None:
-        made.save(path)
-    return made
+    return saved_report(lambda: study_report(_opened(study, store), title=title, figures=figures), path)

@@ -28,12 +28,8 @@ def test_answer_is_short_and_its_files_are_there(cli, hinge):
     table = open_fit(hinge / "hinge.nc")
     assert table.attrs["command"].startswith("antenna-pin fit hinge.fit.toml")
     assert list(table["parameter"].values) == ["play", "stiffness", "restitution", "friction"]
-    assert sorted(path.name for path in hinge.iterdir()) == [
-        "fitted.toml",
-        "hinge.csv",
-        "hinge.fit.toml",
-        "hinge.nc",
-    ]
+    names = {path.name for path in hinge.iterdir()}
+    assert names == {"fitted.toml", "hinge.csv", "hinge.fit.toml", "hinge.nc"}
 
 
 @pytest.mark.parametrize(
@@ -50,8 +46,6 @@ def test_answer_is_short_and_its_files_are_there(cli, hinge):
         (["hinge.fit.toml", "--set", "los=huber"], "los is unknown; did you mean loss?"),
     ],
 )
-def test_refusals_are_one_line_before_any_run(cli, hinge, options, words):
-    said = cli("fit", *options)
-    assert said.code == 2 and said.out == ""
-    assert words in said.err and len(said.err.splitlines()) == 1
+def test_refusals_are_one_line_before_any_run(cli, refused, hinge, options, words):
+    assert words in refused(cli("fit", *options))
     assert not list(hinge.glob("*.nc*"))

@@ -21,21 +21,10 @@ def folder(tmp_path_factory):
     return folder
 
 
-def printed(said):
-    assert (said.code, said.err) == (0, "")
-    return said.out
-
-
-def refused(said):
-    assert (said.code, said.out) == (2, "")
-    assert said.err.count("\n") == 1
-    return said.err.strip()
-
-
 # --- info of a scenario ---
 
 
-def test_info_counts_what_holds_a_scenario(cli, folder):
+def test_info_counts_what_holds_a_scenario(cli, folder, printed):
     *lines, closed, start, moving = printed(cli("info", folder / "driven")).splitlines()[:11]
     assert lines == [
         "driven, case ideal: Four-bar, its crank driven",
@@ -51,7 +40,7 @@ def test_info_counts_what_holds_a_scenario(cli, folder):
     assert moving.startswith("  initial rates that follow from those given: crank_pin ")
 
 
-def test_info_counts_the_freedoms_that_play_gives_back(cli, folder):
+def test_info_counts_the_freedoms_that_play_gives_back(cli, folder, printed):
     """The pin's five, of which the plane takes its three: with play a loop is not redundant."""
     said = printed(cli("info", folder / "driven", "--case", "play"))
     assert "  joint crank_pin: with play (contact)\n" in said
@@ -64,7 +53,7 @@ def test_info_counts_the_freedoms_that_play_gives_back(cli, folder):
     assert "mobility 1, of which the motion leaves 0" in said
 
 
-def test_info_of_a_scenario_as_json(cli, folder):
+def test_info_of_a_scenario_as_json(cli, folder, printed):
     facts = json.loads(printed(cli("info", folder / "driven", "--json")))
     assert facts["closures"]["rocker_pin"]["links"] == ["coupler", "rocker"]
     counts = facts["constraints"]
@@ -73,18 +62,18 @@ def test_info_of_a_scenario_as_json(cli, folder):
     assert max(facts["residuals"]) < 1e-12
 
 
-def test_info_of_a_tree(cli):
+def test_info_of_a_tree(cli, printed):
     said = printed(cli("info", "pendulum", "--case", "ideal"))
     assert said.splitlines()[-1] == "  no closures; mobility 1"
 
 
-def test_info_says_in_one_line_what_cannot_be_closed(cli, folder):
+def test_info_says_in_one_line_what_cannot_be_closed(cli, folder, refused):
     change = "closures.rocker_pin.second.point=[0.9, 0, 0]"
     said = refused(cli("info", folder / "driven", "--set", change))
     assert "the loops cannot be closed: closure 'rocker_pin' lacks" in said
 
 
-def test_info_takes_one_scenario_or_results(cli, folder):
+def test_info_takes_one_scenario_or_results(cli, folder, refused):
     said = refused(cli("info", folder / "driven", folder / "ideal.nc"))
     assert "give result files (NAME.nc), any number, or one scenario alone" in said
     assert "--case: is for scenarios only" in refused(cli("info", folder / "ideal.nc", "--case", "play"))
@@ -94,7 +83,7 @@ def test_info_takes_one_scenario_or_results(cli, folder):
 # --- info of results ---
 
 
-def test_info_tells_what_closures_and_motions_carried(cli, folder):
+def test_info_tells_what_closures_and_motions_carried(cli, folder, printed):
     said = printed(cli("info", "--all", folder / "ideal.nc", folder / "play.nc"))
     for row in (
         "equations of closures",
@@ -113,7 +102,7 @@ def test_info_tells_what_closures_and_motions_carried(cli, folder):
     )
 
 
-def test_info_of_a_lean_result_is_the_same(cli, folder):
+def test_info_of_a_lean_result_is_the_same(cli, folder, printed):
     cli("run", folder / "driven", "--case", "ideal", "--lean", "--out", "lean.nc", "-q")
     full, lean = (
         json.loads(printed(cli("info", path, "--json"))) for path in (folder / "ideal.nc", "lean.nc")
@@ -122,7 +111,7 @@ def test_info_of_a_lean_result_is_the_same(cli, folder):
         assert lean[key] == full[key]
 
 
-def test_one_of_five_equations_of_bricards_ring_is_redundant(cli, tmp_path):
+def test_one_of_five_equations_of_bricards_ring_is_redundant(cli, tmp_path, printed):
     """Which of them does not matter; the rest of the loop holds any one."""
     loop = bricard()
     (tmp_path / "loop.urdf").write_text(loop.urdf)
@@ -135,7 +124,7 @@ def test_one_of_five_equations_of_bricards_ring_is_redundant(cli, tmp_path):
 # --- what is refused ---
 
 
-def test_play_at_a_closure_is_refused_with_the_joints_that_could_close_the_loop(cli, folder):
+def test_play_at_a_closure_is_refused_with_the_joints_that_could_close_the_loop(cli, folder, refused):
     """A joint with play is one of the tree; which others of the loop can close it depends on what they do."""
     law = "normal={law='lankarani-nikravesh', stiffness=1e8, restitution=0.9}"
     parts = f"model='planar', radial_clearance=1e-4, bearing_radius=0.01, geometry='closed-form', {law}"
@@ -166,7 +155,7 @@ def test_play_at_a_closure_is_refused_with_the_joints_that_could_close_the_loop(
 # --- other commands ---
 
 
-def test_analyse_tells_what_closures_and_drives_carried(cli, folder):
+def test_analyse_tells_what_closures_and_drives_carried(cli, folder, printed):
     said = printed(cli("analyse", folder / "play.nc", "--ideal", folder / "ideal.nc"))
     for words in (
         "play: deviation from the ideal run",
@@ -189,7 +178,7 @@ def test_analyse_tells_what_closures_and_drives_carried(cli, folder):
     )
 
 
-def test_the_urdf_of_a_case_is_a_tree_and_says_so(cli, folder):
+def test_the_urdf_of_a_case_is_a_tree_and_says_so(cli, folder, printed):
     said = printed(cli("urdf", folder / "driven", "--out", "tree.urdf"))
     assert said.splitlines()[-1] == (
         "note: a URDF is a tree; the closures of the scenario are not in it: rocker_pin"
@@ -197,7 +186,7 @@ def test_the_urdf_of_a_case_is_a_tree_and_says_so(cli, folder):
 
 
 @pytest.mark.parametrize("singular", [[], [{"time": 0.25, "share": 1e-9}, {"time": 0.5, "share": 2e-9}]])
-def test_singular_positions_that_were_passed_are_named(cli, folder, singular):
+def test_singular_positions_that_were_passed_are_named(cli, folder, singular, printed):
     run = Trajectory.load(folder / "ideal.nc")
     counts = run.constraints | {"singular": singular}
     data = run.data.assign_attrs(constraints=json.dumps(counts))
@@ -212,7 +201,7 @@ def test_singular_positions_that_were_passed_are_named(cli, folder, singular):
 # --- coupled joints ---
 
 
-def test_commands_tell_what_is_coupled_and_what_that_carried(cli, tmp_path):
+def test_commands_tell_what_is_coupled_and_what_that_carried(cli, tmp_path, printed):
     path = write_coupled_fingers(tmp_path / "fingers")
     said = printed(cli("info", path)).replace("\N{NO-BREAK SPACE}", " ").splitlines()
     assert said[4:7] == [

@@ -29,12 +29,6 @@ def results(tmp_path_factory):
     return folder
 
 
-def refused(said):
-    assert said.code == 2, said
-    assert (said.out, len(said.err.splitlines())) == ("", 1)
-    return said.err.removeprefix("antenna-pin: ").rstrip()
-
-
 def test_table_of_a_run(cli, results):
     windows = ("--window", "10 ms", "--drift-spacing", "5 ms", "--period", "0.02")
     said = cli("pointing", results / "case3.nc", "--ideal", results / "case1.nc", *windows)
@@ -95,7 +89,7 @@ def test_several_runs_tell_every_interpretation(cli, results):
         assert words in said.out
 
 
-def test_the_scenario_is_completed_by_options(cli, results):
+def test_the_scenario_is_completed_by_options(cli, results, refused):
     """Another boresight of the same link; another link needs its own."""
     ideal = ("--ideal", results / "case1.nc", "--json")
     same = json.loads(cli("pointing", results / "case3.nc", *ideal).out)
@@ -106,10 +100,13 @@ def test_the_scenario_is_completed_by_options(cli, results):
     extreme = [one["indices"]["APE"]["extreme"] for one in (same, other)]
     np.testing.assert_allclose(extreme[0]["cross"], extreme[1]["boresight"], rtol=1e-12)
     line = refused(cli("pointing", results / "case3.nc", *ideal, "--body", "shaft1"))
-    assert line == "pointing: --body must be given with --boresight, an axis of that link, got 'shaft1'"
+    assert (
+        line
+        == "antenna-pin: pointing: --body must be given with --boresight, an axis of that link, got 'shaft1'"
+    )
 
 
-def test_one_sample_has_an_absolute_error_only(cli, results):
+def test_one_sample_has_an_absolute_error_only(cli, results, refused):
     ideal = ("--ideal", results / "case1.nc")
     found = json.loads(cli("pointing", results / "one.nc", *ideal, "--json").out)
     assert list(found["indices"]) == ["APE"]
@@ -121,17 +118,9 @@ def test_one_sample_has_an_absolute_error_only(cli, results):
     ("options", "message"),
     [
         ((), "there is nothing to compare with; add --ideal FILE or --direction X,Y,Z"),
-        (("--direction", "1,0"), "pointing: --direction must be three numbers such as 1,0,0, got '1,0'"),
-        (
-            ("--direction", "1,0,0,0"),
-            "pointing: --direction must be three numbers such as 1,0,0, got '1,0,0,0'",
-        ),
         *(
-            (
-                ("--direction", text),
-                f"pointing: --direction must be three numbers such as 1,0,0, got '{text}'",
-            )
-            for text in ("x,0,1", "1,x,0", "1,0,x", "1,,0", "1 m,0,0", ",,", "1;0;0")
+            (("--direction", text), f"--direction must be three numbers such as 1,0,0, got '{text}'")
+            for text in ("1,0", "1,0,0,0", "x,0,1", "1,x,0", "1,0,x", "1,,0", "1 m,0,0", ",,", "1;0;0")
         ),
         (("--direction", "0,0,0"), "direction must be three finite numbers, not all zero"),
         (("--direction", "1,0,0", "--window", "1 m"), "--window must be a time [s], got '1 m' (length)"),
@@ -141,11 +130,11 @@ def test_one_sample_has_an_absolute_error_only(cli, results):
         (("--direction", "1,0,0", "--body", "dish", "--boresight", "1,0,0"), "link 'dish' is unknown"),
     ],
 )
-def test_refusals_take_one_line(cli, results, options, message):
+def test_refusals_take_one_line(cli, results, options, message, refused):
     assert message in refused(cli("pointing", results / "case3.nc", *options))
 
 
-def test_a_run_whose_scenario_names_no_antenna(cli, results):
+def test_a_run_whose_scenario_names_no_antenna(cli, results, refused):
     bare, ideal = results / "bare.nc", ("--direction", "1,0,0")
     assert refused(cli("pointing", bare, *ideal)).endswith("add --body and --boresight")
     assert refused(cli("pointing", bare, *ideal, "--body", "reflector")).endswith("; add --boresight")

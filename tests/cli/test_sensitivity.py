@@ -69,7 +69,5 @@ def test_pieces_on_the_command_line(cli):
         (("initial.joints.bore.journal_velocity[1]=5 kg",), "must be a speed [m/s], got '5 kg'"),
     ],
 )
-def test_what_is_refused(cli, arguments, said):
-    """In one line."""
-    refused = cli("sensitivity", "impact_pair", *PLAIN, *arguments)
-    assert refused.code == 2 and len(refused.err.splitlines()) == 1 and said in refused.err
+def test_refusals(cli, refused, arguments, said):
+    assert said in refused(cli("sensitivity", "impact_pair", *PLAIN, *arguments))

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from antenna_pin import load_scenario, simulate
-from antenna_pin.cli._tables import Table, laid_out
+from antenna_pin.cli._tables import TextTable, laid_out
 
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False).map(lambda x: f"{x:.6g}")
 WORDS = st.text("abcdefghij[]/", min_size=1, max_size=9)
@@ -21,7 +21,7 @@ def tables(draw):
     columns = draw(st.integers(1, 7))
     rows = draw(st.lists(st.tuples(LABELS, *[NUMBERS] * columns), max_size=5))
     head = ["", *draw(st.lists(LABELS, min_size=columns, max_size=columns))]
-    return Table(title=draw(LABELS), head=head, rows=rows, numbers=draw(st.booleans()))
+    return TextTable(title=draw(LABELS), head=head, rows=rows, numbers=draw(st.booleans()))
 
 
 @given(table=tables(), width=st.integers(1, 140))
@@ -41,7 +41,7 @@ def test_columns_that_do_not_fit_go_down():
     """Of four files at 40 characters two stand side by side, and each number once beside its name."""
     head = ["", "one", "two", "three", "four"]
     rows = [["peak force [N]", "1.23456e-05", "2.5", "3.5", "4.5"], ["episodes", "-", "-", "3", "4"]]
-    lines = laid_out(Table(title="files", head=head, rows=rows, sparse=True), 40)
+    lines = laid_out(TextTable(title="files", head=head, rows=rows, sparse=True), 40)
     assert [line.split() for line in lines if line and "─" not in line] == [
         ["files"],
         ["one", "two"],
@@ -55,7 +55,7 @@ def test_columns_that_do_not_fit_go_down():
 def test_a_title_cannot_command_the_terminal(cli, tmp_path):
     """Nor can a name or a cell: their control characters are shown, as many letters as they take."""
     evil = "t\x1b]0;owned\x07"
-    table = Table(title=evil, head=["", f"a\n{evil}"], rows=[[evil, "1"], ["mass", evil]])
+    table = TextTable(title=evil, head=["", f"a\n{evil}"], rows=[[evil, "1"], ["mass", evil]])
     for width in (1, 20, 200):
         lines = laid_out(table, width)
         assert all(line.isprintable() for line in lines)
@@ -72,7 +72,7 @@ def test_a_title_cannot_command_the_terminal(cli, tmp_path):
 
 
 def test_a_long_name_of_a_file_does_not_widen_its_column():
-    lines = laid_out(Table(title="", head=["", "f" * 60], rows=[["mass", "1"]]), 200)
+    lines = laid_out(TextTable(title="", head=["", "f" * 60], rows=[["mass", "1"]]), 200)
     assert max(map(len, lines)) < 40
     assert sum(line.count("f") for line in lines) == 60
 

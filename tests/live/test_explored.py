@@ -12,6 +12,7 @@ from antenna_pin.analysis import journal_motion
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.live import Explored, Runner, explore
 
+FAST = {"clearance.elevation.geometry": "closed-form", "integrator.engine": "compiled"}
 PLAY = "clearance.elevation.radial_clearance"
 
 
@@ -73,18 +74,8 @@ def test_a_run_gets_on_however_slow_its_pieces_are(antenna, monkeypatch):
 def test_a_run_in_pieces_is_simulates_bit_for_bit(antenna):
     antenna.turn(PLAY, 0.15e-3)
     made = made_by(antenna)
-    same = simulate(
-        load_scenario(
-            "bai2020",
-            case="case3",
-            overrides={
-                PLAY: 0.15e-3,
-                "clearance.elevation.geometry": "closed-form",
-                "integrator.engine": "compiled",
-                "duration": 0.05,
-            },
-        )
-    )
+    changes = {PLAY: 0.15e-3, "duration": 0.05} | FAST
+    same = simulate(load_scenario("bai2020", case="case3", overrides=changes))
     for name, variable in same.data.data_vars.items():
         assert np.array_equal(made.run.data[name].values, variable.values, equal_nan=True), name
 
@@ -128,15 +119,7 @@ def test_a_saved_file_makes_the_run_that_was_shown(antenna, tmp_path):
 def test_the_latest_wins_and_what_runs_is_stopped():
     """Of a run of hours, asked for first, nothing is told once another is asked for."""
     explored = Explored(load_scenario("bai2020", case="case3"), span=0.05)
-    long = load_scenario(
-        "bai2020",
-        case="case3",
-        overrides={
-            "duration": 1000.0,
-            "clearance.elevation.geometry": "closed-form",
-            "integrator.engine": "compiled",
-        },
-    )
+    long = load_scenario("bai2020", case="case3", overrides={"duration": 1000.0} | FAST)
     told = Told()
     runner = Runner(told)
     runner.ask(lambda: long)

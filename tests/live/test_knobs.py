@@ -124,31 +124,17 @@ def test_a_restitution_goes_from_0_to_1():
 
 
 @pytest.mark.parametrize(
-    ("model", "case", "changes", "key", "play", "wider"),
+    ("model", "changes", "key", "play", "wider"),
     [
-        (
-            "bai2020",
-            "case3",
-            {"radial_clearance": None, "journal_radius": 9.8e-3},
-            "journal_radius",
-            0.2e-3,
-            9.5e-3,
-        ),
-        (
-            "bai2020",
-            "case3",
-            {"axial_clearance": None, "flange_distance": 50.4e-3},
-            "flange_distance",
-            0.2e-3,
-            51e-3,
-        ),
-        ("slider", "rest", {}, "slider_width", 0.05e-3, 39.1e-3),
-        ("slider", "rest", {}, "slider_height", 0.1e-3, 39.2e-3),
+        ("bai2020", {"radial_clearance": None, "journal_radius": 9.8e-3}, "journal_radius", 0.2e-3, 9.5e-3),
+        ("bai2020", {"axial_clearance": None, "flange_distance": 50.4e-3}, "flange_distance", 0.2e-3, 51e-3),
+        ("slider", {}, "slider_width", 0.05e-3, 39.1e-3),
+        ("slider", {}, "slider_height", 0.1e-3, 39.2e-3),
     ],
 )
-def test_play_that_two_sizes_give_is_turned_at_one_of_them(model, case, changes, key, play, wider):
+def test_play_that_two_sizes_give_is_turned_at_one_of_them(model, changes, key, play, wider):
     """Of lengths and widths it is half their difference, that of either side. Last: the size at 0.5 mm."""
-    scenario = load_scenario(model, case=case)
+    scenario = load_scenario(model, case={"bai2020": "case3", "slider": "rest"}[model])
     ((joint, own),) = scenario.clearance.items()
     given = own.model_copy(update=changes)
     changed = scenario.model_copy(update={"clearance": {joint: given}})

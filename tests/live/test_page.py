@@ -120,10 +120,10 @@ class Written:
     def __init__(self, scenario, folder):
         from bokeh.document import Document
 
-        from antenna_pin.live.page import Page
+        from antenna_pin.live.page import ExplorerPage
 
         self.document, self.told = Document(), []
-        self._page = Page(self.document, scenario, None, scenario.duration, folder, self.told.append)
+        self._page = ExplorerPage(self.document, scenario, None, scenario.duration, folder, self.told.append)
 
     def __getitem__(self, name):
         return self.document.get_model_by_name(name)

@@ -74,7 +74,7 @@ def test_pages_by_the_command(files, tmp_path):
         (("--start", "1 s"), "recording: start must be within the run, 0 to 0.05 s, got 1.0"),
         (("--end", "3 kg"), "--end must be a time"),
         (("--speed", "fast"), "--speed: speed must be a number or a fraction such as 1/100, got 'fast'"),
-        (("--boresight", "1,x"), "--boresight: direction must be three numbers such as 1,0,0, got '1,x'"),
+        (("--boresight", "1,x"), "record: --boresight must be three numbers such as 1,0,0, got '1,x'"),
         (("--max-size", "0.1"), "max_megabytes must be above"),
         (("--max-size", "nan"), "Invalid value for '--max-size': 'nan' is not a valid float"),
         (("--key-rate", "nan"), "Invalid value for '--key-rate': 'nan' is not a valid float"),

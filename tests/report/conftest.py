@@ -139,3 +139,23 @@ class Shown:
 @pytest.fixture(scope="session")
 def shown() -> Callable[[str], Shown]:
     return Shown
+
+
+@pytest.fixture
+def check_width(page: Any) -> Callable[[Path, int, int, bool], None]:
+    """Return a function that fails where an opened file, all of it unfolded, is wider than its screen."""
+
+    def check(file: Path, width: int, height: int, mobile: bool) -> None:
+        page.open(file, width, height)
+        page.resize(width, height, mobile)
+        page.run("document.querySelectorAll('details').forEach((part) => { part.open = true; });")
+        wide, outside = page.run(
+            "const scrolled = (e) => e.closest('.scroll, .source, .sheet, .ap-frame');"
+            "const out = [...document.querySelectorAll('main *')].filter((e) => !scrolled(e) && "
+            "e.getBoundingClientRect().right > innerWidth + 0.5);"
+            "return [document.documentElement.scrollWidth, out.map((e) => e.outerHTML.slice(0, 80))];"
+        )
+        assert outside == [] and wide <= width
+        assert page.errors == [] and page.requests == []
+
+    return check

@@ -194,15 +194,6 @@ def test_the_command_takes_files_of_all_kinds(found, run, cli, shown):
 
 
 @pytest.mark.parametrize(("width", "mobile"), [(380, True), (1280, False)])
-def test_no_page_is_wider_than_its_screen(page, saved, width, mobile):
+def test_no_page_is_wider_than_its_screen(check_width, saved, width, mobile):
     """Long commands and names of quantities are broken or scrolled; a phone shows all of it."""
-    page.open(saved, width, 800)
-    page.resize(width, 800, mobile)
-    page.run("document.querySelectorAll('details').forEach((part) => { part.open = true; });")
-    wide, outside = page.run(
-        "const scrolled = (e) => e.closest('.scroll, .source, .sheet');"
-        "const out = [...document.querySelectorAll('main *')].filter((e) => !scrolled(e) && "
-        "e.getBoundingClientRect().right > innerWidth + 0.5);"
-        "return [document.documentElement.scrollWidth, out.map((e) => e.outerHTML.slice(0, 80))];"
-    )
-    assert outside == [] and wide <= width and page.errors == [] and page.requests == []
+    check_width(saved, width, 800, mobile)

@@ -60,23 +60,12 @@ def test_a_scenario_of_ones_own_is_named_by_its_path(tmp_path):
 
 def test_the_report_says_how_it_was_made(cli, tmp_path, play, shown):
     saved, out = play.save(tmp_path / "case3.nc"), tmp_path / "report.html"
-    said = cli(
-        "report",
-        saved,
-        "--out",
-        out,
-        "--title",
-        "Two words",
-        "--no-figures",
-        "--no-recordings",
-        "--window",
-        "20 ms",
-    )
+    options = ("--title", "Two words", "--no-figures", "--no-recordings", "--window", "20 ms")
+    said = cli("report", saved, "--out", out, *options)
     assert (said.code, said.err) == (0, "") and said.out.startswith(f"saved {out}")
-    html = out.read_text(encoding="utf-8")
-    page = shown(html)
+    first = out.read_text(encoding="utf-8")
+    page = shown(first)
     words = shlex.split(page.said("provenance")["repeat this report"])
-    first = html
     assert cli(*words[1:]).code == 0
     assert out.read_text(encoding="utf-8") == first  # to the byte
     assert page.text("//h1") == "Two words"
