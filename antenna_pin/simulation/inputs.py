@@ -339,7 +339,8 @@ def prepare_run(
     for name, one in (("q", q), ("v", v), ("angles", angles)):
         if start is not None and one is not None:
             raise InvalidParameterError(place, name, "left out beside start, which holds it", one)
-    if not isinstance(angles, Mapping | None):
+    given: object = angles
+    if not isinstance(given, Mapping | None):
         rule = "a mapping of joints' names to turned angles [rad]"
         raise InvalidParameterError(place, "angles", rule, said=shown(angles))
     scenario = model if isinstance(model, Scenario) else None

@@ -54,7 +54,7 @@ class Chunk(NamedTuple):
 
     def part(self, begin: int | None, end: int | None) -> Chunk:
         """Return a slice of the samples."""
-        return Chunk(*(one[begin:end] for one in self))
+        return Chunk._make(one[begin:end] for one in self)
 
     @staticmethod
     def joined(chunks: Sequence[Chunk]) -> Chunk:
@@ -62,7 +62,7 @@ class Chunk(NamedTuple):
         if len(chunks) == 1:
             return chunks[0]
         arrays = (np.concatenate(parts) for parts in zip(*(one[:3] for one in chunks), strict=True))
-        return Chunk(*arrays, [program for one in chunks for program in one.programs])
+        return Chunk._make([*arrays, [program for one in chunks for program in one.programs]])
 
 
 class SamplesSnapshot(NamedTuple):
