@@ -89,7 +89,7 @@ class Episodes:
     @property
     def all(self) -> NDArray[Any]:
         """Episodes of this record in the order of their onsets, EPISODE."""
-        episodes = self.book.episodes[: int(self.book.count[0])]
+        episodes: NDArray[Any] = self.book.episodes[: int(self.book.count[0])]
         return np.asarray(episodes[~(episodes["release"] < self.begin)])
 
     def make_room(self) -> None:
