@@ -339,10 +339,10 @@ def prepare_run(
     for name, one in (("q", q), ("v", v), ("angles", angles)):
         if start is not None and one is not None:
             raise InvalidParameterError(place, name, "left out beside start, which holds it", one)
-    given: object = angles
-    if not isinstance(given, Mapping | None):
+    turned: object = angles
+    if not isinstance(turned, Mapping | None):
         rule = "a mapping of joints' names to turned angles [rad]"
-        raise InvalidParameterError(place, "angles", rule, said=shown(angles))
+        raise InvalidParameterError(place, "angles", rule, said=shown(turned))
     scenario = model if isinstance(model, Scenario) else None
     if scenario is not None:
         system = build_system(scenario)

@@ -54,15 +54,20 @@ class Chunk(NamedTuple):
 
     def part(self, begin: int | None, end: int | None) -> Chunk:
         """Return a slice of the samples."""
-        return Chunk._make(one[begin:end] for one in self)
+        here = slice(begin, end)
+        return Chunk(self.times[here], self.states[here], self.memories[here], self.programs[here])
 
     @staticmethod
     def joined(chunks: Sequence[Chunk]) -> Chunk:
         """Return chunks as one."""
         if len(chunks) == 1:
             return chunks[0]
-        arrays = (np.concatenate(parts) for parts in zip(*(one[:3] for one in chunks), strict=True))
-        return Chunk._make([*arrays, [program for one in chunks for program in one.programs]])
+        return Chunk(
+            np.concatenate([one.times for one in chunks]),
+            np.concatenate([one.states for one in chunks]),
+            np.concatenate([one.memories for one in chunks]),
+            [program for one in chunks for program in one.programs],
+        )
 
 
 class SamplesSnapshot(NamedTuple):

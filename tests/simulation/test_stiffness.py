@@ -58,6 +58,7 @@ def test_what_is_stiff_is_told_soon_and_by_name(what, engine, method, soon):
         engine = "pinocchio"
     with pytest.warns(StiffRunWarning) as told:
         run = stiff(what, 20.0, engine=engine, method=method, max_steps=soon, rtol=1e-6)
+    told = [one for one in told if one.category is StiffRunWarning]  # a busy machine is told of besides
     assert len(told) == 1
     assert run.outcome is Outcome.STEP_LIMIT
     for part in (
