@@ -40,9 +40,8 @@ def test_what_is_lost_is_kinetic_energy(pair):
     table = table.isel(impact=np.flatnonzero(table["ended"].values))
     share = 0.6 if case == "contact" else 1.2
     speeds = table["approach_speed"].values, table["separation_speed"].values
-    assert table["dissipated"].values == pytest.approx(
-        0.5 * share * (speeds[0] ** 2 - speeds[1] ** 2), rel=1e-6
-    )
+    lost = 0.5 * share * (speeds[0] ** 2 - speeds[1] ** 2)
+    assert table["dissipated"].values == pytest.approx(lost, rel=1e-6)
     assert table["impulse"].values == pytest.approx(share * (speeds[0] + speeds[1]), rel=1e-7)
     kinetic = run.data["kinetic_energy"].values
     assert table["dissipated"].sum() == pytest.approx(kinetic[0] - kinetic[-1], rel=1e-7)
@@ -54,9 +53,8 @@ def test_rows_are_in_order_and_labelled(pair):
     assert (np.diff(table["onset"]) >= 0.0).all()
     assert set(table["clearance_joint"].values) == {"bore"}
     assert all(name.startswith("bore.") for name in table["contact"].values)
-    assert (
-        (table["peak_time"] > table["onset"]) & (table["peak_time"] < table["onset"] + table["duration"])
-    ).all()
+    since = table["peak_time"] - table["onset"]
+    assert ((since > 0.0) & (since < table["duration"])).all()
     for name in table.data_vars:
         assert table[name].attrs["units"]
         assert table[name].attrs["long_name"]
@@ -73,9 +71,8 @@ def test_a_pendulum_at_rest_is_one_touch_without_end():
     assert math.isnan(table["restitution"].item())
     assert math.isnan(table["separation_speed"].item())
     assert table["duration"].item() == pytest.approx(0.02, rel=1e-12)
-    assert table["impulse"].item() == pytest.approx(
-        float(run.data["normal_impulse"].values[-1].sum()), rel=1e-12
-    )
+    whole = float(run.data["normal_impulse"].values[-1].sum())
+    assert table["impulse"].item() == pytest.approx(whole, rel=1e-12)
 
 
 def test_statistics_are_of_each_contact(pair):

@@ -223,10 +223,8 @@ def test_the_ideal_run_may_have_another_output_rate(ideal):
     """The interpolation's error falls with the fourth power of its spacing, and the estimate tells it."""
     errors = []
     for rate in (50, 100, 200):
-        coarse = simulate(
-            load_scenario("bai2020", case="case1", overrides=[f"output.rate={rate}"]), duration=0.3
-        )
-        found = pointing_error(ideal, coarse)
+        scenario = load_scenario("bai2020", case="case1", overrides=[f"output.rate={rate}"])
+        found = pointing_error(ideal, simulate(scenario, duration=0.3))
         errors.append(found["half_cone"].values.max())
         assert 0.3 < found.attrs["interpolation_error"] / errors[-1] < 3.0
     orders = np.log2(np.array(errors[:-1]) / errors[1:])

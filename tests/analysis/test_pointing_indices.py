@@ -180,9 +180,7 @@ def test_a_vector_along_a_line_is_a_number():
     t, error = signal(STEP, SINE, DRIFT, rate=160)
     found = pointing_indices(t, {"number": error, "vector": np.outer(error, [3.0, 4.0])}, **WINDOWS)
     for name in ("extreme", "level"):
-        number, vector = (
-            found[name].sel(component=component).values for component in found["component"].values
-        )
+        number, vector = (found[name].sel(component=one).values for one in found["component"].values)
         np.testing.assert_allclose(vector, 5 * number, rtol=1e-12)
 
 
@@ -218,13 +216,8 @@ def by_brute_force(t, x, window, spacing, periods):
         inside = (fine[1:] > s) & (fine[:-1] < s + window)
         relative += [max(left[inside].max(), right[inside].max()) - mean(s)]
         relative += [min(left[inside].min(), right[inside].min()) - mean(s)]
-    drift = np.concatenate(
-        [
-            mean(s + spacing) - mean(s)
-            for low, high in periods
-            for s in [np.linspace(low, high - spacing - window, 1500)]
-        ]
-    )
+    places = np.concatenate([np.linspace(low, high - spacing - window, 1500) for low, high in periods])
+    drift = mean(places + spacing) - mean(places)
     means = [mean(np.linspace(low, high - window, 1500)) for low, high in periods]
     pairs = [
         (one.min() - two.max(), one.max() - two.min()) for one in means for two in means if one is not two
@@ -394,6 +387,5 @@ def test_components_of_a_pointing_error(tmp_path):
     assert list(found) == ["boresight", "cross", "up", "half-cone"]
     assert np.linalg.norm(found["half-cone"], axis=1) == pytest.approx(errors["half_cone"].values, rel=1e-14)
     indices = pointing_indices(errors["time"].values, found)
-    assert indices["extreme"].sel(index="APE", component="half-cone").item() == pytest.approx(
-        errors["half_cone"].values.max(), rel=1e-12
-    )
+    extreme = indices["extreme"].sel(index="APE", component="half-cone").item()
+    assert extreme == pytest.approx(errors["half_cone"].values.max(), rel=1e-12)

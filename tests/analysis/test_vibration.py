@@ -53,15 +53,13 @@ def test_the_response_of_a_filter_is_found_with_its_error():
     time, x = noise(1)
     _, other = noise(2)
     clean = x + 0.5 * np.concatenate([[0.0], x[:-1]])
-    off = []
     found = transfer(time, x, clean + 1.1 * other, segment=1.0)
     exact = 1 + 0.5 * np.exp(-2j * np.pi * found["frequency"].values / RATE)
     inside = slice(20, 480, 4)
     off = (np.abs(found["response"].values) / np.abs(exact) - 1)[inside]
     # One standard error, of 115 frequencies.
-    assert float(np.std(off / found["error"].values[inside])) == pytest.approx(
-        1.0, abs=3 / math.sqrt(2 * 115)
-    )
+    spread = float(np.std(off / found["error"].values[inside]))
+    assert spread == pytest.approx(1.0, abs=3 / math.sqrt(2 * 115))
     assert float(found["coherence"].mean()) == pytest.approx(0.5, abs=0.05)
 
 
@@ -124,15 +122,8 @@ def test_a_polygon_of_uneven_samples_is_answered_exactly():
                 begin, first, rise, w = own
                 return [y[1], -0.1 * w * y[1] - w * w * y[0] - first - rise * (s - begin)]
 
-            solved = solve_ivp(
-                slope,
-                (t[i], t[i + 1]),
-                state,
-                "DOP853",
-                np.linspace(t[i], t[i + 1], 60),
-                rtol=1e-11,
-                atol=1e-14,
-            )
+            at = np.linspace(t[i], t[i + 1], 60)
+            solved = solve_ivp(slope, (t[i], t[i + 1]), state, "DOP853", at, rtol=1e-11, atol=1e-14)
             state = solved.y[:, -1]
             high = max(high, float((-(0.1 * w * solved.y[1] + w * w * solved.y[0])).max()))
         # The slow one swings on after the end, freely.
