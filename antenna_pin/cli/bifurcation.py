@@ -144,7 +144,7 @@ def bifurcation(
 
 
 def _orbits(path: Path, plan: DiagramPlan) -> xr.Dataset:
-    """Return a saved branch of orbits over a diagram's key, with its points in the section."""
+    """Return a saved branch over a diagram's key, with points in the section."""
     from antenna_pin.nonlinear import open_branch, orbits_in_section
 
     branch, how = open_branch(path), plan.how()

@@ -1,4 +1,4 @@
-"""``antenna-pin info`` and ``plot``: summaries and figures of results, descriptions of scenarios."""
+"""``antenna-pin info`` and ``plot``: summaries and figures of results."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 
 def kinds_of(files: Sequence[Path]) -> dict[Path, TableKind]:
-    """Return the kind of each file that holds a dataset other than a run."""
+    """Return the kind of each file with a dataset other than a run."""
     from antenna_pin.trajectory import FORMATS, format_of
 
     kinds = {name: kind for kind, name in FORMATS.items()}

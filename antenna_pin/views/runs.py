@@ -212,7 +212,7 @@ def reported(
 
 
 def saved_report(make: Callable[[], Report], path: str | os.PathLike[str] | None) -> Report:
-    """Return a report; write it if a path is given, which is checked before the work."""
+    """Return a report; write it if a path is given, checked before the work."""
     if path is not None:
         check_writable(path, ".html")
     made = make()
