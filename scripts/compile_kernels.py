@@ -55,10 +55,10 @@ def make(job: Job, derivatives: bool = False) -> None:
     import numpy as np
 
     from antenna_pin import build_system, load_scenario, simulate
-    from antenna_pin.assemble import initial_state
     from antenna_pin.compiled.kernel_cache import told_of_compiling
     from antenna_pin.dynamics import Workspace
     from antenna_pin.mechanism import TreeDynamics
+    from antenna_pin.scenario.assemble import initial_state
 
     def counted() -> None:
         with _made.get_lock():
@@ -68,7 +68,7 @@ def make(job: Job, derivatives: bool = False) -> None:
     with told_of_compiling(counted):
         scenario = load_scenario(model, case=case, overrides=list(changes))
         if derivatives:
-            from antenna_pin.nonlinear import flow_of
+            from antenna_pin.studies.nonlinear import flow_of
 
             flow, start = flow_of(scenario)
             flow.tangent(start, MOMENT)

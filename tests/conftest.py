@@ -22,11 +22,11 @@ import pytest
 from hypothesis import settings
 
 from antenna_pin import System, Urdf, build_mechanism, simulate
+from antenna_pin.apps.cli import _progress, app
 from antenna_pin.base.interruption import acknowledge, late_signal
-from antenna_pin.cli import _progress, app
 from antenna_pin.contact import Hertz
-from antenna_pin.geometry import PrismaticClearance
 from antenna_pin.joints import ClearanceJoint
+from antenna_pin.joints.geometry import PrismaticClearance
 
 # The same examples in every run, and no deadline, because a first example may compile kernels.
 settings.register_profile("repeatable", derandomize=True, deadline=None)
@@ -285,7 +285,7 @@ def _picture(png: bytes) -> np.ndarray:
 def _programs() -> Any:
     """Return what pages are opened with; where there is none, leave the test out, or fail as is wished."""
     from antenna_pin.errors import MissingToolError
-    from antenna_pin.record.browser import find_browser
+    from antenna_pin.show.record.browser import find_browser
 
     if os.environ.get(BROWSER_TESTS) == "skip":
         pytest.skip(f"{BROWSER_TESTS}=skip")
@@ -300,7 +300,7 @@ def _programs() -> Any:
 @pytest.fixture(scope="session")
 def _browser() -> Iterator[Any]:
     """One browser for each worker, with a profile of its own."""
-    from antenna_pin.record.browser import open_browser
+    from antenna_pin.show.record.browser import open_browser
 
     with open_browser(_programs(), logs=True) as browser:
         yield browser
@@ -309,7 +309,7 @@ def _browser() -> Iterator[Any]:
 @pytest.fixture(scope="session")
 def _local_browser() -> Iterator[Any]:
     """One that reaches servers on this machine."""
-    from antenna_pin.record.browser import open_browser
+    from antenna_pin.show.record.browser import open_browser
 
     with open_browser(_programs(), logs=True, here=True) as browser:
         yield browser

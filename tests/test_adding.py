@@ -49,7 +49,9 @@ def add(copy, file, text, registry, imported="", before="", entry=""):
 def run(copy, *words, code=None):
     """Run the command line, or some code, of the copy."""
     environment = os.environ | {"PYTHONPATH": str(copy), "NUMBA_DISABLE_JIT": "1", "COLUMNS": "200"}
-    command = [sys.executable, "-c", code] if code is not None else [sys.executable, "-m", "antenna_pin.cli"]
+    command = (
+        [sys.executable, "-c", code] if code is not None else [sys.executable, "-m", "antenna_pin.apps.cli"]
+    )
     done = subprocess.run(
         [*command, *words], cwd=copy, env=environment, capture_output=True, text=True, check=False
     )
@@ -221,9 +223,9 @@ def test_a_law_has_its_certificate_and_its_runs(copy):
 BASE_ENERGY = '''
 """Energy of the whole, drawn."""
 
-from antenna_pin.plot._compared import pick
-from antenna_pin.plot._kinds import RunFigure
-from antenna_pin.plot.grammar import Axis, Panel, Sheet, figure
+from antenna_pin.show.plot._compared import pick
+from antenna_pin.show.plot._kinds import RunFigure
+from antenna_pin.show.plot.grammar import Axis, Panel, Sheet, figure
 
 
 @figure()
@@ -245,7 +247,7 @@ def test_a_figure_of_a_variable_that_is_new_and_an_event_of_ones_own(copy):
         "plot/twice.py",
         BASE_ENERGY,
         "plot/catalogue.py",
-        "from antenna_pin.plot import twice",
+        "from antenna_pin.show.plot import twice",
         before="*audit.FIGURES,",
         entry="*twice.FIGURES,",
     )
@@ -264,7 +266,7 @@ def test_a_figure_of_a_variable_that_is_new_and_an_event_of_ones_own(copy):
     swing(copy, 'stiffness = "10 N*m/rad"')
     code = """
 from antenna_pin import load_scenario, simulate
-from antenna_pin.simulation import Event, Stop
+from antenna_pin.run.simulation import Event, Stop
 
 fallen = Event(name="fallen", when=lambda moment: moment.angle("hinge") - 0.4, action=Stop())
 run = simulate(load_scenario("swing.toml"), events=[fallen])
@@ -305,8 +307,8 @@ def test_a_quantity_is_one_line_and_stands_in_tables_files_and_studies(copy):
     run(copy, "report", "swing.nc", "--out", "swing.html", "--no-figures", "--no-recordings")
     assert "peak rate" in (copy / "swing.html").read_text(encoding="utf-8")
     code = """
-from antenna_pin.simulation.variables import SIZES
-from antenna_pin.sweep.responses import ResponseSpec, evaluate
+from antenna_pin.run.simulation.variables import SIZES
+from antenna_pin.studies.sweep.responses import ResponseSpec, evaluate
 from antenna_pin.trajectory import Trajectory
 
 run = Trajectory.load("swing.nc")
@@ -330,8 +332,8 @@ def test_a_quantity_of_contacts_is_one_line_and_needs_no_new_run(copy):
     assert 0.0 < longest < 2.5e-3
     assert "longest contact [s]" in run(copy, "info", "pair.nc", "--all")
     code = (
-        "from antenna_pin.sweep.measures import MEASURES; from antenna_pin.trajectory import Trajectory;"
-        "from antenna_pin.sweep.responses import ResponseSpec;"
+        "from antenna_pin.studies.sweep.measures import MEASURES; from antenna_pin.trajectory import Trajectory;"
+        "from antenna_pin.studies.sweep.responses import ResponseSpec;"
         "print(MEASURES['longest_contact'].find(Trajectory.load('pair.nc'),"
         " ResponseSpec(measure='longest_contact'), None))"
     )
@@ -345,12 +347,12 @@ RING = '''
 
 from dataclasses import dataclass
 
-from antenna_pin.geometry import kernels
-from antenna_pin.geometry.look import radial_words
-from antenna_pin.geometry.planar import PlanarClearance
-from antenna_pin.geometry.shape import ContactPlace, RoundShape, flat, require_lengths
-from antenna_pin.geometry.coal_round import CoalPlanar
-from antenna_pin.geometry.round_kernels import ROUND
+from antenna_pin.joints.geometry import kernels
+from antenna_pin.joints.geometry.look import radial_words
+from antenna_pin.joints.geometry.planar import PlanarClearance
+from antenna_pin.joints.geometry.shape import ContactPlace, RoundShape, flat, require_lengths
+from antenna_pin.joints.geometry.coal_round import CoalPlanar
+from antenna_pin.joints.geometry.round_kernels import ROUND
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -410,7 +412,7 @@ def test_a_kind_of_joint_with_play_is_run_drawn_recorded_and_told_of(copy):
         "geometry/ring.py",
         RING,
         "geometry/registry.py",
-        "from antenna_pin.geometry.ring import Ring",
+        "from antenna_pin.joints.geometry.ring import Ring",
         before="for shape in (",
         entry="for shape in (Ring,)} | {shape.kind: shape",
     )

@@ -8,8 +8,8 @@ import time
 
 import pytest
 
-from antenna_pin.cli import _progress
-from antenna_pin.simulation.loop import Progress
+from antenna_pin.apps.cli import _progress
+from antenna_pin.run.simulation.loop import Progress
 
 
 @pytest.mark.parametrize("bar", [False, True])

@@ -8,10 +8,10 @@ import pytest
 from antenna_pin import Trajectory, load_scenario, simulate
 from antenna_pin.base.files import escaped, path_as_text, path_of_text
 from antenna_pin.errors import ScenarioError
-from antenna_pin.report import report
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.shipped import models_path
-from antenna_pin.sweep import load_study
+from antenna_pin.show.report import report
+from antenna_pin.studies.sweep import load_study
 
 
 @pytest.fixture

@@ -57,7 +57,7 @@ time.time = set_time
 """
 _STUDY = """
 import sys
-from antenna_pin.sweep import Cluster, Here, load_study, run_study
+from antenna_pin.studies.sweep import Cluster, Here, load_study, run_study
 if __name__ == "__main__":
     cluster = Cluster(2) if sys.argv[2] == "2" else Here()
     try:
@@ -105,6 +105,6 @@ def test_a_study_while_the_clock_is_set_on_is_the_study(tmp_path):
 
 def test_no_process_of_a_study_is_taken_for_dead_by_the_clock():
     """The connection tells of its end; its last word may seem old when the clock is set, or it was asleep."""
-    from antenna_pin.sweep.cluster import _QUIET
+    from antenna_pin.studies.sweep.cluster import _QUIET
 
     assert _QUIET["distributed.scheduler.worker-ttl"] is None

@@ -88,7 +88,7 @@ def test_every_public_name_has_one_entry(monkeypatch):
 
 
 def test_every_command_has_a_heading(monkeypatch):
-    from antenna_pin.cli import _COMMANDS
+    from antenna_pin.apps.cli import _COMMANDS
 
     text = site_module(monkeypatch, "command_pages").commands_page()
     for name in _COMMANDS:

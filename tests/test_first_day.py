@@ -10,10 +10,10 @@ import antenna_pin
 from antenna_pin import load_scenario, load_study, open_run, simulate
 from antenna_pin.errors import AntennaPinError, UnknownNameError
 from antenna_pin.events import Event, Time
-from antenna_pin.linear import modes
+from antenna_pin.run.session import start
 from antenna_pin.scenario import models_path
-from antenna_pin.session import start
-from antenna_pin.sweep.responses import ResponseSpec
+from antenna_pin.studies.linear import modes
+from antenna_pin.studies.sweep.responses import ResponseSpec
 
 
 @pytest.fixture(scope="module")
@@ -70,7 +70,7 @@ def test_an_underscore_is_a_hyphen_in_the_name_of_a_component():
 def test_names_that_moved_are_found_with_their_new_place():
     with pytest.warns(DeprecationWarning, match=r"antenna_pin\.start is antenna_pin\.session\.start now"):
         moved = antenna_pin.start
-    assert moved is antenna_pin.session.start and "start" not in antenna_pin.__all__
+    assert moved is antenna_pin.run.session.start and "start" not in antenna_pin.__all__
     with pytest.raises(AttributeError, match="has no attribute 'begin'"):
         antenna_pin.begin  # noqa: B018
 

@@ -34,7 +34,7 @@ def site(tmp_path_factory):
 #: One process for all commands: each start would import everything anew. What one prints is a JSON string.
 CALLS = """
 import contextlib, io, json, sys
-import antenna_pin.cli as cli
+import antenna_pin.apps.cli as cli
 print(cli.__file__)
 for call in sys.argv[1:]:
     sys.argv = ["antenna-pin", *call.split()]

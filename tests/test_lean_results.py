@@ -7,9 +7,9 @@ import xarray as xr
 from antenna_pin import Trajectory, load_scenario, simulate
 from antenna_pin.analysis import body_poses, impacts, load_statistics, scenario_shares
 from antenna_pin.errors import FileFormatError
-from antenna_pin.plot import figure_motion
-from antenna_pin.record import record
-from antenna_pin.report import report
+from antenna_pin.show.plot import figure_motion
+from antenna_pin.show.record import record
+from antenna_pin.show.report import report
 from antenna_pin.trajectory.schema import VARIABLES
 
 

@@ -5,7 +5,7 @@ from urllib.parse import quote
 import pytest
 
 from antenna_pin import Trajectory
-from antenna_pin.plot import figure_energy
+from antenna_pin.show.plot import figure_energy
 
 # Letters that the font of figures lacks, and dollars that enclose no formula.
 JOINT = r"Bolzen.2 β$\alpha{$"
@@ -88,7 +88,7 @@ def crane(tmp_path_factory):
 @pytest.fixture(scope="module")
 def drawn(crane, tmp_path_factory):
     """What ``antenna-pin figures`` makes of it, and the folder."""
-    from antenna_pin.cli import app
+    from antenna_pin.apps.cli import app
 
     out = tmp_path_factory.mktemp("drawn")
     with pytest.raises(SystemExit) as ended:

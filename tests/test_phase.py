@@ -7,8 +7,8 @@ import xarray as xr
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import Periods, open_portrait, phase_portrait
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.plot import figure_phase
-from antenna_pin.plot.phase import thinned
+from antenna_pin.show.plot import figure_phase
+from antenna_pin.show.plot.phase import thinned
 from antenna_pin.trajectory import open_table
 
 X, Y = "motion_angle[hinge]", "motion_rate[hinge]"

@@ -31,7 +31,7 @@ import pytest
 from typer.main import get_command
 from typer.testing import CliRunner
 
-from antenna_pin.cli import app
+from antenna_pin.apps.cli import app
 
 ROOT = Path(__file__).parents[1]
 DOCUMENTS = (
@@ -157,7 +157,7 @@ def in_shell(command: str, folder: Path, given: str = "") -> tuple[str, int]:
     """Return what a shell command prints and its exit code; ``python`` and ``antenna-pin`` are those here."""
     names = folder / "bin"
     names.mkdir(exist_ok=True)
-    for name, call in (("python", ""), ("antenna-pin", "-m antenna_pin.cli ")):
+    for name, call in (("python", ""), ("antenna-pin", "-m antenna_pin.apps.cli ")):
         script = names / name
         script.write_text(f'#!/bin/sh\nexec "{sys.executable}" {call}"$@"\n')
         script.chmod(0o755)

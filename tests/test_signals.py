@@ -16,6 +16,7 @@ import pytest
 import typer
 
 from antenna_pin import Outcome, Trajectory, load_scenario
+from antenna_pin.apps.cli._common import one_line_errors
 from antenna_pin.base.files import replacing
 from antenna_pin.base.interruption import (
     Ended,
@@ -25,15 +26,14 @@ from antenna_pin.base.interruption import (
     interruptible,
     is_interruption,
 )
-from antenna_pin.cli._common import one_line_errors
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.linear import modes
-from antenna_pin.nonlinear import poincare
-from antenna_pin.nonlinear.sections import section_of
-from antenna_pin.sweep import Cluster
-from antenna_pin.sweep.cluster import ClusterLostError
+from antenna_pin.studies.linear import modes
+from antenna_pin.studies.nonlinear import poincare
+from antenna_pin.studies.nonlinear.sections import section_of
+from antenna_pin.studies.sweep import Cluster
+from antenna_pin.studies.sweep.cluster import ClusterLostError
 
-_ENTRY = "import sys; from antenna_pin._entry import main; sys.argv[0] = 'antenna-pin'; sys.exit(main())"
+_ENTRY = "import sys; from antenna_pin.apps._entry import main; sys.argv[0] = 'antenna-pin'; sys.exit(main())"
 # Far longer than any test waits, and yet it ends by itself, whatever becomes of the test that has started it.
 _ENDLESS = ("run", "bai2020", "--case", "case1", "--duration", "1e5", "--out", "run.nc")
 _ENDLESS += ("--set", "integrator.max_wall_time=120 s", "--set", "output.rate=10 Hz")
@@ -312,7 +312,7 @@ def test_a_signal_that_something_catches_comes_again(monkeypatch, as_command_lin
 
 def test_a_command_that_is_done_before_its_signal_comes_again_ends_by_it(tmp_path):
     """As one within its last import; what it has printed is there."""
-    late = "from antenna_pin import _entry, cli; from antenna_pin.base import interruption\n"
+    late = "from antenna_pin.apps import _entry, cli; from antenna_pin.base import interruption\n"
     late += "cli.main = lambda: (print('done'), interruption._send_again(15, 60.0)); _entry.main()"
     ended = subprocess.run([sys.executable, "-c", late], capture_output=True, text=True, check=False)
     assert (ended.returncode, ended.stdout, ended.stderr) == (-signal.SIGTERM, "done\n", "")

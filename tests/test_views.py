@@ -13,8 +13,8 @@ from antenna_pin import build_system, laws, load_scenario, load_study, simulate
 from antenna_pin.analysis import numbers_of
 from antenna_pin.base import views as _views
 from antenna_pin.errors import InvalidParameterError, OutputError, UnknownNameError
-from antenna_pin.linear import modes
-from antenna_pin.plot import CATALOGUE
+from antenna_pin.show.plot import CATALOGUE
+from antenna_pin.studies.linear import modes
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +30,7 @@ def test_every_view_of_the_table_is_there_and_bound():
     """A name of the table that nothing answers to would be found by a user only."""
     for name, home in _views.VIEWS.items():
         file, _, function = home.partition(".")
-        made = getattr(importlib.import_module(f"antenna_pin.views.{file}"), function)
+        made = getattr(importlib.import_module(f"antenna_pin.show.views.{file}"), function)
         assert inspect.getdoc(made), name
 
 

@@ -12,7 +12,7 @@ import xarray as xr
 from antenna_pin.analysis.round_off import is_round_off
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number, readable
-from antenna_pin.geometry.registry import LOOKS
+from antenna_pin.joints.geometry.registry import LOOKS
 from antenna_pin.trajectory import (
     Trajectory,
     contact_joints,

@@ -45,7 +45,7 @@ def stability_spans(branch: xr.Dataset) -> list[StabilitySpan]:
     """Return the spans of equal stability along a branch.
 
     Args:
-        branch: Of :func:`antenna_pin.nonlinear.branch_table`.
+        branch: Of :func:`antenna_pin.studies.nonlinear.branch_table`.
     """
     values = np.asarray(branch["value"].values, dtype=float)
     every = np.nan_to_num(branch["multiplier_real"].values + 1j * branch["multiplier_imaginary"].values)
@@ -69,7 +69,7 @@ def unexplained_changes(branch: xr.Dataset) -> list[tuple[float, float]]:
     A multiplier passes 1 there, and no fold is: another branch crosses this one, as where a symmetry breaks.
 
     Args:
-        branch: Of :func:`antenna_pin.nonlinear.branch_table`.
+        branch: Of :func:`antenna_pin.studies.nonlinear.branch_table`.
     """
     values = np.asarray(branch["value"].values, dtype=float)
     said = [str(one) for one in branch["stability"].values]

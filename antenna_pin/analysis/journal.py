@@ -25,7 +25,7 @@ from antenna_pin.analysis.bodies import body_poses
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.directions import unit
 from antenna_pin.errors import FileFormatError, InvalidParameterError
-from antenna_pin.geometry import LOOKS
+from antenna_pin.joints.geometry import LOOKS
 from antenna_pin.trajectory import contact_ends, contacts_of, names_along, series
 from antenna_pin.trajectory.quantities import dataset_of
 

@@ -17,8 +17,8 @@ dimension that has only one may be left out: with one joint with play, ``joint_f
 bars stands the length of a vector or the size of a number. Blanks beside brackets, commas and bars are of no
 meaning.
 
-Short names, those of a session (:mod:`antenna_pin.session`), are ``angle``, ``rate`` and ``acceleration`` of
-a joint, turning or sliding, ``gap``, ``depth_rate``, ``force`` and ``touching`` of a contact.
+Short names, those of a session (:mod:`antenna_pin.run.session`), are ``angle``, ``rate`` and ``acceleration``
+of a joint, turning or sliding, ``gap``, ``depth_rate``, ``force`` and ``touching`` of a contact.
 
 Vectors that follow from a result are named as if they stood in it: ``body_velocity[LINK].x`` and the like, in
 world axes, ``journal_velocity[JOINT].x``, in those of the bearing, and ``base_force.x`` and ``base_moment.x``

@@ -383,7 +383,7 @@ def diagram_verdicts(
     diagram: less than a dot in a figure of it.
 
     Args:
-        diagram: As :func:`antenna_pin.nonlinear.bifurcation` returns it.
+        diagram: As :func:`antenna_pin.studies.nonlinear.bifurcation` returns it.
         quantities: Which of its quantities are looked at; all if left out.
         branch: Which of its branches; the first if left out.
         vector: Whether the quantities are components of one vector, whose largest amount counts for all.

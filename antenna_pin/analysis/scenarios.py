@@ -31,9 +31,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import AxialScenario, RadialScenario, RevoluteClearance, pose_of
-from antenna_pin.geometry.revolute import revolute_scenario
-from antenna_pin.geometry.revolute_kernels import nearest_on_ellipse
+from antenna_pin.joints.geometry import AxialScenario, RadialScenario, RevoluteClearance, pose_of
+from antenna_pin.joints.geometry.revolute import revolute_scenario
+from antenna_pin.joints.geometry.revolute_kernels import nearest_on_ellipse
 
 __all__ = [
     "AssembledJoint",

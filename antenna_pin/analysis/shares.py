@@ -13,7 +13,7 @@ from antenna_pin.analysis._run import Array, RunLike, blocks, choose, data_of, v
 from antenna_pin.analysis.journal import clearance_shapes, journal_motion
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import AxialScenario, RadialScenario
+from antenna_pin.joints.geometry import AxialScenario, RadialScenario
 from antenna_pin.trajectory import contact_ends, contacts_of, names_along, series
 from antenna_pin.trajectory.schema import VARIABLES
 

@@ -101,7 +101,7 @@ class ControllerMemory(_Value):
         name: Its name.
         tick: Number of its next instant.
         queue: What it has commanded that is not yet written: number of the instant, commands by name.
-        state: Its own, as text (:func:`antenna_pin.control.kept`).
+        state: Its own, as text (:func:`antenna_pin.elements.control.kept`).
     """
 
     name: str

@@ -87,7 +87,7 @@ def in_frame(page: str, height: str) -> str:
 # --- figures of runs ----------------------------------------------------------------------------------------
 #
 # What stands between the marks is written by ``python scripts/pages/reference.py --write``, of the
-# catalogue of figures (:mod:`antenna_pin.plot.catalogue`).
+# catalogue of figures (:mod:`antenna_pin.show.plot.catalogue`).
 
 
 class Drawing(Protocol):
@@ -283,7 +283,7 @@ VIEWS = {
 
 def _reader(name: str) -> Any:
     file, _, function = VIEWS[name].partition(".")
-    return getattr(importlib.import_module(f"antenna_pin.views.{file}"), function)
+    return getattr(importlib.import_module(f"antenna_pin.show.views.{file}"), function)
 
 
 def as_html(result: object) -> str:

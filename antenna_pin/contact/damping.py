@@ -8,7 +8,8 @@ the spring then gives back is lost too, so that less comes back than from the da
 Three of them are linear in disguise. For :math:`f_e = K \delta^n` and :math:`c = \alpha \sqrt{m f_e /
 \delta}` the substitution :math:`w = \delta^{(n+1)/2},\; d\tau = \delta^{(n-1)/2} dt` turns an impact into a
 damped linear oscillator of damping ratio :math:`\zeta = \alpha / \sqrt{2 (n + 1)}`. So their restitution is
-known in closed form and depends on neither speed nor stiffness (:mod:`antenna_pin.law_studies.impacts`).
+known in closed form and depends on neither speed nor stiffness
+(:mod:`antenna_pin.analysis.law_studies.impacts`).
 
 The mass m is that of the contact, which the law takes at each onset if it is given none: of two free bodies
 :math:`1/m = 1/m_1 + 1/m_2`, of a mechanism :math:`m = (n^T M^{-1} n)^{-1}` along the contact's normal.

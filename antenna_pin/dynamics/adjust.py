@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.parameters import parameters_of
-from antenna_pin.control import AttitudeFeedback, Controller, Pid
 from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.system import System
 from antenna_pin.elements import FAMILIES, Change, Element, ForceElement, Met, Modal, kind_of
 from antenna_pin.elements import kernels as of_elements
+from antenna_pin.elements.control import AttitudeFeedback, Controller, Pid
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
 __all__ = [

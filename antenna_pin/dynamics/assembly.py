@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number
-from antenna_pin.constraints import (
+from antenna_pin.dynamics.constraints import (
     OPPOSITE,
     Unclosed,
     directions,

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from antenna_pin.base.arguments import AskedFunction
 from antenna_pin.base.calculus import root_between
 from antenna_pin.base.records import CIRCLE, FIXED_AXIS, SLIDE
-from antenna_pin.constraints import Anchor, Closure
 from antenna_pin.dynamics import kernels
+from antenna_pin.dynamics.constraints import Anchor, Closure
 from antenna_pin.elements import (
     GROSS_WORK,
     LOSS,
@@ -30,9 +30,9 @@ from antenna_pin.elements import (
     kind_of,
 )
 from antenna_pin.errors import InvalidParameterError, MechanismError
-from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import layout_kernels as _layout
+from antenna_pin.joints.geometry import RevoluteClearance
 from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
 
 __all__ = [

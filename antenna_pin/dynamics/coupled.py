@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.constraints import Coupling, check_order, spread
+from antenna_pin.dynamics.constraints import Coupling, check_order, spread
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.mechanism import Mechanism
 

@@ -7,11 +7,11 @@ from typing import NamedTuple
 from antenna_pin.base.records import Floats, Records
 from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import kernel
-from antenna_pin.constraints.factor_kernels import factorize
-from antenna_pin.constraints.force_kernels import write_holding
-from antenna_pin.constraints.layout_kernels import PLACE_WORDS, applied_in, found_in, plan_of
-from antenna_pin.constraints.loaded_kernels import solve
-from antenna_pin.constraints.rows_kernels import write_rows
+from antenna_pin.dynamics.constraints.factor_kernels import factorize
+from antenna_pin.dynamics.constraints.force_kernels import write_holding
+from antenna_pin.dynamics.constraints.layout_kernels import PLACE_WORDS, applied_in, found_in, plan_of
+from antenna_pin.dynamics.constraints.loaded_kernels import solve
+from antenna_pin.dynamics.constraints.rows_kernels import write_rows
 from antenna_pin.dynamics.sample_kernels import Samples, Whole
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.room_kernels import BodyRoom
@@ -27,7 +27,7 @@ class Held(NamedTuple):
     mass: Floats  # mass matrix, (nv, nv), scratch
     bias: Floats  # (nv,), scratch
     room: Records[BodyRoom]  # arrays for the tree's dynamics, ROOM, (bodies + 1,)
-    # of :func:`antenna_pin.constraints.force_kernels.least_forces`, (2 rows (rows + 1),), scratch
+    # of :func:`antenna_pin.dynamics.constraints.force_kernels.least_forces`, (2 rows (rows + 1),), scratch
     least: Floats
     multipliers: Floats  # (rows,), scratch
     applied: Floats  # actions of elements on links on bodies at the samples, (n, 6 bodies), or (n, 0)

@@ -34,10 +34,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.constraints import motions_that_prescribe
-from antenna_pin.constraints.factor_kernels import NOTHING
 from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.adjust import Adjustments, acting_in
+from antenna_pin.dynamics.constraints import motions_that_prescribe
+from antenna_pin.dynamics.constraints.factor_kernels import NOTHING
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.elements import Modal

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.records import place_of
-from antenna_pin.constraints import Anchor, on_body
 from antenna_pin.dynamics import kernels, link_kernels
 from antenna_pin.dynamics import point_kernels as _points
 from antenna_pin.dynamics.blocks import Blocks, check_booked, element_head
+from antenna_pin.dynamics.constraints import Anchor, on_body
 from antenna_pin.elements import FAMILIES, BetweenPoints, OnLinks, kind_of
 from antenna_pin.elements import desk_kernels as _desk
 from antenna_pin.errors import InvalidParameterError, MechanismError

@@ -2,7 +2,7 @@
 
 Behind the contact table, the work array of :func:`antenna_pin.dynamics.kernels.evaluate` has a stretch for
 each joint of which coal measures the gaps and nothing else is done in Python: where its block stands in the
-program, and what is asked and answered (:mod:`antenna_pin.geometry.coal_kernels`).
+program, and what is asked and answered (:mod:`antenna_pin.joints.geometry.coal_kernels`).
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from antenna_pin.base.records import CONTACT, MEMORY, POSE, Floats, Program, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.dynamics.kernels import CONTACT_WORDS, MEMORY_WORDS, POSE_WORDS, head_of
-from antenna_pin.geometry.coal_kernels import WORDS, coal_set_out, coal_take_in
+from antenna_pin.joints.geometry.coal_kernels import WORDS, coal_set_out, coal_take_in
 from antenna_pin.joints.layout_kernels import joint_at
 from antenna_pin.joints.pose_kernels import journal_state
 

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.records import POSE, memory_numbers, memory_records
-from antenna_pin.constraints import Mobility, mobility, redundancies
 from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.bearing_load_kernels import BEARING_LOAD, look_at_bearings
 from antenna_pin.dynamics.blocks import bearings_in, element_block
+from antenna_pin.dynamics.constraints import Mobility, mobility, redundancies
 from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.elements import ConstantDrive, JointSpring, Motion

@@ -44,8 +44,8 @@ from antenna_pin.dynamics.kernels import (
 from antenna_pin.dynamics.link_kernels import Applied
 from antenna_pin.dynamics.point_kernels import Stretched
 from antenna_pin.elements import kernels as elements
-from antenna_pin.geometry.kernels import BORE
-from antenna_pin.geometry.revolute_kernels import contact_scenario, revolute_contacts
+from antenna_pin.joints.geometry.kernels import BORE
+from antenna_pin.joints.geometry.revolute_kernels import contact_scenario, revolute_contacts
 from antenna_pin.joints.kernels import apart_motion, wrench_on_journal
 from antenna_pin.joints.layout_kernels import (
     ALL_COMPILED,

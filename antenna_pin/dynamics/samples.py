@@ -120,7 +120,8 @@ class Observed:
             world axes, ``APPLIED``, (n, places).
         kept: Energies that forces store, (n, forces) [J].
         closure: Force [N] and moment [N m] of each closure (n, closures, 2, 3), by
-            :meth:`antenna_pin.constraints.Constraints.wrenches`; the least ones where some are redundant.
+            :meth:`antenna_pin.dynamics.constraints.Constraints.wrenches`; the least ones where some are
+            redundant.
         coupling: Force [N] or torque [N m] of each coupling on its follower, (n, couplings).
         residual: Largest of closures, couplings and motions, of positions [m] and angles [rad] and of their
             rates [m/s], [rad/s], (n, 4).

@@ -13,7 +13,6 @@ from antenna_pin.base.arguments import takes, unknown_type
 from antenna_pin.base.parameters import beyond
 from antenna_pin.base.records import PROGRAM, place_of
 from antenna_pin.base.views import as_html
-from antenna_pin.constraints import Closure, Coupling, DrivenJoint, Plan, make_plan
 from antenna_pin.dynamics import kernels, turn_kernels
 from antenna_pin.dynamics.blocks import (
     Blocks,
@@ -34,6 +33,7 @@ from antenna_pin.dynamics.blocks import (
     turning,
     with_preloads_placed,
 )
+from antenna_pin.dynamics.constraints import Closure, Coupling, DrivenJoint, Plan, make_plan
 from antenna_pin.dynamics.coordinates import coordinate_names
 from antenna_pin.dynamics.coupled import couplings_of, fit_turns, put_followers
 from antenna_pin.dynamics.links import ForcePlace, OnLinksInPython, books_in_x, place_on_links
@@ -52,11 +52,11 @@ from antenna_pin.elements import (
     kind_of,
 )
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
-from antenna_pin.flexible import ElasticPart
 from antenna_pin.integrate import Manifold
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import layout_kernels as _layout
 from antenna_pin.mechanism import WORLD, Mechanism
+from antenna_pin.mechanism.flexible import ElasticPart
 
 __all__ = ["System"]
 

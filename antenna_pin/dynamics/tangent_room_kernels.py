@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.records import Floats, Ints, Memory, Pose, Records
 from antenna_pin.compiled.by_address import by_address
-from antenna_pin.constraints.layout_kernels import Closure, Coupled
-from antenna_pin.constraints.tangent_kernels import Tie
+from antenna_pin.dynamics.constraints.layout_kernels import Closure, Coupled
+from antenna_pin.dynamics.constraints.tangent_kernels import Tie
 from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.integrate.word_kernels import Words
 from antenna_pin.joints.tangent_room_kernels import LawWords, Part

@@ -12,9 +12,9 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.records import CONTACT, MEMORY, PLANE, POSE, memory_records, words_of
-from antenna_pin.constraints import Constraints
 from antenna_pin.contact.onset import approach_speed_in_contact
 from antenna_pin.dynamics import kernels, link_kernels, point_kernels, query_kernels, trial_kernels
+from antenna_pin.dynamics.constraints import Constraints
 from antenna_pin.dynamics.links import OnLinksInPython
 from antenna_pin.dynamics.system import System
 from antenna_pin.integrate.manifold_kernels import FACTOR, SPACE_WORDS
@@ -236,7 +236,7 @@ class Workspace:
         """Write [acceleration (nv), rate of x (nx)] at t [s] and y into rates.
 
         For people and for what is asked now and then; the steps of a run have the same compiled
-        (:mod:`antenna_pin.engine`).
+        (:mod:`antenna_pin.run.engine`).
         """
         self.apply_elements(t, y, rates)
         if self.constraints is not None:

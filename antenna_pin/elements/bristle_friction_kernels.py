@@ -1,7 +1,7 @@
 """Friction of a joint by the bristle laws of contacts, compiled: torques stand for coefficients.
 
 That by the load of the joint is added where rows are solved, as that of joints that hold what they stick
-(:mod:`antenna_pin.constraints.loaded_kernels`).
+(:mod:`antenna_pin.dynamics.constraints.loaded_kernels`).
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Dry friction of a joint that holds what it sticks, compiled.
 
 What depends on the load is not in ``effort``: where rows are solved, it is added by what :func:`bearing`,
-:func:`rub` and :func:`bear` say of it (:mod:`antenna_pin.constraints.loaded_kernels`).
+:func:`rub` and :func:`bear` say of it (:mod:`antenna_pin.dynamics.constraints.loaded_kernels`).
 """
 
 from __future__ import annotations

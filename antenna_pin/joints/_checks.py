@@ -12,7 +12,7 @@ from antenna_pin.contact.kernels import DISSIPATION_RECORDS, ELASTIC_RECORDS
 from antenna_pin.contact.normal import CompiledNormalLaw, normal_questions
 from antenna_pin.contact.records import NORMAL_LAW
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import ClearanceGeometry
+from antenna_pin.joints.geometry import ClearanceGeometry
 
 __all__ = ["check_asked", "check_friction", "check_load"]
 

@@ -19,13 +19,13 @@ from antenna_pin.compiled.decorators import in_python
 from antenna_pin.contact import CompiledNormalLaw, FrictionLaw, NoFriction, NormalLaw
 from antenna_pin.contact.kernels import NORMAL_SIZE, takes_mass_of_contact
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import ClearanceGeometry, Distances
-from antenna_pin.geometry.own_backend import OwnBackend
-from antenna_pin.geometry.patch_kernels import NODE
 from antenna_pin.joints import kernels
 from antenna_pin.joints import layout_kernels as _layout
 from antenna_pin.joints._checks import check_asked, check_friction, check_load
 from antenna_pin.joints.contacts import JointContacts
+from antenna_pin.joints.geometry import ClearanceGeometry, Distances
+from antenna_pin.joints.geometry.own_backend import OwnBackend
+from antenna_pin.joints.geometry.patch_kernels import NODE
 from antenna_pin.joints.patch_kernels import patch_energy
 from antenna_pin.joints.python_path import LawInRun, PythonPath, has_code, range_of
 
@@ -46,12 +46,13 @@ class ClearanceJoint:
 
     Attributes:
         name: The URDF joint it stands for; made free (or planar) in the model.
-        geometry: Shape of the joint, one of ``antenna_pin.geometry``; a planar one keeps its plane and axis.
+        geometry: Shape of the joint, one of ``antenna_pin.joints.geometry``; a planar one keeps its plane and
+            axis.
         radial: Normal law of the contacts, in the bore where there are flanges too.
         axial: Normal law of the contacts at the flanges, where there are any.
         friction: Friction law of all contacts.
         backend: What measures the gaps: "coal" (distance queries), "closed-form", or an object of your own
-            (:class:`antenna_pin.geometry.Distances`).
+            (:class:`antenna_pin.joints.geometry.Distances`).
         offset: Bearing centre from the URDF joint's origin, along the joint's axis [m].
         bearing_on: Which of the joint's links has the bearing (socket, guide): "parent", its journal then
             being on the child, or "child".

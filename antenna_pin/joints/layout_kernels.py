@@ -1,8 +1,9 @@
 """Layout of a joint with play in a program: its block of numbers.
 
-A block is ``JOINT``, then for each contact its candidate's record (:mod:`antenna_pin.geometry.kernels`), its
-normal and its friction law, then under distributed load ``PATCHES`` and the sectors' nodes. Of what is an
-array the place is returned, not the array: compiled code that counts no references returns none.
+A block is ``JOINT``, then for each contact its candidate's record
+(:mod:`antenna_pin.joints.geometry.kernels`), its normal and its friction law, then under distributed load
+``PATCHES`` and the sectors' nodes. Of what is an array the place is returned, not the array: compiled code
+that counts no references returns none.
 """
 
 from __future__ import annotations
@@ -11,8 +12,8 @@ from antenna_pin.base.records import Floats, Matrix3, Record, Vector3, layout, w
 from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.contact.friction_kernels import FRICTION_SIZE
 from antenna_pin.contact.kernels import NORMAL_SIZE
-from antenna_pin.geometry.kernels import CANDIDATE
-from antenna_pin.geometry.revolute_kernels import REVOLUTE, Revolute
+from antenna_pin.joints.geometry.kernels import CANDIDATE
+from antenna_pin.joints.geometry.revolute_kernels import REVOLUTE, Revolute
 
 #: The kind of block that a joint with play is in a program.
 CLEARANCE = 1

@@ -2,8 +2,9 @@
 
 A displacement moves the journal in its bearing, changes its twist, and may change dimensions. By kinematics
 that gives the changes of its pose; these and those of dimensions the changes of gap, normal and point
-(:mod:`antenna_pin.geometry.tangent_kernels`); all together those of depth rate and slip. Ends of sliders in
-guides are the exception, whose gap is one of several: these are differentiated along the change of the pose.
+(:mod:`antenna_pin.joints.geometry.tangent_kernels`); all together those of depth rate and slip. Ends of
+sliders in guides are the exception, whose gap is one of several: these are differentiated along the change of
+the pose.
 
 ``room`` is a :class:`~.tangent_room_kernels.JointRoom`. Of its poses the first is the journal as
 it is, the second by how much it changes, the third where differences displace it to.
@@ -15,9 +16,12 @@ import math
 
 from antenna_pin.base.records import Contact, Floats, Pose, Records, Six, Triple
 from antenna_pin.compiled.decorators import inlined, kernel, record
-from antenna_pin.geometry.kernels import CANDIDATE, FLANGE, candidate_contact
-from antenna_pin.geometry.revolute_kernels import REVOLUTE, Revolute
-from antenna_pin.geometry.tangent_kernels import (
+from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
+from antenna_pin.integrate.manifold_kernels import space_of
+from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
+from antenna_pin.joints.geometry.kernels import CANDIDATE, FLANGE, candidate_contact
+from antenna_pin.joints.geometry.revolute_kernels import REVOLUTE, Revolute
+from antenna_pin.joints.geometry.tangent_kernels import (
     CHANGED,
     GAP,
     NORMAL,
@@ -25,9 +29,6 @@ from antenna_pin.geometry.tangent_kernels import (
     contact_changes,
     has_closed_changes,
 )
-from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
-from antenna_pin.integrate.manifold_kernels import space_of
-from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.layout_kernels import Joint, candidate_at, joint_at, primitive_of, revolute_of
 from antenna_pin.joints.pose_kernels import journal_state, onto_joint
 from antenna_pin.joints.row_kernels import lever, lever_slope

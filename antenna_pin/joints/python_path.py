@@ -17,10 +17,10 @@ from antenna_pin.contact import FrictionLaw, NormalLaw
 from antenna_pin.contact.friction_kernels import friction_force
 from antenna_pin.contact.kernels import elastic_energy, elastic_force, normal_force
 from antenna_pin.contact.normal import normal_questions
-from antenna_pin.geometry import Distances
-from antenna_pin.geometry.coal_revolute import CoalRevolute
-from antenna_pin.geometry.patch_kernels import NODE
 from antenna_pin.joints import kernels
+from antenna_pin.joints.geometry import Distances
+from antenna_pin.joints.geometry.coal_revolute import CoalRevolute
+from antenna_pin.joints.geometry.patch_kernels import NODE
 from antenna_pin.joints.layout_kernels import JOINT, JOINT_WORDS, nodes_at, patches_at
 from antenna_pin.joints.pose_kernels import place_journal
 

@@ -10,7 +10,7 @@ from antenna_pin.contact.bristle_kernels import bristle_force
 from antenna_pin.contact.friction_kernels import friction_force
 from antenna_pin.contact.kernels import damped_force, elastic_force
 from antenna_pin.contact.records import FRICTION_SIZE
-from antenna_pin.geometry.revolute_kernels import Revolute
+from antenna_pin.joints.geometry.revolute_kernels import Revolute
 from antenna_pin.joints.layout_kernels import BRISTLES, friction_at, joint_at
 
 

@@ -15,9 +15,9 @@ from __future__ import annotations
 
 from antenna_pin.base.records import Contact, Floats
 from antenna_pin.compiled.decorators import inlined, kernel
-from antenna_pin.geometry.kernels import FLANGE
-from antenna_pin.geometry.tangent_kernels import GAP, NORMAL, POINT
 from antenna_pin.integrate.manifold_kernels import space_of
+from antenna_pin.joints.geometry.kernels import FLANGE
+from antenna_pin.joints.geometry.tangent_kernels import GAP, NORMAL, POINT
 from antenna_pin.joints.layout_kernels import BRISTLES, joint_at, primitive_of
 from antenna_pin.joints.motion_change_kernels import RATE, RULES, SLIP, TWIRL, change_contact, change_pose
 from antenna_pin.joints.pose_kernels import journal_state, onto_joint

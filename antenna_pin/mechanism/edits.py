@@ -14,7 +14,8 @@ from antenna_pin.base.directions import unit
 from antenna_pin.base.readable import alternatives
 from antenna_pin.base.units import shown
 from antenna_pin.errors import MechanismError, UnknownNameError
-from antenna_pin.flexible import (
+from antenna_pin.mechanism import urdf_xml
+from antenna_pin.mechanism.flexible import (
     BoxShape,
     CylinderShape,
     Drawn,
@@ -25,7 +26,6 @@ from antenna_pin.flexible import (
     SplitLink,
     Takes,
 )
-from antenna_pin.mechanism import urdf_xml
 from antenna_pin.mechanism.frames import Matrix3, Vector3, frame_aligning_z, of_roll_pitch_yaw, roll_pitch_yaw
 from antenna_pin.mechanism.urdf_xml import MOMENTS, SHAPES, numbers_in
 

@@ -20,8 +20,8 @@ from antenna_pin.base.directions import unit
 from antenna_pin.base.files import replacing
 from antenna_pin.base.readable import brief
 from antenna_pin.errors import MechanismError, UnknownNameError
-from antenna_pin.flexible import MassProperties, SplitLink
 from antenna_pin.mechanism import edits, meshes, reading, urdf_xml
+from antenna_pin.mechanism.flexible import MassProperties, SplitLink
 from antenna_pin.mechanism.frames import Vector3
 from antenna_pin.mechanism.meshes import mesh_file
 from antenna_pin.mechanism.robot import Joint, Link, Robot
@@ -195,7 +195,8 @@ class Urdf:
     def mimics(self) -> dict[str, dict[str, Any]]:
         """Numbers of ``<mimic>`` of moving joints, by name: ``leader``, ``multiplier`` and ``offset``.
 
-        Fields of :class:`antenna_pin.constraints.Coupling`, in SI units. One of a fixed joint is no matter.
+        Fields of :class:`antenna_pin.dynamics.constraints.Coupling`, in SI units. One of a fixed joint is no
+        matter.
         """
         return {
             joint.name: dict(zip(("leader", "multiplier", "offset"), joint.mimic, strict=True))

@@ -227,7 +227,7 @@ def _columns(text: str, table: Mapping[str, Any], family: str) -> dict[str, Any]
 
 
 def _modes(text: str, table: Mapping[str, Any]) -> dict[str, Any]:
-    from antenna_pin.flexible.modal_files import read_modal_table
+    from antenna_pin.mechanism.flexible.modal_files import read_modal_table
 
     modes = read_modal_table(text)
     found: dict[str, Any] = {"frequency": modes.frequency, "participation": modes.participation}

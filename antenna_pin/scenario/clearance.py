@@ -34,7 +34,7 @@ __all__ = [
 ]
 
 if TYPE_CHECKING:
-    from antenna_pin.geometry import ClearanceGeometry
+    from antenna_pin.joints.geometry import ClearanceGeometry
 
 
 #: The normal law where none is given, and the coefficient of restitution that it is asked for [-]: what the
@@ -73,7 +73,7 @@ class TouchingSpec(Clearance):
     A kind of joint with play is one class below, which says its sizes, and its place in ``ClearanceSpec``.
     """
 
-    # The kind of its shape, by which results and readers know it (:data:`antenna_pin.geometry.LOOKS`).
+    # The kind of its shape, by which results and readers know it (:data:`antenna_pin.joints.geometry.LOOKS`).
     kind: ClassVar[str]
     # Why no law along a line can be its law, if none can; how many contacts share a line along the bearing.
     no_line: ClassVar[str] = ""
@@ -96,7 +96,7 @@ class TouchingSpec(Clearance):
 
     def shape(self) -> ClearanceGeometry:
         """Return the joint's shape."""
-        from antenna_pin.geometry.registry import SHAPES
+        from antenna_pin.joints.geometry.registry import SHAPES
 
         shape: ClearanceGeometry = SHAPES[self.kind](**self.sizes())
         return shape
@@ -268,7 +268,7 @@ class ContactClearance(TouchingSpec):
 
     def _check_hard(self) -> None:
         """Refuse a hard preload that presses deeper than contact stiffness applies."""
-        from antenna_pin.geometry import HARDEST
+        from antenna_pin.joints.geometry import HARDEST
 
         key, least, ends = "axial_clearance", "zero", 1
         if self.axial_clearance is None:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import BeforeValidator, model_validator
 
 from antenna_pin.base.units import matching_unit, shown
-from antenna_pin.control import AttitudeFeedback, BangBang, Matrix, Pid, Sensor, StateFeedback
+from antenna_pin.elements.control import AttitudeFeedback, BangBang, Matrix, Pid, Sensor, StateFeedback
 from antenna_pin.scenario._class_tables import MadeSpec, Motion, reads
 from antenna_pin.scenario.spec import read_quantity, refuse
 

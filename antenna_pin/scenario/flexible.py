@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
-from antenna_pin.flexible import EffectiveMode, EffectiveModes, ModalData, Petals
+from antenna_pin.mechanism.flexible import EffectiveMode, EffectiveModes, ModalData, Petals
 from antenna_pin.scenario._class_tables import JointTable, MadeSpec, reads
 from antenna_pin.scenario.spec import refuse
 

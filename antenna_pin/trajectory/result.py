@@ -68,8 +68,8 @@ class Trajectory(_Later):
     """Sampled result of a run.
 
     It shows itself: ``run.plot("contact_forces")``, ``run.record("run.html")``,
-    ``run.report("report.html")``, ``run.analyse()`` (the readers of :mod:`antenna_pin.views`). A quantity
-    over time is ``run["hinge.angle"]``, by the names of ``run.analyse.quantities()``.
+    ``run.report("report.html")``, ``run.analyse()`` (the readers of :mod:`antenna_pin.show.views`). A
+    quantity over time is ``run["hinge.angle"]``, by the names of ``run.analyse.quantities()``.
 
     Attributes:
         data: Labelled by time, contact, axis and more; units and long names on each (docs/trajectory.md).

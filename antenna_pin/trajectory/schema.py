@@ -11,7 +11,7 @@ import math
 from collections.abc import Collection, Iterator
 from typing import Any
 
-from antenna_pin.geometry import AxialScenario, RadialScenario
+from antenna_pin.joints.geometry import AxialScenario, RadialScenario
 from antenna_pin.trajectory.columns import Coordinate, Rule, Variable, rows
 from antenna_pin.trajectory.quantities import COUPLED, EPISODES, LOST, ORDERED, SIZE, SUMMARIES, TOTAL
 

@@ -23,7 +23,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests" / "referenc
 
 from falling_ball import HEIGHT, NOISE, RESTITUTION, TIME, reading, write  # noqa: E402
 
-from antenna_pin.fit import Fit, load_fit, run_fit  # noqa: E402
+from antenna_pin.studies.fit import Fit, load_fit, run_fit  # noqa: E402
 
 TRUTH = np.array([HEIGHT, RESTITUTION])
 NAMES, SHARE = ("height", "restitution"), 0.98

@@ -23,8 +23,8 @@ import numpy as np
 from antenna_pin import simulate
 from antenna_pin.analysis import quantity
 from antenna_pin.errors import AntennaPinError, FileFormatError
-from antenna_pin.nonlinear import load_plan, open_diagram
-from antenna_pin.plot import ATTRACTORS, DiagramFigure
+from antenna_pin.show.plot import ATTRACTORS, DiagramFigure
+from antenna_pin.studies.nonlinear import load_plan, open_diagram
 
 LAWS = {"ambrosio": None, "tanh": "tanh", "external": "external", "printed-slip": "printed-slip"}
 FRICTIONS = (0.05, 0.10, 0.15)

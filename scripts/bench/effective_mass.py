@@ -17,10 +17,10 @@ import pinocchio as pin
 from bench_tools import CLOSED_FORM, Report, scenario
 
 from antenna_pin import Trajectory, build_system, simulate
-from antenna_pin.assemble import initial_state
+from antenna_pin.analysis.law_studies import closed_form_restitution
 from antenna_pin.contact import Tsuji
-from antenna_pin.law_studies import closed_form_restitution
 from antenna_pin.mechanism import frame_aligning_z
+from antenna_pin.scenario.assemble import initial_state
 
 SPAN = 0.5  # [s]
 ASKED = 0.7

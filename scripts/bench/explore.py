@@ -14,9 +14,9 @@ import numpy as np
 from bench_tools import Report
 
 from antenna_pin import load_scenario
-from antenna_pin.live import Explored, explore
-from antenna_pin.record.browser import open_browser
-from antenna_pin.session import start
+from antenna_pin.apps.live import Explored, explore
+from antenna_pin.run.session import start
+from antenna_pin.show.record.browser import open_browser
 
 LONGEST = 300.0  # [ms]
 

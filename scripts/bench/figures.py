@@ -23,7 +23,7 @@ from antenna_pin import simulate
 SPAN = 5.0  # [s]
 FIGURES = 21  # that the command draws of these runs
 
-COMMAND = [sys.executable, "-m", "antenna_pin.cli"]
+COMMAND = [sys.executable, "-m", "antenna_pin.apps.cli"]
 IMPORTS = "import matplotlib.figure, matplotlib.backends.backend_agg"
 BARE = f"""{IMPORTS}
 import numpy as np

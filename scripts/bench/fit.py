@@ -21,9 +21,9 @@ from bench_tools import Report
 from fit_coverage import FIT, TIMES, TRUTH, record, write_record
 
 from antenna_pin import Scenario, simulate
-from antenna_pin.fit import Problem, load_fit, run_fit
-from antenna_pin.fit.sensors import sample_times
-from antenna_pin.simulation.inputs import settings_of
+from antenna_pin.run.simulation.inputs import settings_of
+from antenna_pin.studies.fit import Problem, load_fit, run_fit
+from antenna_pin.studies.fit.sensors import sample_times
 
 EXAMPLES = Path(__file__).resolve().parent.parent / "examples"
 

@@ -27,7 +27,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests" / "referenc
 from hinge_record import FIT, TIMES, TRUTH, noise_of, write_record  # noqa: E402
 from planar_joint import record  # noqa: E402
 
-from antenna_pin.fit import Fit, Problem, load_fit, run_fit  # noqa: E402
+from antenna_pin.studies.fit import Fit, Problem, load_fit, run_fit  # noqa: E402
 
 QUANTILE = 1.959964  # of the normal distribution, 95 % [-]
 

@@ -20,8 +20,8 @@ from typing import Any
 import numpy as np
 
 from antenna_pin import Scenario, simulate
-from antenna_pin.fit import load_fit, run_fit
-from antenna_pin.sweep import Here
+from antenna_pin.studies.fit import load_fit, run_fit
+from antenna_pin.studies.sweep import Here
 
 TRUTH = np.array([1e-4, 0.7])  # play [m], restitution [-]
 PLACE_NOISE, FORCE_NOISE = 0.1e-6, 1.0  # [m], [N]

@@ -32,8 +32,8 @@ from bench_tools import Array
 
 from antenna_pin import ClearanceJoint, System
 from antenna_pin.dynamics import Workspace
-from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.integrate import METHODS, Stepper
+from antenna_pin.joints.geometry import RevoluteClearance
 from antenna_pin.mechanism import frame_aligning_z
 
 

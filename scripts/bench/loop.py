@@ -22,13 +22,13 @@ from numba import njit
 from run import bare_aba
 
 from antenna_pin import Scenario, build_system, simulate
-from antenna_pin.assemble import initial_state
 from antenna_pin.dynamics import Workspace
-from antenna_pin.engine import Compiled, CompiledStepper
-from antenna_pin.engine.step_kernels import attempt
 from antenna_pin.integrate import METHODS
-from antenna_pin.simulation import steps
-from antenna_pin.simulation.steps import scale_vector
+from antenna_pin.run.engine import Compiled, CompiledStepper
+from antenna_pin.run.engine.step_kernels import attempt
+from antenna_pin.run.simulation import steps
+from antenna_pin.run.simulation.steps import scale_vector
+from antenna_pin.scenario.assemble import initial_state
 
 SPAN = 1.0  # [s]
 RTOL, STEP = 1e-4, 1e-6  # errors of a run at an accuracy of 1e-3; of the bare steps [s]

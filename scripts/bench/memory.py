@@ -26,7 +26,7 @@ from bench_tools import CLOSED_FORM, Report
 
 OWN = """
 import resource, sys
-from antenna_pin._entry import main
+from antenna_pin.apps._entry import main
 
 try:
     main()

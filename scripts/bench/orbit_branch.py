@@ -11,8 +11,8 @@ import tempfile
 from pathlib import Path
 
 from antenna_pin import load_scenario
-from antenna_pin.nonlinear import amplitudes, branch_table, continued, family_of, flow_of
-from antenna_pin.plot import figure_branch, save_figure
+from antenna_pin.show.plot import figure_branch, save_figure
+from antenna_pin.studies.nonlinear import amplitudes, branch_table, continued, family_of, flow_of
 
 URDF = """<robot name="carriage"><link name="ground"/>
 <link name="bob"><inertial><mass value="1"/>

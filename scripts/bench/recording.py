@@ -22,8 +22,8 @@ SPAN = 5.0  # [s]
 CHILD = """
 import json, resource, sys, time
 from antenna_pin.trajectory import Trajectory
-from antenna_pin.record import record
-from antenna_pin.record.scene import viewer_script
+from antenna_pin.show.record import record
+from antenna_pin.show.record.scene import viewer_script
 
 def resident():
     with open("/proc/self/status", encoding="ascii") as lines:

@@ -27,8 +27,8 @@ CONTENTS = {
 
 CHILD = """
 import json, resource, sys, time
-import antenna_pin.plot, antenna_pin.record
-from antenna_pin.report import report
+import antenna_pin.show.plot, antenna_pin.show.record
+from antenna_pin.show.report import report
 from antenna_pin.trajectory import Trajectory
 
 def resident():

@@ -17,10 +17,10 @@ from typing import Any
 from bench_tools import CLOSED_FORM, Report, scenario
 
 from antenna_pin import Trajectory, build_system, simulate
-from antenna_pin.assemble import initial_angles, initial_state
-from antenna_pin.simulation.inputs import settings_of
-from antenna_pin.simulation.loop import Run
-from antenna_pin.simulation.recorder import result_data
+from antenna_pin.run.simulation.inputs import settings_of
+from antenna_pin.run.simulation.loop import Run
+from antenna_pin.run.simulation.recorder import result_data
+from antenna_pin.scenario.assemble import initial_angles, initial_state
 
 SPAN = 5.0  # [s]
 BEFORE = "the same, before"

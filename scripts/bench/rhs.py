@@ -19,9 +19,9 @@ import pinocchio as pin
 from bench_tools import CLOSED_FORM, Array, Report, interleaved, scenario
 
 from antenna_pin import System, Trajectory, build_system, load_scenario, simulate
-from antenna_pin.assemble import initial_state
 from antenna_pin.contact import CustomFriction, CustomNormal
 from antenna_pin.dynamics import Workspace
+from antenna_pin.scenario.assemble import initial_state
 
 LIMITS = {"closed-form": 2.0, "coal": 9.0}
 SPAN = 0.1  # [s] of case 3, where the states come from

@@ -19,8 +19,8 @@ from bench_tools import Report
 
 from antenna_pin import ClearanceJoint, RunSettings, System, Urdf, build_mechanism
 from antenna_pin.contact import LankaraniNikravesh, Tanh
-from antenna_pin.geometry import PlanarClearance
-from antenna_pin.simulation.loop import Run
+from antenna_pin.joints.geometry import PlanarClearance
+from antenna_pin.run.simulation.loop import Run
 
 LENGTHS = (2, 4, 8, 16, 32, 64)
 WITH_PLAY = (1, 2, 4, 8, 16)

@@ -23,14 +23,14 @@ from bench_tools import Report, scenario
 from numpy.typing import NDArray
 
 from antenna_pin import RunSettings, System, build_system, load_scenario, simulate
-from antenna_pin.nonlinear import flow_of
-from antenna_pin.nonlinear.perturbed_system import ParameterSlopes
-from antenna_pin.nonlinear.vector_field import VectorField
+from antenna_pin.run.simulation.loop import Run
 from antenna_pin.scenario import Scenario, with_number
-from antenna_pin.sensitivity import sensitivities
-from antenna_pin.sensitivity.forward_sensitivity import ForwardSensitivity
-from antenna_pin.sensitivity.parameters import Parameter, parameters_of
-from antenna_pin.simulation.loop import Run
+from antenna_pin.studies.nonlinear import flow_of
+from antenna_pin.studies.nonlinear.perturbed_system import ParameterSlopes
+from antenna_pin.studies.nonlinear.vector_field import VectorField
+from antenna_pin.studies.sensitivity import sensitivities
+from antenna_pin.studies.sensitivity.forward_sensitivity import ForwardSensitivity
+from antenna_pin.studies.sensitivity.parameters import Parameter, parameters_of
 
 JOINT = "clearance.elevation"
 KEYS: dict[str, str | float | None] = {

@@ -15,7 +15,7 @@ import numpy as np
 from bench_tools import Report, scenario
 
 from antenna_pin import simulate
-from antenna_pin.session import start
+from antenna_pin.run.session import start
 
 STEP = 1e-5  # [s]
 MOTOR = "drives.elevation={kind='constant', value=0.5, replace=true}"

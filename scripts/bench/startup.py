@@ -25,7 +25,7 @@ from bench_tools import Report
 import antenna_pin
 
 LIMIT = 0.5  # [s]
-COMMAND = ("-c", "from antenna_pin._entry import main; main()")
+COMMAND = ("-c", "from antenna_pin.apps._entry import main; main()")
 LOOKS = ("--direction", "1,0,0", "--body", "bar", "--boresight", "1,0,0")
 BARE = "import numpy, xarray"
 RUNNING = "import numpy, pinocchio, coal, numba, xarray"
@@ -38,10 +38,10 @@ RATIOS = {
 FIXED = 8.0
 SHORT = "run bai2020 --case case3 --duration 0.001 --out short.nc -q --no-progress".split()
 COMMANDS = {
-    "antenna-pin --help": (["-m", "antenna_pin.cli", "--help"], LIMIT),
-    "antenna-pin list": (["-m", "antenna_pin.cli", "list"], LIMIT),
-    "antenna-pin record --help": (["-m", "antenna_pin.cli", "record", "--help"], LIMIT),
-    "antenna-pin contact list": (["-m", "antenna_pin.cli", "contact", "list"], None),
+    "antenna-pin --help": (["-m", "antenna_pin.apps.cli", "--help"], LIMIT),
+    "antenna-pin list": (["-m", "antenna_pin.apps.cli", "list"], LIMIT),
+    "antenna-pin record --help": (["-m", "antenna_pin.apps.cli", "record", "--help"], LIMIT),
+    "antenna-pin contact list": (["-m", "antenna_pin.apps.cli", "contact", "list"], None),
     "antenna-pin info run.nc": ([*COMMAND, "info", "run.nc"], None),
     "antenna-pin analyse run.nc": ([*COMMAND, "analyse", "run.nc"], None),
     "antenna-pin pointing run.nc": ([*COMMAND, "pointing", "run.nc", *LOOKS], None),

@@ -46,8 +46,8 @@ def one(study: Path, folder: Path, workers: int) -> None:
     import resource
 
     from antenna_pin import load_study, run_study
-    from antenna_pin.sweep import Cluster
-    from antenna_pin.sweep.journal import read_journal
+    from antenna_pin.studies.sweep import Cluster
+    from antenna_pin.studies.sweep.journal import read_journal
 
     began = time.perf_counter()
     stages: list[tuple[str, float]] = []

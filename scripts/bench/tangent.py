@@ -28,14 +28,14 @@ from antenna_pin import RunSettings, build_system, load_scenario
 from antenna_pin.base.calculus import WEIGHTS
 from antenna_pin.base.records import memory_records
 from antenna_pin.dynamics import Workspace
-from antenna_pin.engine import Slopes, Tangents
 from antenna_pin.integrate import method_named
-from antenna_pin.nonlinear import flow_of
-from antenna_pin.nonlinear.coordinates import Units
-from antenna_pin.nonlinear.perturbed_system import ParameterSlopes, PerturbedSystem
+from antenna_pin.run.engine import Slopes, Tangents
+from antenna_pin.run.simulation.steps import scale_vector, stepper_of
 from antenna_pin.scenario import with_number
-from antenna_pin.sensitivity.parameters import parameters_of
-from antenna_pin.simulation.steps import scale_vector, stepper_of
+from antenna_pin.studies.nonlinear import flow_of
+from antenna_pin.studies.nonlinear.coordinates import Units
+from antenna_pin.studies.nonlinear.perturbed_system import ParameterSlopes, PerturbedSystem
+from antenna_pin.studies.sensitivity.parameters import parameters_of
 
 COMPILED = {"integrator.engine": "compiled"}
 # Model, case, joint with play, from when on [s], how long [s], step of differences.

@@ -264,7 +264,7 @@ def _clean(text: str) -> str:
 
 def _said(words: str, folder: Path) -> str:
     """Return what a command prints and the CSV file that it writes, and its exit code."""
-    from antenna_pin._entry import main as command
+    from antenna_pin.apps._entry import main as command
 
     out = io.StringIO()
     os.environ["COLUMNS"] = "120"
@@ -300,7 +300,7 @@ def _commands(name: str) -> Entry:
 
 
 def _figures(name: str) -> Entry:
-    from antenna_pin.plot import CATALOGUE, allowed_figures, drawn_numbers
+    from antenna_pin.show.plot import CATALOGUE, allowed_figures, drawn_numbers
 
     with tempfile.TemporaryDirectory(prefix="golden-") as path:
         runs = _saved(Path(path), ("ideal", "play") if name == "play" else (name,))

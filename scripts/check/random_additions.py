@@ -10,7 +10,7 @@ import pinocchio as pin
 from scenario_generator import dealt, own_inertias
 
 from antenna_pin import Scenario, build_system
-from antenna_pin.assemble import initial_state
+from antenna_pin.scenario.assemble import initial_state
 
 __all__ = ["with_more"]
 

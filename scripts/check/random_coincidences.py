@@ -43,8 +43,8 @@ from antenna_pin.elements import (
     StickingFriction,
 )
 from antenna_pin.mechanism import Urdf, build_mechanism
-from antenna_pin.simulation import Event, Set, Time
-from antenna_pin.simulation.events import Angle, Mark
+from antenna_pin.run.simulation import Event, Set, Time
+from antenna_pin.run.simulation.events import Angle, Mark
 
 __all__ = ["Mechanism", "told"]
 

@@ -58,7 +58,7 @@ from scenario_generator import draw_scenario
 
 from antenna_pin import AntennaPinError, Scenario, Trajectory, simulate
 from antenna_pin.errors import LongRunWarning, StiffRunWarning
-from antenna_pin.simulation import Progress
+from antenna_pin.run.simulation import Progress
 
 MOMENTUM = 1e-9
 ENERGY = 1e-5

@@ -35,11 +35,11 @@ from scenario_generator import draw_scenario
 
 from antenna_pin import AntennaPinError, Scenario, simulate
 from antenna_pin.base.settings import RunSettings
-from antenna_pin.sensitivity import GrazeError
-from antenna_pin.sensitivity.finite_differences import FiniteDifferences
-from antenna_pin.sensitivity.forward_sensitivity import ForwardSensitivity
-from antenna_pin.sensitivity.parameters import parameters_of
-from antenna_pin.simulation.inputs import settings_of
+from antenna_pin.run.simulation.inputs import settings_of
+from antenna_pin.studies.sensitivity import GrazeError
+from antenna_pin.studies.sensitivity.finite_differences import FiniteDifferences
+from antenna_pin.studies.sensitivity.forward_sensitivity import ForwardSensitivity
+from antenna_pin.studies.sensitivity.parameters import parameters_of
 
 # In how many steps at least the runs are made that the equation is held against.
 _STEPS = (1, 2_000, 8_000)

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from antenna_pin import RunSettings, simulate
-from antenna_pin.control import Pid
 from antenna_pin.dynamics import System
 from antenna_pin.elements import (
     Belt,
@@ -37,6 +36,7 @@ from antenna_pin.elements import (
     StickingFriction,
     StiffnessBearing,
 )
+from antenna_pin.elements.control import Pid
 from antenna_pin.mechanism import Urdf, build_mechanism
 
 __all__ = ["Drawn", "drawn"]

@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 from scenario_pace import DURATIONS, SPEEDS, at_speed, effective_mass, inverse_mass, numbers
 
 from antenna_pin import Scenario, System, build_system
-from antenna_pin.assemble import initial_state
 from antenna_pin.contact import (
     DISSIPATIONS,
     FRICTION_LAWS,
@@ -35,6 +34,7 @@ from antenna_pin.contact import (
     law_parameters,
     normal_parameters,
 )
+from antenna_pin.scenario.assemble import initial_state
 
 __all__ = ["draw_scenario", "own_inertias"]
 

@@ -16,9 +16,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin import ClearanceJoint, Scenario, System, build_system
-from antenna_pin.assemble import initial_state
 from antenna_pin.dynamics import Workspace, acceleration
-from antenna_pin.geometry import RevoluteClearance
+from antenna_pin.joints.geometry import RevoluteClearance
+from antenna_pin.scenario.assemble import initial_state
 
 __all__ = ["DURATIONS", "SPEEDS", "at_speed", "effective_mass", "inverse_mass", "numbers"]
 

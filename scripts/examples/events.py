@@ -4,7 +4,7 @@ import math
 from pathlib import Path
 
 from antenna_pin import load_scenario, simulate
-from antenna_pin.simulation import Angle, Event, Moment, Rate, Set, Stop
+from antenna_pin.run.simulation import Angle, Event, Moment, Rate, Set, Stop
 
 panel = load_scenario(
     Path(__file__).parent / "panel",

@@ -3,8 +3,8 @@
 import numpy as np
 
 from antenna_pin import Closure, System, Urdf, build_mechanism, simulate
-from antenna_pin.constraints import Anchor
 from antenna_pin.dynamics import assembled
+from antenna_pin.dynamics.constraints import Anchor
 
 BAR = """<link name="{name}"><inertial><origin xyz="{half} 0 0"/><mass value="1"/>
   <inertia ixx="0.001" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial></link>"""

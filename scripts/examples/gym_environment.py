@@ -3,7 +3,7 @@
 import numpy as np
 
 from antenna_pin import load_scenario
-from antenna_pin.session import start
+from antenna_pin.run.session import start
 
 try:
     import gymnasium  # of which antenna_pin knows nothing

@@ -5,7 +5,7 @@ from pathlib import Path
 from antenna_pin import ClearanceJoint, ErrorScales, RunSettings, System, Urdf, build_mechanism, simulate
 from antenna_pin.contact import MATERIALS, LankaraniNikravesh, Tanh, hertz_stiffness
 from antenna_pin.dynamics import JointSpring, SineDrive
-from antenna_pin.geometry import RevoluteClearance
+from antenna_pin.joints.geometry import RevoluteClearance
 
 urdf = Urdf.load(Path(__file__).parent / "panel" / "panel.urdf")
 mechanism = build_mechanism(urdf.variant(joints={"hinge": "free"}), base="free")

@@ -1,7 +1,7 @@
 """A pendulum that is driven at its hinge: its periodic motion, how neighbours come to it, over the torque."""
 
 from antenna_pin import load_scenario
-from antenna_pin.nonlinear import Flow, continued, flow_of, largest_exponent, periodic_orbit
+from antenna_pin.studies.nonlinear import Flow, continued, flow_of, largest_exponent, periodic_orbit
 
 PERIOD = 1.6  # [s], that of the drive
 DRIVE = f"{{joint = 'hinge', kind = 'sine', amplitude = '1 N*m', frequency = '{1.0 / PERIOD} Hz'}}"

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from antenna_pin import System, Urdf, build_mechanism, simulate
 from antenna_pin.dynamics import ConstantDrive
-from antenna_pin.session import start
-from antenna_pin.simulation import Rate
+from antenna_pin.run.session import start
+from antenna_pin.run.simulation import Rate
 
 PERIOD, TARGET = 0.01, -0.5  # [s], [rad]
 

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from antenna_pin import System, Urdf, build_mechanism, simulate
-from antenna_pin.control import Controller
 from antenna_pin.dynamics import ConstantDrive
+from antenna_pin.elements.control import Controller
 
 PERIOD, TARGET = 0.01, -0.5  # [s], [rad]
 

@@ -1,7 +1,7 @@
 """A section of a driven pendulum: once a period of its drive, with the transient judged."""
 
 from antenna_pin import load_scenario
-from antenna_pin.nonlinear import Stroboscope, poincare
+from antenna_pin.studies.nonlinear import Stroboscope, poincare
 
 DRIVE = "{joint = 'hinge', kind = 'sine', amplitude = '1 N*m', frequency = '0.625 Hz'}"
 pendulum = load_scenario("pendulum", case="ideal", overrides=[f"drives.motor={DRIVE}"])

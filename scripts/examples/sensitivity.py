@@ -1,7 +1,7 @@
 """What moves an impact: clearance, restitution and speed, through several blows."""
 
 from antenna_pin import load_scenario
-from antenna_pin.sensitivity import sensitivities
+from antenna_pin.studies.sensitivity import sensitivities
 
 pair = load_scenario("impact_pair", overrides={"clearance.bore.geometry": "closed-form"})
 keys = ["clearance.bore.radial_clearance", "clearance.bore.normal.restitution"]

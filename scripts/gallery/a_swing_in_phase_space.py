@@ -6,7 +6,7 @@ one another.
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import phase_portrait
-from antenna_pin.plot import figure_phase
+from antenna_pin.show.plot import figure_phase
 
 DRIVE = "{joint = 'hinge', kind = 'sine', amplitude = '12.5 N*m', frequency = '0.625 Hz'}"
 run = simulate(load_scenario("pendulum", case="ideal", overrides=[f"drives.motor={DRIVE}"]), duration=16.0)

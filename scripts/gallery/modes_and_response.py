@@ -4,7 +4,7 @@ Small motions about the pose after 0.1 s: thin lines stand at the natural freque
 """
 
 from antenna_pin import load_scenario
-from antenna_pin.linear import modes
+from antenna_pin.studies.linear import modes
 
 found = modes(load_scenario("bai2020", case="flexible-ideal"), at=0.1)
 print(", ".join(f"{one:.1f} Hz" for one in found.frequency if one > 0.0))

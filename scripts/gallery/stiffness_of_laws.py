@@ -5,9 +5,9 @@ line contact differ by more than any uncertainty of the material, and more where
 part of the model.
 """
 
+from antenna_pin.analysis.law_studies import elastic_laws_of_joint
 from antenna_pin.contact import MATERIALS
-from antenna_pin.law_studies import elastic_laws_of_joint
-from antenna_pin.plot import figure_force_curves
+from antenna_pin.show.plot import figure_force_curves
 
 steel = MATERIALS["steel"]
 laws = elastic_laws_of_joint(

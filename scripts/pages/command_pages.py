@@ -7,7 +7,7 @@ from typing import Any
 
 from typer.main import get_command
 
-from antenna_pin.cli import app
+from antenna_pin.apps.cli import app
 
 __all__ = ["commands_page"]
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.base.interruption import uninterrupted
-from antenna_pin.record import record
+from antenna_pin.show.record import record
 
 __all__ = ["add_recording"]
 

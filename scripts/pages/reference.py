@@ -26,7 +26,7 @@ from pathlib import Path
 from formulas import element_formulas, formulas_table, sources_table
 from scenario_tables import GROUPS, overview, page_of
 
-from antenna_pin.plot import CATALOGUE, PAPERS
+from antenna_pin.show.plot import CATALOGUE, PAPERS
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, TIME, VARIABLES
 
 __all__ = ["TABLES", "documents", "filled", "names_of_tables"]

@@ -16,8 +16,8 @@ from __future__ import annotations
 import importlib.util
 from collections.abc import Callable
 
+from antenna_pin.analysis.law_studies import impact_on_wall
 from antenna_pin.contact import NormalLaw
-from antenna_pin.law_studies import impact_on_wall
 from antenna_pin.laws import CarvalhoMartins, HuntCrossley, KelvinVoigt, MarhefkaOrin
 
 STIFFNESS, SPEED, RADIUS, GAP = 1e6, 0.1, 0.05, 1e-5  # [N/m], [m/s], [m], [m]

@@ -10,8 +10,8 @@ import pytest
 from numba import njit
 
 from antenna_pin.base.records import CONTACT, POSE
-from antenna_pin.geometry import RevoluteClearance
-from antenna_pin.geometry.revolute_kernels import scenario_in
+from antenna_pin.joints.geometry import RevoluteClearance
+from antenna_pin.joints.geometry.revolute_kernels import scenario_in
 
 
 @pytest.fixture

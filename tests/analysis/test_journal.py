@@ -18,7 +18,7 @@ from antenna_pin.analysis import (
     settling,
 )
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
-from antenna_pin.geometry import PrismaticClearance
+from antenna_pin.joints.geometry import PrismaticClearance
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +58,7 @@ def test_gap_at_an_end_is_the_clearance_less_the_eccentricity(space):
 
 
 def test_tilt_that_the_bore_allows_lets_a_centred_journal_touch_it(space):
-    from antenna_pin.geometry import RevoluteClearance
+    from antenna_pin.joints.geometry import RevoluteClearance
 
     dimensions = clearance_shapes(space)["elevation"]["dimensions"]
     tilt = journal_motion(space).attrs["tilt_limit"]

@@ -7,14 +7,14 @@ import pytest
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import deviation_measures, is_round_off, round_off_scales
-from antenna_pin.plot import (
+from antenna_pin.show.plot import (
     figure_base,
     figure_closure_forces,
     figure_contact_forces,
     figure_joints,
     figure_motion,
 )
-from antenna_pin.report import report
+from antenna_pin.show.report import report
 from antenna_pin.trajectory import Trajectory
 
 

@@ -17,7 +17,7 @@ from antenna_pin.analysis import (
 )
 from antenna_pin.analysis.scenarios import AssembledJoint
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import AxialScenario, RadialScenario, RevoluteClearance
+from antenna_pin.joints.geometry import AxialScenario, RadialScenario, RevoluteClearance
 
 R, A = RadialScenario, AxialScenario
 # Contact of rigid parts: a gap of zero to this [m]; poses are exact to round-off of some mm, 1e-17 m.

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from antenna_pin import load_scenario, simulate
-from antenna_pin.assemble import build_system
 from antenna_pin.elements import BallBearing
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.report._runs import ReportedRun
-from antenna_pin.report.words import scenario_sections
+from antenna_pin.scenario.assemble import build_system
+from antenna_pin.show.report._runs import ReportedRun
+from antenna_pin.show.report.words import scenario_sections
 
 LINK = (
     '<link name="{}"><inertial><mass value="2"/>'

@@ -8,14 +8,14 @@ import pinocchio as pin
 import pytest
 
 from antenna_pin import AntennaPinError, Urdf, build_mechanism, load_scenario, simulate
-from antenna_pin.assemble import build_system, initial_state, urdf_variant
-from antenna_pin.assemble.build import frictions_of
 from antenna_pin.base.records import POSE
 from antenna_pin.contact import MATERIALS, hertz_stiffness
 from antenna_pin.dynamics import JointMotion
 from antenna_pin.errors import MechanismError, NotSimulatedWarning
 from antenna_pin.joints.layout_kernels import joint_at
 from antenna_pin.joints.pose_kernels import place_journal, wrapped_angle
+from antenna_pin.scenario.assemble import build_system, initial_state, urdf_variant
+from antenna_pin.scenario.assemble.build import frictions_of
 
 
 def scenario(*overrides, case="case3"):

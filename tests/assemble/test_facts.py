@@ -5,7 +5,7 @@ import math
 import pytest
 
 from antenna_pin import load_scenario
-from antenna_pin.assemble import scenario_facts
+from antenna_pin.scenario.assemble import scenario_facts
 
 CRANK, ROD = 0.05, 0.12  # [m]
 

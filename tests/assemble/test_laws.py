@@ -5,7 +5,6 @@ import math
 import pytest
 
 from antenna_pin import AntennaPinError, load_scenario
-from antenna_pin.assemble import build_system
 from antenna_pin.contact import (
     DISSIPATIONS,
     MATERIALS,
@@ -20,6 +19,7 @@ from antenna_pin.contact import (
     effective_modulus,
     hertz_stiffness,
 )
+from antenna_pin.scenario.assemble import build_system
 
 STEEL = MATERIALS["steel"]
 MODULUS = effective_modulus(STEEL, STEEL)

@@ -7,9 +7,9 @@ import pytest
 from antenna_pin.contact import CustomFriction, CustomNormal, LankaraniNikravesh, NoFriction
 from antenna_pin.elements import CallableDrive, CallableMotion
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import PlanarClearance
 from antenna_pin.joints import ClearanceJoint
-from antenna_pin.simulation import Event, Jump
+from antenna_pin.joints.geometry import PlanarClearance
+from antenna_pin.run.simulation import Event, Jump
 
 
 def of_one(a):

@@ -16,7 +16,7 @@ from antenna_pin import AntennaPinError, RunSettings, System, load_scenario, sim
 from antenna_pin.analysis import scenario_rows
 from antenna_pin.base.arguments import fits, rule_of, takes
 from antenna_pin.base.parameters import parameters_of
-from antenna_pin.constraints import Closure
+from antenna_pin.dynamics.constraints import Closure
 from antenna_pin.elements import (
     DRIVES,
     GEARS,
@@ -28,8 +28,8 @@ from antenna_pin.elements import (
     SineDrive,
 )
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import PlanarClearance
-from antenna_pin.simulation import Angle, Event, Gap, Set, Stop, Time
+from antenna_pin.joints.geometry import PlanarClearance
+from antenna_pin.run.simulation import Angle, Event, Gap, Set, Stop, Time
 
 #: What people build systems of in Python, and call.
 ROOMS = {
@@ -37,16 +37,16 @@ ROOMS = {
         "ClearanceJoint Closure ErrorScales RunSettings System build_mechanism build_system "
         "load_scenario load_study open_study run_study simulate"
     ),
-    "antenna_pin.assemble": "initial_state",
-    "antenna_pin.constraints": "Anchor",
+    "antenna_pin.scenario.assemble": "initial_state",
+    "antenna_pin.dynamics.constraints": "Anchor",
     "antenna_pin.dynamics": "assembled",
-    "antenna_pin.linear": "modes",
+    "antenna_pin.studies.linear": "modes",
     "antenna_pin.contact": None,
     "antenna_pin.elements": None,
-    "antenna_pin.geometry": "PlanarClearance PrismaticClearance RevoluteClearance SphericalClearance",
-    "antenna_pin.simulation": "Angle Event Force Gap Jump Rate Set Time",
-    "antenna_pin.record": "record",
-    "antenna_pin.report": "report",
+    "antenna_pin.joints.geometry": "PlanarClearance PrismaticClearance RevoluteClearance SphericalClearance",
+    "antenna_pin.run.simulation": "Angle Event Force Gap Jump Rate Set Time",
+    "antenna_pin.show.record": "record",
+    "antenna_pin.show.report": "report",
 }
 WRONG = (None, {}, {"a": 1}, [], [1, "b"], "x", True, object(), (None,), float, b"x", 1j)
 

@@ -6,7 +6,7 @@ import xarray as xr
 
 from antenna_pin import RunSettings, build_system, load_scenario, load_study, simulate
 from antenna_pin.base.readable import of_size
-from antenna_pin.linear import frequency_response, modes
+from antenna_pin.studies.linear import frequency_response, modes
 
 
 @pytest.fixture(scope="module")

@@ -5,9 +5,9 @@ import pytest
 from antenna_pin import System, Urdf, build_mechanism, load_scenario, simulate
 from antenna_pin.base import capacity
 from antenna_pin.errors import AntennaPinError, TooLargeError
-from antenna_pin.nonlinear import bifurcation, largest_exponent, poincare
-from antenna_pin.nonlinear.diagram_plan import values_of
-from antenna_pin.nonlinear.sections import section_of
+from antenna_pin.studies.nonlinear import bifurcation, largest_exponent, poincare
+from antenna_pin.studies.nonlinear.diagram_plan import values_of
+from antenna_pin.studies.nonlinear.sections import section_of
 
 BODY = (
     '<inertial><origin xyz="0 0 -0.05"/><mass value="1"/>'

@@ -6,12 +6,12 @@ import pytest
 from antenna_pin import Urdf, build_mechanism
 from antenna_pin.analysis import Antenna, Orbit
 from antenna_pin.base.directions import A_DIRECTION, direction, unit
-from antenna_pin.constraints import Anchor
+from antenna_pin.dynamics.constraints import Anchor
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.flexible import EffectiveMode, MassProperties, Petals
-from antenna_pin.geometry import SphericalClearance
+from antenna_pin.joints.geometry import SphericalClearance
 from antenna_pin.mechanism import JointChange, frame_aligning_z
-from antenna_pin.record.mechanism_view import Boresight
+from antenna_pin.mechanism.flexible import EffectiveMode, MassProperties, Petals
+from antenna_pin.show.record.mechanism_view import Boresight
 
 SIZES = (1e200, 1e-200, 1e-310, 1.7e308)
 WAY = np.array([0.0, 0.5, 1.0])

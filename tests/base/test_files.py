@@ -211,7 +211,17 @@ def test_a_run_whose_result_does_not_fit_says_so_in_one_line(tmp_path, but_for_w
     """The limit holds in every folder, so the result is nowhere; an older one is as it was."""
     (tmp_path / "run.nc").write_text("old")
     said = subprocess.run(
-        [sys.executable, "-m", "antenna_pin.cli", "run", "bai2020", "--case", "case1", "--duration", "0.05"]
+        [
+            sys.executable,
+            "-m",
+            "antenna_pin.apps.cli",
+            "run",
+            "bai2020",
+            "--case",
+            "case1",
+            "--duration",
+            "0.05",
+        ]
         + ["--out", "run.nc", "--no-progress"],
         cwd=tmp_path,
         capture_output=True,

@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from antenna_pin.apps.cli import app
 from antenna_pin.base.readable import bare, decimal_in, whole_in
 from antenna_pin.base.tables import BadTableError
 from antenna_pin.base.units import QuantityError, quantity
-from antenna_pin.cli import app
-from antenna_pin.flexible.modal_files import BadModalTableError, read_modal_table
+from antenna_pin.mechanism.flexible.modal_files import BadModalTableError, read_modal_table
 from antenna_pin.scenario._layers import read_table
 
 CSV = "frequency,tx,ty,tz,rx,ry,rz\n{},1,0,0,0,0,0\n"

@@ -9,8 +9,8 @@ import pytest
 from typer.testing import CliRunner
 
 from antenna_pin import load_scenario, simulate
+from antenna_pin.apps.cli import app
 from antenna_pin.base.state import EventMemory, OpenContact, State, breach_of_state
-from antenna_pin.cli import app
 from antenna_pin.errors import AntennaPinError, FileFormatError, InvalidParameterError
 
 

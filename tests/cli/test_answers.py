@@ -14,7 +14,7 @@ import pytest
 
 from antenna_pin import load_scenario, load_study, simulate
 from antenna_pin.analysis import answer
-from antenna_pin.cli._tables import say_answer
+from antenna_pin.apps.cli._tables import say_answer
 
 TEXTS = Path(__file__).parent / "answers"
 CASES = {
@@ -114,7 +114,7 @@ def test_what_is_said_of_a_shipped_case(name, cli, tmp_path):
 
 
 def _command(*arguments):
-    command = [sys.executable, "-m", "antenna_pin.cli", *arguments]
+    command = [sys.executable, "-m", "antenna_pin.apps.cli", *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
 

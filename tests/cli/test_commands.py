@@ -12,11 +12,12 @@ from types import SimpleNamespace
 import pytest
 import xarray as xr
 
-import antenna_pin.simulation
-from antenna_pin.cli import app
+import antenna_pin.run.simulation
+from antenna_pin.apps.cli import app
 from antenna_pin.errors import InvalidParameterError, OutputError
-from antenna_pin.plot import CATALOGUE, check_one_mechanism
-from antenna_pin.plot._kinds import (
+from antenna_pin.scenario import list_scenarios
+from antenna_pin.show.plot import CATALOGUE, check_one_mechanism
+from antenna_pin.show.plot._kinds import (
     CLOSED,
     CONTROLLED,
     COUPLED,
@@ -30,7 +31,6 @@ from antenna_pin.plot._kinds import (
     SWEPT,
     TRACED,
 )
-from antenna_pin.scenario import list_scenarios
 from antenna_pin.trajectory import Outcome, Trajectory
 
 SHORT = ("--duration", "20 ms", "--geometry", "closed-form", "--no-progress")
@@ -55,7 +55,7 @@ def drawn_quickly(monkeypatch):
         texts = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
         return " ".join(texts).encode()
 
-    monkeypatch.setattr("antenna_pin.plot.files._as_file", as_file)
+    monkeypatch.setattr("antenna_pin.show.plot.files._as_file", as_file)
 
 
 # --- the face ---
@@ -107,7 +107,7 @@ HEAVY = {
     "antenna_pin.scenario.scenario",  # whose classes take as long to make as all that list does
     # Kinds that no scenario here has: all of them together take longer than what is done with a file.
     "antenna_pin.contact.pin_joint",
-    "antenna_pin.control.relay",
+    "antenna_pin.elements.control.relay",
     "antenna_pin.elements.ball_bearing",
     "antenna_pin.elements.harness",
     "antenna_pin.elements.latch",
@@ -136,7 +136,7 @@ RUN = ["run", "bai2020", "--case", "case3", "--duration", "1 ms", "--out", "shor
 def test_a_command_waits_for_what_it_needs_only(results, arguments, loaded, but_for_work):
     code = (
         "import sys\n"
-        "from antenna_pin._entry import main\n"
+        "from antenna_pin.apps._entry import main\n"
         f"sys.argv[1:] = {arguments!r}\n"
         "try: main()\n"
         "except SystemExit: pass\n"
@@ -156,7 +156,7 @@ def test_a_command_waits_for_what_it_needs_only(results, arguments, loaded, but_
 )
 def test_a_standard_output_that_takes_nothing_is_named(arguments, redirected, code, why):
     """Of printed text alone: closed, its place is not taken by the next file that is opened."""
-    command = f"set -o pipefail; {sys.executable} -m antenna_pin.cli {' '.join(arguments)} {redirected}"
+    command = f"set -o pipefail; {sys.executable} -m antenna_pin.apps.cli {' '.join(arguments)} {redirected}"
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
     said = f"antenna-pin: standard output cannot be written: {why}\n" if why else ""
     assert done.stderr == said
@@ -211,7 +211,7 @@ def no_work(monkeypatch):
     def simulate(*_arguments, **_options):
         pytest.fail("the run had begun")
 
-    monkeypatch.setattr(antenna_pin.simulation, "simulate", simulate)
+    monkeypatch.setattr(antenna_pin.run.simulation, "simulate", simulate)
 
 
 @pytest.mark.parametrize(
@@ -282,7 +282,7 @@ def test_memory_that_has_run_out_is_one_line(cli, monkeypatch, short, refused):
 
 
 def test_a_run_that_ends_early_is_saved_and_says_why(cli, tmp_path, monkeypatch):
-    whole = antenna_pin.simulation.simulate
+    whole = antenna_pin.run.simulation.simulate
 
     def simulate(*arguments, **options):
         done = whole(*arguments, **options)
@@ -292,7 +292,7 @@ def test_a_run_that_ends_early_is_saved_and_says_why(cli, tmp_path, monkeypatch)
         ended.save(options["out"])
         return ended
 
-    monkeypatch.setattr(antenna_pin.simulation, "simulate", simulate)
+    monkeypatch.setattr(antenna_pin.run.simulation, "simulate", simulate)
     said = cli("run", "bai2020", "--case", "case1", "--duration", "0.001", "--quiet")
     assert said.code == 3
     assert said.out == ""
@@ -315,7 +315,7 @@ def test_an_interrupted_run_is_saved(cli, tmp_path, monkeypatch):
     def ctrl_c(_title, _shown):
         yield report
 
-    monkeypatch.setattr("antenna_pin.cli.run.progress_bar", ctrl_c)
+    monkeypatch.setattr("antenna_pin.apps.cli.run.progress_bar", ctrl_c)
     said = cli("run", "bai2020", "--case", "case1", "--duration", "1000 s", "--no-summary")
     assert said.code == 130
     assert "Traceback" not in said.err
@@ -563,13 +563,13 @@ def test_figures_of_an_own_scenario_are_the_standard_set(cli, tmp_path, drawn_qu
 
 def test_interrupted_figures_keep_what_is_done(cli, tmp_path, monkeypatch, drawn_quickly):
     """Ctrl-C in the third run: the figures of the first two are there, and the index says what is missing."""
-    from antenna_pin.simulation import simulate as run_it
+    from antenna_pin.run.simulation import simulate as run_it
 
     def simulate(scenario, **options):
         run = run_it(scenario, **options)
         return dataclasses.replace(run, outcome=Outcome.INTERRUPTED) if scenario.case == "planar" else run
 
-    monkeypatch.setattr(antenna_pin.simulation, "simulate", simulate)
+    monkeypatch.setattr(antenna_pin.run.simulation, "simulate", simulate)
     said = cli("figures", "you2010", *FAST, "--out", "out")
     assert said.code == 130
     index = (tmp_path / "out/index.md").read_text()

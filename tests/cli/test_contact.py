@@ -181,7 +181,7 @@ def test_refusals_are_one_line_with_a_way_out(cli, refused, arguments, said):
 
 def test_help_does_not_wait_for_the_laws():
     script = (
-        "import sys, antenna_pin.cli;"
+        "import sys, antenna_pin.apps.cli;"
         "print(sorted({'numba', 'numpy', 'matplotlib', 'pint', 'rich.table'} & set(sys.modules)))"
     )
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from antenna_pin.fit import open_fit
+from antenna_pin.studies.fit import open_fit
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "scripts" / "examples"
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from antenna_pin.fit import open_experiments, open_identifiability
+from antenna_pin.studies.fit import open_experiments, open_identifiability
 
 FIT = """
 scenario = "pendulum"

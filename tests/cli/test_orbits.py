@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from antenna_pin import load_scenario, simulate
-from antenna_pin.nonlinear import open_branch, open_exponents, open_orbit
+from antenna_pin.studies.nonlinear import open_branch, open_exponents, open_orbit
 
 DRIVE = "drives.motor={joint='hinge', kind='sine', amplitude='1 N*m', frequency='0.625 Hz'}"
 PENDULUM = ("pendulum", "--case", "ideal", "--set", DRIVE)
@@ -138,7 +138,7 @@ def test_a_branch_is_of_the_period_that_is_given(cli):
 
 def test_what_is_interrupted_is_kept(cli, monkeypatch):
     """Ctrl-C at the second orbit: both are in the file, which says so, and the exit code is its own."""
-    from antenna_pin.cli import _progress
+    from antenna_pin.apps.cli import _progress
 
     known = []
 
@@ -151,7 +151,7 @@ def test_what_is_interrupted_is_kept(cli, monkeypatch):
         assert ends == (1.0, 3.0) and shown
         yield interrupting
 
-    monkeypatch.setattr("antenna_pin.cli.orbit.branch_bar", bar)
+    monkeypatch.setattr("antenna_pin.apps.cli.orbit.branch_bar", bar)
     said = cli("orbit", *PENDULUM, *OVER, "1 N*m:3 N*m", "--arc", "0.2", "--out", "cut.nc")
     assert said.code == 130 and said.err.endswith("antenna-pin: interrupted\n")
     kept = open_branch("cut.nc")

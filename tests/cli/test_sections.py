@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from antenna_pin.nonlinear import open_diagram
+from antenna_pin.studies.nonlinear import open_diagram
 from antenna_pin.trajectory import open_table
 
 DRIVE = "drives.motor={joint='hinge', kind='sine', amplitude='1 N*m', frequency='0.625 Hz'}"
@@ -88,7 +88,7 @@ def test_what_was_killed_goes_on_to_the_same_file(cli, tmp_path):
     """By SIGKILL after some values; then the same command ends in the file of one that was never killed."""
     words = ("bifurcation", *PENDULUM, *OVER, "--set", "integrator.engine=compiled", "--count", "32")
     words += ("--branch", "fresh", "--branch", "forward", "--workers", "1", "--no-progress", "--out", "d.nc")
-    program = [sys.executable, "-c", "from antenna_pin._entry import main; main()", *words]
+    program = [sys.executable, "-c", "from antenna_pin.apps._entry import main; main()", *words]
     journal, values = tmp_path / "d.nc.parts" / "journal", 12
 
     def made():

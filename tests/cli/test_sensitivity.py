@@ -5,7 +5,7 @@ import json
 
 import pytest
 
-from antenna_pin.sensitivity import open_sensitivities
+from antenna_pin.studies.sensitivity import open_sensitivities
 
 PLAIN = ("--set", "integrator.engine=compiled", "--set", "clearance.bore.geometry=closed-form")
 PAIR = ("sensitivity", "impact_pair", *PLAIN, "--duration", "2 ms", "--method", "quick-runs")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from antenna_pin.cli._run_store import AttractorStore
+from antenna_pin.apps.cli._run_store import AttractorStore
 
 PLAN = """
 scenario = "pendulum"
@@ -30,7 +30,7 @@ AGAIN, USED = "weak: running {} periods or more", "weak: using amplitude.diagram
 def attractor(tmp_path, monkeypatch, capsys):
     """Return a function: a settled motion from the folder, and the lines told of it."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("antenna_pin.cli._run_store._SAMPLES", 100)  # the fewer, the quicker
+    monkeypatch.setattr("antenna_pin.apps.cli._run_store._SAMPLES", 100)  # the fewer, the quicker
     (tmp_path / OVER.name).write_text(PLAN)
 
     def made(points=32, settings=()):

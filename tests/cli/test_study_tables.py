@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from antenna_pin.cli.study import grid_rows
-from antenna_pin.plot.study import cell_edges, is_spaced_by_factors, quantity_of
+from antenna_pin.apps.cli.study import grid_rows
+from antenna_pin.show.plot.study import cell_edges, is_spaced_by_factors, quantity_of
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from antenna_pin import load_scenario, simulate
-from antenna_pin.cli._tables import TextTable, laid_out
+from antenna_pin.apps.cli._tables import TextTable, laid_out
 
 NUMBERS = st.floats(allow_nan=False, allow_infinity=False).map(lambda x: f"{x:.6g}")
 WORDS = st.text("abcdefghij[]/", min_size=1, max_size=9)

@@ -69,8 +69,8 @@ force = { measure = "peak_force" }
 
 
 def test_a_study_counts_such_runs_apart(cli, tmp_path):
-    from antenna_pin.report import study_report
-    from antenna_pin.sweep import open_study
+    from antenna_pin.show.report import study_report
+    from antenna_pin.studies.sweep import open_study
 
     (tmp_path / "trial.study.toml").write_text(STUDY)
     said = cli("sweep", "trial.study.toml", "--no-progress", "--workers", "1")

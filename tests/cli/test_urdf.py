@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from antenna_pin import load_scenario, simulate
-from antenna_pin.cli import app
+from antenna_pin.apps.cli import app
 from antenna_pin.errors import NotSimulatedWarning
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "scripts" / "check"))

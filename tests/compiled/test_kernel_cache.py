@@ -280,14 +280,14 @@ def test_what_is_kept_under_other_stamps_goes_when_something_is_kept(source, mon
 def test_callers_hold_nothing_of_a_kernel_that_stands_alone():
     """Else its machine code would be made once more for each of them, at ten times the time in all."""
     evaluate = importlib.import_module("antenna_pin.dynamics.kernels").evaluate
-    attempt = importlib.import_module("antenna_pin.engine.step_kernels").attempt
+    attempt = importlib.import_module("antenna_pin.run.engine.step_kernels").attempt
     scenario = load_scenario(
         "bai2020",
         case="case3",
         overrides=["clearance.elevation.geometry=closed-form", "integrator.engine=compiled"],
     )
     simulate(scenario, duration=1e-3)
-    go_on = importlib.import_module("antenna_pin.engine.loop_kernels").go_on
+    go_on = importlib.import_module("antenna_pin.run.engine.loop_kernels").go_on
     left, seen = list(go_on.overloads.values()), set()
     while left:  # what is linked for its callers has no bitcode here before it is asked for
         for name, arguments in needs_of(left.pop().library) - seen:

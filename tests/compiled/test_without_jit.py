@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 from antenna_pin.base.records import Floats, Record, Vector3, layout
-from antenna_pin.constraints import CLOSURES
 from antenna_pin.contact.records import dissipation_record
+from antenna_pin.dynamics.constraints import CLOSURES
 from antenna_pin.elements import PointSpring
 from antenna_pin.elements.registry import ELEMENTS
 from antenna_pin.scenario import ClearanceSpec

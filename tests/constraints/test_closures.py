@@ -9,10 +9,10 @@ from observed_once import observed_once
 
 from antenna_pin import simulate
 from antenna_pin.base.settings import RunSettings
-from antenna_pin.constraints import CLOSURES
 from antenna_pin.dynamics import Workspace, mobility_of
+from antenna_pin.dynamics.constraints import CLOSURES
 from antenna_pin.elements import CallableMotion, PrescribedMotion
-from antenna_pin.nonlinear.vector_field import VectorField
+from antenna_pin.studies.nonlinear.vector_field import VectorField
 
 
 def accelerations(system, y, t=0.3):

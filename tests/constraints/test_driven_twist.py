@@ -6,8 +6,8 @@ import pytest
 
 from antenna_pin.base.records import PLANE, RIGID
 from antenna_pin.compiled.decorators import record
-from antenna_pin.constraints.driven_kernels import change_motions
-from antenna_pin.constraints.layout_kernels import DRIVEN, DRIVEN_WORDS, PLAN, PLAN_WORDS
+from antenna_pin.dynamics.constraints.driven_kernels import change_motions
+from antenna_pin.dynamics.constraints.layout_kernels import DRIVEN, DRIVEN_WORDS, PLAN, PLAN_WORDS
 
 LENGTH = 0.7
 V = 6  # of a free joint

@@ -7,11 +7,11 @@ import pinocchio as pin
 import pytest
 
 from antenna_pin import load_scenario
-from antenna_pin.assemble import build_system
 from antenna_pin.dynamics import JointSpring, SineDrive, System, Workspace, acceleration
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.integrate import METHODS, Stepper
 from antenna_pin.mechanism import Urdf, build_mechanism
+from antenna_pin.scenario.assemble import build_system
 
 # A hinge with an oblique axis in turned frames, between bodies that are nowhere symmetric, on a slide.
 CROOKED = """<robot name="crooked">

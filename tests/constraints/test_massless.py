@@ -6,7 +6,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from antenna_pin import RunSettings, System, Urdf, build_mechanism, simulate
-from antenna_pin.constraints import Coupling
+from antenna_pin.dynamics.constraints import Coupling
 from antenna_pin.elements import RigidStop
 from antenna_pin.errors import MechanismError
 

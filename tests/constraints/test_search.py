@@ -5,12 +5,12 @@ import pinocchio as pin
 import pytest
 
 from antenna_pin import Closure, System, Urdf, build_mechanism, simulate
-from antenna_pin.assemble import build_system, scenario_facts
-from antenna_pin.constraints import Anchor, Constraints
 from antenna_pin.dynamics import assembled
+from antenna_pin.dynamics.constraints import Anchor, Constraints
 from antenna_pin.elements import PrescribedMotion
 from antenna_pin.errors import MechanismError
 from antenna_pin.scenario import load_scenario
+from antenna_pin.scenario.assemble import build_system, scenario_facts
 
 # A platform on three legs of two bars in the plane; the motors turn the first bars.
 BAR = 0.5

@@ -5,9 +5,9 @@ import pinocchio as pin
 import pytest
 
 from antenna_pin import load_scenario
-from antenna_pin.assemble import build_system, initial_state, scenario_facts
 from antenna_pin.dynamics import Workspace
 from antenna_pin.errors import AntennaPinError
+from antenna_pin.scenario.assemble import build_system, initial_state, scenario_facts
 
 LINK = (
     '<link name="{0}"><inertial><origin xyz="0.1 0 0"/><mass value="1"/>'

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from antenna_pin import load_scenario
-from antenna_pin.assemble import build_system, initial_state
-from antenna_pin.constraints import loaded_kernels
 from antenna_pin.dynamics import Workspace
+from antenna_pin.dynamics.constraints import loaded_kernels
 from antenna_pin.mechanism import TreeDynamics
+from antenna_pin.scenario.assemble import build_system, initial_state
 
 
 @pytest.mark.parametrize(("model", "case"), [("slider_crank", "3d"), ("bai2020", "case1-constraint")])

@@ -9,6 +9,12 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 from scipy.special import lambertw
 
+from antenna_pin.analysis.law_studies import (
+    differing_factor,
+    elastic_laws_of_joint,
+    force_table,
+    laws_left_out,
+)
 from antenna_pin.contact import (
     ESDU78035,
     MATERIALS,
@@ -28,7 +34,6 @@ from antenna_pin.contact import (
     is_elastic,
     kernels,
 )
-from antenna_pin.law_studies import differing_factor, elastic_laws_of_joint, force_table, laws_left_out
 
 R_I, R_J, L = 0.010, 0.0098, 0.050
 STEEL = MATERIALS["steel"]

@@ -6,6 +6,12 @@ import re
 import numpy as np
 import pytest
 
+from antenna_pin.analysis.law_studies import (
+    closed_form_peak_depth,
+    closed_form_restitution,
+    impact_of_pair,
+    impact_on_wall,
+)
 from antenna_pin.contact import (
     AdamsDamping,
     AdamsImpact,
@@ -24,12 +30,6 @@ from antenna_pin.contact import (
     kernels,
 )
 from antenna_pin.contact.damping import damping_ratio
-from antenna_pin.law_studies import (
-    closed_form_peak_depth,
-    closed_form_restitution,
-    impact_of_pair,
-    impact_on_wall,
-)
 
 from .conftest import DIMENSIONS
 

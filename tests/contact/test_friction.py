@@ -25,8 +25,8 @@ from antenna_pin.contact import (
     VelocityBased,
 )
 from antenna_pin.contact import friction_kernels as kernels
-from antenna_pin.geometry import PlanarClearance
 from antenna_pin.joints import ClearanceJoint
+from antenna_pin.joints.geometry import PlanarClearance
 
 SPEEDS = np.concatenate([[0.0], np.geomspace(1e-9, 1e2, 200)])
 BAI_ZHAO = VelocityBased(static=0.15, dynamic=0.10, static_speed=0.1, dynamic_speed=1.0)

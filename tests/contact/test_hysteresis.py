@@ -8,6 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from antenna_pin.analysis.law_studies import (
+    closed_form_peak_depth,
+    closed_form_restitution,
+    impact_of_pair,
+    impact_on_wall,
+)
 from antenna_pin.contact import (
     DISSIPATIONS,
     DampedContact,
@@ -28,12 +34,6 @@ from antenna_pin.contact import (
     law_parameters,
 )
 from antenna_pin.contact.hysteresis import HysteresisDamping, stored_share
-from antenna_pin.law_studies import (
-    closed_form_peak_depth,
-    closed_form_restitution,
-    impact_of_pair,
-    impact_on_wall,
-)
 
 from .conftest import DIMENSIONS
 

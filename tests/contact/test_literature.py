@@ -4,8 +4,8 @@ import math
 
 import pytest
 
+from antenna_pin.analysis.law_studies import elastic_laws_of_joint, force_table
 from antenna_pin.contact import DISSIPATIONS, MATERIALS, ExactDamping, delivered_restitution
-from antenna_pin.law_studies import elastic_laws_of_joint, force_table
 
 
 def test_bais_joint_against_the_published_size_of_each_law():

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
+from antenna_pin.analysis.law_studies import LIU_2013, LIU_2013_STEEL
 from antenna_pin.contact import LiuConformal, LiuPinJoint, LiuPinJointCorrected, effective_modulus
-from antenna_pin.law_studies import LIU_2013, LIU_2013_STEEL
 
 MODULUS = effective_modulus(LIU_2013_STEEL, LIU_2013_STEEL)
 MILLIMETRE = 1e-3

@@ -9,9 +9,9 @@ from controlled_wheel import rig
 from scipy.spatial.transform import Rotation, Slerp
 
 from antenna_pin import RunSettings, System, Urdf, build_mechanism, simulate
-from antenna_pin.control import AttitudeFeedback, BangBang
-from antenna_pin.control.attitude import between_quaternions, product_of, quaternion_of, turned_back
 from antenna_pin.elements import ConstantDrive, RestToRest, SCurve
+from antenna_pin.elements.control import AttitudeFeedback, BangBang
+from antenna_pin.elements.control.attitude import between_quaternions, product_of, quaternion_of, turned_back
 from antenna_pin.errors import AntennaPinError
 
 BUS, SPIN = 3.0, 0.01  # [kg m^2]

@@ -12,10 +12,10 @@ from value_classes import by_position, dataclasses_of, undocumented_units
 
 from antenna_pin import Outcome, RunSettings, System, Trajectory, simulate
 from antenna_pin.base.state import State
-from antenna_pin.control import Controller, Instants, kept, remembered
 from antenna_pin.elements import ConstantDrive
+from antenna_pin.elements.control import Controller, Instants, kept, remembered
 from antenna_pin.errors import AntennaPinError, FileFormatError
-from antenna_pin.simulation import Event, Set, Time
+from antenna_pin.run.simulation import Event, Set, Time
 
 
 @dataclass

@@ -9,7 +9,7 @@ import pytest
 from controlled_wheel import WHEEL, rig
 
 from antenna_pin import RunSettings, simulate
-from antenna_pin.control import Controller
+from antenna_pin.elements.control import Controller
 
 MANY, PERIOD = 150_000, 5e-4
 TORQUE = 2.0**-4  # [N m], a power of two: what it gives is counted without round-off

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from controlled_wheel import HUB, KINDS, PERIOD, PLAIN, ROUND_OFF, WHEEL, run_of
 
-from antenna_pin.control import Sensor
+from antenna_pin.elements.control import Sensor
 from antenna_pin.errors import AntennaPinError
 
 

@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin import RunSettings, System, Urdf, build_mechanism, simulate
 from antenna_pin.analysis import body_poses, joint_loads
-from antenna_pin.control import Controller
 from antenna_pin.dynamics import PointSpring
 from antenna_pin.elements import ConstantDrive, JointSpring, OutsideForce, PrescribedMotion, Thruster
+from antenna_pin.elements.control import Controller
 
 CRAFT = """<robot name="craft">
   <link name="hull"><inertial><mass value="4"/>

@@ -7,7 +7,7 @@ import pytest
 from controlled_wheel import PERIOD, ROUND_OFF, WHEEL, rig
 
 from antenna_pin import RunSettings, simulate
-from antenna_pin.control import Sensor, StateFeedback
+from antenna_pin.elements.control import Sensor, StateFeedback
 from antenna_pin.errors import AntennaPinError
 
 # The wheel over a period, exactly.

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from antenna_pin import RunSettings, System, Urdf, build_mechanism, simulate
-from antenna_pin.control import BangBang
 from antenna_pin.elements import Thruster
+from antenna_pin.elements.control import BangBang
 
 # No angle or rate at an instant is on an edge of the controller's line.
 INERTIA, ARM, THRUST, START = 1.5, 0.4, 0.2537, 0.3123

@@ -5,8 +5,8 @@ import pinocchio as pin
 import pytest
 
 from antenna_pin import System, Urdf, build_mechanism, load_scenario
-from antenna_pin.assemble import build_system
 from antenna_pin.dynamics import Workspace, audit
+from antenna_pin.scenario.assemble import build_system
 
 
 def bodies(model, q, v):

@@ -11,12 +11,12 @@ from antenna_pin.base.calculus import WEIGHTS
 from antenna_pin.contact import Hertz
 from antenna_pin.dynamics import System, Workspace, audit, bearing_loads
 from antenna_pin.elements import AxialPreload, BallBearing, JointSpring, StiffnessBearing, moved
-from antenna_pin.engine import Tangents
 from antenna_pin.errors import InvalidParameterError, MechanismError
-from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
+from antenna_pin.joints.geometry import RevoluteClearance
 from antenna_pin.mechanism import Urdf, build_mechanism
-from antenna_pin.nonlinear.vector_field import VectorField
+from antenna_pin.run.engine import Tangents
+from antenna_pin.studies.nonlinear.vector_field import VectorField
 
 LINK = (
     '<link name="{}"><inertial><origin xyz="0.01 0.02 0.03"/><mass value="2"/>'

@@ -13,11 +13,11 @@ from antenna_pin.contact import Hertz
 from antenna_pin.dynamics import System, Workspace, acceleration, audit, kernels
 from antenna_pin.elements import CallableDrive, ConstantDrive, JointSpring, PDController, SineDrive
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
-from antenna_pin.geometry import PlanarClearance, RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
+from antenna_pin.joints.geometry import PlanarClearance, RevoluteClearance
 from antenna_pin.mechanism import Urdf, build_mechanism, frame_aligning_z
-from antenna_pin.nonlinear.perturbed_system import ParameterSlopes
-from antenna_pin.nonlinear.vector_field import VectorField
+from antenna_pin.studies.nonlinear.perturbed_system import ParameterSlopes
+from antenna_pin.studies.nonlinear.vector_field import VectorField
 
 # A floating hull with every kind of joint on it; the axis of "turn" is oblique.
 ROBOT = """<robot name="robot">

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from antenna_pin import RunSettings, System, load_scenario, simulate
-from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.dynamics import Workspace, audit, observed
 from antenna_pin.elements import CallableDrive
-from antenna_pin.simulation.loop import Run
+from antenna_pin.run.simulation.loop import Run
+from antenna_pin.scenario.assemble import build_system, initial_state
 
 
 @pytest.fixture(scope="module", params=["closed-form", "coal", "distributed"])

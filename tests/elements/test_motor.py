@@ -8,8 +8,8 @@ from controlled_wheel import HUB, WHEEL, rig
 from scipy.linalg import expm
 
 from antenna_pin import RunSettings, System, simulate
-from antenna_pin.control import Pid
 from antenna_pin.elements import JointSpring, Motor
+from antenna_pin.elements.control import Pid
 from antenna_pin.errors import AntennaPinError
 
 K, R, N = 0.5, 2.0, 3.0  # [N m/A], [ohm], [-]

@@ -20,9 +20,9 @@ from antenna_pin.elements import (
     TableSpring,
 )
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.linear import modes
 from antenna_pin.mechanism import build_mechanism
 from antenna_pin.scenario import Scenario
+from antenna_pin.studies.linear import modes
 
 STIFFNESS = 2.0
 SCENARIO = """format = 1

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from antenna_pin import RunSettings, load_scenario
-from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.dynamics import Workspace
-from antenna_pin.engine import Compiled, CompiledStepper
 from antenna_pin.errors import FunctionError
 from antenna_pin.integrate import METHODS
-from antenna_pin.simulation.loop import Run
+from antenna_pin.run.engine import Compiled, CompiledStepper
+from antenna_pin.run.simulation.loop import Run
+from antenna_pin.scenario.assemble import build_system, initial_state
 
 
 def made(case="case1", *overrides):

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from plain_kernels import inner
 
-from antenna_pin.engine import carry_kernels
 from antenna_pin.integrate import Manifold
+from antenna_pin.run.engine import carry_kernels
 
 
 @pytest.mark.parametrize("grade", [-1, 0, 1])

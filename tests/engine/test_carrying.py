@@ -6,10 +6,10 @@ from scipy.linalg import expm
 
 from antenna_pin import RunSettings, System, Urdf, build_mechanism
 from antenna_pin.elements import JointSpring
-from antenna_pin.engine.carry_kernels import _grade, _place
-from antenna_pin.engine.carrying import Steps, third_order
 from antenna_pin.integrate import METHODS
-from antenna_pin.nonlinear.vector_field import VectorField
+from antenna_pin.run.engine.carry_kernels import _grade, _place
+from antenna_pin.run.engine.carrying import Steps, third_order
+from antenna_pin.studies.nonlinear.vector_field import VectorField
 
 ADAPTIVE = [one for one in METHODS.values() if one.adaptive and not one.implicit]
 

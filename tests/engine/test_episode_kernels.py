@@ -9,7 +9,7 @@ from plain_kernels import plain
 
 from antenna_pin.base.records import MEMORY
 from antenna_pin.dynamics.peak_kernels import PEAK
-from antenna_pin.engine.episode_kernels import EPISODE, PLACES, complete, release, touch
+from antenna_pin.run.engine.episode_kernels import EPISODE, PLACES, complete, release, touch
 
 FLOOR = 1e-3  # [m/s]
 

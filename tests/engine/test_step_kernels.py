@@ -7,14 +7,14 @@ from branches import closed
 from plain_kernels import plain
 
 from antenna_pin import RunSettings, System, Urdf, build_mechanism
-from antenna_pin.constraints.layout_kernels import found_in
-from antenna_pin.constraints.rows_kernels import write_rows
 from antenna_pin.dynamics import Workspace
+from antenna_pin.dynamics.constraints.layout_kernels import found_in
+from antenna_pin.dynamics.constraints.rows_kernels import write_rows
 from antenna_pin.elements import CallableDrive, JointSpring
-from antenna_pin.engine import Compiled, CompiledStepper
-from antenna_pin.engine.hold_kernels import close
 from antenna_pin.integrate import METHODS
-from antenna_pin.simulation.loop import Run
+from antenna_pin.run.engine import Compiled, CompiledStepper
+from antenna_pin.run.engine.hold_kernels import close
+from antenna_pin.run.simulation.loop import Run
 
 CART = """<robot name="rail"><link name="rail"/>
 <link name="cart"><inertial><mass value="2"/>

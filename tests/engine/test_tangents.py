@@ -9,8 +9,8 @@ from displacements import TIME, anywhere, press, ways_of, with_numbers
 
 from antenna_pin import RunSettings, build_system, load_scenario
 from antenna_pin.base.calculus import WEIGHTS
-from antenna_pin.engine import Slopes, Tangents
-from antenna_pin.nonlinear.vector_field import VectorField
+from antenna_pin.run.engine import Slopes, Tangents
+from antenna_pin.studies.nonlinear.vector_field import VectorField
 
 ROOT = Path(__file__).parents[2]
 STEPS = 10.0 ** np.arange(-2.0, -6.5, -0.5)

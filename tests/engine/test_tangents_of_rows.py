@@ -9,13 +9,13 @@ from displacements import TIME, ways_of, with_numbers
 
 from antenna_pin import RunSettings, build_system, load_scenario
 from antenna_pin.base.calculus import WEIGHTS
-from antenna_pin.constraints import CLOSURES
 from antenna_pin.dynamics import JointSpring, Workspace
+from antenna_pin.dynamics.constraints import CLOSURES
 from antenna_pin.elements import PrescribedMotion
-from antenna_pin.engine import Slopes, Tangents
-from antenna_pin.nonlinear import flow_of
-from antenna_pin.nonlinear.chart import set_modes
-from antenna_pin.nonlinear.vector_field import VectorField
+from antenna_pin.run.engine import Slopes, Tangents
+from antenna_pin.studies.nonlinear import flow_of
+from antenna_pin.studies.nonlinear.chart import set_modes
+from antenna_pin.studies.nonlinear.vector_field import VectorField
 
 STEPS = 10.0 ** np.arange(-1.0, -4.5, -0.5)
 CLOSE, NOTHING = 1e-8, 1e-11

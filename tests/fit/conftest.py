@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pytest
 
-from antenna_pin.fit import Problem, load_fit
+from antenna_pin.studies.fit import Problem, load_fit
 
 INERTIA = 0.0251004 + 1.872 * 0.2**2  # of the bar about the hinge [kg m^2]
 STIFFNESS, DAMPING, FIRST = 40.0, 0.2, 0.1

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from antenna_pin.errors import ScenarioError, UnknownNameError
-from antenna_pin.fit import Problem, run_fit
-from antenna_pin.fit.assessment import (
+from antenna_pin.show.plot import table_figures
+from antenna_pin.show.report import report
+from antenna_pin.studies.fit import Problem, run_fit
+from antenna_pin.studies.fit.assessment import (
     certain,
     experiments_table,
     identifiability_table,
@@ -16,11 +18,9 @@ from antenna_pin.fit.assessment import (
     tells,
     values_in,
 )
-from antenna_pin.fit.experiments import Trial, eliminate, load_experiments
-from antenna_pin.fit.identifiability import design
-from antenna_pin.fit.run_service import RunService
-from antenna_pin.plot import table_figures
-from antenna_pin.report import report
+from antenna_pin.studies.fit.experiments import Trial, eliminate, load_experiments
+from antenna_pin.studies.fit.identifiability import design
+from antenna_pin.studies.fit.run_service import RunService
 from antenna_pin.trajectory import save_table
 
 from .conftest import DAMPER, FIT, closed_form

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from antenna_pin.fit import load_fit, run_fit
-from antenna_pin.fit.diagnostics import difference_growth
+from antenna_pin.studies.fit import load_fit, run_fit
+from antenna_pin.studies.fit.diagnostics import difference_growth
 
 from .conftest import INERTIA
 

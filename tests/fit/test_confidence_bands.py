@@ -5,8 +5,8 @@ import pytest
 from known_curves import decay, line, oscillator
 
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.fit.confidence_bands import draws, linear_bands, sampled_bands
-from antenna_pin.fit.uncertainty import sure
+from antenna_pin.studies.fit.confidence_bands import draws, linear_bands, sampled_bands
+from antenna_pin.studies.fit.uncertainty import sure
 
 
 def _line(times):

@@ -8,7 +8,7 @@ import played_panel
 import pytest
 from deployed_panel import CLOCK, NOISE, TRUTH
 
-from antenna_pin.fit import Problem, load_fit, run_fit
+from antenna_pin.studies.fit import Problem, load_fit, run_fit
 
 EXAMPLES = Path(__file__).resolve().parents[2] / "scripts" / "examples"
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from antenna_pin.errors import ScenarioError
-from antenna_pin.fit import Problem, load_fit, run_fit
-from antenna_pin.fit.problem import DerivativeLog
-from antenna_pin.fit.sensors import compared_numbers, compared_slopes
-from antenna_pin.fit.specs import ColumnSpec
+from antenna_pin.studies.fit import Problem, load_fit, run_fit
+from antenna_pin.studies.fit.problem import DerivativeLog
+from antenna_pin.studies.fit.sensors import compared_numbers, compared_slopes
+from antenna_pin.studies.fit.specs import ColumnSpec
 
 from .conftest import DAMPER, DAMPING, STIFFNESS, closed_form
 

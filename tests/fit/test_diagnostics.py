@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-import antenna_pin.fit.runs as runs
-import antenna_pin.fit.search as search
+import antenna_pin.studies.fit.runs as runs
+import antenna_pin.studies.fit.search as search
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.fit import Problem, load_fit, open_fit, run_fit
-from antenna_pin.fit.diagnostics import DifferenceGrowth
+from antenna_pin.studies.fit import Problem, load_fit, open_fit, run_fit
+from antenna_pin.studies.fit.diagnostics import DifferenceGrowth
 
 from .conftest import TIME, closed_form
 

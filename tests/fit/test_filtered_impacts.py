@@ -5,8 +5,8 @@ import pytest
 from falling_ball import HEIGHT, NOISE, RESTITUTION, TIME, reading, write
 from scipy.stats import chi2
 
-from antenna_pin.fit import Problem, load_fit, run_fit
-from antenna_pin.fit.sensors import filter_response, input_of_acceleration
+from antenna_pin.studies.fit import Problem, load_fit, run_fit
+from antenna_pin.studies.fit.sensors import filter_response, input_of_acceleration
 
 # Seven heights, for which the blow is anywhere between two samples of the input.
 HEIGHTS = HEIGHT + 1e-3 * np.arange(7)

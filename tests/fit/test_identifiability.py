@@ -8,9 +8,9 @@ import pytest
 from known_curves import Curve, line, oscillator
 
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.fit.identifiability import identifiable
-from antenna_pin.fit.plan import parameter_size
-from antenna_pin.fit.uncertainty import rank_of
+from antenna_pin.studies.fit.identifiability import identifiable
+from antenna_pin.studies.fit.plan import parameter_size
+from antenna_pin.studies.fit.uncertainty import rank_of
 
 
 def test_expected_errors_are_those_of_the_fit_to_come(times):

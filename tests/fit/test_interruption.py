@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from antenna_pin.fit import open_fit, run_fit
-from antenna_pin.fit.assessment import certain
-from antenna_pin.sweep import Cluster
+from antenna_pin.studies.fit import open_fit, run_fit
+from antenna_pin.studies.fit.assessment import certain
+from antenna_pin.studies.sweep import Cluster
 from antenna_pin.trajectory import save_table
 
 from .conftest import closed_form
@@ -21,7 +21,7 @@ FILE = Path(__file__).parents[2] / "scripts" / "examples" / "hinge.fit.toml"
 
 
 def begun(folder, out):
-    program = "from antenna_pin._entry import main; main()"
+    program = "from antenna_pin.apps._entry import main; main()"
     asked = ["fit", str(FILE), "--out", out, "--no-progress", "--quiet"]
     command = [sys.executable, "-c", program, *asked]
     return subprocess.Popen(command, cwd=folder)

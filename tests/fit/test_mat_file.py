@@ -10,8 +10,8 @@ import pytest
 from scipy.io import savemat
 
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.fit.record_file import BadMatFileError, Mat73Error, read_columns, read_mat
-from antenna_pin.fit.specs import LayoutSpec
+from antenna_pin.studies.fit.record_file import BadMatFileError, Mat73Error, read_columns, read_mat
+from antenna_pin.studies.fit.specs import LayoutSpec
 from antenna_pin.trajectory.file import open_hdf5
 
 from .conftest import matlab_7_3

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import ellipk
 
-from antenna_pin.fit import load_fit, run_fit
+from antenna_pin.studies.fit import load_fit, run_fit
 
 SWING = Path(__file__).resolve().parents[2] / "scripts" / "examples" / "free_swing"
 RECORD = SWING / "pendulum_free_swing_data_01.txt"

@@ -9,9 +9,9 @@ from planar_joint import record
 
 from antenna_pin.base.state import State
 from antenna_pin.contact.onset import NO_APPROACH
-from antenna_pin.fit import Problem, load_fit
-from antenna_pin.fit.problem import central_differences
-from antenna_pin.fit.runs import difference_from_origin, piece_start, prepared_scenario
+from antenna_pin.studies.fit import Problem, load_fit
+from antenna_pin.studies.fit.problem import central_differences
+from antenna_pin.studies.fit.runs import difference_from_origin, piece_start, prepared_scenario
 
 EXAMPLES = Path(__file__).parents[2] / "scripts" / "examples"
 

@@ -6,7 +6,7 @@ import xarray as xr
 from scipy.io import savemat
 
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.fit import Problem, run_fit
+from antenna_pin.studies.fit import Problem, run_fit
 
 from .conftest import ANGLE, TIME, matlab_7_3, problem_of
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.fit.identifiability import design, planned
+from antenna_pin.studies.fit.identifiability import design, planned
 
 NAMES, ONES = ("intercept", "slope"), np.ones(2)
 

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from antenna_pin.fit.confidence_bands import parameter_bands
-from antenna_pin.fit.plan import Unknowns
+from antenna_pin.studies.fit.confidence_bands import parameter_bands
+from antenna_pin.studies.fit.plan import Unknowns
 
 SD = 0.1
 TIMES = np.linspace(0.0, 3.0, 31)

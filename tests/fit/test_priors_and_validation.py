@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.fit import Problem, load_fit, run_fit
-from antenna_pin.fit.diagnostics import residual_tests as judged
-from antenna_pin.fit.specs import evaluate, names_in
+from antenna_pin.studies.fit import Problem, load_fit, run_fit
+from antenna_pin.studies.fit.diagnostics import residual_tests as judged
+from antenna_pin.studies.fit.specs import evaluate, names_in
 
 from .conftest import DAMPING, STIFFNESS, TIME, closed_form
 

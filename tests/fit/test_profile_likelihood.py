@@ -7,8 +7,8 @@ from known_curves import Curve, decay, line, oscillator
 from scipy.optimize import brentq
 
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
-from antenna_pin.fit.profile_likelihood import profile_lines, profiles
-from antenna_pin.fit.uncertainty import sure
+from antenna_pin.studies.fit.profile_likelihood import profile_lines, profiles
+from antenna_pin.studies.fit.uncertainty import sure
 
 
 def test_of_a_linear_model_the_profile_is_a_parabola(times):

@@ -6,7 +6,7 @@ import xarray as xr
 from scipy.io import savemat
 
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
-from antenna_pin.fit import Problem, load_fit
+from antenna_pin.studies.fit import Problem, load_fit
 
 from .conftest import ANGLE, TIME, closed_form, problem_of
 

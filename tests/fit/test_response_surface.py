@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from antenna_pin.errors import InvalidParameterError, ScenarioError
-from antenna_pin.fit.plan import SurfaceSpec, Unknowns
-from antenna_pin.fit.search import ResponseSurface, fit_by_surface
+from antenna_pin.studies.fit.plan import SurfaceSpec, Unknowns
+from antenna_pin.studies.fit.search import ResponseSurface, fit_by_surface
 
 from .conftest import FIT
 

@@ -9,9 +9,9 @@ from scipy.signal import lfilter
 
 from antenna_pin import load_scenario
 from antenna_pin.errors import OutputError
-from antenna_pin.fit import Problem, load_fit, open_fit, run_fit
-from antenna_pin.fit.assessment import certain
-from antenna_pin.fit.run_service import RunService, RunStore
+from antenna_pin.studies.fit import Problem, load_fit, open_fit, run_fit
+from antenna_pin.studies.fit.assessment import certain
+from antenna_pin.studies.fit.run_service import RunService, RunStore
 
 from .conftest import DAMPER, DAMPING, FIRST, STIFFNESS, closed_form
 from .conftest import FIT as FIT_OF_PENDULUM

@@ -6,8 +6,8 @@ from scipy import signal
 
 from antenna_pin import load_scenario
 from antenna_pin.analysis import quantity
-from antenna_pin.fit.runs import PreparedScenario
-from antenna_pin.fit.sensors import (
+from antenna_pin.studies.fit.runs import PreparedScenario
+from antenna_pin.studies.fit.sensors import (
     compared_numbers,
     comparison_target,
     filter_response,
@@ -17,7 +17,7 @@ from antenna_pin.fit.sensors import (
     reading_noise,
     sample_times,
 )
-from antenna_pin.fit.specs import ColumnSpec
+from antenna_pin.studies.fit.specs import ColumnSpec
 
 TIME = np.linspace(0.01, 0.3, 59)
 

@@ -5,7 +5,7 @@ import pytest
 from known_curves import Curve, decay, line, oscillator
 
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.fit.uncertainty import LOSSES, autocorrelation, cost, curvature, influence, sure
+from antenna_pin.studies.fit.uncertainty import LOSSES, autocorrelation, cost, curvature, influence, sure
 
 
 def _noisy_line(times, seed, sd=0.1):

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from antenna_pin.flexible import MassProperties
+from antenna_pin.mechanism.flexible import MassProperties
 
 
 @pytest.fixture

@@ -12,11 +12,11 @@ from flexible_links import DATA, DISH, KINDS
 from modal_equations import frequencies, linear_frequencies, spatial
 
 from antenna_pin import load_scenario, models_path
-from antenna_pin.assemble import build_system, urdf_variant
 from antenna_pin.errors import MechanismError
-from antenna_pin.flexible import EffectiveMode, MassProperties, Petals, petal_body, realised
-from antenna_pin.flexible.inertia import share_taken
-from antenna_pin.flexible.modal_data import hinged
+from antenna_pin.mechanism.flexible import EffectiveMode, MassProperties, Petals, petal_body, realised
+from antenna_pin.mechanism.flexible.inertia import share_taken
+from antenna_pin.mechanism.flexible.modal_data import hinged
+from antenna_pin.scenario.assemble import build_system, urdf_variant
 
 
 def rigid(name: str = "reflector") -> MassProperties:

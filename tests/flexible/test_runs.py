@@ -11,8 +11,8 @@ from flexible_links import DISH, KINDS, MODES
 
 from antenna_pin import AntennaPinError, RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
 from antenna_pin.analysis import elastic_motion, modal_energy, said_of_spin
-from antenna_pin.assemble import build_system
-from antenna_pin.flexible import EffectiveMode, EffectiveModes, split
+from antenna_pin.mechanism.flexible import EffectiveMode, EffectiveModes, split
+from antenna_pin.scenario.assemble import build_system
 
 BLOCK = """<robot name="block">
   <link name="block">
@@ -160,7 +160,7 @@ def test_its_urdf_loads_elsewhere(overrides: dict[str, Any], tmp_path: Path):
     """Pinocchio's own reader finds the joints, the whole mass and the inertia."""
     import pinocchio as pin
 
-    from antenna_pin.assemble import urdf_variant
+    from antenna_pin.scenario.assemble import urdf_variant
 
     scenario = load_scenario("bai2020", case="case1", overrides=overrides)
     path = urdf_variant(scenario).write(tmp_path / "flexible.urdf")[0]

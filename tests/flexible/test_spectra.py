@@ -7,7 +7,7 @@ import pytest
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import dominant_frequencies
-from antenna_pin.linear import modes
+from antenna_pin.studies.linear import modes
 
 STILL = {"drives.azimuth.amplitude": 0.0, "drives.elevation.amplitude": 0.0}
 

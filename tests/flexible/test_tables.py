@@ -10,7 +10,7 @@ from value_classes import changeable, undocumented_units
 from antenna_pin import AntennaPinError, Scenario, build_system, load_scenario
 from antenna_pin.base import capacity
 from antenna_pin.errors import TooLargeError
-from antenna_pin.flexible.modal_files import BadModalTableError, read_modal_table
+from antenna_pin.mechanism.flexible.modal_files import BadModalTableError, read_modal_table
 
 CSV = """# two modes
 frequency,damping_ratio,tx,ty,tz,rx,ry,rz
@@ -256,7 +256,7 @@ def test_an_impossible_mode_is_named_by_line_and_column(tmp_path: Path, old: str
 def test_more_modes_than_memory_holds_are_refused_before_any_work(tmp_path: Path, monkeypatch):
     """With room for 5 freedoms: six modes beside three joints."""
     monkeypatch.setattr(capacity, "free_memory", lambda: 96 * 5.01**3 / 0.9)
-    monkeypatch.setattr("antenna_pin.flexible.modal_data.realised", None)
+    monkeypatch.setattr("antenna_pin.mechanism.flexible.modal_data.realised", None)
     (tmp_path / "modes.csv").write_text(
         CSV + "".join(f"{hertz},0.01,0.1,0,0,0,0,0\n" for hertz in range(20, 24))
     )

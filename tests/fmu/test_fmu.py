@@ -10,11 +10,11 @@ import pytest
 from sessions import antenna
 
 from antenna_pin import load_scenario
+from antenna_pin.apps.fmu import export_fmu
+from antenna_pin.apps.fmu.packed import Packed
+from antenna_pin.apps.fmu.slave import powers_of
 from antenna_pin.errors import AntennaPinError, FileFormatError, OutputError
-from antenna_pin.fmu import export_fmu
-from antenna_pin.fmu.packed import Packed
-from antenna_pin.fmu.slave import powers_of
-from antenna_pin.session import start
+from antenna_pin.run.session import start
 
 fmpy = pytest.importorskip("fmpy")
 fmi3 = pytest.importorskip("fmpy.fmi3")

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from antenna_pin.geometry import RevoluteClearance, pose_of
-from antenna_pin.geometry.shape import asked
+from antenna_pin.joints.geometry import RevoluteClearance, pose_of
+from antenna_pin.joints.geometry.shape import asked
 
 ANTENNA = dict(
     bearing_radius=0.010,

@@ -6,14 +6,14 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.base.calculus import WEIGHTS
 from antenna_pin.base.records import CONTACT, POSE
-from antenna_pin.geometry import (
+from antenna_pin.joints.geometry import (
     PlanarClearance,
     PrismaticClearance,
     SphericalClearance,
     kernels,
     pose_of,
 )
-from antenna_pin.geometry.tangent_kernels import CHANGED, GAP, NORMAL, POINT, contact_changes
+from antenna_pin.joints.geometry.tangent_kernels import CHANGED, GAP, NORMAL, POINT, contact_changes
 
 from .conftest import WIDE, antenna
 

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from antenna_pin.base.records import CONTACT
-from antenna_pin.geometry import RevoluteClearance, pose_of
-from antenna_pin.geometry.revolute_kernels import nearest_on_ellipse
-from antenna_pin.geometry.shape import closed_form
+from antenna_pin.joints.geometry import RevoluteClearance, pose_of
+from antenna_pin.joints.geometry.revolute_kernels import nearest_on_ellipse
+from antenna_pin.joints.geometry.shape import closed_form
 
 from .conftest import Coal
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.geometry import LOOKS, CylindricalClearance, PrismaticClearance
+from antenna_pin.joints.geometry import LOOKS, CylindricalClearance, PrismaticClearance
 
 from .conftest import Coal, axis_of, zoomed_minimum
 

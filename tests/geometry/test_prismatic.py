@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.geometry import PrismaticClearance
+from antenna_pin.joints.geometry import PrismaticClearance
 
 from .conftest import Coal
 

@@ -8,8 +8,8 @@ import math
 
 import pytest
 
-from antenna_pin.geometry import AxialScenario, RadialScenario
-from antenna_pin.geometry import revolute_kernels as revolute
+from antenna_pin.joints.geometry import AxialScenario, RadialScenario
+from antenna_pin.joints.geometry import revolute_kernels as revolute
 
 R, A = RadialScenario, AxialScenario
 PRESS = 1e-6  # [m], deeper than any scenario is sensitive to

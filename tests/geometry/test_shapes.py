@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from value_classes import by_position, changeable, dataclasses_of, documented_units
 
-import antenna_pin.geometry
+import antenna_pin.joints.geometry
 from antenna_pin.base.records import CONTACT
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import (
+from antenna_pin.joints.geometry import (
     ClearanceGeometry,
     ContactPoint,
     CylindricalClearance,
@@ -21,7 +21,7 @@ from antenna_pin.geometry import (
     SphericalClearance,
     pose_of,
 )
-from antenna_pin.geometry.revolute_kernels import bore_contact, flange_contact, nearest_on_ellipse
+from antenna_pin.joints.geometry.revolute_kernels import bore_contact, flange_contact, nearest_on_ellipse
 
 from .conftest import Coal, antenna
 
@@ -200,8 +200,8 @@ def test_refuses_what_is_no_pose(joint):
 
 
 def test_public_names_exist():
-    for name in antenna_pin.geometry.__all__:
-        assert getattr(antenna_pin.geometry, name) is not None
+    for name in antenna_pin.joints.geometry.__all__:
+        assert getattr(antenna_pin.joints.geometry, name) is not None
     assert hasattr(ClearanceGeometry, "candidates")
 
 

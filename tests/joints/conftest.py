@@ -7,8 +7,8 @@ import pinocchio as pin
 import pytest
 
 from antenna_pin.contact import LankaraniNikravesh, VelocityBased
-from antenna_pin.geometry import PlanarClearance, RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
+from antenna_pin.joints.geometry import PlanarClearance, RevoluteClearance
 
 DIMENSIONS = dict(
     bearing_radius=0.010,

@@ -24,9 +24,9 @@ from antenna_pin.contact import (
 from antenna_pin.contact.kernels import normal_force
 from antenna_pin.contact.normal import ElasticLaw
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import PlanarClearance, RevoluteClearance
 from antenna_pin.integrate import Manifold
 from antenna_pin.joints import ClearanceJoint, JointContacts
+from antenna_pin.joints.geometry import PlanarClearance, RevoluteClearance
 from antenna_pin.mechanism import frame_aligning_z
 
 STATES = 60

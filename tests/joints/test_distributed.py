@@ -9,8 +9,8 @@ from scipy.integrate import quad
 
 from antenna_pin.contact import BrownMcPhee, Goldsmith, Hertz, Johnson, KelvinVoigt, NoFriction, Tanh
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
+from antenna_pin.joints.geometry import RevoluteClearance
 
 SHAPE = RevoluteClearance.from_clearances(
     bearing_radius=0.01,

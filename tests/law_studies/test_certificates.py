@@ -8,6 +8,14 @@ import numpy as np
 import pytest
 from value_classes import changeable
 
+from antenna_pin.analysis.law_studies import (
+    closed_form_peak_depth,
+    closed_form_restitution,
+    impact_of_pair,
+    impact_on_wall,
+    largest_errors,
+    restitution_table,
+)
 from antenna_pin.contact import (
     CustomNormal,
     DampedContact,
@@ -17,14 +25,6 @@ from antenna_pin.contact import (
     KuwabaraKono,
     LankaraniNikravesh,
     LiuFoundation,
-)
-from antenna_pin.law_studies import (
-    closed_form_peak_depth,
-    closed_form_restitution,
-    impact_of_pair,
-    impact_on_wall,
-    largest_errors,
-    restitution_table,
 )
 
 DIMENSIONS = {"length": 0.025, "journal_radius": 0.0098, "bearing_radius": 0.01, "modulus": 1.1374e11}
@@ -136,7 +136,7 @@ def test_the_pair_of_a_table_meets_as_the_mass_meets_the_wall(monkeypatch):
         seen.append((np.array(masses), np.array(speeds)))
         return impact(law, masses=masses, speeds=speeds)
 
-    monkeypatch.setattr("antenna_pin.law_studies.impacts.impact_of_pair", watched)
+    monkeypatch.setattr("antenna_pin.analysis.law_studies.impacts.impact_of_pair", watched)
     restitution_table(["flores"], (0.5,), mass=0.7, speed=0.2)
     ((masses, speeds),) = seen
     assert 1.0 / np.sum(1.0 / masses) == pytest.approx(0.7, rel=1e-15)

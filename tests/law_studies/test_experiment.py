@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from antenna_pin.law_studies import (
+from antenna_pin.analysis.law_studies import (
     LIU_2013,
     LIU_2013_PLAYS,
     compare_with_experiment,

@@ -10,7 +10,7 @@ import pytest
 from floating_frame import Cantilever, cantilever, deflections, frequencies
 
 from antenna_pin import load_scenario, simulate
-from antenna_pin.linear import modes
+from antenna_pin.studies.linear import modes
 
 TAU = 2.0 * np.pi
 MASS, LENGTH, FIRST = 4.0, 2.0, TAU * 2.0

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from antenna_pin import System, build_system, load_scenario
-from antenna_pin.assemble import initial_state
 from antenna_pin.dynamics import JointSpring, PointSpring
-from antenna_pin.linear import modes
+from antenna_pin.scenario.assemble import initial_state
+from antenna_pin.studies.linear import modes
 
 TAU = 2.0 * np.pi
 ANGLE = 0.7

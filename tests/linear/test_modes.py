@@ -12,11 +12,11 @@ from modal_equations import frequencies, linear_frequencies, spatial
 from scipy.linalg import eigh
 
 from antenna_pin import System, Urdf, build_mechanism, build_system, load_scenario
-from antenna_pin.assemble import urdf_variant
 from antenna_pin.dynamics import JointSpring, PointSpring
 from antenna_pin.elements import PrescribedMotion
-from antenna_pin.flexible import MassProperties
-from antenna_pin.linear import eigenmodes, linearise, modes, prepared
+from antenna_pin.mechanism.flexible import MassProperties
+from antenna_pin.scenario.assemble import urdf_variant
+from antenna_pin.studies.linear import eigenmodes, linearise, modes, prepared
 
 TAU = 2.0 * np.pi
 

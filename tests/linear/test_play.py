@@ -10,10 +10,10 @@ import pytest
 
 from antenna_pin import AntennaPinError, System, Urdf, build_mechanism, load_scenario
 from antenna_pin.contact import Hertz, LankaraniNikravesh, LuGre, Tanh
-from antenna_pin.geometry import PlanarClearance, RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
-from antenna_pin.linear import linearise, modes
-from antenna_pin.linear.operating_point import ideal_directions
+from antenna_pin.joints.geometry import PlanarClearance, RevoluteClearance
+from antenna_pin.studies.linear import linearise, modes
+from antenna_pin.studies.linear.operating_point import ideal_directions
 
 TAU = 2.0 * np.pi
 K, MASS, PLAY = 2e9, 2.0, 1e-3
@@ -127,7 +127,7 @@ def test_a_load_across_and_along_balances():
     found = modes(system, load=[80.0, 0.0, 150.0])
     at = found.linearisation.at
     assert set(np.flatnonzero(at.memory["touching"])) >= {0, 1}
-    from antenna_pin.linear.force_derivatives import Forces
+    from antenna_pin.studies.linear.force_derivatives import Forces
 
     left = Forces(system, 0.0, at.y, at.memory, at.loads).whole()
     assert np.abs(left).max() < 1e-9 * 170.0

@@ -13,9 +13,9 @@ from antenna_pin import AntennaPinError, System, build_mechanism, load_scenario
 from antenna_pin.analysis import body_poses
 from antenna_pin.dynamics import ConstantDrive, JointSpring
 from antenna_pin.elements import LuGreFriction
-from antenna_pin.linear import frequency_response, modes, swing
-from antenna_pin.plot import figure_response
-from antenna_pin.record import record_several
+from antenna_pin.show.plot import figure_response
+from antenna_pin.show.record import record_several
+from antenna_pin.studies.linear import frequency_response, modes, swing
 
 TAU = 2.0 * np.pi
 FLEXIBLE = {"case": "flexible-ideal"}

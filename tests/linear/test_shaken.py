@@ -7,8 +7,8 @@ from antenna_pin import System, Urdf, build_mechanism
 from antenna_pin.dynamics import assembled
 from antenna_pin.elements import JointSpring, SineShake
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.linear import frequency_response, modes, sources_of
 from antenna_pin.mechanism import with_shaken_base
+from antenna_pin.studies.linear import frequency_response, modes, sources_of
 
 LINK = (
     '<link name="{0}"><inertial><origin xyz="{1} 0 0"/><mass value="{2}"/>'

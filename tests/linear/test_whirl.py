@@ -8,7 +8,7 @@ from antenna_pin import Urdf, build_mechanism, simulate
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.dynamics import System
 from antenna_pin.elements import BallBearing, StiffnessBearing, moved
-from antenna_pin.linear import modes
+from antenna_pin.studies.linear import modes
 
 MASS, ACROSS, ALONG, HEIGHT = 2.0, 0.006, 0.01, 0.03
 ROTOR = f"""<robot name="rotor"><link name="hull"><inertial><mass value="{{hull}}"/>

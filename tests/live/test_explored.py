@@ -9,8 +9,8 @@ from value_classes import changeable
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import journal_motion
+from antenna_pin.apps.live import Explored, Runner, explore
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.live import Explored, Runner, explore
 
 FAST = {"clearance.elevation.geometry": "closed-form", "integrator.engine": "compiled"}
 PLAY = "clearance.elevation.radial_clearance"
@@ -64,7 +64,7 @@ def test_a_scenario_that_cannot_be_made_is_answered_at_once():
 
 def test_a_run_gets_on_however_slow_its_pieces_are(antenna, monkeypatch):
     """Where going on takes its time whatever the piece, shorter pieces would never come to the end."""
-    from antenna_pin.live import runner
+    from antenna_pin.apps.live import runner
 
     monkeypatch.setattr(runner, "_LOOK", 0.0)
     made = made_by(antenna)

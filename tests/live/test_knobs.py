@@ -5,8 +5,8 @@ import math
 import pytest
 
 from antenna_pin import list_scenarios, load_scenario
+from antenna_pin.apps.live import Knob, knobs_of
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.live import Knob, knobs_of
 from antenna_pin.scenario import TouchingSpec
 
 CASES = [

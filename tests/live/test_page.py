@@ -22,8 +22,8 @@ import pytest
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import journal_motion
+from antenna_pin.apps.live import explore
 from antenna_pin.errors import OutputError
-from antenna_pin.live import explore
 
 pytest.importorskip("bokeh", reason="the extra explore is not installed: pip install 'antenna-pin[explore]'")
 
@@ -120,7 +120,7 @@ class Written:
     def __init__(self, scenario, folder):
         from bokeh.document import Document
 
-        from antenna_pin.live.page import ExplorerPage
+        from antenna_pin.apps.live.page import ExplorerPage
 
         self.document, self.told = Document(), []
         self._page = ExplorerPage(self.document, scenario, None, scenario.duration, folder, self.told.append)
@@ -196,8 +196,8 @@ def test_until_the_first_run_is_there_the_page_has_its_stage(local_page, monkeyp
 
     Who started it is told of compiling and of the end in a line each.
     """
+    from antenna_pin.apps.live import runner
     from antenna_pin.compiled.compile_time import CompileClock
-    from antenna_pin.live import runner
 
     release, compiling, told = threading.Event(), threading.Event(), []
     monkeypatch.setattr(CompileClock, "is_compiling", property(lambda clock: compiling.is_set()))
@@ -230,8 +230,8 @@ def test_until_the_first_run_is_there_the_page_has_its_stage(local_page, monkeyp
 
 def test_what_is_done_before_the_page_is_served_is_told(monkeypatch, capsys):
     """On the error stream, kernels that are compiled once; or to nobody."""
+    from antenna_pin.apps.live import runner, server
     from antenna_pin.compiled import kernel_cache as _kernel_cache
-    from antenna_pin.live import runner, server
 
     class Compiled(server.Explored):
         def scenario(self):
@@ -357,7 +357,7 @@ def test_no_command_line_has_the_key(tmp_path):
     browser, seen = tmp_path / "browser", tmp_path / "seen"
     browser.write_text(f'#!/bin/sh\necho "$@" > {seen}\n')
     browser.chmod(0o700)
-    command = [sys.executable, "-m", "antenna_pin.cli", "explore", "bai2020"]
+    command = [sys.executable, "-m", "antenna_pin.apps.cli", "explore", "bai2020"]
     with (
         subprocess.Popen(
             command,
@@ -393,7 +393,7 @@ def test_a_taken_port_is_refused_in_one_line():
 
 
 def test_the_command_serves_until_ctrl_c(tmp_path, but_for_work):
-    command = [sys.executable, "-m", "antenna_pin.cli", "explore", "bai2020", "--no-browser"]
+    command = [sys.executable, "-m", "antenna_pin.apps.cli", "explore", "bai2020", "--no-browser"]
     with subprocess.Popen(
         command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as served:

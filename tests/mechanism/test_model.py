@@ -9,7 +9,7 @@ import pinocchio as pin
 import pytest
 import yourdfpy
 
-from antenna_pin.constraints import Anchor, on_body
+from antenna_pin.dynamics.constraints import Anchor, on_body
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.mechanism import (
     JointChange,

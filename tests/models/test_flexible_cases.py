@@ -10,9 +10,9 @@ from scipy.integrate import quad
 from scipy.optimize import brentq
 
 from antenna_pin import load_scenario, simulate
-from antenna_pin.assemble import build_system, urdf_variant
-from antenna_pin.flexible import MassProperties
+from antenna_pin.mechanism.flexible import MassProperties
 from antenna_pin.scenario import list_scenarios
+from antenna_pin.scenario.assemble import build_system, urdf_variant
 
 CASES = [
     ("bai2020", "flexible", "case3"),

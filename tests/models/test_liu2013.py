@@ -6,8 +6,8 @@ from scipy.optimize import brentq, least_squares
 from scipy.stats import t as student
 
 from antenna_pin import load_scenario, models_path, simulate
-from antenna_pin.fit import load_fit, run_fit
-from antenna_pin.law_studies import LIU_2013, LIU_2013_STEEL, elastic_laws_of_joint
+from antenna_pin.analysis.law_studies import LIU_2013, LIU_2013_STEEL, elastic_laws_of_joint
+from antenna_pin.studies.fit import load_fit, run_fit
 
 CASES = {"paper": "liu-2013", "corrected": "liu-2013-corrected", "foundation": "liu-foundation"}
 LOADS = np.array([500.0, 1000.0, 2000.0, 3000.0])  # [N]

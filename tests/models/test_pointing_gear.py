@@ -9,8 +9,8 @@ from scipy.optimize import fsolve
 
 from antenna_pin import load_scenario, models_path, simulate
 from antenna_pin.analysis import gear_contacts, gear_impacts
-from antenna_pin.assemble import build_system
 from antenna_pin.elements import kernels, kind_of
+from antenna_pin.scenario.assemble import build_system
 
 ROTOR, DISH, RATIO = 2e-5, 0.5, 100.0
 CASES = list(tomllib.loads((models_path() / "pointing_gear" / "scenario.toml").read_text())["cases"])

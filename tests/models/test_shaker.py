@@ -16,7 +16,7 @@ from antenna_pin.analysis import (
     swept_response,
     transfer,
 )
-from antenna_pin.linear import frequency_response, modes
+from antenna_pin.studies.linear import frequency_response, modes
 
 CASES = tomllib.loads((models_path() / "shaker" / "scenario.toml").read_text())["cases"]
 ABOUT, LEVER, LATCH, HARNESS, DAMPING = 0.073, 0.24, 400.0, 2.0, 0.25

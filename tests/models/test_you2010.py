@@ -16,9 +16,9 @@ from scipy.optimize import minimize_scalar
 
 from antenna_pin import build_system, load_scenario, models_path, simulate
 from antenna_pin.analysis import joint_loads
-from antenna_pin.assemble import urdf_variant
 from antenna_pin.contact import hertz_stiffness
 from antenna_pin.errors import MechanismError, NotSimulatedWarning
+from antenna_pin.scenario.assemble import urdf_variant
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = models_path() / "you2010"

@@ -7,8 +7,8 @@ import pytest
 
 from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenario
 from antenna_pin.elements import ConstantDrive, JointSpring, SineDrive
-from antenna_pin.nonlinear import Flow
-from antenna_pin.simulation import Angle, Event, Jump
+from antenna_pin.run.simulation import Angle, Event, Jump
+from antenna_pin.studies.nonlinear import Flow
 
 CARRIAGE = (
     '<robot name="oscillator"><link name="ground"/>'

@@ -8,8 +8,8 @@ import pytest
 from scipy.optimize import brentq
 
 from antenna_pin import RunSettings
-from antenna_pin.nonlinear import Flow, continued
-from antenna_pin.nonlinear.bifurcation_points import hidden_change, is_torus, locate_crossing
+from antenna_pin.studies.nonlinear import Flow, continued
+from antenna_pin.studies.nonlinear.bifurcation_points import hidden_change, is_torus, locate_crossing
 
 WEIGHT = 9.0  # m g l of 1 kg at 1 m
 

@@ -7,8 +7,8 @@ from antenna_pin import build_system, load_scenario, simulate
 from antenna_pin.base.records import CONTACT
 from antenna_pin.dynamics import Workspace
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.nonlinear import carried
-from antenna_pin.simulation import Event, Force, Stop
+from antenna_pin.run.simulation import Event, Force, Stop
+from antenna_pin.studies.nonlinear import carried
 
 PIN = "clearance.pin.radial_clearance"
 

@@ -7,7 +7,7 @@ import pytest
 
 from antenna_pin import load_scenario
 from antenna_pin.dynamics import Workspace
-from antenna_pin.nonlinear import Chart, Flow, NotAlikeError, OutOfReachError, flow_of
+from antenna_pin.studies.nonlinear import Chart, Flow, NotAlikeError, OutOfReachError, flow_of
 
 COMPILED = {"integrator.engine": "compiled"}
 

@@ -11,9 +11,9 @@ from scipy.optimize import brentq
 from antenna_pin import RunSettings, load_scenario
 from antenna_pin.elements import CallableDrive, SineDrive
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.nonlinear import Chart, Flow, continued, flow_of, periodic_orbit
-from antenna_pin.nonlinear.bifurcation_points import flip_test, is_torus, torus_test
-from antenna_pin.nonlinear.pseudo_arclength import BranchStepper
+from antenna_pin.studies.nonlinear import Chart, Flow, continued, flow_of, periodic_orbit
+from antenna_pin.studies.nonlinear.bifurcation_points import flip_test, is_torus, torus_test
+from antenna_pin.studies.nonlinear.pseudo_arclength import BranchStepper
 
 NUMBERS = {"m": 1.0, "k": 1.0, "c": 0.1}
 

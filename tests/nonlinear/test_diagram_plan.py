@@ -3,8 +3,8 @@
 import pytest
 
 from antenna_pin.errors import InvalidParameterError, ScenarioError, UnknownNameError
-from antenna_pin.nonlinear import list_plans, load_plan, values_of
-from antenna_pin.nonlinear.returns import SectionRun
+from antenna_pin.studies.nonlinear import list_plans, load_plan, values_of
+from antenna_pin.studies.nonlinear.returns import SectionRun
 
 PLAN = """
 scenario = "pendulum"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.nonlinear import Stroboscope, bifurcation, open_diagram, section_of
+from antenna_pin.studies.nonlinear import Stroboscope, bifurcation, open_diagram, section_of
 
 # Taylor, Classical Mechanics (2005), section 12.4: damping w0 / 4, drive at w0 / 1.5; here w = 2 pi.
 W0 = 3.0 * math.pi

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from antenna_pin import load_scenario
-from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.base.settings import RunSettings
-from antenna_pin.nonlinear.vector_field import VectorField
+from antenna_pin.scenario.assemble import build_system, initial_state
+from antenna_pin.studies.nonlinear.vector_field import VectorField
 
 # Depth of the disc in its bore [m], and the law's stiffness [N/m^1.5].
 DEPTH, STIFFNESS = 1e-9, 1e10

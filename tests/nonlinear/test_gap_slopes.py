@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from antenna_pin import load_scenario
-from antenna_pin.nonlinear import flow_of
-from antenna_pin.nonlinear.vector_field import VectorField
-from antenna_pin.simulation.inputs import settings_of
+from antenna_pin.run.simulation.inputs import settings_of
+from antenna_pin.studies.nonlinear import flow_of
+from antenna_pin.studies.nonlinear.vector_field import VectorField
 
 
 @pytest.mark.parametrize("scale", [1.0, 1e-2, 1e-3])

@@ -6,7 +6,7 @@ import pytest
 from antenna_pin import Coupling, System, Urdf, build_mechanism
 from antenna_pin.elements import Gear, JointSpring, SineDrive
 from antenna_pin.mechanism import Rotor, with_rotor
-from antenna_pin.nonlinear import Flow, periodic_orbit
+from antenna_pin.studies.nonlinear import Flow, periodic_orbit
 
 LINK = (
     '<link name="{0}"><inertial><mass value="1"/>'

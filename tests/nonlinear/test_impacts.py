@@ -11,7 +11,7 @@ import pytest
 from displacements import TIME, anywhere, ways_of, with_numbers
 
 from antenna_pin import RunSettings, build_system, load_scenario
-from antenna_pin.nonlinear.vector_field import VectorField
+from antenna_pin.studies.nonlinear.vector_field import VectorField
 
 ROOT = Path(__file__).parents[2]
 STEPS = 10.0 ** np.arange(1.0, -1.5, -0.5)

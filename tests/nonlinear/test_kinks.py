@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 
 from antenna_pin import RunSettings
 from antenna_pin.elements import CallableDrive, PDController
-from antenna_pin.nonlinear import Chart, Flow
+from antenna_pin.studies.nonlinear import Chart, Flow
 
 # Pieces of a force: slope of max(0, a x + b v - d), a, b, d.
 

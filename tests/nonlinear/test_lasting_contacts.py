@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from antenna_pin import load_scenario
-from antenna_pin.nonlinear import Chart, flow_of, largest_exponent, lyapunov_spectrum
+from antenna_pin.studies.nonlinear import Chart, flow_of, largest_exponent, lyapunov_spectrum
 
 GRAVITY, HOLLOW, STIFFNESS, SPEED = 9.81, 0.1, 1e4, 0.05
 SLIP, SPRING, DAMPING = 0.1 * GRAVITY / 0.3, 4.0, 0.5

@@ -5,8 +5,8 @@ import pytest
 from displacements import with_numbers
 
 from antenna_pin import RunSettings, load_scenario
-from antenna_pin.nonlinear import flow_of
-from antenna_pin.nonlinear.vector_field import VectorField
+from antenna_pin.studies.nonlinear import flow_of
+from antenna_pin.studies.nonlinear.vector_field import VectorField
 
 STEP = 1e-3
 HELD = 1e-10

@@ -15,7 +15,7 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq, fsolve
 
-from antenna_pin.nonlinear import continued, family_of, flow_of, periodic_orbit
+from antenna_pin.studies.nonlinear import continued, family_of, flow_of, periodic_orbit
 
 GRAVITY, PERIOD, HOLLOW = 9.81, 2.0, 0.4
 W = 2.0 * math.pi / PERIOD

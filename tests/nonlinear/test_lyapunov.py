@@ -10,7 +10,7 @@ from scipy.linalg import expm
 from antenna_pin import RunSettings
 from antenna_pin.elements import CallableDrive
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.nonlinear import Flow, flow_of, largest_exponent, lyapunov_spectrum
+from antenna_pin.studies.nonlinear import Flow, flow_of, largest_exponent, lyapunov_spectrum
 
 
 def test_neighbours_of_a_damped_oscillator_come_together_at_half_its_damping(oscillator):

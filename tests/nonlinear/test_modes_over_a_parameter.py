@@ -5,8 +5,8 @@ import pytest
 
 from antenna_pin import build_system, run_study, simulate
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.nonlinear import Stroboscope, bifurcation, carried
-from antenna_pin.sweep import load_study
+from antenna_pin.studies.nonlinear import Stroboscope, bifurcation, carried
+from antenna_pin.studies.sweep import load_study
 
 TABLES = """
 [springs.way]

@@ -8,7 +8,7 @@ from impact_oscillator import Impacts
 
 from antenna_pin import load_scenario
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
-from antenna_pin.nonlinear import (
+from antenna_pin.studies.nonlinear import (
     Flow,
     NoOrbitError,
     Stroboscope,

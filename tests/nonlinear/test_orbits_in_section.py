@@ -8,7 +8,8 @@ import xarray as xr
 
 from antenna_pin import load_scenario
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.nonlinear import (
+from antenna_pin.show.plot import figure_bifurcation
+from antenna_pin.studies.nonlinear import (
     Stroboscope,
     branch_table,
     continued,
@@ -18,7 +19,6 @@ from antenna_pin.nonlinear import (
     poincare,
     section_of,
 )
-from antenna_pin.plot import figure_bifurcation
 
 KEY = "drives.motor.amplitude"
 DRIVE = "{joint = 'hinge', kind = 'sine', amplitude = '1 N*m', frequency = '0.625 Hz'}"

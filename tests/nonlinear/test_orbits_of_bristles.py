@@ -5,7 +5,7 @@ import pytest
 
 from antenna_pin import RunSettings, System
 from antenna_pin.elements import BoucWen, DahlFriction, GonthierFriction, LuGreFriction
-from antenna_pin.nonlinear import Flow, periodic_orbit
+from antenna_pin.studies.nonlinear import Flow, periodic_orbit
 
 PERIOD = 2.0
 _BRISTLES = {"joint": "way", "coulomb": 0.2, "stiffness": 8.0}

@@ -9,8 +9,8 @@ from scipy.integrate import solve_ivp
 from antenna_pin import RunSettings, System
 from antenna_pin.elements import JointSpring
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.nonlinear import Flow, periodic_orbit
-from antenna_pin.simulation import Angle, Event, Set
+from antenna_pin.run.simulation import Angle, Event, Set
+from antenna_pin.studies.nonlinear import Flow, periodic_orbit
 
 OMEGA, AT, STIFFNESS, DAMPING = 2.2, 0.1, 100.0, 1.4
 PERIOD = 2.0 * math.pi / OMEGA

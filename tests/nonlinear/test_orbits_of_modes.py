@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from antenna_pin import RunSettings, System, Urdf, build_mechanism
 from antenna_pin.elements import EndStop, Gear, PrescribedMotion, RigidLatch, RigidStop, StickingFriction
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.nonlinear import Flow, NotAlikeError, lyapunov_spectrum, periodic_orbit
+from antenna_pin.studies.nonlinear import Flow, NotAlikeError, lyapunov_spectrum, periodic_orbit
 
 GRAVITY, FREQUENCY, RESTITUTION = 9.81, 5.0, 0.6
 OMEGA, PERIOD = 2.0 * math.pi * FREQUENCY, 1.0 / FREQUENCY

@@ -11,7 +11,7 @@ from types import SimpleNamespace
 import psutil
 import pytest
 
-from antenna_pin.nonlinear import diagrams as diagram
+from antenna_pin.studies.nonlinear import diagrams as diagram
 
 _PYTHON = SimpleNamespace(scenario=SimpleNamespace(integrator=SimpleNamespace(engine="pinocchio")))
 

@@ -10,7 +10,7 @@ import pytest
 from antenna_pin.analysis import stability_spans, unexplained_changes
 from antenna_pin.base.state import State
 from antenna_pin.errors import FileFormatError, InvalidParameterError
-from antenna_pin.nonlinear import (
+from antenna_pin.studies.nonlinear import (
     amplitudes,
     branch_table,
     continued,

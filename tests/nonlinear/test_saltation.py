@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import brentq
 
 from antenna_pin import load_scenario
-from antenna_pin.nonlinear import flow_of
+from antenna_pin.studies.nonlinear import flow_of
 
 SPEED, ONSET = 0.1, 1e-3  # [m/s], [s]
 

@@ -12,8 +12,8 @@ from antenna_pin import simulate
 from antenna_pin.analysis import RecurrenceKind, recurrence
 from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.nonlinear import Crossing, Stroboscope, drive_period, poincare, section_of
-from antenna_pin.simulation import Angle, Event, Rate
+from antenna_pin.run.simulation import Angle, Event, Rate
+from antenna_pin.studies.nonlinear import Crossing, Stroboscope, drive_period, poincare, section_of
 
 DRIVEN = """
 [springs.way]

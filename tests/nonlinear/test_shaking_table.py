@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from antenna_pin.nonlinear import Chart, Flow, continued, flow_of, periodic_orbit
-from antenna_pin.simulation import Event, Jump
+from antenna_pin.run.simulation import Event, Jump
+from antenna_pin.studies.nonlinear import Chart, Flow, continued, flow_of, periodic_orbit
 
 GRAVITY, PERIOD = 9.81, 0.2
 W = 2.0 * math.pi / PERIOD

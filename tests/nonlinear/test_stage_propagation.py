@@ -3,10 +3,10 @@
 import numpy as np
 
 from antenna_pin import load_scenario
-from antenna_pin.engine import Carrying
-from antenna_pin.nonlinear import Chart, flow_of
-from antenna_pin.nonlinear.variational import TangentPropagation
-from antenna_pin.nonlinear.vector_field import VectorField
+from antenna_pin.run.engine import Carrying
+from antenna_pin.studies.nonlinear import Chart, flow_of
+from antenna_pin.studies.nonlinear.variational import TangentPropagation
+from antenna_pin.studies.nonlinear.vector_field import VectorField
 
 CLOSED = ["integrator.engine=compiled", "clearance.bore.geometry=closed-form"]
 

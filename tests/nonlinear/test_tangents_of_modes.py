@@ -17,7 +17,7 @@ from antenna_pin.elements import (
     SineDrive,
     StickingFriction,
 )
-from antenna_pin.nonlinear import Flow
+from antenna_pin.studies.nonlinear import Flow
 
 COIL = {"coil": JointSpring(joint="way", stiffness=10.0, damping=0.3)}
 SLIPS = MaxwellSlip(joint="way", stiffness=(10.0, 20.0), slip=(0.5, 2.0))

@@ -9,8 +9,8 @@ from scipy.linalg import expm
 
 from antenna_pin import load_scenario
 from antenna_pin.integrate import NODES, Manifold, Propagator
-from antenna_pin.nonlinear import Chart, Flow, flow_of
-from antenna_pin.simulation import Angle, Event, Jump, Set
+from antenna_pin.run.simulation import Angle, Event, Jump, Set
+from antenna_pin.studies.nonlinear import Chart, Flow, flow_of
 
 COMPILED = {"integrator.engine": "compiled"}
 

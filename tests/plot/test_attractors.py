@@ -6,8 +6,8 @@ import xarray as xr
 
 from antenna_pin.analysis import RecurrenceKind, diagram_verdicts
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.nonlinear import load_plan
-from antenna_pin.plot import ATTRACTORS, Attractor, AttractorFigure, DiagramFigure, figure_bifurcation
+from antenna_pin.show.plot import ATTRACTORS, Attractor, AttractorFigure, DiagramFigure, figure_bifurcation
+from antenna_pin.studies.nonlinear import load_plan
 
 X, Y = "body_position[platform].z", "body_velocity[platform].z"
 GOLDEN = 0.5 * (np.sqrt(5.0) - 1.0)
@@ -46,7 +46,7 @@ def quantities_are_variables(monkeypatch):
     def read(run, name):
         return Quantity(name, run["time"].values, run[name].values, run[name].attrs["units"], name)
 
-    monkeypatch.setattr("antenna_pin.plot.phase.quantity", read)
+    monkeypatch.setattr("antenna_pin.show.plot.phase.quantity", read)
 
 
 def test_a_motion_is_judged_by_the_range_of_its_trajectory():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from antenna_pin import load_scenario, simulate
-from antenna_pin.plot import figure_bore_load, figure_contact_forces, figure_eccentricity
+from antenna_pin.show.plot import figure_bore_load, figure_contact_forces, figure_eccentricity
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
 
-from antenna_pin.plot._style import COLOURS, IDEAL, SEQUENTIAL, distinct
-from antenna_pin.plot.study import _LIGHTEST
+from antenna_pin.show.plot._style import COLOURS, IDEAL, SEQUENTIAL, distinct
+from antenna_pin.show.plot.study import _LIGHTEST
 
 # How people without one kind of cone see linear RGB: Machado, Oliveira and Fernandes (2009), IEEE Trans. Vis.
 # Comput. Graph. 15(6), table 1, severity 1.

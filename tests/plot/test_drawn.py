@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.errors import UnknownNameError
-from antenna_pin.plot import drawn_numbers, figure_glance, figure_motion, figure_orbit
+from antenna_pin.show.plot import drawn_numbers, figure_glance, figure_motion, figure_orbit
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import pytest
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import gear_impacts, latch_events
-from antenna_pin.plot import allowed_figures, figure_control, figure_deflection
+from antenna_pin.show.plot import allowed_figures, figure_control, figure_deflection
 
 from .conftest import note_of, title_of
 

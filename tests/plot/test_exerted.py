@@ -10,7 +10,7 @@ from driven_four_bar import write_driven_four_bar
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import drive_power
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.plot import (
+from antenna_pin.show.plot import (
     CATALOGUE,
     allowed_figures,
     figure_applied_forces,

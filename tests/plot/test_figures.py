@@ -10,7 +10,7 @@ import xarray as xr
 
 from antenna_pin.base.readable import printed_unit
 from antenna_pin.errors import AntennaPinError, FileFormatError, OutputError, UnknownNameError
-from antenna_pin.plot import (
+from antenna_pin.show.plot import (
     CATALOGUE,
     QUANTITIES,
     figure_contact_forces,
@@ -20,7 +20,7 @@ from antenna_pin.plot import (
     save_figure,
     save_figures,
 )
-from antenna_pin.plot._style import prefixed
+from antenna_pin.show.plot._style import prefixed
 
 
 @pytest.fixture(scope="module")
@@ -290,7 +290,7 @@ def test_no_two_labels_overlap_and_none_is_cut_off(runs, stillborn, readable, na
 
 def test_no_window_system_is_touched():
     """Neither pyplot nor a display: figures can be drawn on a bare server."""
-    code = "import sys, antenna_pin.plot; sys.exit('matplotlib.pyplot' in sys.modules)"
+    code = "import sys, antenna_pin.show.plot; sys.exit('matplotlib.pyplot' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.plot import (
+from antenna_pin.show.plot import (
     correlations,
     curves_of_fit,
     figure_correlation,

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.plot._compared import panels_sheet
-from antenna_pin.plot._style import LINEAR_BETWEEN, footnote
-from antenna_pin.plot._thinned import between_spikes
-from antenna_pin.plot.grammar import (
+from antenna_pin.show.plot._compared import panels_sheet
+from antenna_pin.show.plot._style import LINEAR_BETWEEN, footnote
+from antenna_pin.show.plot._thinned import between_spikes
+from antenna_pin.show.plot.grammar import (
     Axis,
     Curve,
     Ground,

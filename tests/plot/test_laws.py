@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
+from antenna_pin.analysis.law_studies import LIU_2013, elastic_laws_of_joint, restitution_table
 from antenna_pin.contact import MATERIALS, LiuPinJoint
 from antenna_pin.errors import AntennaPinError, UnknownNameError
-from antenna_pin.law_studies import LIU_2013, elastic_laws_of_joint, restitution_table
-from antenna_pin.plot import (
+from antenna_pin.show.plot import (
     figure_contact_width,
     figure_experiment,
     figure_force_curves,

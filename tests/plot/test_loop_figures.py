@@ -5,8 +5,8 @@ import pytest
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import body_motion, mechanism_of, moved_body
-from antenna_pin.plot import CATALOGUE, allowed_figures, figure_body
-from antenna_pin.plot._kinds import LOOPED
+from antenna_pin.show.plot import CATALOGUE, allowed_figures, figure_body
+from antenna_pin.show.plot._kinds import LOOPED
 
 from .conftest import note_of, title_of
 

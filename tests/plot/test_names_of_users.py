@@ -16,7 +16,9 @@ from antenna_pin import AntennaPinError, load_scenario, run_study, simulate
 from antenna_pin.analysis import Quantity
 from antenna_pin.analysis.phase import PhasePortrait
 from antenna_pin.contact import LiuPinJoint
-from antenna_pin.plot import (
+from antenna_pin.scenario import scenario_toml
+from antenna_pin.scenario.merge import toml_value
+from antenna_pin.show.plot import (
     allowed_figures,
     figure_branch,
     figure_correlation,
@@ -29,9 +31,7 @@ from antenna_pin.plot import (
     rendered,
     study_figures,
 )
-from antenna_pin.scenario import scenario_toml
-from antenna_pin.scenario.merge import toml_value
-from antenna_pin.sweep import load_study
+from antenna_pin.studies.sweep import load_study
 
 from .test_fits import fit
 from .test_periodic import branch

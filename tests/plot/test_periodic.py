@@ -5,8 +5,8 @@ import pytest
 import xarray as xr
 
 from antenna_pin.errors import UnknownNameError
-from antenna_pin.plot import figure_branch, figure_exponents, figure_multipliers
-from antenna_pin.plot.periodic import track
+from antenna_pin.show.plot import figure_branch, figure_exponents, figure_multipliers
+from antenna_pin.show.plot.periodic import track
 
 # A branch that turns at 2, doubles its period at 1.4 on the way back and ends in a graze at 1.
 VALUES = [0.0, 1.0, 1.9, 1.9, 1.6, 1.2]

@@ -5,7 +5,7 @@ import pytest
 
 from antenna_pin.analysis import Quantity
 from antenna_pin.analysis.phase import PhasePortrait
-from antenna_pin.plot import figure_phase
+from antenna_pin.show.plot import figure_phase
 
 TIME = np.linspace(0.0, 2.0, 2001)
 

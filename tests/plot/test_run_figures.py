@@ -26,7 +26,7 @@ from antenna_pin.analysis import (
     spectrum,
 )
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.plot import (
+from antenna_pin.show.plot import (
     BASE_QUANTITIES,
     BODY_QUANTITIES,
     CATALOGUE,
@@ -51,10 +51,10 @@ from antenna_pin.plot import (
     paper_figures,
     save_figures,
 )
-from antenna_pin.plot import journal as journal_figures
-from antenna_pin.plot._compared import panels_sheet
-from antenna_pin.plot._kinds import FREE_BASE, LOOPED, MOVING, PLAYLESS, POINTED, SLIDING, TOUCHING
-from antenna_pin.plot.grammar import Axis, Curve, Panel, render
+from antenna_pin.show.plot import journal as journal_figures
+from antenna_pin.show.plot._compared import panels_sheet
+from antenna_pin.show.plot._kinds import FREE_BASE, LOOPED, MOVING, PLAYLESS, POINTED, SLIDING, TOUCHING
+from antenna_pin.show.plot.grammar import Axis, Curve, Panel, render
 
 from .conftest import factor_of, lines_of, note_of, title_of
 
@@ -499,7 +499,7 @@ def test_figures_of_kinds_of_runs_refuse_others(plain, name):
 
 
 def test_the_standard_set_of_real_runs(runs, tmp_path, monkeypatch):
-    monkeypatch.setattr("antenna_pin.plot.files._as_file", lambda figure, suffix: b"")  # takes the time
+    monkeypatch.setattr("antenna_pin.show.plot.files._as_file", lambda figure, suffix: b"")  # takes the time
     said = []
     written = save_figures(runs[::2], tmp_path, ("svg",), on_left_out=lambda *words: said.append(words))
     joints = {name: "azimuth" if figure.of is PLAYLESS else "elevation" for name, figure in CATALOGUE.items()}
@@ -549,7 +549,7 @@ def test_figures_drawn_side_by_side_are_those_drawn_one_after_the_other(real_run
 
 
 def test_every_joint_with_play_has_its_files(real_runs, tmp_path, monkeypatch):
-    monkeypatch.setattr("antenna_pin.plot.files._as_file", lambda figure, suffix: b"")
+    monkeypatch.setattr("antenna_pin.show.plot.files._as_file", lambda figure, suffix: b"")
     ball = [("balls", real_runs["floating"])]
     joints = list(clearance_shapes(real_runs["floating"]))
     assert len(joints) == 2
@@ -591,7 +591,7 @@ def test_what_runs_are_about_is_drawn_of_each_joint_with_clearance(runs, rigs):
 
 def test_what_the_data_do_not_allow_is_left_out_with_the_reason(real_runs, tmp_path, monkeypatch):
     """A foreign tool has dropped a variable; the other figures are drawn all the same."""
-    monkeypatch.setattr("antenna_pin.plot.files._as_file", lambda figure, suffix: b"")
+    monkeypatch.setattr("antenna_pin.show.plot.files._as_file", lambda figure, suffix: b"")
     said = []
     data = real_runs["case2-planar"].drop_vars("journal_tilt").isel(time=slice(0, 12))
     written = save_figures([("cut", data)], tmp_path, ("svg",), on_left_out=lambda *words: said.append(words))

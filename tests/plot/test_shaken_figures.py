@@ -5,8 +5,8 @@ import pytest
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import power_density, quantity, shaken_target, swept_response
-from antenna_pin.linear import frequency_response, modes
-from antenna_pin.plot import CATALOGUE, allowed_figures, figure_density, figure_swept
+from antenna_pin.show.plot import CATALOGUE, allowed_figures, figure_density, figure_swept
+from antenna_pin.studies.linear import frequency_response, modes
 
 RANDOM = {
     "kind": "random",

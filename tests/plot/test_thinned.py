@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from antenna_pin.plot import _thinned, contacts
-from antenna_pin.plot._runs import labelled
-from antenna_pin.plot._style import new_figure
-from antenna_pin.plot._thinned import between_spikes, closer, telling, thinned, turning
+from antenna_pin.show.plot import _thinned, contacts
+from antenna_pin.show.plot._runs import labelled
+from antenna_pin.show.plot._style import new_figure
+from antenna_pin.show.plot._thinned import between_spikes, closer, telling, thinned, turning
 
 COUNT = 60_000
 PARTS = 300

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from antenna_pin.plot import PAPERS
+from antenna_pin.show.plot import PAPERS
 
 
 def run(case, peak):

@@ -14,9 +14,9 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin import AntennaPinError, Trajectory, load_scenario, simulate
 from antenna_pin.analysis import body_poses, elastic_parts_of, mechanism_of
-from antenna_pin.record import bending_magnification, record
-from antenna_pin.record.bending import drawn_poses
-from antenna_pin.report import report
+from antenna_pin.show.record import bending_magnification, record
+from antenna_pin.show.record.bending import drawn_poses
+from antenna_pin.show.report import report
 
 FRAMES = np.array([0, 30, 60, 90])
 

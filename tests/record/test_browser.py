@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import body_poses, quantity
-from antenna_pin.record import record, shared_head
+from antenna_pin.show.record import record, shared_head
 
 SIZE = (900, 640)
 FIELD_OF_VIEW = np.radians(32.0)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from antenna_pin.errors import MissingToolError
-from antenna_pin.record import browser as browser_tools
+from antenna_pin.show.record import browser as browser_tools
 
 PAGE = """<!doctype html><title>probe</title><body style="margin:0">
 <canvas width="60" height="40"></canvas><p style="margin:0;height:20px;width:60px;background:#00f"></p>
@@ -105,7 +105,7 @@ def test_a_driver_that_does_not_answer_is_given_up(monkeypatch, tmp_path):
 
 KILLED = """
 import time
-from antenna_pin.record.browser import open_browser
+from antenna_pin.show.record.browser import open_browser
 with open_browser() as browser:
     print(browser._driver.capabilities["chrome"]["userDataDir"], flush=True)
     time.sleep(60)

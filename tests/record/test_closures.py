@@ -8,7 +8,7 @@ from single_loops import bricard
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import body_poses, closures_of
-from antenna_pin.record import record
+from antenna_pin.show.record import record
 
 from .conftest import placed
 

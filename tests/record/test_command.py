@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from antenna_pin import load_scenario, simulate
-from antenna_pin.cli import app
+from antenna_pin.apps.cli import app
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin import RunSettings, System, Urdf, build_mechanism, simulate
 from antenna_pin.elements import OutsideForce, Thruster
-from antenna_pin.plot import figure_momentum
-from antenna_pin.record import record
+from antenna_pin.show.plot import figure_momentum
+from antenna_pin.show.record import record
 
 from .conftest import doubles, floats
 

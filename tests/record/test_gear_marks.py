@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from antenna_pin import load_scenario, simulate
-from antenna_pin.record import record
+from antenna_pin.show.record import record
 
 from .conftest import floats, shapes_in
 

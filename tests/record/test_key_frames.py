@@ -5,8 +5,8 @@ import pytest
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.record import record
-from antenna_pin.record.key_frames import Impacts, key_frames, rate_of_turns
+from antenna_pin.show.record import record
+from antenna_pin.show.record.key_frames import Impacts, key_frames, rate_of_turns
 
 
 def impacts(onsets, peak=1.0):

@@ -4,8 +4,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.geometry import PlanarClearance, PrismaticClearance, RevoluteClearance, SphericalClearance
-from antenna_pin.record.magnified import (
+from antenna_pin.joints.geometry import (
+    PlanarClearance,
+    PrismaticClearance,
+    RevoluteClearance,
+    SphericalClearance,
+)
+from antenna_pin.show.record.magnified import (
     MagnifiedBall,
     MagnifiedJournal,
     MagnifiedSlider,

@@ -6,8 +6,8 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import body_poses
-from antenna_pin.linear import modes, swing
-from antenna_pin.record import record
+from antenna_pin.show.record import record
+from antenna_pin.studies.linear import modes, swing
 
 from .conftest import doubles, floats, placed, shapes_in
 

@@ -15,11 +15,11 @@ from value_classes import changeable
 from antenna_pin.analysis import body_poses, quantity
 from antenna_pin.errors import InvalidParameterError, OutputError, UnknownNameError
 from antenna_pin.mechanism import Urdf
-from antenna_pin.record import record, shared_head
-from antenna_pin.record._joint_pictures import BEARING, DIRECTION, JOURNAL, LOAD_COLOURS, drawn_axes
-from antenna_pin.record.curves import thinned
-from antenna_pin.record.scene import clearest
-from antenna_pin.record.shapes import visual_shapes
+from antenna_pin.show.record import record, shared_head
+from antenna_pin.show.record._joint_pictures import BEARING, DIRECTION, JOURNAL, LOAD_COLOURS, drawn_axes
+from antenna_pin.show.record.curves import thinned
+from antenna_pin.show.record.scene import clearest
+from antenna_pin.show.record.shapes import visual_shapes
 from antenna_pin.trajectory import Outcome, Trajectory
 
 from .conftest import doubles, drawn_meshes, floats

@@ -16,11 +16,11 @@ from scipy.spatial.transform import Rotation
 from typer.testing import CliRunner
 
 from antenna_pin.analysis import body_poses
-from antenna_pin.cli import app
+from antenna_pin.apps.cli import app
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, MissingToolError, OutputError
-from antenna_pin.record import Filmed, film_times, record, save_frames, save_picture, save_video
-from antenna_pin.record import browser as browser_tools
-from antenna_pin.record.browser import open_browser, open_camera
+from antenna_pin.show.record import Filmed, film_times, record, save_frames, save_picture, save_video
+from antenna_pin.show.record import browser as browser_tools
+from antenna_pin.show.record.browser import open_browser, open_camera
 
 SMALL = (320, 180)
 SLOW = 0.25  # 50 ms last 0.2 s
@@ -140,7 +140,7 @@ class Pretended:
 
     def __init__(self, monkeypatch):
         pretend_tools(monkeypatch)
-        monkeypatch.setattr("antenna_pin.record.video.open_camera", self._open)
+        monkeypatch.setattr("antenna_pin.show.record.video.open_camera", self._open)
 
     @contextlib.contextmanager
     def _open(self, recording, size, still=False):
@@ -346,7 +346,7 @@ def test_a_time_outside_is_refused(recording, tmp_path, monkeypatch):
 
 def pretend_tools(monkeypatch):
     """What is refused is refused without the tools, too."""
-    monkeypatch.setattr("antenna_pin.record.video.find_browser", lambda: None)
+    monkeypatch.setattr("antenna_pin.show.record.video.find_browser", lambda: None)
 
 
 @pytest.mark.parametrize("save", [save_picture, save_video, save_frames])
@@ -405,7 +405,7 @@ def test_a_picture_by_the_command(command, recording, tmp_path, browser):
 
 def test_an_interrupted_video_by_the_command(command, monkeypatch):
     pretend_tools(monkeypatch)
-    monkeypatch.setattr("antenna_pin.record.save_video", lambda made, out, **settings: Filmed(out, 3, 7))
+    monkeypatch.setattr("antenna_pin.show.record.save_video", lambda made, out, **settings: Filmed(out, 3, 7))
     code, said, complaint = command("--out", "run.mp4")
     assert code == 130 and said == "saved run.mp4\n"
     assert complaint == "antenna-pin: interrupted: run.mp4 has the first 3 of 7 pictures\n"

@@ -16,7 +16,7 @@ def view(result, *arguments, **variables):
     """Run the command in a process of its own, with no screen but what the variables name."""
     screens = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
     own = {name: value for name, value in os.environ.items() if name not in screens} | variables
-    command = [sys.executable, "-m", "antenna_pin.cli", "view", str(result), *map(str, arguments)]
+    command = [sys.executable, "-m", "antenna_pin.apps.cli", "view", str(result), *map(str, arguments)]
     return subprocess.run(command, env=own, capture_output=True, text=True, check=False)
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pinocchio as pin
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.constraints import CLOSURES, Anchor, Closure
 from antenna_pin.dynamics import System, assembled
+from antenna_pin.dynamics.constraints import CLOSURES, Anchor, Closure
 from antenna_pin.mechanism import Urdf, build_mechanism
 
 LINK = """<link name="{name}"><inertial><origin xyz="{x} 0.05 -0.02"/><mass value="{m}"/>

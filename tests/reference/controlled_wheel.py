@@ -3,8 +3,8 @@
 import dataclasses
 
 from antenna_pin import RunSettings, System, Urdf, build_mechanism, simulate
-from antenna_pin.control import Pid, Sensor
 from antenna_pin.elements import ConstantDrive
+from antenna_pin.elements.control import Pid, Sensor
 
 RIG = """
 <robot name="rig">

@@ -5,10 +5,10 @@ import functools
 import numpy as np
 
 from antenna_pin import RunSettings, build_system
-from antenna_pin.nonlinear.perturbed_system import ParameterSlopes
-from antenna_pin.nonlinear.vector_field import VectorField
 from antenna_pin.scenario import with_number
-from antenna_pin.sensitivity.parameters import parameters_of
+from antenna_pin.studies.nonlinear.perturbed_system import ParameterSlopes
+from antenna_pin.studies.nonlinear.vector_field import VectorField
+from antenna_pin.studies.sensitivity.parameters import parameters_of
 
 TIME = 0.123
 

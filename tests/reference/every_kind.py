@@ -6,9 +6,8 @@ import math
 import numpy as np
 
 from antenna_pin import Closure, Coupling, RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
-from antenna_pin.assemble import build_system, initial_state
-from antenna_pin.constraints import CLOSURES, Anchor
 from antenna_pin.contact import CustomFriction, CustomNormal, Hertz
+from antenna_pin.dynamics.constraints import CLOSURES, Anchor
 from antenna_pin.elements import (
     AxialPreload,
     BallBearing,
@@ -53,9 +52,10 @@ from antenna_pin.elements import (
     TableSpring,
     Thruster,
 )
-from antenna_pin.geometry import CylindricalClearance, RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
+from antenna_pin.joints.geometry import CylindricalClearance, RevoluteClearance
 from antenna_pin.mechanism import with_shaken_base
+from antenna_pin.scenario.assemble import build_system, initial_state
 
 LINK = (
     '<link name="{0}"><inertial><origin xyz="0.1 0.05 0"/><mass value="1"/>'

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from antenna_pin.dynamics import System
-from antenna_pin.flexible import ElasticPart, MassProperties
+from antenna_pin.mechanism.flexible import ElasticPart, MassProperties
 
 Array = NDArray[np.float64]
 

@@ -22,8 +22,8 @@ from antenna_pin import (
     simulate,
 )
 from antenna_pin.contact import LankaraniNikravesh
-from antenna_pin.geometry import PlanarClearance
-from antenna_pin.report import Report, report
+from antenna_pin.joints.geometry import PlanarClearance
+from antenna_pin.show.report import Report, report
 
 
 def run_of(case: str, duration: float = 0.1, *overrides: str) -> Trajectory:

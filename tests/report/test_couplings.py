@@ -5,7 +5,7 @@ import pytest
 from coupled_fingers import write_coupled_fingers
 
 from antenna_pin import load_scenario, simulate
-from antenna_pin.report import report
+from antenna_pin.show.report import report
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import pytest
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import elastic_motion
-from antenna_pin.report import report
+from antenna_pin.show.report import report
 
 
 @pytest.fixture(scope="module")

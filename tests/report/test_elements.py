@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from antenna_pin import load_scenario, simulate
-from antenna_pin.report import report
+from antenna_pin.show.report import report
 
 TOML = """
 duration = 0.2

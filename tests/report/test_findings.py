@@ -11,7 +11,8 @@ import xarray as xr
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import phase_portrait, portrait_table, recurrence
 from antenna_pin.errors import FileFormatError, InvalidParameterError
-from antenna_pin.nonlinear import (
+from antenna_pin.show.report import report
+from antenna_pin.studies.nonlinear import (
     Stroboscope,
     bifurcation,
     branch_table,
@@ -24,8 +25,7 @@ from antenna_pin.nonlinear import (
     periodic_orbit,
     poincare,
 )
-from antenna_pin.report import report
-from antenna_pin.sensitivity import sensitivities, sensitivity_table
+from antenna_pin.studies.sensitivity import sensitivities, sensitivity_table
 from antenna_pin.trajectory import save_table
 
 KEY, PERIOD = "drives.motor.amplitude", 1.6

@@ -6,7 +6,7 @@ from driven_four_bar import write_driven_four_bar
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import drive_loads
-from antenna_pin.report import report
+from antenna_pin.show.report import report
 
 
 @pytest.fixture(scope="module")

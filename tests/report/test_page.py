@@ -8,10 +8,10 @@ import pytest
 from value_classes import changeable
 
 from antenna_pin.errors import OutputError
-from antenna_pin.plot import allowed_figures
-from antenna_pin.record import shared_head
-from antenna_pin.report import figures, report
-from antenna_pin.report._runs import ideal_of, reported
+from antenna_pin.show.plot import allowed_figures
+from antenna_pin.show.record import shared_head
+from antenna_pin.show.report import figures, report
+from antenna_pin.show.report._runs import ideal_of, reported
 
 HOSTILE = "</title></script><script>window.bad = 1</script>\"'&"
 

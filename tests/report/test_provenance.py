@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from antenna_pin import Trajectory, load_scenario, models_path, simulate
-from antenna_pin.report import report, report_command, run_command
-from antenna_pin.report._runs import reported
 from antenna_pin.scenario import list_scenarios, scenario_toml
+from antenna_pin.show.report import report, report_command, run_command
+from antenna_pin.show.report._runs import reported
 
 CASES = [(one.name, case.name) for one in list_scenarios() for case in one.cases]
 

@@ -19,11 +19,11 @@ from antenna_pin.analysis import (
     pointing_indices,
     settling,
 )
-from antenna_pin.geometry import LOOKS
-from antenna_pin.report import Report, report
-from antenna_pin.report._runs import ReportedRun
-from antenna_pin.report.results import warnings
+from antenna_pin.joints.geometry import LOOKS
 from antenna_pin.scenario import ClearanceSpec
+from antenna_pin.show.report import Report, report
+from antenna_pin.show.report._runs import ReportedRun
+from antenna_pin.show.report.results import warnings
 
 SUPERSCRIPTS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 PREFIXES = {"G": 1e9, "M": 1e6, "k": 1e3, "m": 1e-3, "µ": 1e-6, "n": 1e-9}

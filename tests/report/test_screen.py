@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from antenna_pin.report import report
+from antenna_pin.show.report import report
 
 
 @pytest.fixture

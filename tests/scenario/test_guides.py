@@ -4,7 +4,7 @@ import pytest
 
 from antenna_pin import load_scenario
 from antenna_pin.errors import ScenarioError
-from antenna_pin.geometry import CylindricalClearance, PrismaticClearance
+from antenna_pin.joints.geometry import CylindricalClearance, PrismaticClearance
 
 ROUND = {
     "model": "cylindrical", "bearing_radius": "20 mm", "radial_clearance": "0.1 mm", "slider_length": "80 mm",

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from antenna_pin import load_scenario
-from antenna_pin.sensitivity import sensitivities
+from antenna_pin.studies.sensitivity import sensitivities
 
 MASS, STIFFNESS, DAMPING, PLACE, SPEED, PULL = 2.0, 50.0, 1.2, 0.5, 0.3, 9.81
 METHODS = ["runs", "equation"]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from antenna_pin.sensitivity import results_of, sensitivities
+from antenna_pin.studies.sensitivity import results_of, sensitivities
 from tests.sensitivity.test_closed_forms import (
     COIL,
     DAMPING,

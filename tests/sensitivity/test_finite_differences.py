@@ -16,7 +16,7 @@ import pytest
 from scipy.optimize import brentq
 
 from antenna_pin import load_scenario
-from antenna_pin.sensitivity import GrazeError, sensitivities
+from antenna_pin.studies.sensitivity import GrazeError, sensitivities
 from tests.sensitivity.test_closed_forms import MASS, PLACE, PULL, mass
 
 CEILING, BACK = 1.5, 0.8

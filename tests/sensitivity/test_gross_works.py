@@ -12,7 +12,7 @@ import pytest
 from scipy.optimize import brentq
 
 from antenna_pin import RunSettings, simulate
-from antenna_pin.sensitivity import sensitivities
+from antenna_pin.studies.sensitivity import sensitivities
 from tests.sensitivity.test_closed_forms import BASE, MASS, PLACE, SPEED, mass, oscillation, stepped_numbers
 
 PUSH, KP, KD, SWING, FREQUENCY = -0.9, 60.0, 1.5, 0.2, 1.3

@@ -5,7 +5,7 @@ import pytest
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import pointing_indices
-from antenna_pin.sensitivity import sensitivities
+from antenna_pin.studies.sensitivity import sensitivities
 from tests.sensitivity.test_closed_forms import (
     BALL,
     COIL,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from antenna_pin import load_scenario
-from antenna_pin.sensitivity import sensitivities
+from antenna_pin.studies.sensitivity import sensitivities
 from tests.sensitivity.test_gross_works import DRIVES, scenario
 from tests.sensitivity.test_onsets import END, KEYS, MASS, PLAY, RIG, SPEED, STIFFNESS
 

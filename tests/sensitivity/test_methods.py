@@ -5,9 +5,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from antenna_pin.sensitivity import SensitivityError
-from antenna_pin.sensitivity.finite_differences import Slopes
-from antenna_pin.sensitivity.methods import _checked_by_runs
+from antenna_pin.studies.sensitivity import SensitivityError
+from antenna_pin.studies.sensitivity.finite_differences import Slopes
+from antenna_pin.studies.sensitivity.methods import _checked_by_runs
 
 # Of three instants; the second is displaced most and in doubt by 0.6 %, the third by chance in none.
 BY_RUNS = np.array([1.0, 100.0, 50.0])

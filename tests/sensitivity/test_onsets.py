@@ -19,7 +19,7 @@ import pytest
 from scipy.integrate import DOP853
 
 from antenna_pin import load_scenario
-from antenna_pin.sensitivity import sensitivities
+from antenna_pin.studies.sensitivity import sensitivities
 
 ROOT = Path(__file__).parents[2]
 MASS, STIFFNESS, SPEED, PLAY, END = 2.0, 1e9, 0.1, 1e-4, 3.5e-3

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from antenna_pin import AntennaPinError, load_scenario
-from antenna_pin.sensitivity import GrazeError, SensitivityError, sensitivities
+from antenna_pin.studies.sensitivity import GrazeError, SensitivityError, sensitivities
 
 PLAIN = {
     "integrator.engine": "compiled",

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from antenna_pin.sensitivity.result import Changed
+from antenna_pin.studies.sensitivity.result import Changed
 
 
 def changed(value, *slopes):

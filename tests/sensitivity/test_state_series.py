@@ -9,16 +9,16 @@ import numpy as np
 import pytest
 
 from antenna_pin import RunSettings, System, build_mechanism, build_system, load_scenario
-from antenna_pin.assemble import initial_state
 from antenna_pin.base.changes import JointChange, LinkChange
-from antenna_pin.constraints import CLOSURES, Closure
+from antenna_pin.dynamics.constraints import CLOSURES, Closure
 from antenna_pin.elements import CallableDrive, CallableForce, Motor
-from antenna_pin.geometry import CylindricalClearance
-from antenna_pin.nonlinear.chart import StatePerturbation
-from antenna_pin.nonlinear.perturbed_system import ParameterSlopes, PerturbedParameters
-from antenna_pin.sensitivity.state_series import StateSeries
-from antenna_pin.sensitivity.tangent_run import PerturbedSamples
-from antenna_pin.simulation.loop import Run
+from antenna_pin.joints.geometry import CylindricalClearance
+from antenna_pin.run.simulation.loop import Run
+from antenna_pin.scenario.assemble import initial_state
+from antenna_pin.studies.nonlinear.chart import StatePerturbation
+from antenna_pin.studies.nonlinear.perturbed_system import ParameterSlopes, PerturbedParameters
+from antenna_pin.studies.sensitivity.state_series import StateSeries
+from antenna_pin.studies.sensitivity.tangent_run import PerturbedSamples
 from antenna_pin.trajectory.schema import VARIABLES
 from tests.reference import every_kind
 

@@ -11,7 +11,7 @@ from antenna_pin import simulate
 @pytest.mark.parametrize("step", [0.0037, 0.01, 0.025])
 def test_a_session_is_one_run_with_the_same_instants(step):
     """Steps that end between instants, at each, and behind several: nothing is asked twice or late."""
-    session = antenna_pin.session.start(rig(), controllers={"loop": PLAIN})
+    session = antenna_pin.run.session.start(rig(), controllers={"loop": PLAIN})
     while session.time + step < 0.3:
         session.step(step)
     session.run_until(0.3)

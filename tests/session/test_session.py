@@ -13,8 +13,8 @@ from sessions import antenna, differences
 from antenna_pin import Outcome, RunSettings, load_scenario, simulate
 from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
-from antenna_pin.session import EndedError, InUseError, start
-from antenna_pin.simulation import Angle, Event, Force, Mark, Rate, Set, Stop, Time
+from antenna_pin.run.session import EndedError, InUseError, start
+from antenna_pin.run.simulation import Angle, Event, Force, Mark, Rate, Set, Stop, Time
 
 
 @pytest.fixture(scope="module")
@@ -327,7 +327,7 @@ def test_restore_and_reset():
 
 def test_a_system_built_in_python(short):
     from antenna_pin import build_system
-    from antenna_pin.assemble import initial_state
+    from antenna_pin.scenario.assemble import initial_state
 
     system = build_system(short)
     q, v = initial_state(short, system)

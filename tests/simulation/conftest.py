@@ -8,9 +8,9 @@ from typing import Any
 import pytest
 
 from antenna_pin import ErrorScales, RunSettings, System, Urdf, build_mechanism
-from antenna_pin.geometry import PlanarClearance
 from antenna_pin.joints import ClearanceJoint
-from antenna_pin.simulation import checkpoint, loop, steps
+from antenna_pin.joints.geometry import PlanarClearance
+from antenna_pin.run.simulation import checkpoint, loop, steps
 
 # Scales beside which any step's error is small: steps are as long as they are asked to be.
 ANY_ERROR = ErrorScales(

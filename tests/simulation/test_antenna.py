@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from antenna_pin import RunSettings, Trajectory, load_scenario, simulate
-from antenna_pin.simulation.inputs import settings_of
+from antenna_pin.run.simulation.inputs import settings_of
 
 CLOSED = "clearance.elevation.geometry=closed-form"
 

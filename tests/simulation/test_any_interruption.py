@@ -16,11 +16,11 @@ from interruptions import in_pieces, same
 
 from antenna_pin import Trajectory, load_scenario, simulate
 from antenna_pin.elements import Motion
+from antenna_pin.run.simulation import Set, Time, checkpoint
+from antenna_pin.run.simulation.events import Event
 from antenna_pin.scenario.clearance import TouchingSpec
-from antenna_pin.simulation import Set, Time, checkpoint
-from antenna_pin.simulation.events import Event
 
-pytestmark = pytest.mark.filterwarnings("ignore::antenna_pin.simulation.CheckpointsWaitedWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::antenna_pin.run.simulation.CheckpointsWaitedWarning")
 
 METHODS = ("rk4", "bogacki-shampine-32", "dormand-prince-54", "dormand-prince-853", "radau5")
 #: Scenario, case, span [s], what is set besides.

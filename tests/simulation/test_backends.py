@@ -8,7 +8,7 @@ import pytest
 
 from antenna_pin import Outcome, RunSettings, System, simulate
 from antenna_pin.contact import CustomNormal, Hertz, Tanh
-from antenna_pin.geometry import PlanarClearance
+from antenna_pin.joints.geometry import PlanarClearance
 
 STIFFNESS, MASS, RADIUS, LONG, SHORT = 1e6, 2.0, 6e-3, 11e-3, 10e-3
 WAYS = {"x": (LONG - RADIUS, (1.0, 0.0)), "y": (SHORT - RADIUS, (0.0, 1.0))}

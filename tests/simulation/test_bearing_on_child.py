@@ -23,11 +23,16 @@ from antenna_pin.contact import GonthierBristle, Hertz, KelvinVoigt, Tanh
 from antenna_pin.dynamics import JointMotion, Workspace, audit
 from antenna_pin.elements import JointSpring, PDController, SineDrive
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import PlanarClearance, PrismaticClearance, RevoluteClearance, SphericalClearance
 from antenna_pin.joints import ClearanceJoint
+from antenna_pin.joints.geometry import (
+    PlanarClearance,
+    PrismaticClearance,
+    RevoluteClearance,
+    SphericalClearance,
+)
 from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.mechanism import frame_aligning_z
-from antenna_pin.record import record
+from antenna_pin.show.record import record
 
 AXIS = np.array([1.0, 2.0, -2.0]) / 3.0
 OFFSET = 0.017  # [m]

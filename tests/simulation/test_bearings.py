@@ -10,10 +10,10 @@ from antenna_pin.contact import Hertz
 from antenna_pin.dynamics import System
 from antenna_pin.elements import AxialPreload, BallBearing, JointFriction, StiffnessBearing
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
+from antenna_pin.joints.geometry import RevoluteClearance
 from antenna_pin.mechanism import Urdf, build_mechanism
-from antenna_pin.simulation import Event, Set, Time
+from antenna_pin.run.simulation import Event, Set, Time
 
 MASS, CONTACT, SPRING, FORCE, PLAY = 2.0, 1e8, 1e5, 50.0, 2e-4
 LINK = (

@@ -21,10 +21,10 @@ from antenna_pin.elements import (
     kind_of,
 )
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.linear import modes
 from antenna_pin.mechanism import Urdf, build_mechanism
-from antenna_pin.simulation import Event, Set, Time
-from antenna_pin.sweep import Study
+from antenna_pin.run.simulation import Event, Set, Time
+from antenna_pin.studies.linear import modes
+from antenna_pin.studies.sweep import Study
 from antenna_pin.trajectory import Trajectory
 
 INERTIA, MASS = 0.5, 2.0
@@ -249,7 +249,7 @@ def test_a_scenario_has_them(tmp_path, law):
     assert build_system(load_scenario(_written(tmp_path, law))).families["frictions"]["j"] == LAWS[law]
 
 
-@pytest.mark.filterwarnings("ignore::antenna_pin.simulation.CheckpointsWaitedWarning")
+@pytest.mark.filterwarnings("ignore::antenna_pin.run.simulation.CheckpointsWaitedWarning")
 @pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
 @pytest.mark.parametrize("law", list(LAWS))
 def test_it_goes_on_from_checkpoints_bit_for_bit(tmp_path, small_parts, law, engine):

@@ -16,10 +16,9 @@ import pytest
 from interruptions import in_pieces, same
 
 from antenna_pin import Outcome, RunSettings, Trajectory, load_scenario, simulate
-from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.base.files import seal
 from antenna_pin.errors import AntennaPinError, FileFormatError, OutputError
-from antenna_pin.simulation import (
+from antenna_pin.run.simulation import (
     Checkpoint,
     CheckpointsWaitedWarning,
     Event,
@@ -28,17 +27,18 @@ from antenna_pin.simulation import (
     Stop,
     checkpoint,
 )
-from antenna_pin.simulation import (
+from antenna_pin.run.simulation import (
     run as run_module,
 )
-from antenna_pin.simulation.sample_files import read_sealed, write_sealed
+from antenna_pin.run.simulation.sample_files import read_sealed, write_sealed
+from antenna_pin.scenario.assemble import build_system, initial_state
 
 BRISTLES = (
     "clearance.elevation.friction={law='lugre', static=0.2, dynamic=0.1, stribeck_speed='1 mm/s',"
     " bristle_stiffness=1e5, replace=true}",
 )
 #: Checkpoints every 20 ms wait for each other where the machine is slow, and say so.
-pytestmark = pytest.mark.filterwarnings("ignore::antenna_pin.simulation.CheckpointsWaitedWarning")
+pytestmark = pytest.mark.filterwarnings("ignore::antenna_pin.run.simulation.CheckpointsWaitedWarning")
 
 METHODS = ("rk4", "bogacki-shampine-32", "dormand-prince-54", "dormand-prince-853", "radau5")
 

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
-from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.contact import Coulomb, CustomFriction, CustomNormal, DampedContact, FloresDamping, Hertz
 from antenna_pin.elements import CallableDrive, CallableMotion, SineDrive
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.scenario.assemble import build_system, initial_state
 from tests.simulation.test_compiled import BAR
 
 STIFFNESS, EXPONENT, RESTITUTION = 1e10, 1.5, 0.8

@@ -22,8 +22,8 @@ from antenna_pin import (
 )
 from antenna_pin.analysis import coupling_loads, quantity
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.linear import modes
-from antenna_pin.nonlinear import Flow
+from antenna_pin.studies.linear import modes
+from antenna_pin.studies.nonlinear import Flow
 
 ENGINES = ("pinocchio", "compiled")
 G = 9.81

@@ -17,13 +17,13 @@ from antenna_pin import (
     load_scenario,
     simulate,
 )
-from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.base.state import State
 from antenna_pin.contact import Hertz
 from antenna_pin.dynamics import CallableDrive, ConstantDrive, JointSpring, SineDrive, TableDrive
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.simulation import Angle, Event, Force, Gap, Jump, Rate, Set, Stop, Time
-from antenna_pin.simulation.loop import Run
+from antenna_pin.run.simulation import Angle, Event, Force, Gap, Jump, Rate, Set, Stop, Time
+from antenna_pin.run.simulation.loop import Run
+from antenna_pin.scenario.assemble import build_system, initial_state
 
 URDF = """
 <robot name="rig">

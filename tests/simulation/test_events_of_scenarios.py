@@ -5,7 +5,7 @@ import pytest
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.simulation import Angle, Event, Rate, Set
+from antenna_pin.run.simulation import Angle, Event, Rate, Set
 
 STOP = "events.open={kind='angle', joint='elevation', value='1 deg', action='stop'}"
 

@@ -11,8 +11,8 @@ import pytest
 from antenna_pin import Outcome, RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
 from antenna_pin.elements import CallableDrive, ConstantDrive
 from antenna_pin.errors import LongRunWarning
-from antenna_pin.simulation import loop, monitor, steps
-from antenna_pin.simulation.steps import StepCounts
+from antenna_pin.run.simulation import loop, monitor, steps
+from antenna_pin.run.simulation.steps import StepCounts
 
 WHEEL = """<robot name="wheel"><link name="hub"><inertial><mass value="2"/>
 <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>

@@ -12,10 +12,10 @@ from antenna_pin import Outcome, RunSettings, System, Trajectory, Urdf, build_me
 from antenna_pin.contact import CustomFriction, CustomNormal
 from antenna_pin.elements import CallableDrive, CallableMotion
 from antenna_pin.errors import FunctionError
-from antenna_pin.geometry import PlanarClearance
-from antenna_pin.simulation import Event, Jump, Stop
-from antenna_pin.simulation.events import Moment
-from antenna_pin.simulation.loop import Run
+from antenna_pin.joints.geometry import PlanarClearance
+from antenna_pin.run.simulation import Event, Jump, Stop
+from antenna_pin.run.simulation.events import Moment
+from antenna_pin.run.simulation.loop import Run
 
 ARM = """<robot name="arm"><link name="base"/>
 <joint name="j" type="continuous"><parent link="base"/><child link="tip"/><axis xyz="0 0 1"/></joint>

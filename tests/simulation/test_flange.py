@@ -8,8 +8,8 @@ import pytest
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.contact import Hertz, LankaraniNikravesh, NoFriction
-from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
+from antenna_pin.joints.geometry import RevoluteClearance
 
 SHAPE = RevoluteClearance.from_clearances(
     bearing_radius=0.01,

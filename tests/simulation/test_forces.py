@@ -25,7 +25,7 @@ from antenna_pin.elements import (
 )
 from antenna_pin.elements import Table as Points
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.simulation import Event, Set, Time
+from antenna_pin.run.simulation import Event, Set, Time
 
 TIGHT = RunSettings(rtol=1e-12, output_rate=50.0, engine="compiled")
 ENGINES = ("compiled", "pinocchio")

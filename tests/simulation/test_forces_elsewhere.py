@@ -7,9 +7,9 @@ import pytest
 from numba import njit
 
 from antenna_pin import System, load_scenario, simulate
-from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.elements import CallableElement, OutsideForce, Thruster
-from antenna_pin.simulation.inputs import settings_of
+from antenna_pin.run.simulation.inputs import settings_of
+from antenna_pin.scenario.assemble import build_system, initial_state
 
 EXAMPLES = Path(__file__).parents[2] / "scripts" / "examples"
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from antenna_pin import load_scenario, simulate
-from antenna_pin.assemble import build_system
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.linear import modes
+from antenna_pin.scenario.assemble import build_system
+from antenna_pin.studies.linear import modes
 
 TOML = """
 duration = 0.4

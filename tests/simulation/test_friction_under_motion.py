@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from antenna_pin import RunSettings, simulate
-from antenna_pin.constraints import Anchor, Closure, Coupling
 from antenna_pin.dynamics import System, assembled
+from antenna_pin.dynamics.constraints import Anchor, Closure, Coupling
 from antenna_pin.elements import (
     EndStop,
     PrescribedMotion,
@@ -19,7 +19,7 @@ from antenna_pin.elements import (
 )
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.mechanism import Urdf, build_mechanism
-from antenna_pin.simulation import Event, Set, Time
+from antenna_pin.run.simulation import Event, Set, Time
 from antenna_pin.trajectory import Outcome
 
 LIMIT = '<limit lower="-9" upper="9" effort="1e9" velocity="1e9"/>'

@@ -21,7 +21,7 @@ from antenna_pin import (
 from antenna_pin.analysis import gear_contacts, gear_impacts, gears_of
 from antenna_pin.elements import Belt, Cable, ConstantDrive, Gear, JointSpring, PDController, Rack
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
-from antenna_pin.report import report
+from antenna_pin.show.report import report
 
 TIGHT = RunSettings(rtol=1e-12, output_rate=400.0)
 LINK = (

@@ -20,7 +20,7 @@ from antenna_pin import (
 from antenna_pin.dynamics import Workspace
 from antenna_pin.elements import Belt, Cable, Gear, JointSpring, PrescribedMotion, Spline
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
-from antenna_pin.linear import modes
+from antenna_pin.studies.linear import modes
 
 TIGHT = RunSettings(rtol=1e-12, output_rate=400.0)
 LINK = (

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from antenna_pin import RunSettings, Trajectory, load_scenario, simulate
-from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.base.state import State
 from antenna_pin.contact import CustomNormal, Hertz
 from antenna_pin.contact.onset import NO_APPROACH
 from antenna_pin.dynamics import System, Workspace, acceleration, contact_memory
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
-from antenna_pin.simulation.loop import Run
+from antenna_pin.run.simulation.loop import Run
+from antenna_pin.scenario.assemble import build_system, initial_state
 
 METHODS = ("rk4", "bogacki-shampine-32", "dormand-prince-54", "dormand-prince-853", "radau5")
 LAWS = {

@@ -8,9 +8,9 @@ import pytest
 from antenna_pin import Outcome, RunSettings, System, Urdf, build_mechanism, simulate
 from antenna_pin.contact import Dahl, Hertz
 from antenna_pin.dynamics import JointSpring, TableDrive
-from antenna_pin.geometry import PlanarClearance
 from antenna_pin.joints import ClearanceJoint
-from antenna_pin.simulation.loop import Run
+from antenna_pin.joints.geometry import PlanarClearance
+from antenna_pin.run.simulation.loop import Run
 from tests.simulation.conftest import ANY_ERROR
 
 MASS, PLAY = 2.0, 1e-3

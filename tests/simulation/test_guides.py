@@ -8,7 +8,7 @@ import pytest
 from antenna_pin import ClearanceJoint, RunSettings, System, simulate
 from antenna_pin.contact import Hertz, LankaraniNikravesh, NoFriction, Tanh
 from antenna_pin.dynamics import JointSpring, SineDrive
-from antenna_pin.geometry import PrismaticClearance
+from antenna_pin.joints.geometry import PrismaticClearance
 from antenna_pin.mechanism import Urdf, build_mechanism
 
 

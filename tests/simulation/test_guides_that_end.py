@@ -11,7 +11,7 @@ from antenna_pin.analysis import slider_scenarios
 from antenna_pin.contact import Hertz, LankaraniNikravesh, NoFriction, Tanh
 from antenna_pin.dynamics import JointSpring
 from antenna_pin.elements import PointSpring
-from antenna_pin.geometry import CylindricalClearance, PrismaticClearance
+from antenna_pin.joints.geometry import CylindricalClearance, PrismaticClearance
 from antenna_pin.mechanism import Urdf, build_mechanism
 
 GUIDED = """<robot name="guided">{body}

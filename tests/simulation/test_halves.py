@@ -24,8 +24,8 @@ from antenna_pin.elements import (
     TableSpring,
 )
 from antenna_pin.mechanism import build_mechanism
-from antenna_pin.simulation import Angle, Event, Mark, Rate
-from antenna_pin.simulation.element_events import own_events
+from antenna_pin.run.simulation import Angle, Event, Mark, Rate
+from antenna_pin.run.simulation.element_events import own_events
 from tests.reference import every_kind
 
 SPAN = 1.5  # [s]

@@ -21,10 +21,10 @@ from antenna_pin.elements import (
     TableSpring,
 )
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.linear import modes
 from antenna_pin.mechanism import build_mechanism
-from antenna_pin.plot import allowed_figures, figure_hysteresis
-from antenna_pin.simulation import Event, Set, Time
+from antenna_pin.run.simulation import Event, Set, Time
+from antenna_pin.show.plot import allowed_figures, figure_hysteresis
+from antenna_pin.studies.linear import modes
 from antenna_pin.trajectory import Trajectory
 
 TIGHT = RunSettings(rtol=1e-12, output_rate=50.0)

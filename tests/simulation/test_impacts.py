@@ -8,8 +8,8 @@ import pytest
 from scipy.optimize import brentq
 
 from antenna_pin import Outcome, RunSettings, System, build_system, load_scenario, simulate
-from antenna_pin.assemble import initial_state
 from antenna_pin.contact import CustomNormal, Hertz, LankaraniNikravesh, Tsuji
+from antenna_pin.scenario.assemble import initial_state
 
 MASS, PLAY, SPEED = 2.0, 1e-3, 0.1
 TIGHT = RunSettings(rtol=1e-12, output_rate=100.0)

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from antenna_pin import load_scenario, simulate
-from antenna_pin.assemble import build_system
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.dynamics import System
 from antenna_pin.elements import JointFriction
 from antenna_pin.errors import AntennaPinError, NotSimulatedWarning, ScenarioError
 from antenna_pin.mechanism import Urdf, build_mechanism
+from antenna_pin.scenario.assemble import build_system
 
 INERTIA, RATE = 0.25, 3.0
 ROTOR = """<robot name="rotor">

@@ -7,7 +7,7 @@ from antenna_pin import RunSettings, simulate
 from antenna_pin.dynamics import System
 from antenna_pin.elements import ConstantDrive, EndStop, JointSpring, Latch, RigidLatch, RigidStop
 from antenna_pin.mechanism import Urdf, build_mechanism
-from antenna_pin.simulation import Event, Set, Time
+from antenna_pin.run.simulation import Event, Set, Time
 
 TIGHT = RunSettings(rtol=1e-11, max_step=0.02, output_rate=50.0)
 MASS = 2.0

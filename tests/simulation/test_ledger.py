@@ -14,9 +14,9 @@ from antenna_pin import Outcome, RunSettings, System, Trajectory, Urdf, build_me
 from antenna_pin.analysis import answer
 from antenna_pin.elements import CallableElement, JointSpring, PrescribedMotion
 from antenna_pin.errors import InvalidParameterError, LedgerOpenWarning
-from antenna_pin.session import start
-from antenna_pin.simulation import Event, Set, Time, checkpoint
-from antenna_pin.simulation.ledger import FIXED_STEP, GROWTH, MOST
+from antenna_pin.run.session import start
+from antenna_pin.run.simulation import Event, Set, Time, checkpoint
+from antenna_pin.run.simulation.ledger import FIXED_STEP, GROWTH, MOST
 
 INERTIA, STIFFNESS = 0.6, 600.0
 ARM = f"""

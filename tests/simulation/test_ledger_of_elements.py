@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from antenna_pin import Outcome, Scenario, System, Trajectory, load_scenario, simulate
-from antenna_pin.assemble import build_system, initial_state
 from antenna_pin.elements import FAMILIES, CallableDrive, CallableElement, CallableForce, CallableMotion
 from antenna_pin.errors import LedgerOpenWarning
-from antenna_pin.simulation import recorder, variables
+from antenna_pin.run.simulation import recorder, variables
+from antenna_pin.scenario.assemble import build_system, initial_state
 
 LINK = """
   <link name="{name}">

@@ -7,7 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from antenna_pin import Outcome, load_scenario, simulate
-from antenna_pin.cli import app
+from antenna_pin.apps.cli import app
 from antenna_pin.errors import AntennaPinError
 
 BODY = """<link name="{0}"><inertial><origin xyz="{1} 0 0"/><mass value="0.3"/>

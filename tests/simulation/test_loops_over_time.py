@@ -11,8 +11,8 @@ from scipy.special import ellipkinc
 from single_loops import GRAVITY, bricard, four_bar, spatial_slider_crank, urdf_text
 
 from antenna_pin import RunSettings, load_scenario, simulate
-from antenna_pin.assemble import build_system, initial_state
-from antenna_pin.simulation import Angle, Event, Stop, loop
+from antenna_pin.run.simulation import Angle, Event, Stop, loop
+from antenna_pin.scenario.assemble import build_system, initial_state
 
 LOOPS = {"four_bar": four_bar, "bricard": bricard, "spatial_slider_crank": spatial_slider_crank}
 

@@ -8,7 +8,7 @@ import pytest
 
 from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
 from antenna_pin.dynamics import ConstantDrive
-from antenna_pin.simulation import Angle, Event, Gap, Set
+from antenna_pin.run.simulation import Angle, Event, Gap, Set
 
 URDF = """
 <robot name="rig">

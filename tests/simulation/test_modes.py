@@ -12,11 +12,11 @@ from antenna_pin import RunSettings, Scenario, load_scenario, simulate
 from antenna_pin.dynamics import System
 from antenna_pin.elements import ConstantDrive, JointSpring, RigidLatch, RigidStop
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, ScenarioError
-from antenna_pin.linear import modes
 from antenna_pin.mechanism import Urdf, build_mechanism
-from antenna_pin.simulation import Event, Set, Time
-from antenna_pin.simulation.checkpoint import Checkpoint
-from antenna_pin.simulation.loop import Run
+from antenna_pin.run.simulation import Event, Set, Time
+from antenna_pin.run.simulation.checkpoint import Checkpoint
+from antenna_pin.run.simulation.loop import Run
+from antenna_pin.studies.linear import modes
 from tests.simulation.test_latches import BODIES
 
 G = 9.81

@@ -10,7 +10,7 @@ from antenna_pin import ClearanceJoint, RunSettings, System, simulate
 from antenna_pin.contact import Hertz, LankaraniNikravesh, NoFriction, Tanh
 from antenna_pin.dynamics import assembled
 from antenna_pin.elements import PrescribedMotion
-from antenna_pin.geometry import PlanarClearance, PrismaticClearance, RevoluteClearance
+from antenna_pin.joints.geometry import PlanarClearance, PrismaticClearance, RevoluteClearance
 from antenna_pin.mechanism import Urdf, build_mechanism
 
 SHAFT = """<robot name="shaft"><link name="body"><inertial><origin xyz="0.1 0 0"/><mass value="8"/>

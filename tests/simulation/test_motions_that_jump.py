@@ -24,11 +24,11 @@ from antenna_pin.elements import (
 from antenna_pin.elements.prescribed import continued, jumps
 from antenna_pin.elements.reference import pieces
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
-from antenna_pin.geometry import PlanarClearance
 from antenna_pin.joints import ClearanceJoint
+from antenna_pin.joints.geometry import PlanarClearance
 from antenna_pin.mechanism import Urdf, build_mechanism
-from antenna_pin.session import start
-from antenna_pin.simulation import Angle, Event, Set, Time
+from antenna_pin.run.session import start
+from antenna_pin.run.simulation import Angle, Event, Set, Time
 from antenna_pin.trajectory import Outcome
 
 LIMIT = '<limit lower="-9" upper="9" effort="1e9" velocity="1e9"/>'

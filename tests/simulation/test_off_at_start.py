@@ -21,10 +21,10 @@ from antenna_pin.elements import (
     TableSpring,
 )
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.linear import modes
 from antenna_pin.mechanism import build_mechanism
-from antenna_pin.session import start
-from antenna_pin.simulation import Angle, Event, Set, Time
+from antenna_pin.run.session import start
+from antenna_pin.run.simulation import Angle, Event, Set, Time
+from antenna_pin.studies.linear import modes
 from antenna_pin.trajectory import Outcome
 
 STIFFNESS, REST = INERTIA, 0.3  # 1 rad/s: q = 0.3 (1 - cos t) from rest at zero

@@ -21,8 +21,8 @@ from antenna_pin.elements import (
     StickingFriction,
 )
 from antenna_pin.mechanism import Urdf, build_mechanism
-from antenna_pin.simulation import Event, Set
-from antenna_pin.simulation.events import Angle
+from antenna_pin.run.simulation import Event, Set
+from antenna_pin.run.simulation.events import Angle
 
 QUICK = RunSettings(engine="compiled", max_step=0.05, output_rate=10.0)
 

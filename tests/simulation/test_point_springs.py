@@ -14,7 +14,7 @@ from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenari
 from antenna_pin.analysis import body_poses, joint_loads
 from antenna_pin.dynamics import PointSpring
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.simulation import Event, Set, Time
+from antenna_pin.run.simulation import Event, Set, Time
 
 TIGHT = RunSettings(rtol=1e-12, output_rate=50.0)
 

@@ -18,9 +18,9 @@ from antenna_pin import (
 )
 from antenna_pin.contact import Hertz
 from antenna_pin.elements import ConstantDrive, SineDrive
-from antenna_pin.geometry import RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
-from antenna_pin.simulation.steps import scale_vector
+from antenna_pin.joints.geometry import RevoluteClearance
+from antenna_pin.run.simulation.steps import scale_vector
 
 BODY = """
 <robot name="tumbler">

@@ -12,7 +12,7 @@ import pytest
 from antenna_pin import Outcome, RunSettings, System, Urdf, build_mechanism, simulate
 from antenna_pin.contact import CustomFriction, CustomNormal, Hertz, NoFriction
 from antenna_pin.elements import CallableDrive, CallableMotion, JointSpring, SineDrive
-from antenna_pin.simulation import Event, function_checks
+from antenna_pin.run.simulation import Event, function_checks
 
 ARM = """<robot name="arm"><link name="base"><inertial><mass value="1"/>
 <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>

@@ -18,8 +18,8 @@ from antenna_pin import (
     load_scenario,
     simulate,
 )
-from antenna_pin.assemble import build_system
 from antenna_pin.dynamics import CallableDrive, ConstantDrive, JointSpring, SineDrive, TableDrive
+from antenna_pin.scenario.assemble import build_system
 
 
 def wheel(kind="continuous", **elements):
@@ -227,7 +227,7 @@ def test_a_sliding_joint_is_recorded():
 @pytest.mark.parametrize("engine", ["compiled", "pinocchio"])
 def test_a_run_is_looked_at_however_much_it_samples(monkeypatch, engine):
     """Steps of ten samples pause within, where the buffer is full: they are ended, and it is looked at."""
-    monkeypatch.setattr("antenna_pin.simulation.loop._INTERVAL", 0.0)
+    monkeypatch.setattr("antenna_pin.run.simulation.loop._INTERVAL", 0.0)
     scenario = load_scenario("bai2020", case="case1", overrides=[f"integrator.engine={engine}"])
     seen = [0]
     run = simulate(scenario, duration=120.0, progress=lambda now: seen.append(now.steps))

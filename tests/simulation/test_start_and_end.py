@@ -8,15 +8,15 @@ import pytest
 from wheel import wheel_urdf
 
 from antenna_pin import Outcome, RunSettings, System, build_mechanism, load_scenario, simulate
-from antenna_pin.assemble import build_system, initial_state
+from antenna_pin.analysis.law_studies import closed_form_restitution
 from antenna_pin.contact import make_normal_law
 from antenna_pin.dynamics import CallableDrive
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.geometry import RevoluteClearance, pose_of
-from antenna_pin.geometry.shape import asked
-from antenna_pin.law_studies import closed_form_restitution
+from antenna_pin.joints.geometry import RevoluteClearance, pose_of
+from antenna_pin.joints.geometry.shape import asked
 from antenna_pin.mechanism import frame_aligning_z
-from antenna_pin.simulation import steps
+from antenna_pin.run.simulation import steps
+from antenna_pin.scenario.assemble import build_system, initial_state
 
 # A slender pin in a long bore: 10 mm and 40 mm, with 50 um of play.
 SLENDER = (

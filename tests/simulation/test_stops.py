@@ -11,7 +11,7 @@ from antenna_pin.dynamics import System
 from antenna_pin.elements import EndStop, RigidStop
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.mechanism import Urdf, build_mechanism
-from antenna_pin.simulation import Event, Set, Time
+from antenna_pin.run.simulation import Event, Set, Time
 
 G = 9.81
 TIGHT = RunSettings(rtol=1e-11, max_step=0.05, output_rate=50.0)
@@ -175,7 +175,7 @@ def test_sides_count_whole_turns():
 
 def test_small_motions_are_those_of_the_touch():
     """Pressed in, a spring; off the stop, a free body."""
-    from antenna_pin.linear import modes
+    from antenna_pin.studies.linear import modes
 
     made = falling(EndStop(joint="j", lower=0.0, stiffness=2000.0, law="elastic"))
     touching, free = (modes(made, q=[place]).frequency for place in (-2.0 * G / 2000.0, 0.1))

@@ -5,11 +5,11 @@ import pytest
 
 from antenna_pin import Trajectory, load_scenario, models_path, simulate
 from antenna_pin.analysis import latch_events, said_of_limits, stop_impacts
-from antenna_pin.assemble import build_system
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.plot import figure_stops
-from antenna_pin.record import record
-from antenna_pin.report import report
+from antenna_pin.scenario.assemble import build_system
+from antenna_pin.show.plot import figure_stops
+from antenna_pin.show.record import record
+from antenna_pin.show.report import report
 
 PENDULUM = f"""format = 1
 title = "a bar between stops"

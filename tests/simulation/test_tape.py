@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from antenna_pin import RunSettings
-from antenna_pin.assemble import build_system, initial_state
-from antenna_pin.simulation import Angle, Event
-from antenna_pin.simulation import steps as stepping
-from antenna_pin.simulation.loop import Run
+from antenna_pin.run.simulation import Angle, Event
+from antenna_pin.run.simulation import steps as stepping
+from antenna_pin.run.simulation.loop import Run
+from antenna_pin.scenario.assemble import build_system, initial_state
 from tests.simulation.test_events import EXACT, oscillator, with_events
 
 

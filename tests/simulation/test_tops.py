@@ -10,11 +10,11 @@ from wheel import wheel_urdf
 
 from antenna_pin import RunSettings, load_scenario, simulate
 from antenna_pin.analysis import drive_loads
-from antenna_pin.control import Controller
 from antenna_pin.dynamics import System
 from antenna_pin.elements import ConstantDrive, EndStop, Gear, PDController, PrescribedMotion, Sine, Sum
-from antenna_pin.engine import CompiledStepper
+from antenna_pin.elements.control import Controller
 from antenna_pin.mechanism import Urdf, build_mechanism
+from antenna_pin.run.engine import CompiledStepper
 from antenna_pin.trajectory import touches
 
 MASS, LENGTH, INERTIA, GRAVITY = 2.0, 0.5, 0.1, 9.81

@@ -8,12 +8,12 @@ from wheel import wheel_urdf
 
 from antenna_pin import RunSettings, System, build_mechanism, load_scenario, simulate
 from antenna_pin.analysis import deviation
-from antenna_pin.assemble import build_system, initial_angles, initial_state
 from antenna_pin.contact import Hertz
 from antenna_pin.dynamics import CallableDrive, JointSpring
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.geometry import PlanarClearance, RevoluteClearance
 from antenna_pin.joints import ClearanceJoint
+from antenna_pin.joints.geometry import PlanarClearance, RevoluteClearance
+from antenna_pin.scenario.assemble import build_system, initial_angles, initial_state
 
 KINDS = ("revolute", "continuous", "constraint", "planar", "contact")
 TIGHT = RunSettings(rtol=1e-12, output_rate=200.0)

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from antenna_pin.sweep import load_study
-from antenna_pin.sweep.jobs import Done
+from antenna_pin.studies.sweep import load_study
+from antenna_pin.studies.sweep.jobs import Done
 
 STUDY = """
 scenario = "impact_pair"

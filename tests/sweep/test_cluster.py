@@ -17,8 +17,8 @@ import urllib.request
 import psutil
 import pytest
 
-from antenna_pin.sweep import Cluster, Here, driver, run_study, scheduler
-from antenna_pin.sweep.cluster import ClusterLostError
+from antenna_pin.studies.sweep import Cluster, Here, driver, run_study, scheduler
+from antenna_pin.studies.sweep.cluster import ClusterLostError
 
 PLAY = """
 [parameters.play]
@@ -182,7 +182,7 @@ class Closing:
 
 
 def _loaded():
-    return "antenna_pin.sweep.jobs" in sys.modules
+    return "antenna_pin.studies.sweep.jobs" in sys.modules
 
 
 @pytest.fixture

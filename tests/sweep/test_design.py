@@ -8,11 +8,11 @@ import pytest
 from scipy import stats
 
 from antenna_pin import load_scenario, run_study, simulate
+from antenna_pin.apps.cli.study import said_of_time
 from antenna_pin.base.units import any_quantity
-from antenna_pin.cli.study import said_of_time
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.sweep import design_of, jobs, load_study, preparation, run_seconds
-from antenna_pin.sweep.responses import ResponseSpec, evaluate
+from antenna_pin.studies.sweep import design_of, jobs, load_study, preparation, run_seconds
+from antenna_pin.studies.sweep.responses import ResponseSpec, evaluate
 from antenna_pin.trajectory import Counts, Outcome
 
 SAMPLED = """
@@ -391,8 +391,8 @@ def test_the_estimate_of_a_run_is_that_of_the_runs(write, monkeypatch):
 
 def test_shipped_studies_can_be_built():
     """The first and the last run of each."""
-    from antenna_pin.sweep import list_studies, prepare
-    from antenna_pin.sweep.jobs import check_jobs
+    from antenna_pin.studies.sweep import list_studies, prepare
+    from antenna_pin.studies.sweep.jobs import check_jobs
 
     assert len(list_studies()) >= 1
     for name in list_studies():

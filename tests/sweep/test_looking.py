@@ -9,11 +9,12 @@ import xarray as xr
 from matplotlib.text import Text
 from typer.testing import CliRunner
 
-from antenna_pin import open_study, plot, run_study
+from antenna_pin import open_study, run_study
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.report import study_report
-from antenna_pin.sweep import Trial, sensitivities
-from antenna_pin.sweep.statistics import quantiles
+from antenna_pin.show import plot
+from antenna_pin.show.report import study_report
+from antenna_pin.studies.sweep import Trial, sensitivities
+from antenna_pin.studies.sweep.statistics import quantiles
 
 THREE = """
 [parameters.a]
@@ -31,8 +32,8 @@ between = [0, 1]
 @pytest.fixture
 def sampled(write, tmp_path, fake, monkeypatch):
     """Return a function that makes a study whose response is a function of the unit cube."""
-    monkeypatch.setattr("antenna_pin.sweep.driver._check", lambda *_: None)
-    monkeypatch.setattr("antenna_pin.sweep.driver.trial", lambda *_: Trial(1.0))
+    monkeypatch.setattr("antenna_pin.studies.sweep.driver._check", lambda *_: None)
+    monkeypatch.setattr("antenna_pin.studies.sweep.driver.trial", lambda *_: Trial(1.0))
 
     def made(method, count, function):
         study = write(THREE, f'sampling = {{ method = "{method}", count = {count} }}')
@@ -152,7 +153,7 @@ def test_numbers_of_a_figure_lie_over_nothing(write, tmp_path, fake, sampled):
 
 
 def test_report_and_tables_tell_of_failures(write, tmp_path, fake):
-    from antenna_pin.cli import app
+    from antenna_pin.apps.cli import app
 
     folder = tmp_path / "trial.study"
     table = run_study(write(), folder, executor=fake())

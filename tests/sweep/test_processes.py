@@ -6,7 +6,7 @@ import types
 
 import pytest
 
-from antenna_pin.sweep.cluster import exit_codes, said_of_start
+from antenna_pin.studies.sweep.cluster import exit_codes, said_of_start
 
 GUARD = "if __name__ == '__main__': only"
 

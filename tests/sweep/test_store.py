@@ -10,7 +10,7 @@ from value_classes import changeable
 
 from antenna_pin import open_study, run_study
 from antenna_pin.errors import FileFormatError, OutputError
-from antenna_pin.sweep.journal import read_journal
+from antenna_pin.studies.sweep.journal import read_journal
 
 
 @pytest.fixture
@@ -87,8 +87,8 @@ def test_a_store_of_another_study_is_not_written_to(write, tmp_path, fake, whole
 
 
 def test_other_versions_are_refused(write, tmp_path, fake, whole, monkeypatch):
-    import antenna_pin.sweep.jobs as work_module
-    import antenna_pin.sweep.preparation as prepare_module
+    import antenna_pin.studies.sweep.jobs as work_module
+    import antenna_pin.studies.sweep.preparation as prepare_module
 
     versions = {**work_module.library_versions(), "numpy": "9.9"}
     monkeypatch.setattr(prepare_module, "library_versions", lambda: versions)
@@ -142,7 +142,7 @@ def test_a_store_that_is_deleted_while_the_missing_runs_are_checked_is_missed_be
 
 
 def test_one_driver_at_a_time(write, tmp_path, fake):
-    from antenna_pin.sweep.journal import Journal
+    from antenna_pin.studies.sweep.journal import Journal
 
     folder = tmp_path / "busy.study"
     folder.mkdir()
@@ -167,7 +167,7 @@ def test_a_full_disk_costs_no_finished_run(write, tmp_path, fake, whole, monkeyp
     """The line that does not fit is taken back; the study goes on when there is room."""
     import os
 
-    from antenna_pin.sweep import journal
+    from antenna_pin.studies.sweep import journal
 
     real, room = os.write, [1500]
 

@@ -85,7 +85,7 @@ def test_a_file_is_the_same_whether_data_have_been_read_or_not(made, tmp_path):
 
 _COMMAND = """
 import sys
-from antenna_pin._entry import main
+from antenna_pin.apps._entry import main
 try:
     main()
 except SystemExit:
@@ -97,4 +97,4 @@ def test_a_run_that_is_written_loads_no_xarray(tmp_path):
     words = "run pendulum --case ideal --duration 0.01 --no-progress -q --out".split()
     command = [sys.executable, "-c", _COMMAND, *words, str(tmp_path / "run.nc")]
     loaded = subprocess.run(command, capture_output=True, text=True, check=True, timeout=300).stdout.split()
-    assert "antenna_pin.simulation.run" in loaded and not {"xarray", "pandas"} & set(loaded)
+    assert "antenna_pin.run.simulation.run" in loaded and not {"xarray", "pandas"} & set(loaded)

@@ -14,11 +14,11 @@ from bad_inputs.results import write_result
 from antenna_pin import ErrorScales, RunSettings, Scenario, System, Trajectory, Urdf, load_scenario, simulate
 from antenna_pin.base.units import quantity
 from antenna_pin.contact import Hertz, LankaraniNikravesh, Tanh
-from antenna_pin.geometry import PlanarClearance, RevoluteClearance, SphericalClearance
+from antenna_pin.joints.geometry import PlanarClearance, RevoluteClearance, SphericalClearance
 from antenna_pin.mechanism import build_mechanism
-from antenna_pin.record import record
-from antenna_pin.report import report
-from antenna_pin.simulation import Time
+from antenna_pin.run.simulation import Time
+from antenna_pin.show.record import record
+from antenna_pin.show.report import report
 
 
 def _load(**more: Any) -> Scenario:

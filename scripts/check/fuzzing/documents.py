@@ -16,9 +16,9 @@ from robust.inputs import Change, Draft, Input, after, several
 from antenna_pin import Scenario, models_path
 from antenna_pin.contact import MATERIALS
 from antenna_pin.elements import FAMILIES
-from antenna_pin.nonlinear import DiagramPlan
 from antenna_pin.scenario.merge import merge
-from antenna_pin.sweep import Study
+from antenna_pin.studies.nonlinear import DiagramPlan
+from antenna_pin.studies.sweep import Study
 from fuzzing.declared import NEW, Named, Names, Place, Table, name_for, places_of
 from fuzzing.kinds import RIG, rigs
 from fuzzing.odd import Raw, misspelt, odd_value, text_change

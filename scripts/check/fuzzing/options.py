@@ -12,8 +12,8 @@ from typing import Any, get_args
 import typer.main
 from robust.inputs import Change, Draft, draft_of_words, more_words, several
 
+from antenna_pin.apps.cli import app
 from antenna_pin.base.units import shown
-from antenna_pin.cli import app
 from fuzzing.documents import SHORT
 from fuzzing.made import made
 from fuzzing.odd import ODD_TEXTS, as_digits, misspelt, odd_number

@@ -21,8 +21,8 @@ from antenna_pin import load_scenario, simulate
 from antenna_pin.base.files import seal
 from antenna_pin.base.state import State
 from antenna_pin.base.units import shown
-from antenna_pin.session import start
-from antenna_pin.simulation.sample_files import read_sealed, write_sealed
+from antenna_pin.run.session import start
+from antenna_pin.run.simulation.sample_files import read_sealed, write_sealed
 from fuzzing.documents import SHORT
 from fuzzing.made import MADE, SEAL, each, made, stopped, words
 from fuzzing.odd import Raw, as_float, misspelt, odd_number, odd_value, text_change

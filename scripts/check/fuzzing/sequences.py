@@ -14,11 +14,11 @@ import numpy as np
 from robust.inputs import Change, Draft, Input, draft_of_words, more_words
 
 from antenna_pin import AntennaPinError, load_scenario
+from antenna_pin.apps.fmu.packed import Packed
+from antenna_pin.apps.live.explored import Explored
 from antenna_pin.base.state import State
 from antenna_pin.base.units import shown
-from antenna_pin.fmu.packed import Packed
-from antenna_pin.live.explored import Explored
-from antenna_pin.session import start
+from antenna_pin.run.session import start
 from fuzzing.made import made
 from fuzzing.odd import ODD_TEXTS, Raw, as_float, odd_number, odd_value
 from fuzzing.results import spoiled
@@ -169,7 +169,7 @@ def draw_fmu(chance: Random) -> Draft:
     at = chance.random()
 
     def unit() -> Any:
-        from antenna_pin.fmu.slave import Slave
+        from antenna_pin.apps.fmu.slave import Slave
 
         names = {"inputs": _INPUTS[1:2], "outputs": _READ[:2], "parameters": _PARAMETERS[:1]}
         Packed(scenario=_loaded("swing.toml"), **names, token="one").write(Path())

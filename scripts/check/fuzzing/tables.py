@@ -18,8 +18,8 @@ from robust.inputs import Change, Draft, Input, after, several
 from robust.trials import Content
 
 from antenna_pin.elements import DRIVES
-from antenna_pin.fit import FitPlan
 from antenna_pin.scenario import DRIVE_SPECS
+from antenna_pin.studies.fit import FitPlan
 from fuzzing.declared import declared
 from fuzzing.documents import SHORT, Base, base_on, document, draft_of, limited, scenarios, small_scenario
 from fuzzing.made import swinging

@@ -24,14 +24,14 @@ import h5py
 import psutil
 
 from antenna_pin import AntennaPinError, Trajectory, Urdf
-from antenna_pin._entry import main as command
+from antenna_pin.apps._entry import main as command
 from antenna_pin.base.files import has_whole_seal
 from robust.trials import ends_with, must, write_files
 
 ROOT = Path(__file__).parents[3]
 TEMPORARY = ".antenna-pin-"  # how names of files begin that are being written
 
-_ENTRY = "import sys; from antenna_pin._entry import main; sys.argv[0] = 'antenna-pin'; sys.exit(main())"
+_ENTRY = "import sys; from antenna_pin.apps._entry import main; sys.argv[0] = 'antenna-pin'; sys.exit(main())"
 #: Program of the command in a new interpreter.
 ANEW = (sys.executable, "-c", _ENTRY)
 

@@ -15,7 +15,7 @@ from random import Random
 from typing import Any
 
 from antenna_pin import AntennaPinError
-from antenna_pin.cli import app
+from antenna_pin.apps.cli import app
 from antenna_pin.errors import printable
 from robust.trials import Content, TrialError, must, write_files
 

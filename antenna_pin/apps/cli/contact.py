@@ -1,0 +1,365 @@
+r"""``antenna-pin contact``: the contact laws by name, their forces, what they deliver, and data.
+
+Rooms are imported inside the commands, so ``--help`` does not wait for them. Errors leave here as exceptions;
+:mod:`antenna_pin.apps.cli` turns them into one line and an exit code.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+from collections.abc import Container
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from antenna_pin.apps.cli._common import FigureFormatOption, FigureOutOption, Width, WidthOption
+from antenna_pin.apps.cli._export import (
+    CsvOption,
+    JsonOption,
+    csv_target,
+    exported,
+    figures_asked,
+    save_figures,
+)
+from antenna_pin.apps.cli._tables import formatted, length_text, number_text, power_above, print_rows
+from antenna_pin.apps.cli._usage import clearance_of, command_group, list_of, positive_quantity
+from antenna_pin.apps.cli.experiment import experiment
+from antenna_pin.base.readable import bare, number
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
+
+if TYPE_CHECKING:
+    from antenna_pin.analysis import ScenarioPair
+
+
+def scenarios(
+    bearing_radius: Annotated[str, typer.Option(help="Radius of the bearing.")] = "10 mm",
+    radial_clearance: Annotated[str, typer.Option(help="Bearing radius minus journal radius.")] = "0.2 mm",
+    bearing_length: Annotated[str, typer.Option(help="Length of the bearing.")] = "50 mm",
+    axial_clearance: Annotated[
+        str, typer.Option(help="Half the difference of the flanges' distance and the bearing's length.")
+    ] = "0.2 mm",
+    bearing_outer_radius: Annotated[str, typer.Option(help="Outer radius of the bearing.")] = "12 mm",
+    flange_radius: Annotated[str, typer.Option(help="Radius of the journal's flanges.")] = "14 mm",
+    penetration: Annotated[
+        str, typer.Option(help="Largest depth at any contact; 0 for rigid parts.")
+    ] = "0 mm",
+    as_json: JsonOption = False,
+    csv: CsvOption = None,
+) -> None:
+    """List the 16 contact scenarios and which of them a joint's shape allows."""
+    from antenna_pin.analysis import SCENARIO_COLUMNS, possible_scenarios, scenario_rows
+    from antenna_pin.base.units import quantity
+    from antenna_pin.joints.geometry import RevoluteClearance
+
+    target = csv_target(csv)
+    radius = positive_quantity(bearing_radius, "m", "--bearing-radius")
+    length = positive_quantity(bearing_length, "m", "--bearing-length")
+    clearance = clearance_of(radial_clearance, radius, "contact scenarios")
+    shape = RevoluteClearance(
+        bearing_radius=radius,
+        journal_radius=radius - clearance,
+        bearing_length=length,
+        flange_distance=length + 2.0 * positive_quantity(axial_clearance, "m", "--axial-clearance"),
+        bearing_outer_radius=positive_quantity(bearing_outer_radius, "m", "--bearing-outer-radius"),
+        flange_radius=positive_quantity(flange_radius, "m", "--flange-radius"),
+    )
+    depth = quantity(bare(penetration), "m", "--penetration")
+    pairs = possible_scenarios(shape, depth)
+    found = [_pair(pair) for pair in pairs]
+    if exported({"penetration": depth, "scenarios": found}, found, as_json, target):
+        return
+    parts = f"parts that penetrate by up to {length_text(depth)}" if depth > 0.0 else "rigid parts"
+    print_rows(f"contact scenarios of {parts}", SCENARIO_COLUMNS, scenario_rows(pairs), numbers=False)
+    typer.echo(f"{sum(pair.possible for pair in pairs)} of {len(pairs)} are possible")
+
+
+def _pair(pair: ScenarioPair) -> dict[str, Any]:
+    """Return a pair of scenarios in plain values [m], [rad]."""
+    names = {"radial": pair.radial.name.lower(), "axial": pair.axial.name.lower(), "possible": pair.possible}
+    low, high = (pair.tilts.low, pair.tilts.high) if pair.possible else (None, None)
+    centre, axis = (None, None) if pair.pose is None else (each.tolist() for each in pair.pose)
+    pose = {"least_tilt": low, "largest_tilt": high, "centre": centre, "axis": axis}
+    return names | pose | {"reason": pair.reason}
+
+
+app = command_group("contact", "Contact laws: by name, side by side, certified, and against measurements.")
+
+
+# --- list ---
+
+
+def list_laws(as_json: JsonOption = False, csv: CsvOption = None) -> None:
+    """List the laws of every family, their parameters with units, and known materials."""
+    from antenna_pin.contact import (
+        DISSIPATIONS,
+        FRICTION_LAWS,
+        MATERIALS,
+        NORMAL_LAWS,
+        is_elastic,
+        law_parameters,
+    )
+
+    target = csv_target(csv)
+    families = {
+        title: {name: law for name, law in NORMAL_LAWS.items() if is_elastic(name) == elastic}
+        for title, elastic in (
+            ("elastic laws: any dissipation can stand beside them", True),
+            ("whole laws: with the dissipation of their authors", False),
+        )
+    } | {
+        "dissipations: beside an elastic law": DISSIPATIONS,
+        "friction laws": FRICTION_LAWS,
+    }
+    found = [
+        {"family": title.split(":")[0], "law": name, "what_it_is": _first_line(law), "parameter": parameter}
+        | {"unit": about.unit, "default": about.default, "from_joint": about.from_joint}
+        for title, laws in families.items()
+        for name, law in laws.items()
+        for parameter, about in law_parameters(law).items()
+    ]
+    materials: list[dict[str, Any]] = [
+        {"material": name, "young": one.young, "poisson": one.poisson, "density": one.density}
+        | {"source": one.source}
+        for name, one in MATERIALS.items()
+    ]
+    if exported({"parameters": found, "materials": materials}, found, as_json, target):
+        return
+    for title, laws in families.items():
+        rows = [(name, _first_line(law), _parameters(law)) for name, law in laws.items()]
+        print_rows(title, ("name", "what it is", "parameters"), rows, numbers=False)
+    typer.echo(
+        "* follows from the joint where a scenario leaves it out: dimensions, materials, effective mass"
+    )
+    columns = ("name", "young [Pa]", "poisson [-]", "density [kg/m^3]", "source")
+    print_rows(
+        "materials: known without a table",
+        columns,
+        [[value if isinstance(value, str) else number(value) for value in one.values()] for one in materials],
+        numbers=False,
+    )
+
+
+def _parameters(law: type[Any]) -> str:
+    """Return the parameters of a law with units and defaults, on one line."""
+    from antenna_pin.contact import law_parameters
+
+    texts = []
+    for name, parameter in law_parameters(law).items():
+        unit = "-" if parameter.unit == "1" else parameter.unit.replace("**", "^").replace("*", " ")
+        star = "*" if parameter.from_joint else ""
+        default = "" if parameter.default is None else f" = {parameter.default:g}"
+        texts.append(f"{name}{star}{default} [{unit}]")
+    return ", ".join(texts) or "none"
+
+
+# What the formulas of docstrings are made of, as text.
+_SYMBOLS = (
+    (r"\\[td]?frac\{([^{}]*)\}\{([^{}]*)\}", r"(\1)/(\2)"),
+    (r"\\[td]?frac\\(\w+?)(\d)", r"\\\1/\2 "),
+    (r"\\[td]?frac(\d)(\d)", r"\1/\2 "),
+    (r"\\dot\s*\\delta", "rate"),
+    (r"\\delta", "depth"),
+    (r"\\sqrt\s*(\w+)", r"sqrt(\1)"),
+    (r"\\pi", "pi"),
+    (r"\\chi", "chi"),
+    (r"\\(max|exp|min|ln)\b", r"\1"),
+    (r"\\,|~", " "),
+    (r"\^\*", "*"),
+    (r"[{}\\]", ""),
+    (r"\s+", " "),
+)
+
+
+def _first_line(law: type[Any]) -> str:
+    """Return the first line of a law's docstring, formulas as plain text."""
+
+    def plain(match: re.Match[str]) -> str:
+        text = match.group(1)
+        for pattern, by in _SYMBOLS:
+            text = re.sub(pattern, by, text)
+        return text.strip()
+
+    line = re.sub(r":math:`(.*?)`", plain, (law.__doc__ or "").strip().split("\n\n")[0])
+    return re.sub(r":\w+:`[~.]?(?:\w+\.)*(\w+)`", r"\1", " ".join(line.replace("``", "").split()))
+
+
+def _chosen(
+    command: str,
+    names: list[str],
+    fitting: list[str],
+    words: tuple[str, str, str],
+    every: Container[str],
+) -> list[str]:
+    """Return the selected laws, each once, or refuse an unsuitable or unknown one.
+
+    ``words``: noun of the laws, name of the parameter, rule for a suitable one; ``every``: names of all laws.
+    """
+    what, parameter, rule = words
+    for name in names:
+        if name not in fitting:
+            if name in every:
+                raise InvalidParameterError(command, parameter, rule, name)
+            raise UnknownNameError(command, what, name, fitting)
+    return list(dict.fromkeys(names))
+
+
+# --- curve ---
+
+
+def curve(
+    laws: Annotated[
+        list[str] | None, typer.Argument(metavar="[LAWS]...", help="Elastic laws; all if left out.")
+    ] = None,
+    bearing_radius: Annotated[str, typer.Option(help="Radius of the bearing.")] = "10 mm",
+    radial_clearance: Annotated[str, typer.Option(help="Bearing radius minus journal radius.")] = "0.2 mm",
+    length: Annotated[str, typer.Option(help="Length of the line of contact.")] = "50 mm",
+    material: Annotated[str, typer.Option(help="Material of bearing and journal.")] = "steel",
+    depths: Annotated[
+        str, typer.Option(metavar="LIST", help="Depths of the table; one unit at the end counts for all.")
+    ] = "0.1, 1, 5, 20 um",
+    out: FigureOutOption = None,
+    formats: FigureFormatOption = "png",
+    width: WidthOption = Width.PAGE,
+    as_json: JsonOption = False,
+    csv: CsvOption = None,
+) -> None:
+    """Compare the forces of the elastic laws of one joint at the same depth."""
+    from antenna_pin.analysis.law_studies import (
+        differing_factor,
+        elastic_laws_of_joint,
+        force_table,
+        laws_left_out,
+    )
+    from antenna_pin.contact import MATERIALS, NORMAL_LAWS, is_elastic
+
+    target = csv_target(csv)
+    suffixes = figures_asked(out, formats)
+    radius = positive_quantity(bearing_radius, "m", "--bearing-radius")
+    clearance = clearance_of(radial_clearance, radius, "contact curve")
+    if material not in MATERIALS:
+        raise UnknownNameError("contact curve", "material", material, MATERIALS)
+    points = list_of(depths, "m", "--depths")
+    elastic = [name for name in NORMAL_LAWS if is_elastic(name)]
+    rule = f"an elastic one of {', '.join(elastic)}; this one has a dissipation"
+    wanted = _chosen("contact curve", laws or elastic, elastic, ("elastic law", "law", rule), NORMAL_LAWS)
+    joint: dict[str, Any] = {
+        "bearing_radius": radius,
+        "journal_radius": radius - clearance,
+        "length": positive_quantity(length, "m", "--length"),
+        "bearing": MATERIALS[material],
+        "journal": MATERIALS[material],
+    }
+    left_out = {name: why for name, why in laws_left_out(**joint).items() if name in wanted}
+    if laws and left_out:
+        raise next(iter(left_out.values()))
+    holding = elastic_laws_of_joint(**joint)
+    chosen = {name: holding[name] for name in wanted if name in holding}
+    table = force_table(chosen, points)
+    limits = {name: law.depth_limit for name, law in chosen.items()}
+    found = [
+        {"law": name, "depth": depth, "force": force, "depth_limit": limits[name]}
+        for name, forces in table.items()
+        for depth, force in zip(points, forces, strict=True)
+    ]
+    said = {"forces": found, "left_out": {name: str(reason) for name, reason in left_out.items()}}
+    if not exported(said, found, as_json, target):
+        rows = [
+            (
+                name,
+                *map(number_text, forces),
+                length_text(limits[name]) if math.isfinite(limits[name]) else "none",
+            )
+            for name, forces in table.items()
+        ]
+        print_rows("force [N]", ("law", *(f"at {length_text(d)}" for d in points), "depth limit"), rows)
+        for depth, forces in zip(points, zip(*table.values(), strict=True), strict=True):
+            if (factor := differing_factor(forces)) is not None:
+                typer.echo(f"at {length_text(depth)} the laws differ by {factor:.3g} times")
+        for name, reason in left_out.items():
+            typer.echo(f"left out: {name} ({reason})")
+    if out is not None:
+        from antenna_pin.show.plot import figure_force_curves
+
+        figure = figure_force_curves(chosen, depths=points, width=width.value)
+        save_figures({"force_curves": figure}, out, suffixes)
+
+
+# --- restitution ---
+
+
+def restitution(
+    dissipations: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[DISSIPATIONS]...", help="Dissipations that take a restitution; all if left out."
+        ),
+    ] = None,
+    asked: Annotated[
+        str, typer.Option(metavar="LIST", help="Restitutions, separated by commas.")
+    ] = "0.05, 0.1, 0.3, 0.5, 0.7, 0.9, 1",
+    mass: Annotated[str, typer.Option(help="Effective mass.")] = "1 kg",
+    speed: Annotated[str, typer.Option(help="Approach speed.")] = "0.1 m/s",
+    simulate: Annotated[bool, typer.Option(help="Integrate impacts beside the closed forms.")] = True,
+    out: FigureOutOption = None,
+    formats: FigureFormatOption = "png",
+    width: WidthOption = Width.PAGE,
+    as_json: JsonOption = False,
+    csv: CsvOption = None,
+) -> None:
+    """Certify dissipations: the restitution each delivers, in closed form and in integrated impacts.
+
+    The contact is Hertz's, of 1e10 N/m^1.5: one mass on a wall, and a pair of free bodies. Dissipations that
+    refuse a restitution of 0 are left out there.
+    """
+    from antenna_pin.analysis.law_studies import largest_errors, restitution_table
+    from antenna_pin.contact import DISSIPATIONS, law_parameters
+
+    target = csv_target(csv)
+    suffixes = figures_asked(out, formats)
+    values = list_of(asked, "1", "--asked", positive=False)
+    for value in values:
+        if not 0.0 <= value <= 1.0:
+            raise InvalidParameterError("contact restitution", "--asked", "in [0, 1]", value)
+    taking = [name for name, law in DISSIPATIONS.items() if "restitution" in law_parameters(law)]
+    words = ("dissipation", "dissipation", f"one that takes a restitution: {', '.join(taking)}")
+    chosen = _chosen("contact restitution", dissipations or taking, taking, words, DISSIPATIONS)
+    impact = {
+        "mass": positive_quantity(mass, "kg", "--mass"),
+        "speed": positive_quantity(speed, "m/s", "--speed"),
+    }
+    rows = restitution_table(chosen, values, simulate=simulate, **impact)
+    found = [dataclasses.asdict(row) for row in rows]
+    if not exported({"restitution": found}, found, as_json, target):
+        names = ("dissipation", "asked", "closed form", "wall", "free pair")
+        lines = [
+            (
+                row.dissipation,
+                f"{row.asked:g}",
+                *(formatted(value, ".7f") for value in (row.closed_form, row.on_wall, row.of_pair)),
+                *(length_text(value, 7) for value in (row.closed_form_depth, row.depth_on_wall)),
+            )
+            for row in rows
+        ]
+        print_rows("restitution [-] and peak depth", (*names, "depth, closed form", "depth, wall"), lines)
+        if simulate:
+            off, deeper = largest_errors(rows)
+            typer.echo(
+                "closed form against integrated impacts, largest errors:"
+                f" {power_above(off)} in restitution, {power_above(deeper)} of the peak depth"
+            )
+    if out is not None:
+        from antenna_pin.show.plot import figure_restitution
+
+        fine = [0.005 + 0.995 * k / 199 for k in range(200)]
+        smooth = restitution_table(chosen, fine, simulate=False, **impact)
+        save_figures(
+            {"restitution": figure_restitution(rows, closed_form=smooth, width=width.value)}, out, suffixes
+        )
+
+
+# In the order in which --help shows them.
+app.command("list")(list_laws)
+for _command in (curve, restitution, experiment, scenarios):
+    app.command()(_command)

@@ -1,0 +1,144 @@
+"""``antenna-pin sweep``: the runs of a parameter study that its store lacks."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from antenna_pin.apps.cli._common import ProgressOption, QuietOption, complain, refuse, say
+from antenna_pin.apps.cli._progress import study_bar
+from antenna_pin.apps.cli._tables import print_rows
+from antenna_pin.apps.cli.study import is_grid, print_grid, print_outcomes, run_rows, said_of_time
+
+if TYPE_CHECKING:
+    from antenna_pin.studies.sweep import Executor, Study
+
+
+def sweep(
+    study: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[STUDY]", help="Study file, or name of a shipped study; lists those if left out."
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Folder of the store; NAME.study here if left out.")
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="Change one entry of the study, such as sampling.count=64 or 'set.duration=0.5 s'. May be"
+            " repeated.",
+        ),
+    ] = None,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Print the planned runs and their duration; run nothing.")
+    ] = False,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", help="Processes here; one for each core if left out, 0 for this one alone."
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="URL", help="Dask scheduler that has workers: tcp://host:8786.")
+    ] = None,
+    tls_ca: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Certificate of the authority, for a tls:// scheduler."),
+    ] = None,
+    tls_cert: Annotated[Path | None, typer.Option(metavar="FILE", help="Certificate of this client.")] = None,
+    tls_key: Annotated[Path | None, typer.Option(metavar="FILE", help="Its private key.")] = None,
+    apart: Annotated[
+        bool,
+        typer.Option(
+            "--apart", help="If the store belongs to another study or version, make another beside it."
+        ),
+    ] = False,
+    progress: ProgressOption = True,
+    quiet: QuietOption = False,
+) -> None:
+    """Make the runs of a parameter study that its store lacks.
+
+    All combinations are built before any is run. The same command continues an interrupted one.
+    """
+    from antenna_pin.studies.sweep import list_studies, load_study, run_study
+
+    if study is None:
+        for name in list_studies():
+            typer.echo(f"{name}: {load_study(name).title}")
+        return
+    loaded = load_study(study, settings or ())
+    if dry_run:
+        _show(loaded, out, workers)
+        return
+    executor = _executor(workers, scheduler, {"ca": tls_ca, "cert": tls_cert, "key": tls_key})
+    try:
+        with study_bar(loaded.name, progress and not quiet) as report:
+            table = run_study(
+                loaded,
+                out,
+                executor=executor,
+                apart=apart,
+                progress=report,
+                say=lambda line: complain(f"note: {line}"),
+            )
+    finally:
+        executor.close()
+    for name in loaded.responses:
+        without = int((table[name].isnull() & (table["outcome"] == "COMPLETED")).sum())
+        if without:
+            complain(
+                f"note: response {name} has no number in {without} of {table['outcome'].size} runs; why is "
+                f"with each run: antenna-pin study show {table.attrs['path']} --csv runs.csv"
+            )
+    if not quiet:
+        if is_grid(table):
+            print_grid(loaded.name, table)
+        print_outcomes(loaded.name, table)
+        say(f"saved {table.attrs['path']}")
+
+
+def _executor(workers: int | None, scheduler: str | None, tls: dict[str, Path | None]) -> Executor:
+    from antenna_pin.studies.sweep import Cluster, Here
+
+    given = {name: str(path) for name, path in tls.items() if path is not None}
+    if scheduler is not None and workers is not None:
+        refuse("--workers: must be left out beside --scheduler, whose workers are its own")
+    if given and (scheduler is None or len(given) < 3):
+        refuse("--tls-ca, --tls-cert, --tls-key: must be given together, with --scheduler tls://...")
+    for name, path in given.items():
+        if not os.path.isfile(path):
+            refuse(f"--tls-{name} {path}: no such file")
+    if workers is not None and workers < 0:
+        refuse(f"--workers: must be zero or more, got {workers}")
+    if workers == 0:
+        return Here()
+    return Cluster(workers, scheduler, given or None)
+
+
+def _show(study: Study, out: Path | None, workers: int | None) -> None:
+    from antenna_pin.studies.sweep import prepare, run_seconds, trial
+
+    prepared = prepare(study)
+    design = prepared.design
+    title = f"{study.name}: {study.title}" if study.title else study.name
+    head, rows = run_rows(design)
+    print_rows(f"{title}: {design.count} runs", head, rows, numbers=False)
+    if design.count > len(rows):
+        typer.echo(f"... and {design.count - len(rows)} more")
+    shown = trial(prepared)
+    for note in shown.notes:
+        say(f"note: {note}")
+    names: Any = ", ".join(
+        f"{name} [{response.unit}]" if response.unit not in ("", "1") else name
+        for name, response in study.responses.items()
+    )
+    typer.echo(f"responses: {names}")
+    cores = os.cpu_count() or 1 if workers is None else max(1, workers)
+    typer.echo(said_of_time(design.count, run_seconds(prepared), cores))

@@ -1,0 +1,1 @@
+from antenna_pin.apps.fmu.export import export_fmu as export_fmu

@@ -1,0 +1,248 @@
+"""Page of the explorer: sliders, figures, and their interaction."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable
+from functools import partial
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from bokeh.document import Document
+from bokeh.models import Button, Column, Div, Row, Select, Slider, TextInput
+from jinja2 import Environment, Template
+
+from antenna_pin.apps.live.explored import Curves, Explored, said_of
+from antenna_pin.apps.live.knobs import Knob
+from antenna_pin.apps.live.looks import darkened, dressed
+from antenna_pin.apps.live.panels import Panels
+from antenna_pin.apps.live.runner import COMPILING, Made, Runner
+from antenna_pin.base.readable import lasting
+from antenna_pin.errors import AntennaPinError
+from antenna_pin.scenario import Scenario
+
+_POSITIONS = 200  # of a slider
+_TICK = 250  # between two looks at the stage of the first run [ms]
+
+
+class ExplorerPage:
+    """Page as shown by one browser.
+
+    Args:
+        document: What it is written into.
+        scenario: Where it starts from.
+        joint: Which joint is looked at first.
+        span: How much of the run is made [s].
+        out: Where the scenario is saved: a file, or a folder for numbered ones.
+        tell: Called with the stages of the first run.
+    """
+
+    def __init__(
+        self,
+        document: Document,
+        scenario: Scenario,
+        joint: str | None,
+        span: float,
+        out: Path,
+        tell: Callable[[str], None],
+    ) -> None:
+        """Build the page, and request the first run."""
+        self._document, self._out, self._tell = document, out, tell
+        self._stage = ""
+        self._explored = Explored(scenario, joint, span)
+        self._name = "-".join(filter(None, (scenario.name, scenario.case)))
+        self._runner = Runner(self._pass_on)
+        self._panels = Panels()
+        self._status = dressed(Div(name="status", sizing_mode="stretch_width"))
+        self._knobs = Column(name="knobs", sizing_mode="stretch_width")
+        self._setting = False
+        self._shown: Curves | None = None
+        self._reference: Curves | None = None
+        self._said, self._times = "", 0
+        self._make_knobs()
+        document.template = _template()
+        document.title = f"{self._name} \N{EN DASH} antenna_pin explore"
+        document.template_variables.update(heading=scenario.title or self._name, about=_about(scenario))
+        for root in (self._knobs, *self._panels.columns, self._status):
+            document.add_root(root)
+        dark = darkened(self._panels.columns)
+        document.js_on_event("document_ready", dark)
+        for column in self._panels.columns:
+            column.js_on_change("children", dark)
+        document.on_session_destroyed(lambda context: self._runner.close())
+        self._opened = time.perf_counter()
+        self._ticking: Any = document.add_periodic_callback(self._tick, _TICK)
+        self._tick()
+        self._ask()
+
+    # --- the numbers ----------------------------------------------------------------------------------------
+
+    def _make_knobs(self) -> None:
+        explored = self._explored
+        joint = Select(title="Joint", options=explored.joints, value=explored.joint, name="joint")
+        joint.sizing_mode = "stretch_width"
+        joint.on_change("value", self._look_at)
+        buttons = []
+        for name, title, kind, does in (
+            ("save", "Save as scenario", "primary", self._save),
+            ("keep", "Compare with this", "default", self._keep),
+            ("reset", "Reset", "default", self._reset),
+        ):
+            button = Button(label=title, name=name, button_type=kind, sizing_mode="stretch_width")
+            button.on_click(does)
+            buttons.append(dressed(button))
+        rows = [Row(*some, sizing_mode="stretch_width") for some in (buttons[:1], buttons[1:])]
+        shown: list[Any] = [dressed(joint), *rows]
+        self._sliders: dict[str, tuple[Knob, Slider, TextInput]] = {}
+        for group, knobs in itertools.groupby(explored.knobs, key=lambda knob: knob.group):
+            shown.append(dressed(Div(text=f"<h2>{escape(group)}</h2>", sizing_mode="stretch_width")))
+            shown += [self._knob(knob) for knob in knobs]
+        self._knobs.children = shown
+
+    def _knob(self, knob: Knob) -> Row:
+        value = self._explored.value(knob)
+        slider = Slider(
+            start=0.0,
+            end=1.0,
+            step=1.0 / _POSITIONS,
+            value=knob.to_slider(value),
+            title=knob.name,
+            show_value=False,
+            name=knob.place,
+            sizing_mode="stretch_width",
+        )
+        typed = TextInput(value=knob.told(value), width=104, margin=(14, 5, 0, 5), name=f"{knob.place} typed")
+        self._sliders[knob.place] = knob, slider, typed
+        slider.on_change("value", partial(self._slid, knob))
+        typed.on_change("value", partial(self._typed, knob))
+        return Row(dressed(slider), dressed(typed), sizing_mode="stretch_width")
+
+    def _slid(self, knob: Knob, attribute: str, old: float, new: float) -> None:
+        if not self._setting:
+            self._turn(knob, knob.from_slider(new), slide=False)
+
+    def _typed(self, knob: Knob, attribute: str, old: str, new: str) -> None:
+        if self._setting:
+            return
+        try:
+            value = knob.read(new)
+        except AntennaPinError as error:
+            self._say(refused=str(error))
+        else:
+            self._turn(knob, value, slide=True)
+
+    def _turn(self, knob: Knob, value: float, *, slide: bool) -> None:
+        self._explored.turn(knob.place, value)
+        self._set(knob, value, slide=slide)
+        self._ask()
+
+    def _set(self, knob: Knob, value: float, *, slide: bool) -> None:
+        """Let the widgets of a knob show its value, without hearing it from them."""
+        _, slider, typed = self._sliders[knob.place]
+        self._setting = True
+        try:
+            typed.value = knob.told(value)
+            if slide:
+                slider.value = knob.to_slider(value)
+        finally:
+            self._setting = False
+
+    def _look_at(self, attribute: str, old: str, new: str) -> None:
+        self._explored.look_at(new)
+        self._reference = None
+        self._panels.forget()
+        self._make_knobs()
+        self._ask()
+
+    def _reset(self) -> None:
+        self._explored.reset()
+        for knob, _, _ in self._sliders.values():
+            self._set(knob, knob.value, slide=True)
+        self._ask()
+
+    def _keep(self) -> None:
+        self._reference = self._shown
+        if self._shown is not None:
+            self._panels.show(self._shown, self._reference)
+
+    def _save(self) -> None:
+        target = self._out
+        if target.is_dir():
+            names = (
+                f"{self._name}-explored{f'-{k}' if k else ''}.toml".replace("/", "-")
+                for k in itertools.count()
+            )
+            target = next(path for path in (self._out / name for name in names) if not path.exists())
+        try:
+            self._explored.save(target)
+        except (AntennaPinError, OSError) as error:
+            self._say(refused=str(error))
+        else:
+            self._say(note=f"saved {target}; antenna-pin run {target} makes this run")
+
+    # --- the run --------------------------------------------------------------------------------------------
+
+    def _ask(self) -> None:
+        self._runner.ask(self._explored.scenario)
+
+    def _pass_on(self, answer: Made) -> None:
+        """Pass a run from its thread to the page's own."""
+        self._document.add_next_tick_callback(partial(self._show, answer))
+
+    def _tick(self) -> None:
+        """Write the stage of the first run until its first display."""
+        seconds, stage = round(time.perf_counter() - self._opened), self._runner.stage
+        self._panels.announce(f"<div role='status'>First run: {escape(stage)} ({seconds} s)</div>")
+        if stage == COMPILING != self._stage:
+            self._stage = stage
+            self._tell(f"first run: {stage}")
+
+    def _show(self, answer: Made) -> None:
+        if self._ticking is not None:
+            self._document.remove_periodic_callback(self._ticking)
+            self._ticking = None
+            self._panels.announce("")
+            shown = f"shown after {lasting(time.perf_counter() - self._opened)}"
+            self._tell(f"first run: {answer.refused or shown}")
+        if answer.run is None:
+            self._say(refused=answer.refused)
+            return
+        curves = self._explored.curves(answer.run)
+        if answer.done and self._reference is None:
+            self._reference = curves
+        self._shown = curves
+        self._document.hold("combine")  # one message, one picture
+        self._panels.show(curves, self._reference)
+        ended, lines = said_of(answer.run)
+        about = (
+            f"{ended}; here {lasting(answer.wall)} after the change"
+            if answer.done
+            else f"on its way: {self._runner.stage} \N{HORIZONTAL ELLIPSIS}"
+        )
+        told = "".join(
+            f"<div><span class='about'>{escape(line.about)}</span> {escape(line.text)}</div>"
+            for line in lines
+        )
+        self._said = f"{told}<div class='soft'>{escape(about)}</div>"
+        self._say()
+        self._document.unhold()
+
+    def _say(self, *, refused: str = "", note: str = "") -> None:
+        first = f"<div class='refused' role='alert'>{escape(refused)}</div>" if refused else ""
+        first += f"<div role='status'><b>{escape(note)}</b></div>" if note else ""
+        self._status.text = first + self._said
+        self._times += 1
+        self._status.tags = [self._times]  # for those who wait for it
+
+
+def _template() -> Template:
+    text = files("antenna_pin.apps.live").joinpath("page.html").read_text(encoding="utf-8")
+    return Environment(autoescape=False).from_string(text)
+
+
+def _about(scenario: Scenario) -> str:
+    words = [f"case {scenario.case}" if scenario.case else "", scenario.description]
+    return ": ".join(filter(None, words))

@@ -1,1 +1,0 @@
-from antenna_pin.fmu.export import export_fmu as export_fmu

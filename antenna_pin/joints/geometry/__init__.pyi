@@ -1,0 +1,15 @@
+from antenna_pin.joints.geometry.cylindrical import CylindricalClearance as CylindricalClearance
+from antenna_pin.joints.geometry.look import Look as Look
+from antenna_pin.joints.geometry.planar import PlanarClearance as PlanarClearance
+from antenna_pin.joints.geometry.prismatic import PrismaticClearance as PrismaticClearance
+from antenna_pin.joints.geometry.registry import LOOKS as LOOKS
+from antenna_pin.joints.geometry.revolute import HARDEST as HARDEST
+from antenna_pin.joints.geometry.revolute import RevoluteClearance as RevoluteClearance
+from antenna_pin.joints.geometry.scenarios import AxialScenario as AxialScenario
+from antenna_pin.joints.geometry.scenarios import RadialScenario as RadialScenario
+from antenna_pin.joints.geometry.shape import ClearanceGeometry as ClearanceGeometry
+from antenna_pin.joints.geometry.shape import ContactPlace as ContactPlace
+from antenna_pin.joints.geometry.shape import ContactPoint as ContactPoint
+from antenna_pin.joints.geometry.shape import Distances as Distances
+from antenna_pin.joints.geometry.shape import pose_of as pose_of
+from antenna_pin.joints.geometry.spherical import SphericalClearance as SphericalClearance

@@ -1,0 +1,197 @@
+"""A round slider in a round guide."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin.base.arguments import takes
+from antenna_pin.joints.geometry import kernels
+from antenna_pin.joints.geometry.look import Across, Array, Look, Sizes, circle, length, radial_words
+from antenna_pin.joints.geometry.prismatic import (
+    check_guide_length,
+    clamped,
+    guide_words,
+    mouths,
+    touches,
+    walls,
+    within,
+)
+from antenna_pin.joints.geometry.revolute_kernels import REVOLUTE
+from antenna_pin.joints.geometry.shape import (
+    ContactPlace,
+    Motion,
+    RoundShape,
+    flat,
+    require_below,
+    require_lengths,
+)
+
+if TYPE_CHECKING:
+    from antenna_pin.joints.geometry.coal_prismatic import CoalPrismatic
+
+__all__ = ["CylindricalClearance"]
+
+# --- readings of results ------------------------------------------------------------------------------------
+
+
+def _across(size: Sizes, p: Array, z: Array) -> Across:
+    """The slider's axis at the ends of what of it is within the guide."""
+    half, guide = 0.5 * size["slider_length"], size["guide_length"]
+    outer, inner = size["bearing_radius"], size["journal_radius"]
+    offset = clamped(p, z, half, guide)
+    eccentricity = np.hypot(offset[..., 0], offset[..., 1])
+    short = guide and guide < size["slider_length"]
+    twist = math.nan
+    if size["key_width"]:
+        twist = touches(0.5 * size["key_width"], size["key_reach"], 0.5 * size["keyway_width"])
+    return Across(
+        ("+", "-"),
+        offset,
+        eccentricity,
+        eccentricity / (outer - inner),
+        outer - inner,
+        circle(outer - inner),
+        tilt=mouths(0.5 * guide, outer, inner) if short else touches(inner, half, outer),
+        twist=twist,
+    )
+
+
+def _dimensions(size: Sizes) -> list[str]:
+    parts = [
+        radial_words("guide", size["bearing_radius"], "slider", size["journal_radius"]),
+        f"slider {length(size['slider_length'])} long",
+        *guide_words(size),
+    ]
+    if size["key_width"]:
+        parts.append(
+            f"key {length(size['key_width'])} wide in a keyway of {length(size['keyway_width'])}, bearing "
+            f"{length(size['key_reach'])} from the axis"
+        )
+    return parts
+
+
+LOOK = Look(
+    held="a round slider in a guide, held by contact alone",
+    dimensions=_dimensions,
+    picture="rod",
+    contacts=frozenset({"radial", "key"}),
+    rows=("radial",),
+    across=_across,
+)
+
+
+# --- shape --------------------------------------------------------------------------------------------------
+
+_SIGNS = ((1.0, "+"), (-1.0, "-"))
+_KEY = ("key_width", "keyway_width", "key_reach")
+
+
+@takes(
+    bearing_radius="m",
+    journal_radius="m",
+    slider_length="m",
+    guide_length="m",
+    key_width="m",
+    keyway_width="m",
+    key_reach="m",
+)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CylindricalClearance(RoundShape):
+    r"""A round slider in a round guide: it slides, and turns without a key.
+
+    Candidates ``radial+`` and ``radial-`` are the two ends of what of the slider is within the guide: the rim
+    of the slider's end on the wall where it ends within, the mouth's edge on the slider's barrel where it
+    reaches out. Nothing stops the slider along the axis, and one that has left is free of the guide, but for
+    its block's face.
+
+    A key on the slider, at its +x, goes in a keyway with play of its own: candidate ``key+y-z`` is its flank
+    at +y, at the -z end.
+
+    Attributes:
+        bearing_radius: R_i, of the guide [m].
+        journal_radius: R_j, of the slider, below R_i [m].
+        slider_length: Along the axis [m].
+        guide_length: Along the axis, 0 for a guide that is longer than the slider's way [m].
+        key_width: Of the key, 0 for none [m].
+        keyway_width: Of the keyway, above the key's [m].
+        key_reach: From the axis to where the key's flanks bear [m].
+    """
+
+    kind: ClassVar[str] = "cylindrical"
+    look: ClassVar[Look] = LOOK
+    planar: ClassVar[bool] = False
+    motion: ClassVar[Motion] = "slide"
+
+    bearing_radius: float
+    journal_radius: float
+    slider_length: float
+    guide_length: float = 0.0
+    key_width: float = 0.0
+    keyway_width: float = 0.0
+    key_reach: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the dimensions."""
+        require_lengths(self, "bearing_radius", "journal_radius", "slider_length")
+        require_below(self, "journal_radius", "bearing_radius")
+        check_guide_length(self)
+        if any(getattr(self, name) != 0.0 for name in _KEY):
+            require_lengths(self, *_KEY)
+            require_below(self, "key_width", "keyway_width")
+
+    @property
+    def half_length(self) -> float:
+        """Half the guided length of a centred slider [m]."""
+        return 0.5 * within(self.slider_length, self.guide_length)
+
+    @property
+    def contact_places(self) -> tuple[ContactPlace, ...]:
+        """Both ends, then the key's flanks."""
+        keys = [ContactPlace("key", end) for end, *_ in self._flanks()]
+        return (ContactPlace("radial", "+"), ContactPlace("radial", "-"), *keys)
+
+    def _flanks(self) -> list[tuple[str, NDArray[np.float64], NDArray[np.float64], float]]:
+        """Return name, corner, inward normal and distance of the keyway's wall of the key's candidates."""
+        if not self.key_width:
+            return []
+        found = []
+        for (flank, w), (along, z) in itertools.product(_SIGNS, _SIGNS):
+            corner = np.array(
+                [self.key_reach, 0.5 * flank * self.key_width, 0.5 * along * self.slider_length]
+            )
+            found.append((f"{w}y{z}z", corner, np.array([0.0, -flank, 0.0]), 0.5 * self.keyway_width))
+        return found
+
+    def candidates(self, axes: ArrayLike) -> NDArray[np.float64]:
+        """Return the records of the candidate contacts as flat numbers, (2 or 6, CANDIDATE)."""
+        in_child = np.asarray(axes, dtype=float)
+        half = 0.5 * self.guide_length if self.guide_length else math.inf
+        ends = (
+            (
+                kernels.ROD_IN_GUIDE,
+                side,
+                self.bearing_radius,
+                half,
+                0.0,
+                self.journal_radius,
+                0.0,
+                0.5 * self.slider_length,
+                0.0,
+            )
+            for side, _ in _SIGNS
+        )
+        flanks = [(in_child @ corner, wall, at) for _, corner, wall, at in self._flanks()]
+        rows = [flat(REVOLUTE, *ends)]
+        return np.concatenate([*rows, walls(flanks, 0.0, self.guide_length)] if flanks else rows)
+
+    def coal(self, axes: ArrayLike) -> CoalPrismatic:
+        """Return the queries of coal for the same distances."""
+        from antenna_pin.joints.geometry.coal_prismatic import CoalPrismatic
+
+        return CoalPrismatic(self.candidates(axes))

@@ -1,0 +1,236 @@
+"""Shapes of joints with play: their description, and backends of distance queries."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, Literal, NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from antenna_pin.base.directions import direction
+from antenna_pin.base.records import CONTACT, POSE
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.joints.geometry import kernels
+
+__all__ = ["ClearanceGeometry", "ContactPlace", "ContactPoint", "Distances", "Motion"]
+
+Vector3 = NDArray[np.float64]
+Motion = Literal["turn", "slide"]
+
+
+class ContactPoint(NamedTuple):
+    """Candidate contact of journal and bearing, in bearing axes."""
+
+    gap: float  # [m]; positive apart, so its zero can be located
+    normal: Vector3  # (3,), unit, the way the bearing pushes the journal
+    point: Vector3  # (3,) [m], from the bearing's centre
+
+    @property
+    def depth(self) -> float:
+        """Penetration depth [m], zero when apart."""
+        return max(-self.gap, 0.0)
+
+
+class ContactPlace(NamedTuple):
+    """Place of a candidate contact on a joint."""
+
+    kind: str  # which of the joint's laws it has, and what figures call it: radial, axial, ...
+    end: str = ""  # which of several of its kind: +, -, ...
+
+    @property
+    def name(self) -> str:
+        """Kind and end in one word."""
+        return self.kind + self.end
+
+
+class Distances(Protocol):
+    """Backend: measures gaps in a run in place of the compiled closed form.
+
+    It must answer equal questions equally, to a billionth of the play: it may search from its last answer on,
+    but a gap that depends on what was asked before (wear, chance) ends the run as ``FUNCTION_WITH_MEMORY``.
+    """
+
+    def query(
+        self, pose: NDArray[Any], table: NDArray[Any], row: int, wanted: Sequence[float] | None = None
+    ) -> None:
+        """Fill gap, normal and point of a joint's rows of a contact table.
+
+        Args:
+            pose: :data:`antenna_pin.base.records.POSE` of the journal, (1,).
+            table: :data:`antenna_pin.base.records.CONTACT`, (rows,).
+            row: The joint's first row.
+            wanted: Which of its contacts to ask for (nonzero); all if not given. The others' rows need not be
+                valid.
+        """
+
+
+class ClearanceGeometry(Protocol):
+    """Shape of a joint with play: candidate contacts and freedom.
+
+    A kind of joint with play is one class of this protocol, in a file of its own and in
+    ``geometry/__init__.py``.
+    """
+
+    @property
+    def kind(self) -> str:
+        """Name in results and for readers: revolute, planar, ..."""
+
+    @property
+    def contact_places(self) -> tuple[ContactPlace, ...]:
+        """Places of the candidate contacts, in the order of their rows."""
+
+    @property
+    def radial_clearance(self) -> float:
+        """The play that lengths in the joint are measured against [m]."""
+
+    @property
+    def section_radius(self) -> float:
+        """Size of the hollow [m]; a hundredth of it is the default depth limit."""
+
+    @property
+    def half_length(self) -> float | None:
+        """Lever over which the play limits the tilt [m]; None if it does not."""
+
+    @property
+    def patch_radius(self) -> float | None:
+        """Radius of the circle that the sectors of a distributed flange load stand on [m].
+
+        None of a shape whose load cannot be distributed.
+        """
+
+    @property
+    def planar(self) -> bool:
+        """Return whether the joint is planar: three degrees of freedom, else six."""
+
+    @property
+    def motion(self) -> Motion | None:
+        """Purpose of the joint: turning about the bearing's axis, sliding along it, neither."""
+
+    def candidates(self, axes: ArrayLike) -> NDArray[np.float64]:
+        """Return the records of the candidate contacts as flat numbers, (contacts, CANDIDATE).
+
+        Args:
+            axes: Columns are the bearing frame's axes in the joint frame, (3, 3).
+        """
+
+    def coal(self, axes: ArrayLike) -> Distances:
+        """Return the queries of coal for the same distances; ``axes`` as of :meth:`candidates`."""
+
+
+class Shape:
+    """Base of shapes, with members beyond those of their protocol."""
+
+    __slots__ = ()
+
+    @property
+    def patch_radius(self) -> float | None:
+        """None: the load acts at points."""
+        return None
+
+    def contacts(
+        self: ClearanceGeometry, p_HJ: ArrayLike, attitude: ArrayLike = (0.0, 0.0, 1.0)
+    ) -> tuple[ContactPoint, ...]:
+        """Return the candidate contacts of a pose (:func:`antenna_pin.joints.geometry.pose_of`), in closed form."""
+        return points_of_table(closed_form(self, pose_of(p_HJ, attitude)))
+
+
+class _Radii(Protocol):
+    """The two radii of a round part in a round hollow [m]."""
+
+    @property
+    def bearing_radius(self) -> float: ...
+
+    @property
+    def journal_radius(self) -> float: ...
+
+
+class RoundShape(Shape):
+    """A round part in a round hollow."""
+
+    __slots__ = ()
+
+    @property
+    def section_radius(self: _Radii) -> float:
+        """R_i, the size of the hollow [m]."""
+        return self.bearing_radius
+
+    @property
+    def radial_clearance(self: _Radii) -> float:
+        """C_r, the hollow's radius less that of the part inside [m]."""
+        return self.bearing_radius - self.journal_radius
+
+
+def pose_of(p_HJ: ArrayLike, attitude: ArrayLike) -> NDArray[Any]:
+    """Return a journal's pose at rest as a record, (1,).
+
+    Args:
+        p_HJ: Journal's centre from the bearing's centre, bearing axes, (3,) [m].
+        attitude: Direction of the journal's axis in bearing axes, (3,), made unit; or its rotation R_HJ,
+            (3, 3).
+    """
+    p = np.asarray(p_HJ, dtype=float)
+    given = np.asarray(attitude, dtype=float)
+    if p.shape != (3,) or given.shape not in ((3,), (3, 3)) or not np.isfinite([*p, *given.ravel()]).all():
+        raise InvalidParameterError(
+            "contacts", "pose", "three finite numbers, and a vector (3,) or rotation (3, 3)", (p, given)
+        )
+    pose = np.zeros(1, POSE)
+    pose["centre"] = p
+    if given.ndim == 2:
+        pose["rotation"] = given
+        axis = given[:, 2]
+    else:
+        axis = direction(given, "contacts", "attitude")
+        pose["rotation"] = _smallest_rotation(axis)
+    pose["axis"] = axis
+    pose["sine"] = math.sqrt(axis[0] ** 2 + axis[1] ** 2)
+    return pose
+
+
+def _smallest_rotation(axis: Vector3) -> NDArray[np.float64]:
+    """Return the rotation by the shortest way that takes the z axis to an axis."""
+    x, y, z = axis
+    if z < -1.0 + 1e-12:
+        return np.diag([1.0, -1.0, -1.0])
+    f = 1.0 / (1.0 + z)
+    return np.array([[1.0 - f * x * x, -f * x * y, x], [-f * x * y, 1.0 - f * y * y, y], [-x, -y, z]])
+
+
+def points_of_table(table: NDArray[Any]) -> tuple[ContactPoint, ...]:
+    """Return the rows of a contact table as named values."""
+    return tuple(ContactPoint(float(row["gap"]), row["normal"].copy(), row["point"].copy()) for row in table)
+
+
+def closed_form(shape: ClearanceGeometry, pose: NDArray[Any]) -> NDArray[Any]:
+    """Return the contact table of a shape in a pose (see :func:`pose_of`), (contacts,)."""
+    table = np.zeros(len(shape.contact_places), CONTACT)
+    kernels.fill(shape.candidates(np.eye(3)).ravel(), pose, table)
+    return table
+
+
+def asked(backend: Distances, contacts: int, pose: NDArray[Any]) -> tuple[ContactPoint, ...]:
+    """Return the candidate contacts that a backend finds in a pose."""
+    table = np.zeros(contacts, CONTACT)
+    backend.query(pose, table, 0)
+    return points_of_table(table)
+
+
+def flat(layout: np.dtype[Any], *rows: tuple[Any, ...]) -> NDArray[np.float64]:
+    """Return records as rows of plain 8-byte numbers, (len(rows), words)."""
+    return np.array(list(rows), dtype=layout).view(np.float64).reshape(len(rows), -1)
+
+
+def require_below(shape: object, name: str, other: str) -> None:
+    """Refuse a dimension that is not smaller than another."""
+    most = getattr(shape, other)
+    if not getattr(shape, name) < most:
+        raise InvalidParameterError(shape, name, f"below {other} = {most:g} m")
+
+
+def require_lengths(shape: object, *names: str) -> None:
+    """Refuse a dimension that is not a positive length."""
+    for name in names:
+        if not 0.0 < getattr(shape, name) < math.inf:
+            raise InvalidParameterError(shape, name, "a positive length [m]")

@@ -1,0 +1,12 @@
+from antenna_pin.run.engine.carrying import Along as Along
+from antenna_pin.run.engine.carrying import Carrying as Carrying
+from antenna_pin.run.engine.carrying import Steps as Steps
+from antenna_pin.run.engine.compiled import Compiled as Compiled
+from antenna_pin.run.engine.compiled import CompiledStepper as CompiledStepper
+from antenna_pin.run.engine.compiled import check_compiled as check_compiled
+from antenna_pin.run.engine.pace import Pace as Pace
+from antenna_pin.run.engine.pace import Sizes as Sizes
+from antenna_pin.run.engine.shifts import SystemSlopes as SystemSlopes
+from antenna_pin.run.engine.shifts import moves_rows as moves_rows
+from antenna_pin.run.engine.slopes import Slopes as Slopes
+from antenna_pin.run.engine.tangents import Tangents as Tangents

@@ -1,0 +1,190 @@
+"""The derivative of accelerations under constraints along displacements, compiled.
+
+Of M a + b = tau + J^T lambda, J a = lack, a displacement makes
+
+    M da - J^T dlambda = dtau - D[M a + b - J^T lambda],    J da = -D[J a - lack],
+
+with a and lambda that stay on the right: the equations of accelerations themselves, with their factors, of
+the rows that count there. Closures are differentiated in closed form
+(:mod:`antenna_pin.dynamics.constraints.tangent_kernels`), motions over time and numbers by themselves.
+``room`` is :class:`antenna_pin.dynamics.tangent_room_kernels.TangentRoom`.
+"""
+
+from __future__ import annotations
+
+from antenna_pin.base.records import Floats
+from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.dynamics.constraints.driven_kernels import change_motions, driven_rate
+from antenna_pin.dynamics.constraints.factor_kernels import factorize
+from antenna_pin.dynamics.constraints.layout_kernels import driven_at, plan_of
+from antenna_pin.dynamics.constraints.rows_kernels import write_rows
+from antenna_pin.dynamics.constraints.solve_kernels import solve_changes, solve_rows
+from antenna_pin.dynamics.constraints.tangent_kernels import (
+    change_ties,
+    let_ties_rest,
+    read_ties,
+    shift_couplings,
+    shift_ties,
+)
+from antenna_pin.dynamics.tangent_room_kernels import TangentRoom
+from antenna_pin.elements import kernels as elements
+from antenna_pin.elements.ledger_kernels import write_work_change
+from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
+from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
+from antenna_pin.mechanism.mass_kernels import mass_and_bias
+from antenna_pin.mechanism.tangent_kernels import read_bodies
+
+
+@inlined
+def has_rows(room: TangentRoom) -> bool:
+    """Return whether constraints exist."""
+    return bool(room.numbers.plan.shape[0] > 0)
+
+
+@kernel
+def prepare_rows(t: float, y: Floats, tau: Floats, room: TangentRoom) -> None:
+    """Write motion, acceleration and factors of a constrained tree, with powers of motions."""
+    numbers, rows, nv = room.numbers, room.rows, room.tau.shape[0]
+    plan, work = numbers.plan, numbers.held
+    write_rows(t, y, numbers.program, plan, work)
+    mass_and_bias(numbers.tree, room.places, numbers.gravity, room.room, room.mass, rows.bias)
+    factorize(plan, work, room.mass)
+    solve_rows(y, numbers.program, plan, work, tau, rows.bias, room.rates)
+    for k in range(nv):
+        room.acceleration[k] = room.rates[k]
+    head = plan_of(plan)
+    for r in range(head.rows):
+        rows.force[r] = work[head.force + r]
+    read_bodies(y, head.nq, numbers.tree, room.places, numbers.gravity, room.acceleration, room.bodies)
+    read_ties(plan, work, numbers.gravity, room.bodies, rows.ties)
+
+
+@kernel
+def _differentiate_motions(t: float, m: int, step: float, room: TangentRoom, out: Floats) -> None:
+    """Write the derivatives of motions' accelerations over number m, or over time (-1), (kinds, motions)."""
+    numbers, rows, words = room.numbers, room.rows, room.shifts.program
+    plan, program = numbers.plan, numbers.program
+    count, found, points = plan_of(plan).motions, BEGIN, room.weights.shape[1]
+    if m >= 0:
+        note_words(program, words, m)
+    for _ in range(OFTEN):
+        clear(rows.trial, count)
+        moves = False
+        for turn in range(2 * points + 1):
+            place = place_at(turn, points)
+            h = place * step
+            if m >= 0:
+                displace_words(program, words, m, h)
+            for k in range(count):
+                own = driven_at(plan, k)
+                _, _, rows.wanted[k] = elements.motion(own.kind, program, own.words, t if m >= 0 else t + h)
+            moves = add(rows.wanted, count, place, room.weights, rows.trial) or moves
+            if rests(turn, moves, count, rows.trial):
+                break
+        found = settle(rows.trial, rows.wanted, step, (0, count), found, out)
+        if not found[2]:
+            break
+        step /= FINER
+    if m >= 0:
+        put_back_words(program, words, m)
+
+
+@inlined
+def _write_motions(columns: Floats, plan: Floats, out: Floats) -> None:
+    """Write derivatives of motions' accelerations by row, and their differences between orders."""
+    head = plan_of(plan)
+    for k in range(head.motions):
+        own = driven_at(plan, k)
+        scale = 1.0 if own.slides != 0 else head.length
+        for kind in range(out.shape[0]):
+            value = columns[kind, k] - (columns[0, k] if kind > 0 else 0.0)
+            out[kind, own.row] = scale * value
+
+
+@kernel
+def differentiate_over_time(t: float, step: float, room: TangentRoom) -> None:
+    """Write how motions' accelerations go with time."""
+    _differentiate_motions(t, -1, step, room, room.rows.jerks)
+
+
+@kernel
+def shift_rows(t: float, m: int, room: TangentRoom, out: Floats) -> None:
+    """Write changes of rows with number m, and add their forces.
+
+    Args:
+        t: Time [s].
+        m: Which number.
+        room: What to compute with; changes of bodies' motions and own wrenches are there, of the latter what
+            closures do is taken.
+        out: Change of tau + J^T lambda, (nv,).
+    """
+    numbers, rows, shifts = room.numbers, room.rows, room.shifts
+    lacks = shifts.lacks[m]
+    lacks[:] = 0.0
+    shift_ties(numbers.plan, room.places, shifts.closures[m], rows.ties)
+    change_ties(numbers.plan, room.bodies, rows.ties, lacks[0])
+    let_ties_rest(rows.ties)
+    shift_couplings(numbers.plan, shifts.couplings[m], rows.force, room.acceleration, lacks[0], out)
+    if shifts.motions[m] != 0:
+        _differentiate_motions(t, m, shifts.steps[m], room, rows.column)
+        _write_motions(rows.column, numbers.plan, lacks)
+
+
+@kernel
+def change_rows(y: Floats, way: Floats, room: TangentRoom, out: Floats) -> None:
+    """Write changes of rows along a displacement, and add their forces.
+
+    As :func:`shift_rows` does; those over time and numbers are in it.
+    """
+    numbers, rows, shifts = room.numbers, room.rows, room.shifts
+    lacks, plan = rows.lacks, numbers.plan
+    time = way[way.shape[0] - 1]
+    lacks[:] = 0.0
+    if time != 0.0:
+        _write_motions(rows.jerks, plan, lacks)
+        for kind in range(lacks.shape[0]):
+            for r in range(lacks.shape[1]):
+                lacks[kind, r] *= time
+    for m in range(shifts.steps.shape[0]):
+        share = way[room.first_number[0] + m]
+        if share != 0.0 and shifts.heavy[m] != 0:
+            for kind in range(lacks.shape[0]):
+                for r in range(lacks.shape[1]):
+                    lacks[kind, r] += share * shifts.lacks[m, kind, r]
+    change_ties(plan, room.bodies, rows.ties, lacks[0])
+    change_motions(y, way, room.acceleration, rows.force, plan, (lacks[0], rows.speeds, rows.twist), out)
+
+
+@kernel
+def solve_held(y: Floats, d: int, room: TangentRoom, out: Floats) -> None:
+    """Write how accelerations change along displacement d, and powers of motions, of all kinds.
+
+    ``out``, (kinds, k, nv + nx), holds what forces change: of the first kind, and by how much others differ.
+    """
+    numbers, rows, nv = room.numbers, room.rows, room.tau.shape[0]
+    plan, work = numbers.plan, numbers.held
+    head = plan_of(plan)
+    for kind in range(out.shape[0]):
+        own, lacks = out[kind, d, :nv], rows.lacks[kind]
+        differs = kind == 0
+        for k in range(nv):
+            differs = differs or own[k] != 0.0
+        for r in range(head.rows):
+            differs = differs or lacks[r] != 0.0
+            work[head.lack + r] = lacks[r]
+            rows.force_change[r] = 0.0
+        if differs:
+            solve_changes(plan, work, own, rows.force_change)
+        for m in range(head.motions):
+            driven = driven_at(plan, m)
+            at, scale = nv + driven.x, 1.0 if driven.slides != 0 else head.length
+            rate = driven_rate(y, plan, work, driven)
+            force, change = rows.force[driven.row], rows.force_change[driven.row] * rate
+            if kind == 0:
+                change += force * rows.speeds[m]
+            else:
+                change += out[0, d, at] / scale
+            write_work_change(force * rate, scale * change, out[kind, d], at)
+    for kind in range(1, out.shape[0]):
+        for k in range(nv):
+            out[kind, d, k] += out[0, d, k]

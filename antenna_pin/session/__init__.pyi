@@ -1,4 +1,0 @@
-from antenna_pin.session.session import EndedError as EndedError
-from antenna_pin.session.session import InUseError as InUseError
-from antenna_pin.session.session import Session as Session
-from antenna_pin.session.session import start as start

@@ -1,0 +1,16 @@
+from antenna_pin.show.record.bending import bending_magnification as bending_magnification
+from antenna_pin.show.record.browser import BrowserPrograms as BrowserPrograms
+from antenna_pin.show.record.browser import find_browser as find_browser
+from antenna_pin.show.record.page import SharedHead as SharedHead
+from antenna_pin.show.record.page import shared_head as shared_head
+from antenna_pin.show.record.page import viewer_megabytes as viewer_megabytes
+from antenna_pin.show.record.recording import Recording as Recording
+from antenna_pin.show.record.recording import View as View
+from antenna_pin.show.record.recording import record as record
+from antenna_pin.show.record.several import record_several as record_several
+from antenna_pin.show.record.video import Filmed as Filmed
+from antenna_pin.show.record.video import check_film as check_film
+from antenna_pin.show.record.video import film_times as film_times
+from antenna_pin.show.record.video import save_frames as save_frames
+from antenna_pin.show.record.video import save_picture as save_picture
+from antenna_pin.show.record.video import save_video as save_video

@@ -1,0 +1,5 @@
+"""Studies made of many runs or states: linear, nonlinear, sensitivities, fits, sweeps."""
+
+from antenna_pin.base.lazy import exported
+
+exported(__name__)

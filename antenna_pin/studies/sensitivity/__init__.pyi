@@ -1,0 +1,13 @@
+from antenna_pin.studies.sensitivity.methods import Method as Method
+from antenna_pin.studies.sensitivity.methods import sensitivities as sensitivities
+from antenna_pin.studies.sensitivity.parameters import GrazeError as GrazeError
+from antenna_pin.studies.sensitivity.parameters import Parameter as Parameter
+from antenna_pin.studies.sensitivity.parameters import SensitivityError as SensitivityError
+from antenna_pin.studies.sensitivity.result import Changed as Changed
+from antenna_pin.studies.sensitivity.result import Growth as Growth
+from antenna_pin.studies.sensitivity.result import Sensitivities as Sensitivities
+from antenna_pin.studies.sensitivity.result import growth_said as growth_said
+from antenna_pin.studies.sensitivity.result import open_sensitivities as open_sensitivities
+from antenna_pin.studies.sensitivity.result import refused_in as refused_in
+from antenna_pin.studies.sensitivity.result import results_of as results_of
+from antenna_pin.studies.sensitivity.result import sensitivity_table as sensitivity_table

@@ -1,0 +1,219 @@
+"""Driver of a study: submits runs, and alone writes the store."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from antenna_pin.base.arguments import takes
+from antenna_pin.errors import OutputError, ScenarioError
+from antenna_pin.studies.sweep.executor import Executor, Here, Lost
+from antenna_pin.studies.sweep.jobs import Done, Job, check_jobs, do_jobs, failed_entry
+from antenna_pin.studies.sweep.preparation import Prepared, prepare, trial
+from antenna_pin.studies.sweep.store import LOST, SUFFIX, Store, identity_of, open_study
+from antenna_pin.studies.sweep.study import Study
+
+__all__ = ["StudyProgress", "run_study"]
+
+_BATCH_SECONDS = 1.0  # of work in one batch
+_LARGEST_BATCH = 200
+_CHECKED_AT_ONCE = 100
+_TRIES = 3  # of a run by itself that takes its process along
+_TABLE_EVERY = 10.0  # [s]
+_TABLE_SHARE = 0.02  # of the time, at most, goes into writing the dataset
+
+
+@dataclass(frozen=True, slots=True)
+class StudyProgress:
+    """Progress of a study.
+
+    Attributes:
+        stage: ``check`` of the runs, or ``run``.
+        done: Runs made or checked, including those of an earlier command.
+        count: Number of all runs.
+        failed: Runs that did not complete, or do not balance.
+    """
+
+    stage: str
+    done: int
+    count: int
+    failed: int
+
+
+@takes()
+def run_study(
+    study: Study,
+    out: str | os.PathLike[str] | None = None,
+    *,
+    executor: Executor | None = None,
+    apart: bool = False,
+    progress: Callable[[StudyProgress], None] | None = None,
+    say: Callable[[str], None] | None = None,
+) -> xr.Dataset:
+    """Make a study's missing runs, and return its dataset.
+
+    Everything is checked before anything is run: each combination is built. An interrupted or killed study
+    continues with the same call.
+
+    Args:
+        study: The study.
+        out: Folder of the store, whose name ends in ``.study``; ``NAME.study`` here by default.
+        executor: Executor of the runs: :class:`Here`, this process, by default, or
+            :class:`~antenna_pin.studies.sweep.cluster.Cluster`.
+        apart: True to give another study or version a store of its own beside an existing one,
+            ``NAME-2.study``; else it is refused.
+        progress: Called after each batch.
+        say: Called with each note, one line.
+
+    Raises:
+        OutputError: The store is that of another study, or cannot be written; finished runs are kept.
+        ScenarioError: A combination cannot be built, or the study is not valid.
+    """
+    prepared = prepare(study)
+    identity = identity_of(study, prepared.design, prepared.work)
+    path = Path(f"{study.name}{SUFFIX}") if out is None else Path(out)
+    if path.suffix != SUFFIX:
+        raise OutputError(f"{path}: the name of a store must end in {SUFFIX}; try {path.name}{SUFFIX}")
+    store = _store(path, prepared, identity, apart)
+    note_to = say or (lambda line: None)
+    for note in store.notes:
+        note_to(note)
+    by = executor or Here()
+    missing = store.missing()
+    seconds = 0.0
+    if missing:
+        by.start()
+        shown = trial(prepared, missing[0])
+        seconds = shown.seconds
+        for note in shown.notes:
+            note_to(note)
+        _check(prepared, missing, by, progress)
+    with closing(store):
+        store.begin()
+        try:
+            _Driver(prepared, store, by, seconds, progress).run(missing)
+        finally:
+            store.write_table()
+    return open_study(store.path)
+
+
+def _store(path: Path, plan: Prepared, identity: Any, apart: bool) -> Store:
+    number = 1
+    while True:
+        target = path if number == 1 else path.with_name(f"{path.stem}-{number}{SUFFIX}")
+        try:
+            return Store(target, plan.study, plan.design, identity)
+        except OutputError:
+            if not (apart and target.is_dir()) or number >= 1000:
+                raise
+            number += 1
+
+
+def _check(
+    plan: Prepared, runs: list[int], by: Executor, progress: Callable[[StudyProgress], None] | None
+) -> None:
+    """Refuse a study of which a run cannot be built, with the first such run."""
+    refused: list[tuple[int, str]] = []
+    done = 0
+    size = max(1, min(_CHECKED_AT_ONCE, -(-len(runs) // by.width)))
+    batches = ([_job(plan, run) for run in runs[first : first + size]] for first in range(0, len(runs), size))
+    for batch, answer in by.each(check_jobs, plan.work, batches):
+        if isinstance(answer, Lost):
+            refused.append((batch[0].run, str(answer)))
+        else:
+            refused += answer
+        done += len(batch)
+        if progress is not None:
+            progress(StudyProgress("check", done, len(runs), len(refused)))
+    if refused:
+        run, reason = min(refused)
+        more = f" ({len(refused)} of {len(runs)} runs are refused)" if len(refused) > 1 else ""
+        raise ScenarioError(f"{plan.place}: {plan.design.label(run)}: {reason}{more}")
+
+
+def _job(plan: Prepared, run: int) -> Job:
+    try:
+        return plan.job(run)
+    except ScenarioError as error:
+        raise ScenarioError(f"{plan.place}: {plan.design.label(run)}: {error}") from None
+
+
+class _Driver:
+    """Share of a study for one command."""
+
+    def __init__(
+        self,
+        plan: Prepared,
+        store: Store,
+        by: Executor,
+        seconds: float,
+        progress: Callable[[StudyProgress], None] | None,
+    ) -> None:
+        self.prepared, self.store, self.by, self.progress = plan, store, by, progress
+        self.seconds = max(seconds, 1e-4)  # of a run, as far as is known
+        self.waiting: deque[int] = deque()
+        self.again: deque[Job] = deque()
+        self.tries: dict[int, int] = {}
+        self.written, self.cost = time.monotonic(), 0.0
+        self.failed = sum(e["outcome"] not in ("COMPLETED", "STOPPED") for e in store.entries.values())
+
+    def run(self, runs: list[int]) -> None:
+        self.waiting.extend(runs)
+        self._tell()
+        while self.waiting or self.again:
+            for batch, answer in self.by.each(do_jobs, self.prepared.work, self._batches()):
+                if isinstance(answer, Lost):
+                    self._lost(batch, answer)
+                else:
+                    for done in answer:
+                        self._keep(done)
+                self._tell()
+                self._write_now_and_then()
+
+    def _batches(self) -> Iterator[list[Job]]:
+        """Yield the next runs in batches of about a second; smaller towards the end."""
+        while self.waiting or self.again:
+            if self.again:
+                yield [self.again.popleft()]
+                continue
+            fair = -(-len(self.waiting) // (4 * self.by.width))
+            size = max(1, min(int(_BATCH_SECONDS / self.seconds), _LARGEST_BATCH, fair))
+            taken = [self.waiting.popleft() for _ in range(min(size, len(self.waiting)))]
+            yield [self.prepared.job(run) for run in taken]
+
+    def _keep(self, done: Done) -> None:
+        entry = done.entry
+        if entry["outcome"] == "INTERRUPTED":  # by Ctrl-C, in this process
+            raise KeyboardInterrupt
+        self.store.add(entry, done.result)
+        self.failed += entry["outcome"] not in ("COMPLETED", "STOPPED")
+        self.seconds += 0.1 * (entry["wall_time"] - self.seconds)
+
+    def _lost(self, batch: list[Job], reason: Lost) -> None:
+        """Retry the runs of a lost batch one by one; give up repeated losses."""
+        for job in batch:
+            tries = self.tries[job.run] = self.tries.get(job.run, 0) + (len(batch) == 1)
+            if tries < _TRIES:
+                self.again.append(job)
+                continue
+            entry = {"run": job.run, "seed": job.seed, "values": {}, "wall_time": 0.0, "worker": ""}
+            self._keep(Done(entry | failed_entry(LOST, f"{reason}, {tries} times")))
+
+    def _tell(self) -> None:
+        if self.progress is not None:
+            self.progress(StudyProgress("run", len(self.store.entries), self.store.design.count, self.failed))
+
+    def _write_now_and_then(self) -> None:
+        if time.monotonic() - self.written > max(_TABLE_EVERY, self.cost / _TABLE_SHARE):
+            began = time.monotonic()
+            self.store.write_table()
+            self.written = time.monotonic()
+            self.cost = self.written - began

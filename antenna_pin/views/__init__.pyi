@@ -1,5 +1,0 @@
-from antenna_pin.views.numbers import RunNumbers as RunNumbers
-from antenna_pin.views.runs import Drawing as Drawing
-from antenna_pin.views.runs import RunFigures as RunFigures
-from antenna_pin.views.studies import StudyFigures as StudyFigures
-from antenna_pin.views.studies import figures_of_study as figures_of_study
