@@ -21,15 +21,19 @@ import antenna_pin.compiled.address_intrinsics  # noqa: F401 - which tells Numba
 import antenna_pin.compiled.intrinsics  # noqa: F401 - which tells Numba of them
 from antenna_pin.compiled.kernel_cache import FORMAT, keep, remembered
 from antenna_pin.compiled.stand_alone import stand_alone
+from antenna_pin.compiled.target import aim_at_baseline
 
 __all__ = ["code_of", "dispatcher", "stamped_files"]
+
+
+aim_at_baseline()
 
 
 def stamped_files() -> tuple[Path, ...]:
     """Return the files whose contents define the stamp of compiled code."""
     folder = Path(__file__).parents[1]
     names = (
-        "*/*kernels.py",
+        "**/*kernels.py",
         "contact/records.py",
         "base/records.py",
         "compiled/address_intrinsics.py",

@@ -16,6 +16,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import hashlib
+import itertools
 import os
 import pickle
 import threading
@@ -27,6 +28,7 @@ from antenna_pin.compiled.machine_code import Kept, Part, called, kept_of, link
 from antenna_pin.compiled.ownership import open_to, stranger_of
 from antenna_pin.compiled.stale_files import pack_of, sweep
 from antenna_pin.compiled.stand_alone import all_needs, kernel_named, needs_of, noted, parts_of, symbols_of
+from antenna_pin.compiled.target import BASELINE, baseline_runs
 from antenna_pin.compiled.turns import Turn
 
 try:
@@ -242,23 +244,31 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Return a function's stored code for argument types; None without any."""
-        key = self._index_key(sig, target_context.codegen())
+        keys = self._keys(sig, target_context.codegen())
         self._unpacked = None
-        kept = self._kept(key)
-        if kept is None:
+        found = self._kept(keys)
+        if found is None:
             self._turn.begin(self._cache_path)
-            kept = self._kept(key)  # another process may have made it by now
-        if kept is not None:
-            return self._loaded(key, kept, target_context)
+            found = self._kept(keys)  # another process may have made it by now
+        if found is not None:
+            return self._loaded(*found, target_context)
         _to_be_compiled()
         target_context.refresh()
         return None
 
-    def _kept(self, key: Any) -> Any:
-        for files in self._all_files:
+    def _keys(self, sig: Any, codegen: Any) -> list[Any]:
+        """Return the keys of entries that this processor runs: of those made for it, and for its family."""
+        key = self._index_key(sig, codegen)
+        signature, (triple, *target), code = key
+        if target == [BASELINE, ""] or not baseline_runs():
+            return [key]
+        return [key, (signature, (triple, BASELINE, ""), code)]
+
+    def _kept(self, keys: list[Any]) -> tuple[Any, Any] | None:
+        for key, files in itertools.product(keys, self._all_files):
             kept = files.load(key)
             if kept is not None:
-                return kept
+                return key, kept
         return None
 
     def _loaded(self, key: Any, kept: Any, target_context: Any) -> Any:

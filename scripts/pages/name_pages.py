@@ -19,13 +19,18 @@ _LEFT_OUT = ("cli",)
 
 
 def public_rooms() -> dict[str, types.ModuleType]:
-    """Return the rooms that offer names, by name: all but those with an underscore in front."""
+    """Return the packages that offer names, by their places below ``antenna_pin``; without private ones."""
     rooms = {}
-    for found in pkgutil.iter_modules(antenna_pin.__path__):
-        if not found.name.startswith("_") and found.name not in _LEFT_OUT:
-            room = importlib.import_module(f"antenna_pin.{found.name}")
-            if getattr(room, "__all__", ()):
-                rooms[found.name] = room
+    for found in pkgutil.walk_packages(antenna_pin.__path__, "antenna_pin."):
+        place = found.name.removeprefix("antenna_pin.")
+        parts = place.split(".")
+        if any(part.startswith("_") or part in _LEFT_OUT for part in parts) or (
+            len(parts) > 1 and not found.ispkg
+        ):
+            continue
+        room = importlib.import_module(found.name)
+        if any(not inspect.ismodule(getattr(room, name)) for name in getattr(room, "__all__", ())):
+            rooms[place] = room
     return rooms
 
 
@@ -34,10 +39,11 @@ def home_of(name: str, value: Any, room: str, rooms: dict[str, types.ModuleType]
     written = str(getattr(value, "__module__", "") or "").split(".")
     if not is_described(value) or written[0] != "antenna_pin" or len(written) < 2:
         return room
-    own = rooms.get(written[1])
-    return (
-        written[1] if own is not None and getattr(own, name, None) is value and name in own.__all__ else room
-    )
+    for place in (".".join(written[1:end]) for end in range(len(written), 1, -1)):
+        own = rooms.get(place)
+        if own is not None and getattr(own, name, None) is value and name in own.__all__:
+            return place
+    return room
 
 
 def is_described(value: Any) -> bool:
@@ -88,7 +94,7 @@ def name_pages() -> dict[str, str]:
     for name in antenna_pin.__all__:
         value = getattr(antenna_pin, name)
         if not inspect.ismodule(value) and not isinstance(value, str):  # the version is a text
-            room = value.__module__.split(".")[1]
+            room = home_of(name, value, "", rooms)
             front.append(
                 f"   * - :py:obj:`antenna_pin.{name} <antenna_pin.{room}.{name}>`\n     - {first_line(value)}"
             )
