@@ -332,7 +332,8 @@ def test_a_quantity_of_contacts_is_one_line_and_needs_no_new_run(copy):
     assert 0.0 < longest < 2.5e-3
     assert "longest contact [s]" in run(copy, "info", "pair.nc", "--all")
     code = (
-        "from antenna_pin.studies.sweep.measures import MEASURES; from antenna_pin.trajectory import Trajectory;"
+        "from antenna_pin.studies.sweep.measures import MEASURES;"
+        "from antenna_pin.trajectory import Trajectory;"
         "from antenna_pin.studies.sweep.responses import ResponseSpec;"
         "print(MEASURES['longest_contact'].find(Trajectory.load('pair.nc'),"
         " ResponseSpec(measure='longest_contact'), None))"

@@ -38,7 +38,7 @@ except ImportError:  # none of it is promised by Numba
 
 __all__ = ["FORMAT", "KernelCacheWarning", "keep", "remembered", "told_of_compiling"]
 
-FORMAT = 4  # of what is kept
+FORMAT = 5  # of what is kept
 
 _DIGEST = hashlib.sha256().digest_size
 

@@ -9,6 +9,7 @@ may want, is kept beside it and parsed for them only.
 from __future__ import annotations
 
 import ctypes
+import zlib
 from functools import cache, cached_property
 from typing import Any, NamedTuple
 
@@ -30,7 +31,7 @@ class Kept(NamedTuple):
     Attributes:
         needs: Kernels that it calls by name, each with the types of its arguments.
         object: Its object file.
-        bitcode: Its LLVM code, for callers into which it is put.
+        bitcode: Its LLVM code, for callers into which it is put, compressed: two thirds of all.
         description: Numba's.
         environments: What it needs of Python, its own first.
         signature: Types of its arguments and of what it returns.
@@ -83,7 +84,7 @@ class Code:
 
     @cached_property
     def _module(self) -> Any:
-        return parse_bitcode(self._stored.bitcode)
+        return parse_bitcode(zlib.decompress(self._stored.bitcode))
 
 
 def kept_of(needs: set[Any], reduced: tuple[Any, ...]) -> Kept | None:
@@ -92,7 +93,7 @@ def kept_of(needs: set[Any], reduced: tuple[Any, ...]) -> Kept | None:
     if form != "object" or objectmode or reload_init:
         return None
     machine_code, bitcode = code
-    return Kept(needs, machine_code, bitcode, description, (environment, *others), signature)
+    return Kept(needs, machine_code, zlib.compress(bitcode), description, (environment, *others), signature)
 
 
 def called(context: Any, code: Kept) -> Any:

@@ -132,7 +132,7 @@ class Shape:
     def contacts(
         self: ClearanceGeometry, p_HJ: ArrayLike, attitude: ArrayLike = (0.0, 0.0, 1.0)
     ) -> tuple[ContactPoint, ...]:
-        """Return the candidate contacts of a pose (:func:`antenna_pin.joints.geometry.pose_of`), in closed form."""
+        """Return the candidate contacts of a pose (:func:`~antenna_pin.joints.geometry.pose_of`)."""
         return points_of_table(closed_form(self, pose_of(p_HJ, attitude)))
 
 

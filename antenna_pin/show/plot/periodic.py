@@ -179,7 +179,8 @@ def _track_curves(branch: Track, black: bool = False) -> list[Curve]:
 
 
 @figure(
-    found="Of :func:`antenna_pin.studies.nonlinear.orbit_table` or :func:`~antenna_pin.studies.nonlinear.branch_table`."
+    found="Of :func:`~antenna_pin.studies.nonlinear.orbit_table` or "
+    ":func:`~antenna_pin.studies.nonlinear.branch_table`."
 )
 def figure_multipliers(found: xr.Dataset, *, width: Width = "column") -> Sheet:
     """Return Floquet multipliers in the complex plane, with the unit circle.
@@ -279,7 +280,7 @@ def figure_bifurcation(
     orbits: Sequence[xr.Dataset] | xr.Dataset = (),
     width: Width = "page",
 ) -> Sheet:
-    """Return a bifurcation diagram (:func:`antenna_pin.studies.nonlinear.bifurcation`), a panel for each quantity.
+    """Return a bifurcation diagram (:func:`~antenna_pin.studies.nonlinear.bifurcation`), a panel a quantity.
 
     Points that had not settled are crosses; values that failed are ticks at the lower edge. Over them lie
     periodic solutions where they pass the section: stable ones as a solid line, unstable ones, which no

@@ -292,8 +292,8 @@ _TARGET = "Name of a quantity; the acceleration of the URDF's last link if left 
 
 @figure(
     target=_TARGET,
-    linear="Response of small motions beside it (:func:`antenna_pin.studies.linear.frequency_response`), of its "
-    "first target.",
+    linear="Response of small motions beside it (:func:`~antenna_pin.studies.linear.frequency_response`), "
+    "of its first target.",
     periods="Length of the windows [periods].",
 )
 def figure_swept(
@@ -414,7 +414,7 @@ def figure_shock(
 
 @figure(response="``response`` over ``frequency`` and ``target``, with ``unit`` of each target.")
 def figure_response(response: xr.Dataset, *, width: Width = "page") -> Sheet:
-    """Return magnitude and phase of a frequency response (:func:`antenna_pin.studies.linear.frequency_response`).
+    """Return magnitude and phase of :func:`~antenna_pin.studies.linear.frequency_response`.
 
     Targets of one unit share a panel of magnitudes; thin lines stand at the undamped natural frequencies.
     """
