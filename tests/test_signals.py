@@ -418,8 +418,11 @@ def _stopped(*_, **__):
 @pytest.mark.parametrize(
     ("room", "work"),
     [
-        ("nonlinear.returns", lambda scenario: poincare(scenario, section_of("rate.hinge=0"), ["q[hinge]"])),
-        ("linear.modal_analysis", lambda scenario: modes(scenario, at=0.1)),
+        (
+            "studies.nonlinear.returns",
+            lambda scenario: poincare(scenario, section_of("rate.hinge=0"), ["q[hinge]"]),
+        ),
+        ("studies.linear.modal_analysis", lambda scenario: modes(scenario, at=0.1)),
     ],
 )
 def test_a_signal_within_a_short_run_ends_what_the_run_is_for(monkeypatch, room, work):

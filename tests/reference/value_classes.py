@@ -17,7 +17,8 @@ def dataclasses_of(room):
     package = importlib.import_module(f"{antenna_pin.__name__}.{room}")
     modules = [
         importlib.import_module(one.name)
-        for one in pkgutil.walk_packages(package.__path__, f"{package.__name__}.")
+        for one in pkgutil.iter_modules(package.__path__, f"{package.__name__}.")
+        if not one.ispkg
     ]
     return [
         cls

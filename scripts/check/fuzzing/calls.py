@@ -57,13 +57,14 @@ def public() -> dict[str, Any]:
     for name in sorted(names - {"antenna_pin.apps.live.explore"}):  # which goes on
         room, _, one = name.rpartition(".")
         found[name] = getattr(importlib.import_module(room), one)
-    for info in pkgutil.iter_modules(antenna_pin.__path__):
-        hidden = info.name.startswith("_") or info.name == "cli"
-        room = None if hidden else importlib.import_module(f"antenna_pin.{info.name}")
+    for info in pkgutil.walk_packages(antenna_pin.__path__, "antenna_pin."):
+        room = (
+            importlib.import_module(info.name) if info.ispkg and info.name != "antenna_pin.apps.cli" else None
+        )
         for name in getattr(room, "__all__", ()):
             one = getattr(room, name)
             if dataclasses.is_dataclass(one) and isinstance(one, type) and parameters_of(one):
-                found[f"antenna_pin.{info.name}.{name}"] = one
+                found[f"{info.name}.{name}"] = one
     return {name: one for name, one in found.items() if callable(one) and not _is_given(one)}
 
 
