@@ -8,8 +8,12 @@ Python that is there gets an empty environment, in which the wheel is installed 
     python scripts/check/release_check.py                        # all Pythons from 3.11 on that are there
     python scripts/check/release_check.py --python python3.12    # one of them; may be given several times
     python scripts/check/release_check.py --tools                # also by pipx and by uv, as users install it
+    python scripts/check/release_check.py --code dist            # also wheels with machine code, into it
     python scripts/check/release_check.py --no-install           # what the files say only
     python scripts/check/release_check.py --tag v0.2.0           # the tag must be the version's, too
+
+A wheel with machine code is one for this platform and one Python: the plain wheel, with all kernels as they
+are compiled in an empty environment. It is tried as the plain one is, and must compile nothing.
 
 It needs nothing but the standard library; packages, pipx and uv come from the index that pip is set to.
 """
@@ -17,6 +21,7 @@ It needs nothing but the standard library; packages, pipx and uv come from the i
 from __future__ import annotations
 
 import argparse
+import functools
 import json
 import os
 import re
@@ -34,6 +39,16 @@ __all__ = ["changelog_faults", "contents_faults", "metadata_faults", "pythons"]
 
 ROOT = Path(__file__).parents[2]
 NEWEST = 14
+LARGEST = 25.0  # of a wheel with machine code [MB]
+_COUNTED = """
+from antenna_pin import load_scenario, simulate
+from antenna_pin.compiled.kernel_cache import told_of_compiling
+made = []
+with told_of_compiling(lambda: made.append(1)):
+    for model, case in (("bai2020", "case3"), ("slider_crank", "planar"), ("solar_array", "play")):
+        simulate(load_scenario(model, case=case), "2 ms")
+print(len(made))
+"""
 KINDS = ("Added", "Changed", "Changed results", "Deprecated", "Removed", "Fixed", "Security")
 _TITLE = re.compile(r"\[(Unreleased)\]|\[(\d+\.\d+\.\d+)\] - (\d{4}-\d{2}-\d{2})")
 
@@ -198,14 +213,73 @@ def run_by(command: Path, folder: Path) -> str:
     return told(command, "--version", cwd=folder).strip()
 
 
-def tried(python: str, wheel: Path, folder: Path) -> str:
-    """Install a wheel into an empty environment of a Python, run a scenario; return what came of it."""
+def tried(python: str, wheel: Path, folder: Path, code: Path | None = None) -> str:
+    """Install a wheel into an empty environment of a Python, run a scenario; return what came of it.
+
+    Args:
+        python: The Python.
+        wheel: The plain wheel.
+        folder: An empty folder to work in.
+        code: Folder for a wheel with machine code, which is made and tried in the place of the plain one.
+    """
+    if code is not None:
+        (folder / "maker").mkdir()
+        wheel = with_code(python, wheel, folder / "maker", code)
     told(python, "-m", "venv", folder / "env")
     there = folder / "env" / "bin"
     told(there / "python", "-m", "pip", "install", "-q", "-c", ROOT / "constraints.txt", wheel)
     version = run_by(there / "antenna-pin", folder)
     read = "from antenna_pin import Trajectory; print(Trajectory.load('run.nc').outcome.name)"
-    return f"{version}, run {told(there / 'python', '-c', read, cwd=folder).strip()}"
+    said = f"{version}, run {told(there / 'python', '-c', read, cwd=folder).strip()}"
+    return said if code is None else f"{said}, {compiled_by(there / 'python', folder)}"
+
+
+def with_code(python: str, wheel: Path, folder: Path, out: Path) -> Path:
+    """Return a wheel for this platform and a Python that holds the machine code of all kernels.
+
+    Args:
+        python: The Python.
+        wheel: The plain wheel.
+        folder: An empty folder to work in.
+        out: Folder of the result.
+    """
+    told(python, "-m", "venv", folder / "env")
+    there = folder / "env" / "bin" / "python"
+    told(there, "-m", "pip", "install", "-q", "-c", ROOT / "constraints.txt", wheel, "wheel")
+    given = ("NUMBA_CACHE_DIR", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "PYTHONPATH")
+    without = [word for name in given for word in ("-u", name)]
+    told("env", *without, there, ROOT / "scripts" / "compile_kernels.py", "--derivatives", cwd=folder)
+    where = "import antenna_pin, sysconfig; print(antenna_pin.__path__[0]); print(sysconfig.get_platform())"
+    where += "; import sys; print('cp%d%d' % sys.version_info[:2])"
+    package, platform, tag = told(there, "-c", where, cwd=folder).splitlines()
+    told(there, "-m", "wheel", "unpack", "--dest", folder, wheel)
+    (unpacked,) = folder.glob("antenna_pin-*")
+    for path in sorted(Path(package).rglob("*.nb[ic]")):
+        target = unpacked / "antenna_pin" / path.relative_to(package)
+        target.parent.mkdir(exist_ok=True)
+        shutil.copy2(path, target)
+    (folder / "packed").mkdir()
+    told(there, "-m", "wheel", "pack", "--dest-dir", folder / "packed", unpacked)
+    (packed,) = (folder / "packed").glob("*.whl")
+    platform = platform.replace("-", "_").replace(".", "_")
+    tags = ("--python-tag", tag, "--abi-tag", tag, "--platform-tag", platform)
+    name = told(there, "-m", "wheel", "tags", "--remove", *tags, packed).split()[-1]
+    out.mkdir(parents=True, exist_ok=True)
+    made = out / Path(name).name
+    shutil.copy2(packed.parent / made.name, made)
+    size = made.stat().st_size / 1e6
+    if size > LARGEST:
+        raise SystemExit(f"{made.name}: {size:.1f} MB, at most {LARGEST:g}")
+    print(f"{made.name}: {size:.1f} MB")
+    return made
+
+
+def compiled_by(python: Path, folder: Path) -> str:
+    """Return that an installed package compiles nothing for some runs; end this program where it does."""
+    said = told(python, "-W", "ignore", "-c", _COUNTED, cwd=folder).strip()
+    if said != "0":
+        raise SystemExit(f"{said} kernels were compiled, where all machine code is installed")
+    return "nothing compiled"
 
 
 def tried_as_tool(tool: str, python: str, wheel: Path, folder: Path) -> str:
@@ -259,6 +333,7 @@ def main() -> int:
     parser.add_argument("--python", action="append", help="a Python to try, instead of all that are there")
     parser.add_argument("--tools", action="store_true", help="also install by pipx and by uv")
     parser.add_argument("--dist", type=Path, help="folder of packages that are built already")
+    parser.add_argument("--code", type=Path, help="make and try wheels with machine code, into this folder")
     parser.add_argument("--no-install", action="store_true", help="look at the files only")
     parser.add_argument("--tag", help="the tag that is released")
     asked = parser.parse_args()
@@ -280,6 +355,9 @@ def main() -> int:
             return 1
         there = asked.python or pythons()
         trials = [(python, tried, (python, wheel)) for python in there]
+        if asked.code:
+            trial = functools.partial(tried, code=asked.code)
+            trials += [(python, trial, (python, wheel)) for python in there]
         if asked.tools:
             trials += [(tool, tried_as_tool, (tool, there[-1], wheel)) for tool in ("pipx", "uv")]
         for number, (name, trial, given) in enumerate(trials):
