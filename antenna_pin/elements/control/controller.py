@@ -206,7 +206,7 @@ class Controller:
     Attributes:
         period: From one sampling time to the next [s].
         phase: The first [s].
-        delay: From an sampling time until what it commands is written [s]; may exceed the period.
+        delay: From a sampling time until what it commands is written [s]; may exceed the period.
         delay_periods: The same in periods [-]; one of the two.
         commands: What it commands, by name: drives and others that take a command.
         signals: Names of further numbers that it may ``note``.
