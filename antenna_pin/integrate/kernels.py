@@ -72,7 +72,10 @@ def store(i: int, stages: int, layout: Ints, work: Floats) -> None:
 
 @kernel
 def stage(i: int, h: float, weights: Floats, layout: Ints, work: Floats, keep: bool) -> None:
-    """Write the state of stage i, after the last derivative if ``keep``."""
+    """Store the derivative of stage i - 1 and write the state of stage i.
+
+    The derivative is stored only if ``keep``.
+    """
     space = space_of(layout)
     nq, nv, nx = space.nq, space.nv, space.nx
     stages = weights.shape[0]

@@ -198,7 +198,7 @@ class Linearisation:
 
     @property
     def state_matrix(self) -> Array:
-        """State matrix A of x' = A x + B f, x = [s, w, z]."""
+        """State matrix A: x' = A x + B f, x = [s, w, z]."""
         return self._matrix(self.damping, damped=True)
 
     @property
