@@ -244,9 +244,9 @@ def test_a_figure_of_a_variable_that_is_new_and_an_event_of_ones_own(copy):
     """The variable is a row of the schema and its value; the figure a file; the event a function."""
     add(
         copy,
-        "plot/twice.py",
+        "show/plot/twice.py",
         BASE_ENERGY,
-        "plot/catalogue.py",
+        "show/plot/catalogue.py",
         "from antenna_pin.show.plot import twice",
         before="*audit.FIGURES,",
         entry="*twice.FIGURES,",
@@ -259,7 +259,7 @@ def test_a_figure_of_a_variable_that_is_new_and_an_event_of_ones_own(copy):
     )
     insert(
         copy,
-        "simulation/variables.py",
+        "run/simulation/variables.py",
         '"kinetic_energy": audit["kinetic"],',
         '"twice_the_energy": 2.0 * audit["kinetic"],',
     )
@@ -410,9 +410,9 @@ def test_a_kind_of_joint_with_play_is_run_drawn_recorded_and_told_of(copy):
     """One file of geometry with its line, and a class of the scenario: nothing else knows of it."""
     add(
         copy,
-        "geometry/ring.py",
+        "joints/geometry/ring.py",
         RING,
-        "geometry/registry.py",
+        "joints/geometry/registry.py",
         "from antenna_pin.joints.geometry.ring import Ring",
         before="for shape in (",
         entry="for shape in (Ring,)} | {shape.kind: shape",

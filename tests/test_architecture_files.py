@@ -92,14 +92,14 @@ ARGUMENTS = 7
 """Arguments of a compiled function beyond which some of them belong together, in a record."""
 
 TOO_MANY = {
-    "constraints/loaded_kernels.py: accelerate": 9,
+    "dynamics/constraints/loaded_kernels.py: accelerate": 9,
     "dynamics/inspect_kernels.py: inspect_step": 9,
     "dynamics/trial_kernels.py: root_of": 8,
-    "engine/episode_kernels.py: keep_peaks": 8,
-    "engine/implicit_kernels.py: attempt_implicit": 10,
-    "engine/step_kernels.py: attempt": 8,
-    "engine/step_kernels.py: prepare_dense": 8,
-    "engine/watch_kernels.py: may_happen": 9,
+    "run/engine/episode_kernels.py: keep_peaks": 8,
+    "run/engine/implicit_kernels.py: attempt_implicit": 10,
+    "run/engine/step_kernels.py: attempt": 8,
+    "run/engine/step_kernels.py: prepare_dense": 8,
+    "run/engine/watch_kernels.py: may_happen": 9,
     "integrate/kernels.py: dense_joint": 8,
     "integrate/newton_kernels.py: estimate": 8,
     "integrate/radau_kernels.py: _set_out": 8,

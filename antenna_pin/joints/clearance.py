@@ -336,4 +336,5 @@ class ClearanceJoint:
             path.prepare(y, everything=True)
         kernels.alone(block, 0, y, nq, nv, memory, table, pose, tau, rates)
         columns = ("gap", "normal", "point", "rate", "slip", "force", "friction")
-        return JointContacts._make([*(table[name][:n].copy() for name in columns), tau])
+        arrays = [table[name][:n].copy() for name in columns]
+        return JointContacts(*[*arrays, tau])
