@@ -121,11 +121,22 @@ class Break:
         return f"{self.path}:{self.line}: {old!r} -> {new!r}"
 
 
+@cache
+def folders(root: Path) -> dict[str, Path]:
+    """Return the packages that have tests of their own, by their names."""
+    below = [one for one in sorted((root / PACKAGE).rglob("*")) if one.is_dir()]
+    return {one.name: one for one in below if (root / "tests" / one.name).is_dir()}
+
+
 def rooms(root: Path) -> list[str]:
-    """Return the rooms of the package that have tests of their own."""
-    places = (one.name for one in (root / PACKAGE).iterdir() if not one.name.startswith("_"))
-    folders = sorted(name for name in places if (root / "tests" / name).is_dir())
-    return [*folders, TOP]
+    """Return the names of the packages that have tests of their own, and of the top."""
+    return [*sorted(folders(root)), TOP]
+
+
+def room_of(root: Path, file: Path) -> str:
+    """Return the innermost package with tests that holds a file, by its path in the checkout."""
+    homes = folders(root)
+    return next((one for one in reversed(file.parts[:-1]) if one in homes), TOP)
 
 
 def draw(root: Path, count: int, seed: int, room: str | None = None) -> list[Break]:
@@ -152,8 +163,8 @@ def _shuffled(root: Path, room: str, seed: int) -> Iterator[Break]:
 
 @cache
 def _places(root: Path, room: str) -> tuple[tuple[Path, Change], ...]:
-    folder = root / PACKAGE
-    files = sorted(folder.glob("*.py") if room == TOP else (folder / room).rglob("*.py"))
+    every = sorted((root / PACKAGE).rglob("*.py"))
+    files = [one for one in every if room_of(root, one.relative_to(root)) == room]
     return tuple((file, one) for file in files for one in _changes(file.read_text(encoding="utf-8")))
 
 
@@ -173,8 +184,8 @@ def found_again(root: Path, kept: Mapping[str, str]) -> Break | None:
             starts = [one.start() + len(before) for one in re.finditer(re.escape(text), content)]
             start = starts[min(int(kept["number"]), len(starts) - 1)]
             place = file.relative_to(root)
-            own = place.parts[1] if len(place.parts) > 2 else TOP
-            return _made(content[1:], (start, start + len(old), kept["new"]), own, place)
+            change = (start, start + len(old), kept["new"])
+            return _made(content[1:], change, room_of(root, place), place)
     return None
 
 
