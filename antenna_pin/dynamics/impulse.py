@@ -42,7 +42,7 @@ from antenna_pin.dynamics.system import System
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.elements import Modal
 from antenna_pin.errors import MechanismError
-from antenna_pin.mechanism import mass_matrix
+from antenna_pin.mechanism.inertia import mass_matrix
 
 __all__ = [
     "apart",

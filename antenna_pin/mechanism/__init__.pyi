@@ -13,7 +13,6 @@ from antenna_pin.mechanism.frames import quaternion as quaternion
 from antenna_pin.mechanism.frames import quaternions as quaternions
 from antenna_pin.mechanism.frames import roll_pitch_yaw as roll_pitch_yaw
 from antenna_pin.mechanism.frames import rotation as rotation
-from antenna_pin.mechanism.inertia import mass_matrix as mass_matrix
 from antenna_pin.mechanism.kinematics import link_motion as link_motion
 from antenna_pin.mechanism.kinematics import link_poses as link_poses
 from antenna_pin.mechanism.kinematics import link_twists as link_twists

@@ -238,7 +238,7 @@ def test_csv_is_written_in_one_place():
     assert [file for file in root.rglob("*.py") if writer.search(file.read_text())] == [
         root / "base" / "tables.py"
     ]
-    script = (root / "report/templates/unpack.js").read_text()
+    script = (root / "show/report/templates/unpack.js").read_text()
     line = re.search(r"const inert = .*", script)[0]
     if node := shutil.which("node"):
         said = f"{line} console.log(JSON.stringify({json.dumps(FORMULAS)}.map(inert)))"

@@ -19,7 +19,7 @@ from antenna_pin.dynamics.constraints import (
 from antenna_pin.dynamics.constraints import layout_kernels as _layout
 from antenna_pin.dynamics.constraints.plan import Plan
 from antenna_pin.dynamics.constraints.solve_kernels import CLOSED, NEAR, OPEN, ROUNDS
-from antenna_pin.mechanism import mass_matrix
+from antenna_pin.mechanism.inertia import mass_matrix
 
 __all__ = ["Constraints"]
 

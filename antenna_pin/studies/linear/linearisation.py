@@ -17,7 +17,7 @@ from antenna_pin.dynamics import System, Workspace, acting_in
 from antenna_pin.dynamics.constraints import directions
 from antenna_pin.elements import Modal
 from antenna_pin.errors import MechanismError
-from antenna_pin.mechanism import mass_matrix
+from antenna_pin.mechanism.inertia import mass_matrix
 from antenna_pin.studies.linear.force_derivatives import ForceDerivatives, Forces
 from antenna_pin.studies.linear.operating_point import At
 
