@@ -68,9 +68,7 @@ def test_an_underscore_is_a_hyphen_in_the_name_of_a_component():
 
 
 def test_names_that_moved_are_found_with_their_new_place():
-    with pytest.warns(
-        DeprecationWarning, match=r"\.start is antenna_pin\.run\.session\.start now"
-    ):
+    with pytest.warns(DeprecationWarning, match=r"\.start is antenna_pin\.run\.session\.start now"):
         moved = antenna_pin.start
     assert moved is antenna_pin.run.session.start and "start" not in antenna_pin.__all__
     with pytest.raises(AttributeError, match="has no attribute 'begin'"):
