@@ -22,6 +22,7 @@ from antenna_pin.apps.cli import (
     analyse,
     bifurcation,
     contact,
+    demo,
     explore,
     export,
     figures,
@@ -120,6 +121,7 @@ def _options(
 
 # In the order in which --help shows them.
 _COMMANDS: dict[str, Callable[..., None]] = {
+    "demo": demo.demo,
     "list": run.list_scenarios,
     "run": run.run,
     "info": info.info,

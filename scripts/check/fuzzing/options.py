@@ -60,12 +60,12 @@ _LEFT_OUT = set("--scheduler --tls-ca --tls-cert --tls-key --install-completion 
 
 @functools.cache
 def commands() -> dict[str, Any]:
-    """Return every command by its words, but one that serves until Ctrl-C."""
+    """Return every command by its words, but those that work for long."""
     found, left = {}, [("", typer.main.get_command(app))]
     for words, command in left:
         if hasattr(command, "commands"):
             left += [(f"{words} {name}".strip(), one) for name, one in command.commands.items()]
-        elif words != "explore":
+        elif words not in ("explore", "demo"):  # runs of 5 s, drawn
             found[words] = command
     return found
 
