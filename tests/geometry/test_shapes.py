@@ -128,6 +128,14 @@ def test_refuses_what_is_no_length(length, value):
         RevoluteClearance(**(GOOD | {length: value}))
 
 
+@pytest.mark.parametrize("length", GOOD)
+def test_refuses_a_length_whose_square_is_no_number(length):
+    with pytest.raises(
+        ValueError, match=rf"^RevoluteClearance: {length} must be at most 1e\+100 m, got 1e\+200$"
+    ):
+        RevoluteClearance(**(GOOD | {length: 1e200}))
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

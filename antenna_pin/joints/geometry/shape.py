@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.directions import direction
+from antenna_pin.base.parameters import LARGEST
 from antenna_pin.base.records import CONTACT, POSE
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.joints.geometry import kernels
@@ -232,5 +233,8 @@ def require_below(shape: object, name: str, other: str) -> None:
 def require_lengths(shape: object, *names: str) -> None:
     """Refuse a dimension that is not a positive length."""
     for name in names:
-        if not 0.0 < getattr(shape, name) < math.inf:
+        length = getattr(shape, name)
+        if not 0.0 < length < math.inf:
             raise InvalidParameterError(shape, name, "a positive length [m]")
+        if length > LARGEST:
+            raise InvalidParameterError(shape, name, f"at most {LARGEST:g} m")
