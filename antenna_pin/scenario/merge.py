@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import PurePath
 from typing import Any
@@ -11,7 +12,7 @@ from antenna_pin.base.units import shown
 from antenna_pin.errors import ScenarioError
 from antenna_pin.scenario.toml_text import NotTomlError, quoted, read_toml_text, unbounded
 
-__all__ = ["Overrides", "merge", "read_overrides"]
+__all__ = ["Overrides", "key_of", "key_parts", "merge", "read_overrides"]
 
 Overrides = Mapping[str, Any] | Sequence[str]
 
@@ -36,6 +37,8 @@ _ALTERNATIVES: dict[tuple[str, ...], tuple[tuple[frozenset[str], frozenset[str]]
         (frozenset({"period"}), frozenset({"rate"})),
     ),
 }
+
+_PLAIN = re.compile(r"[A-Za-z0-9_-]+")  # key of TOML without quotes
 
 # What a word stands for where a table may stand.
 _SHORT: dict[tuple[str, ...], dict[bool, dict[str, Any]]] = {
@@ -99,7 +102,7 @@ def read_overrides(overrides: Overrides) -> tuple[dict[str, Any], tuple[str, ...
     tree: dict[str, Any] = {}
     record = []
     for key, value in _entries(overrides):
-        _put(tree, _keys(key), value, key)
+        _put(tree, key_parts(key), value, key)
         record.append(f"{key}={toml_value(value)}")
         if not is_unicode(record[-1]):
             rule = "must be UTF-8, as a scenario file is; files of other names are found from its folder"
@@ -144,7 +147,17 @@ def _value(text: str) -> Any:
     return value if plain else text
 
 
-def _keys(dotted: str) -> list[str]:
+def key_of(parts: Sequence[str]) -> str:
+    """Return the key with dots of some parts, in quotes where they need them."""
+    return ".".join(part if _PLAIN.fullmatch(part) else quoted(part) for part in parts)
+
+
+def key_parts(dotted: str) -> list[str]:
+    """Return the parts of a key with dots, of which those with other characters stand in quotes.
+
+    Raises:
+        ScenarioError: The text is no such key.
+    """
     try:
         table = read_toml_text(f"{dotted} = 0") if "\n" not in dotted else {}
     except NotTomlError:

@@ -10,6 +10,7 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.base.units import any_quantity, shown
 from antenna_pin.errors import ScenarioError, UnknownNameError
 from antenna_pin.scenario._clearance import law_tables
+from antenna_pin.scenario.merge import key_of, key_parts
 from antenna_pin.scenario.scenario import Scenario
 from antenna_pin.scenario.spec import Quantity, Vector
 
@@ -49,10 +50,11 @@ def number_of(scenario: Scenario, key: str, place: str) -> Number:
     unit = ""
     below: Any = _tables(scenario)
     spec: Any = scenario
-    for part in name.split("."):
+    parts = key_parts(name)
+    for level, part in enumerate(parts):
         if not isinstance(below, Mapping) or part not in below:
-            before = name[: name.index(part)]
-            known = [f"{before}{one}" for one in (below if isinstance(below, Mapping) else ())]
+            others = below if isinstance(below, Mapping) else ()
+            known = [key_of([*parts[:level], str(one)]) for one in others]
             raise UnknownNameError(
                 place, "number of the scenario (set it first, if it is left out)", key, known
             )
@@ -78,22 +80,21 @@ def with_number(scenario: Scenario, key: str, value: float) -> Scenario:
     """
     name, index = _parted(key)
     if index is None:
-        table, _, own = key.rpartition(".")
-        return scenario.with_overrides({**_other_numbers(scenario, table, own), key: value})
+        return scenario.with_overrides({**_other_numbers(scenario, key_parts(key)), key: value})
     below: Any = scenario.model_dump()
-    for part in name.split("."):
+    for part in key_parts(name):
         below = below[part]
     return scenario.with_overrides({name: [value if i == index else old for i, old in enumerate(below)]})
 
 
-def _other_numbers(scenario: Scenario, table: str, own: str) -> dict[str, float]:
-    """Return the other numbers of a law's table, by their keys, if it is one."""
-    first, *middle, last = table.split(".") if table.count(".") else ("", "")
-    if first != "clearance" or len(middle) != 1 or middle[0] not in scenario.clearance:
+def _other_numbers(scenario: Scenario, parts: list[str]) -> dict[str, float]:
+    """Return the other numbers of a law's table, by their keys, if the parts are a key of one."""
+    if len(parts) != 4 or parts[0] != "clearance" or parts[1] not in scenario.clearance:
         return {}
-    numbers = law_tables(scenario.clearance[middle[0]]).get(last, {})
+    *table, own = parts
+    numbers = law_tables(scenario.clearance[parts[1]]).get(parts[2], {})
     read = {name: any_quantity(one) for name, one in numbers.items() if name != own}
-    return {f"{table}.{name}": one[0] for name, one in read.items() if one is not None}
+    return {key_of([*table, name]): one[0] for name, one in read.items() if one is not None}
 
 
 def _parted(key: str) -> tuple[str, int | None]:

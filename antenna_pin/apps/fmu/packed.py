@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, Self
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError, one_line
 from antenna_pin.run.session import Session
 from antenna_pin.scenario import Scenario
+from antenna_pin.scenario.merge import key_parts
 
 #: In the FMU's folder of resources.
 FILE = "antenna_pin.json"
@@ -152,7 +153,7 @@ def number_at(scenario: Scenario, place: str) -> float:
         InvalidParameterError: There is none, or no single one.
     """
     found: Any = scenario.model_dump()
-    for key in place.split("."):
+    for key in key_parts(place):
         found = found.get(key) if isinstance(found, Mapping) else None
     if isinstance(found, bool) or not isinstance(found, int | float) or place == "format":
         rule = "the place of one number that the scenario has, such as integrator.rtol"

@@ -15,6 +15,7 @@ from antenna_pin.base.capacity import MOST
 from antenna_pin.base.units import shown
 from antenna_pin.errors import ScenarioError
 from antenna_pin.scenario import Scenario
+from antenna_pin.scenario.merge import key_parts
 from antenna_pin.studies.sweep.parameters import Settings
 from antenna_pin.studies.sweep.study import SamplingSpec, Study
 
@@ -107,7 +108,7 @@ def put_value(overrides: dict[str, Any], key: str, value: Any, base: Scenario) -
     array = overrides.get(name)
     if array is None:
         below: Any = base.model_dump()
-        for part in name.split("."):
+        for part in key_parts(name):
             below = below.get(part) if isinstance(below, dict) else None
         array = below
     if not isinstance(array, list | tuple):
