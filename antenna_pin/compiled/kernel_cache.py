@@ -24,7 +24,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from antenna_pin.compiled.machine_code import Kept, Part, called, kept_of, link
+from antenna_pin.compiled.machine_code import Kept, KernelCode, called, kept_of, link
 from antenna_pin.compiled.ownership import open_to, stranger_of
 from antenna_pin.compiled.stale_files import pack_of, sweep
 from antenna_pin.compiled.stand_alone import all_needs, kernel_named, needs_of, noted, parts_of, symbols_of
@@ -56,7 +56,7 @@ def keep(dispatcher: Any, stamp: str) -> None:
     function = getattr(dispatcher, "py_func", None)
     if function is None:  # NUMBA_DISABLE_JIT=1
         return
-    cache = dispatcher._cache = _Later(function, stamp)
+    cache = dispatcher._cache = _LazyCache(function, stamp)
     compile_or_load = dispatcher.compile
 
     def compiled(signature: Any) -> Any:
@@ -82,7 +82,7 @@ class _Nested(threading.local):
 _nested = _Nested()
 
 
-class _Later:
+class _LazyCache:
     """Cache of a function, opened at the function's first call."""
 
     def __init__(self, function: Any, stamp: str) -> None:
@@ -257,7 +257,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         return None
 
     def _keys(self, sig: Any, codegen: Any) -> list[Any]:
-        """Return the keys of entries that this processor runs: of those made for it, and for its family."""
+        """Return the keys of entries compiled for this processor or its family."""
         key = self._index_key(sig, codegen)
         signature, (triple, *target), code = key
         if target == [BASELINE, ""] or not baseline_runs():
@@ -288,7 +288,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         noted(self._turn.kernel, kept)
         self._unpacked = key, symbols_of(kept)
 
-    def _pack(self, key: Any) -> tuple[Part, ...]:
+    def _pack(self, key: Any) -> tuple[KernelCode, ...]:
         """Return a function's parts in order of dependence; nothing without a pack."""
         for files in self._all_files:
             with contextlib.suppress(Exception):  # pickle promises no certain ones

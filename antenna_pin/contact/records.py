@@ -68,21 +68,21 @@ def friction_record(kind: type[_Record]) -> Layout[_Record]:
     return _record(FRICTION_SIZE, 1, FRICTION_SIZE - 1, kind)
 
 
-class NormalLaw(Record):
+class NormalLawRecord(Record):
     """The kinds of a normal law, before its parameters."""
 
     elastic: float  # POWER, LOGARITHMIC, ...
     dissipation: float  # CONSERVATIVE, HYSTERETIC, ... of ``damping_kernels``
 
 
-class FrictionLaw(Record):
+class FrictionLawRecord(Record):
     """The kind of a friction law, before its parameters."""
 
     kind: float  # FRICTIONLESS, VELOCITY_BASED, ... of ``friction_kernels``
 
 
-NORMAL_LAW = _record(NORMAL_SIZE, 0, _KINDS, NormalLaw)
-FRICTION_LAW = _record(FRICTION_SIZE, 0, 1, FrictionLaw)
+NORMAL_LAW = _record(NORMAL_SIZE, 0, _KINDS, NormalLawRecord)
+FRICTION_LAW = _record(FRICTION_SIZE, 0, 1, FrictionLawRecord)
 
 
 def coded(code: NDArray[np.float64], layout: Layout[Any], values: Mapping[str, float]) -> None:

@@ -21,7 +21,7 @@ from antenna_pin.dynamics.kernels import (
     element_at,
     own_motion,
 )
-from antenna_pin.joints.layout_kernels import Joint, joint_at
+from antenna_pin.joints.layout_kernels import JointRecord, joint_at
 from antenna_pin.joints.pose_kernels import axis_of_parent, journal_centre
 from antenna_pin.mechanism.twist_kernels import twist_slopes
 
@@ -55,14 +55,14 @@ def _unit(k: int) -> Triple:
 
 
 @inlined
-def _axis_goes(j: Joint, e: ElementHead) -> bool:
+def _axis_goes(j: JointRecord, e: ElementHead) -> bool:
     """Return whether the effort acts along the parent's axis."""
     return bool((e.about == ABOUT_JOURNAL) == (j.on_child != 0))
 
 
 @inlined
 def _write_turned(
-    j: Joint, e: ElementHead, y: Floats, first: int, slope: tuple[float, float], out: Floats
+    j: JointRecord, e: ElementHead, y: Floats, first: int, slope: tuple[float, float], out: Floats
 ) -> None:
     """Write the rows of a turning joint with play; ``slope``: gx and gy."""
     a, i = j.axes, j.q + 3
@@ -86,7 +86,7 @@ def _write_turned(
 
 
 @inlined
-def _write_slid(j: Joint, e: ElementHead, y: Floats, first: int, out: Floats) -> None:
+def _write_slid(j: JointRecord, e: ElementHead, y: Floats, first: int, out: Floats) -> None:
     """Write the rows of a joint with play that slides, but for n.
 
     Its way has the gradient (a, c x a), of what is on the parent's axis a and the child's centre c, or with

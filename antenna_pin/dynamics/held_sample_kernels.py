@@ -12,7 +12,7 @@ from antenna_pin.dynamics.constraints.force_kernels import write_holding
 from antenna_pin.dynamics.constraints.layout_kernels import PLACE_WORDS, applied_in, found_in, plan_of
 from antenna_pin.dynamics.constraints.loaded_kernels import solve
 from antenna_pin.dynamics.constraints.rows_kernels import write_rows
-from antenna_pin.dynamics.sample_kernels import Samples, Whole
+from antenna_pin.dynamics.sample_kernels import SampleArrays, SystemArrays
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.room_kernels import BodyRoom
 from antenna_pin.mechanism.tree_kernels import PLACE
@@ -45,15 +45,21 @@ class Holding(NamedTuple):
 
 @kernel
 def observe_held(
-    first: int, last: int, samples: Samples, whole: Whole, held: Held, forces: Floats, out: Holding
+    first: int,
+    last: int,
+    samples: SampleArrays,
+    whole: SystemArrays,
+    held: Held,
+    forces: Floats,
+    out: Holding,
 ) -> None:
     """Solve the constraints at samples first to last.
 
     Args:
         first: First sample.
         last: One behind the last.
-        samples: :class:`antenna_pin.dynamics.sample_kernels.Samples`.
-        whole: :class:`antenna_pin.dynamics.sample_kernels.Whole`; its program is that of these samples.
+        samples: :class:`antenna_pin.dynamics.sample_kernels.SampleArrays`.
+        whole: ``SystemArrays``; its program is that of these samples.
         held: ``Held``.
         forces: Generalized forces of the elements, (n, nv).
         out: ``Holding``, to write to.

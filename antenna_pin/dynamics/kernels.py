@@ -40,7 +40,7 @@ from antenna_pin.base.records import (
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.elements import kernels as elements
 from antenna_pin.joints.kernels import clearance_joint, joint_energy
-from antenna_pin.joints.layout_kernels import CLEARANCE, FORCES_GIVEN, Joint, joint_at
+from antenna_pin.joints.layout_kernels import CLEARANCE, FORCES_GIVEN, JointRecord, joint_at
 from antenna_pin.joints.pose_kernels import (
     along_bearing,
     axis_of_parent,
@@ -264,7 +264,7 @@ def efforts_between(
 
 @kernel
 def _push(
-    j: Joint, e: ElementHead, effort: float, slope: tuple[float, float], y: Floats, nq: int, tau: Floats
+    j: JointRecord, e: ElementHead, effort: float, slope: tuple[float, float], y: Floats, nq: int, tau: Floats
 ) -> float:
     """Add an effort at a free joint with play to tau; return its working rate.
 

@@ -26,7 +26,7 @@ from antenna_pin.elements.desk_kernels import (
     WHOLE,
     WHOLE_WORDS,
     Desk,
-    Link,
+    LinkRecord,
     LinksBook,
     clear,
 )
@@ -73,7 +73,7 @@ def see(t: float, y: Floats, program: Floats, b: int, places: Records[Place]) ->
 
 
 @inlined
-def _see_link(link: Link, places: Records[Place]) -> None:
+def _see_link(link: LinkRecord, places: Records[Place]) -> None:
     p = link.point
     if link.body < 0:
         for k in range(3):

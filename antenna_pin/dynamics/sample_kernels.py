@@ -25,7 +25,7 @@ from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics import link_kernels as _links
 from antenna_pin.dynamics import point_kernels as _points
-from antenna_pin.dynamics.audit_kernels import Audit, audit_state
+from antenna_pin.dynamics.audit_kernels import AuditRecord, audit_state
 from antenna_pin.dynamics.kernels import (
     ABOUT_POSE,
     HEADER,
@@ -50,7 +50,7 @@ from antenna_pin.joints.kernels import apart_motion, wrench_on_journal
 from antenna_pin.joints.layout_kernels import (
     ALL_COMPILED,
     CLEARANCE,
-    Joint,
+    JointRecord,
     joint_at,
     primitive_of,
     revolute_of,
@@ -86,7 +86,7 @@ class Effort(Record):
 EFFORT = layout(Effort)
 
 
-class Done(Record):
+class ElementSample(Record):
     """An element of a further family at a sample."""
 
     effort: float  # [N m] ([N])
@@ -95,7 +95,7 @@ class Done(Record):
     mode: float  # of the element
 
 
-DONE = layout(Done)
+DONE = layout(ElementSample)
 
 
 @inlined
@@ -154,7 +154,7 @@ def _scenario(
 
 
 @by_address
-class Samples(NamedTuple):
+class SampleArrays(NamedTuple):
     """Samples of a run for evaluation."""
 
     times: Floats  # (n,) [s]
@@ -163,7 +163,7 @@ class Samples(NamedTuple):
 
 
 @by_address
-class Whole(NamedTuple):
+class SystemArrays(NamedTuple):
     """A system, and room for its evaluation."""
 
     program: Floats  # the force elements
@@ -187,7 +187,7 @@ class Sights(NamedTuple):
     poses: NDArray[Pose]  # poses of journals and wrenches on them, POSE, (n, joints)
     scenarios: NDArray[np.int8]  # contact scenarios, radial and axial, (n, joints, 2)
     efforts: NDArray[Effort]  # results of drives, ``EFFORT``, (n, drives)
-    audits: Records[Audit]  # energies and momenta, AUDIT, (n,)
+    audits: Records[AuditRecord]  # energies and momenta, AUDIT, (n,)
     stretches: NDArray[Stretched]  # results of springs between points, ``STRETCH``, (n, springs)
     applied: NDArray[Applied]  # results at places of forces, ``APPLIED``, (n, places)
     kept: Floats  # energies that forces store [J], (n, forces)
@@ -196,15 +196,17 @@ class Sights(NamedTuple):
 
 
 @kernel
-def observe(first: int, last: int, given: bool, samples: Samples, whole: Whole, sights: Sights) -> None:
+def observe(
+    first: int, last: int, given: bool, samples: SampleArrays, whole: SystemArrays, sights: Sights
+) -> None:
     """Evaluate the force elements at samples first to last and write what follows from them.
 
     Args:
         first: First sample.
         last: One behind the last.
         given: Whether forces and contact table of the one sample stand in ``whole.work`` already.
-        samples: ``Samples``.
-        whole: ``Whole``.
+        samples: ``SampleArrays``.
+        whole: ``SystemArrays``.
         sights: ``Sights``, to write to.
     """
     program, work, table, places = whole.program, whole.work, whole.table, whole.places
@@ -247,7 +249,12 @@ def observe(first: int, last: int, given: bool, samples: Samples, whole: Whole, 
 
 @kernel
 def look_at_elements(
-    first: int, last: int, samples: Samples, blocks: Ints, whole: Whole, out: NDArray[Done]
+    first: int,
+    last: int,
+    samples: SampleArrays,
+    blocks: Ints,
+    whole: SystemArrays,
+    out: NDArray[ElementSample],
 ) -> None:
     """Write what elements do at samples first to last, ``DONE``, (n, blocks)."""
     program = whole.program
@@ -301,7 +308,7 @@ def clearance_motion(program: Floats, b: int, states: Floats, accelerations: Flo
 
 
 @kernel
-def tilt_rate(j: Joint, y: Floats, wx: float, wy: float, wz: float) -> tuple[float, float]:
+def tilt_rate(j: JointRecord, y: Floats, wx: float, wy: float, wz: float) -> tuple[float, float]:
     """Return the rates of gx and gy of the motion angle [1/s]."""
     i = j.q + 3
     x = j.axes[0, 0] * y[i] + j.axes[1, 0] * y[i + 1] + j.axes[2, 0] * y[i + 2]

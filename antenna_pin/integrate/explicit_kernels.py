@@ -25,14 +25,14 @@ MADE = 1
 FAILED = 2
 
 
-class Course(records.Record):
+class ExplicitProgress(records.Record):
     """The progress of an explicit step."""
 
     stage: int  # whose state was written last
     t: float  # its time [s]
 
 
-COURSE = records.layout(Course)
+COURSE = records.layout(ExplicitProgress)
 
 
 @by_address
@@ -45,7 +45,7 @@ class Tableau(NamedTuple):
     polynomials: Floats  # of the dense output, (stages, degree)
     last: int  # the stage at the step's end
     adaptive: int  # whether it has an error, 1 or 0
-    course: Records[Course]  # COURSE, (1,)
+    course: Records[ExplicitProgress]  # COURSE, (1,)
 
 
 @inlined

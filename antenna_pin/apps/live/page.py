@@ -19,7 +19,7 @@ from antenna_pin.apps.live.explored import Curves, Explored, said_of
 from antenna_pin.apps.live.knobs import Knob
 from antenna_pin.apps.live.looks import darkened, dressed
 from antenna_pin.apps.live.panels import Panels
-from antenna_pin.apps.live.runner import COMPILING, Made, Runner
+from antenna_pin.apps.live.runner import COMPILING, Runner, RunUpdate
 from antenna_pin.base.readable import lasting
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.scenario import Scenario
@@ -188,7 +188,7 @@ class ExplorerPage:
     def _ask(self) -> None:
         self._runner.ask(self._explored.scenario)
 
-    def _pass_on(self, answer: Made) -> None:
+    def _pass_on(self, answer: RunUpdate) -> None:
         """Pass a run from its thread to the page's own."""
         self._document.add_next_tick_callback(partial(self._show, answer))
 
@@ -200,7 +200,7 @@ class ExplorerPage:
             self._stage = stage
             self._tell(f"first run: {stage}")
 
-    def _show(self, answer: Made) -> None:
+    def _show(self, answer: RunUpdate) -> None:
         if self._ticking is not None:
             self._document.remove_periodic_callback(self._ticking)
             self._ticking = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from antenna_pin.base.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, SLIDE, Floats, Triple
 from antenna_pin.compiled.decorators import inlined, kernel
-from antenna_pin.dynamics.constraints.layout_kernels import Closure, body_at, place_at, plan_of
+from antenna_pin.dynamics.constraints.layout_kernels import ClosureRecord, body_at, place_at, plan_of
 from antenna_pin.mechanism.room_kernels import Nine
 
 #: What a closure holds, 0 or 1: along and about each axis of its first frame, and the angle between two axes.
@@ -14,7 +14,7 @@ Holds = tuple[Nine, Held, Triple]
 
 
 @kernel
-def closure_columns(plan: Floats, work: Floats, closure: Closure) -> None:
+def closure_columns(plan: Floats, work: Floats, closure: ClosureRecord) -> None:
     """Write J of a closure whose frames are placed; ``slide`` is its first perpendicular axis."""
     # In numbers of their own: what is written might be them, for all that a compiler knows.
     a, b = place_at(work, plan_of(plan).bodies + 1), place_at(work, plan_of(plan).bodies + 2)

@@ -9,14 +9,14 @@ from antenna_pin.compiled.decorators import kernel
 from antenna_pin.joints.geometry.revolute_kernels import Revolute, bore_contact
 
 
-class Node(Record):
+class PatchSector(Record):
     """A sector of a patch."""
 
     sine: float  # of t_k
     share: float  # cos(t_k) over the number of sectors
 
 
-NODE = layout(Node)
+NODE = layout(PatchSector)
 
 APART = 1.0  # [m], the gap written to strips that are known to be apart without being computed
 
@@ -72,7 +72,7 @@ def strip_contacts(
 @kernel
 def sector_contacts(
     shape: Revolute,
-    nodes: Records[Node],
+    nodes: Records[PatchSector],
     radius: float,
     pose: Pose,
     table: Records[Contact],

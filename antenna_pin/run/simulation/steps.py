@@ -312,7 +312,7 @@ class StepBatches:
             scales=stepper.scales,
             rtol=stepper.rtol,
             numbers=stepper.numbers,
-            search=kernels.Search(
+            search=kernels.EventSearch(
                 nodes=parts.search.nodes,
                 ignore=parts.search.ignore,
                 limits=parts.search.limits,

@@ -18,7 +18,7 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.studies.sweep.parameters import Settings
 from antenna_pin.studies.sweep.study import SamplingSpec, Study
 
-__all__ = ["Column", "Design", "design_of", "put_value"]
+__all__ = ["ParameterColumn", "Design", "design_of", "put_value"]
 
 SAMPLE = "sample"
 _LONGEST = 60  # characters of a value in a message
@@ -26,7 +26,7 @@ _INDEXED = re.compile(r"(.*)\[([0-9]{1,9})\]")
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class ParameterColumn:
     """Values of one parameter along a dimension of the design."""
 
     name: str  # of the parameter
@@ -49,7 +49,7 @@ class Design:
     """
 
     sizes: dict[str, int]
-    columns: tuple[Column, ...]
+    columns: tuple[ParameterColumn, ...]
     probability: NDArray[np.float64] | None
     factors: tuple[str, ...]
     seeds: NDArray[np.int64]
@@ -126,7 +126,7 @@ def design_of(study: Study) -> Design:
     """
     _check_count(study)
     sizes: dict[str, int] = {}
-    columns: list[Column] = []
+    columns: list[ParameterColumn] = []
     sampled = {name: one for name, one in study.parameters.items() if one.sampled}
     probability = None
     if sampled:
@@ -147,7 +147,7 @@ def design_of(study: Study) -> Design:
         else:
             settings, dim = parameter.settings(), parameter.zip or name
             sizes[dim] = len(settings.values)
-        columns.append(Column(name, parameter.keys_set, dim, settings, parameter.title or name))
+        columns.append(ParameterColumn(name, parameter.keys_set, dim, settings, parameter.title or name))
     if probability is not None:
         sizes[SAMPLE] = len(probability)
     count = math.prod(sizes.values())
