@@ -230,26 +230,26 @@ def _unlike(name: str, other: str, letters: float) -> float | None:
     return min((one for one in found if one is not None), default=None)
 
 
-def _slip(given: str, meant: str, letters: float) -> float | None:
+def _slip(word: str, meant: str, letters: float) -> float | None:
     """Return the share of differing letters of two words; None above the limit."""
-    longer = max(len(given), len(meant))
-    if longer == 0 or abs(len(given) - len(meant)) > _SLIP * longer:
+    longer = max(len(word), len(meant))
+    if longer == 0 or abs(len(word) - len(meant)) > _SLIP * longer:
         return None
-    apart = _distance(given, meant)
+    apart = _distance(word, meant)
     return apart / longer if apart < _SLIP * longer and apart <= letters else None
 
 
-def _distance(given: str, meant: str) -> float:
+def _distance(word: str, meant: str) -> float:
     """Return the least number of letter edits from one word to the other."""
     before: list[float] = []
     row = [float(k) for k in range(len(meant) + 1)]
-    for i, letter in enumerate(given, start=1):
+    for i, letter in enumerate(word, start=1):
         last, row = row, [float(i)]
         for k, other in enumerate(meant, start=1):
-            more = 0.5 if i > 1 and given[i - 2] == letter else 1.0
+            more = 0.5 if i > 1 and word[i - 2] == letter else 1.0
             less = 0.5 if k > 1 and meant[k - 2] == other else 1.0
             row.append(min(last[k] + more, row[k - 1] + less, last[k - 1] + (letter != other)))
-            if i > 1 and k > 1 and letter == meant[k - 2] and given[i - 2] == other:
+            if i > 1 and k > 1 and letter == meant[k - 2] and word[i - 2] == other:
                 row[k] = min(row[k], before[k - 2] + 0.5)
         before = last
     return row[-1]

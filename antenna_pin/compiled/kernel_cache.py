@@ -271,22 +271,22 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
                 return key, kept
         return None
 
-    def _loaded(self, key: Any, kept: Any, target_context: Any) -> Any:
-        parts = self._pack(key) if kept.needs and _nested.depth == 1 else ()
+    def _loaded(self, key: Any, stored: Any, target_context: Any) -> Any:
+        parts = self._pack(key) if stored.needs and _nested.depth == 1 else ()
         for part in parts:
             link(target_context, part)
         if not parts:
-            for name, arguments in kept.needs:
+            for name, arguments in stored.needs:
                 kernel_named(name).compile(arguments)
-            self._note(key, kept)
-        result = called(target_context, kept)
-        needs_of(result.library).update(kept.needs)
+            self._note(key, stored)
+        result = called(target_context, stored)
+        needs_of(result.library).update(stored.needs)
         return result
 
-    def _note(self, key: Any, kept: Kept) -> None:
+    def _note(self, key: Any, stored: Kept) -> None:
         """Record the parts of a pack: of this function, or of its caller."""
-        noted(self._turn.kernel, kept)
-        self._unpacked = key, symbols_of(kept)
+        noted(self._turn.kernel, stored)
+        self._unpacked = key, symbols_of(stored)
 
     def _pack(self, key: Any) -> tuple[KernelCode, ...]:
         """Return a function's parts in order of dependence; nothing without a pack."""

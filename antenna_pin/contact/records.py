@@ -36,8 +36,8 @@ NORMAL_SIZE = _KINDS + _ELASTIC_ROOM + _DISSIPATION_ROOM
 FRICTION_SIZE = 12
 
 
-def _record(size: int, first: int, room: int, kind: type[_Record]) -> Layout[_Record]:
-    """Return a record of ``size`` floats with names from float ``first`` on.
+def _record(size: int, start: int, room: int, kind: type[_Record]) -> Layout[_Record]:
+    """Return a record of ``size`` floats with names from float ``start`` on.
 
     There are at most ``room`` names.
     """
@@ -47,7 +47,7 @@ def _record(size: int, first: int, room: int, kind: type[_Record]) -> Layout[_Re
     layout = {
         "names": names,
         "formats": ["f8"] * len(names),
-        "offsets": [8 * (first + i) for i in range(len(names))],
+        "offsets": [8 * (start + i) for i in range(len(names))],
         "itemsize": 8 * size,
     }
     return Layout((kind, layout))

@@ -45,38 +45,38 @@ class Holding(NamedTuple):
 
 @kernel
 def observe_held(
-    first: int,
+    start: int,
     last: int,
     samples: SampleArrays,
     whole: SystemArrays,
-    held: Held,
+    constraints: Held,
     forces: Floats,
     out: Holding,
 ) -> None:
-    """Solve the constraints at samples first to last.
+    """Solve the constraints at samples start to last.
 
     Args:
-        first: First sample.
+        start: First sample.
         last: One behind the last.
         samples: :class:`antenna_pin.dynamics.sample_kernels.SampleArrays`.
         whole: ``SystemArrays``; its program is that of these samples.
-        held: ``Held``.
+        constraints: ``Held``.
         forces: Generalized forces of the elements, (n, nv).
         out: ``Holding``, to write to.
     """
-    plan, work = held.plan, held.work
+    plan, work = constraints.plan, constraints.work
     found = found_in(plan, work)
     places = work[: PLACE_WORDS * (plan_of(plan).bodies + 1)].view(PLACE)
-    for i in range(first, last):
+    for i in range(start, last):
         t, y = samples.times[i], samples.states[i]
         write_rows(t, y, whole.program, plan, work)
-        mass_and_bias(whole.tree, places, whole.gravity, held.room, held.mass, held.bias)
-        factorize(plan, work, held.mass)
+        mass_and_bias(whole.tree, places, whole.gravity, constraints.room, constraints.mass, constraints.bias)
+        factorize(plan, work, constraints.mass)
         first_applied, end_applied = applied_in(plan)
         for k in range(first_applied, end_applied):
-            work[k] = held.applied[i, k - first_applied]
-        solve(y, whole.program, plan, work, forces[i], held.bias, out.rates[i])
-        write_holding(plan, work, held.least, held.multipliers, out.closures[i], out.joints[i])
+            work[k] = constraints.applied[i, k - first_applied]
+        solve(y, whole.program, plan, work, forces[i], constraints.bias, out.rates[i])
+        write_holding(plan, work, constraints.least, constraints.multipliers, out.closures[i], out.joints[i])
         residuals = out.residuals[i]
         residuals[0], residuals[1], residuals[2], residuals[3] = (
             found.gap,

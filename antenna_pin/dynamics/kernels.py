@@ -249,11 +249,11 @@ def _between(p: Floats, b: int, t: float, y: Floats, head: Program, tau: Floats,
 
 @inlined
 def efforts_between(
-    p: Floats, b: int, t: float, seen: tuple[float, float, float, float], rates: Floats, x: int
+    p: Floats, b: int, t: float, motion: tuple[float, float, float, float], rates: Floats, x: int
 ) -> tuple[float, float]:
     """Return efforts of an element at its two joints; write its rates of x."""
     e, at = element_at(p, b), b + PARAMETERS
-    angle, rate, other, other_rate = seen
+    angle, rate, other, other_rate = motion
     deflection, speed, over, over_other = elements.between(e.kind, p, at, angle, rate, other, other_rate)
     effort = e.on * elements.effort(e.kind, p, at, t, deflection, speed)
     drag = elements.drag(e.kind, p, at, effort * over, rate)

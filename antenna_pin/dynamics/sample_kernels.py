@@ -113,7 +113,7 @@ def _apart_in(
 
 
 @inlined
-def _look_at(row: Contact, seen: Seen) -> None:
+def _look_at(row: Contact, sample: Seen) -> None:
     """Write a contact's results from its row of a contact table."""
     force = max(row.force, 0.0)
     slip = 0.0
@@ -121,14 +121,14 @@ def _look_at(row: Contact, seen: Seen) -> None:
     for k in range(3):
         slip += row.slip[k] ** 2
         friction += row.friction[k] ** 2
-        seen.contact_force[k] = force * row.normal[k] + row.friction[k]
-        seen.contact_point[k] = row.point[k]
-    seen.gap = row.gap
-    seen.depth = max(-row.gap, 0.0)
-    seen.depth_rate = row.rate
-    seen.slip_speed = math.sqrt(slip)
-    seen.normal_force = force
-    seen.friction_force = math.sqrt(friction)
+        sample.contact_force[k] = force * row.normal[k] + row.friction[k]
+        sample.contact_point[k] = row.point[k]
+    sample.gap = row.gap
+    sample.depth = max(-row.gap, 0.0)
+    sample.depth_rate = row.rate
+    sample.slip_speed = math.sqrt(slip)
+    sample.normal_force = force
+    sample.friction_force = math.sqrt(friction)
 
 
 @kernel
@@ -197,14 +197,14 @@ class Sights(NamedTuple):
 
 @kernel
 def observe(
-    first: int, last: int, given: bool, samples: SampleArrays, whole: SystemArrays, sights: Sights
+    first: int, last: int, is_evaluated: bool, samples: SampleArrays, whole: SystemArrays, sights: Sights
 ) -> None:
     """Evaluate the force elements at samples first to last and write what follows from them.
 
     Args:
         first: First sample.
         last: One behind the last.
-        given: Whether forces and contact table of the one sample stand in ``whole.work`` already.
+        is_evaluated: Whether forces and contact table of the one sample stand in ``whole.work`` already.
         samples: ``SampleArrays``.
         whole: ``SystemArrays``.
         sights: ``Sights``, to write to.
@@ -218,7 +218,7 @@ def observe(
     on_links = head.points < program.shape[0]
     for i in range(first, last):
         t, y = samples.times[i], samples.states[i]
-        if not given:
+        if not is_evaluated:
             for c in range(memory.shape[0]):
                 memory[c] = samples.memories[i, c]
             _apart_in(y, program, memory, pose[0], table)
@@ -249,17 +249,17 @@ def observe(
 
 @kernel
 def look_at_elements(
-    first: int,
+    start: int,
     last: int,
     samples: SampleArrays,
     blocks: Ints,
     whole: SystemArrays,
     out: NDArray[ElementSample],
 ) -> None:
-    """Write what elements do at samples first to last, ``DONE``, (n, blocks)."""
+    """Write what elements do at samples start to last, ``DONE``, (n, blocks)."""
     program = whole.program
     nq = head_of(program).nq
-    for i in range(first, last):
+    for i in range(start, last):
         t, y = samples.times[i], samples.states[i]
         for k in range(blocks.shape[0]):
             b, own = blocks[k], out[i, k]
@@ -271,13 +271,13 @@ def look_at_elements(
 
 
 @kernel
-def turned_angles(states: Floats, at: int, near: int, out: Floats) -> None:
+def turned_angles(states: Floats, at: int, angle: int, out: Floats) -> None:
     """Write the angle of a continuous joint, with its whole turns, at every sample.
 
-    Its cosine stands at ``at`` in a state, its turned angle at ``near``.
+    Its cosine stands at ``at`` in a state, its turned angle at ``angle``.
     """
     for i in range(states.shape[0]):
-        out[i] = unwrapped(math.atan2(states[i, at + 1], states[i, at]), states[i, near])
+        out[i] = unwrapped(math.atan2(states[i, at + 1], states[i, at]), states[i, angle])
 
 
 @kernel

@@ -75,9 +75,9 @@ class RigidStop(Limits):
         limit = self.lowest if self.mode == LOWER else self.highest
         return Change(FREE) if self.mode != FREE and abs(met.angle - limit) > _LOCATED else None
 
-    def _check(self, place: str, way_out: str, met: Met, near: float) -> None:
+    def _check(self, place: str, way_out: str, met: Met, margin: float) -> None:
         for name, beyond in (("lower", self.lowest - met.angle), ("upper", met.angle - self.highest)):
-            if beyond > near:
+            if beyond > margin:
                 at = f"{name} = {getattr(self, name):g}"
                 rule = f"within its rigid stop, {at}; {way_out}, or move the stop"
                 raise InvalidParameterError(place, f"position of {self.joint}", rule, met.angle)

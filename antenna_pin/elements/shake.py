@@ -278,12 +278,12 @@ class SweepShake(_Swept):
         """Time that the sweep takes, with what it dwells and goes back [s]."""
         return self.pieces()[-1].start
 
-    def _half_turns(self, first: float, last: float) -> float:
+    def _half_turns(self, low: float, last: float) -> float:
         """Return the number of half periods between two angular frequencies."""
         if self.octaves_per_minute is not None:
-            return abs(last - first) / (math.log(2.0) * self.octaves_per_minute / _MINUTE) / math.pi
+            return abs(last - low) / (math.log(2.0) * self.octaves_per_minute / _MINUTE) / math.pi
         assert self.hertz_per_second is not None
-        return abs(last**2 - first**2) / (4.0 * math.pi * self.hertz_per_second) / math.pi
+        return abs(last**2 - low**2) / (4.0 * math.pi * self.hertz_per_second) / math.pi
 
     def _corners(self) -> list[float]:
         """Return the angular frequencies between which one amplitude counts, from the first to the last."""

@@ -74,15 +74,15 @@ def _columns(plan: Floats, work: Floats, row: int, b: int, sign: float, origin: 
 
 
 @inlined
-def _way_column(work: Floats, at: int, x: float, y: float, z: float, frame: Nine, held: Held) -> None:
+def _way_column(work: Floats, at: int, x: float, y: float, z: float, frame: Nine, restraint: Held) -> None:
     """Write one column of a closure's rows, at ``work[at:]``, for translation along (x, y, z)."""
-    if held[0] != 0:
+    if restraint[0] != 0:
         work[at] = frame[0] * x + frame[1] * y + frame[2] * z
         at += 1
-    if held[1] != 0:
+    if restraint[1] != 0:
         work[at] = frame[3] * x + frame[4] * y + frame[5] * z
         at += 1
-    if held[2] != 0:
+    if restraint[2] != 0:
         work[at] = frame[6] * x + frame[7] * y + frame[8] * z
 
 

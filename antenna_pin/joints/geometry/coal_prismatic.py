@@ -47,9 +47,9 @@ class CoalPrismatic:
 class _Asked:
     """Two shapes of coal, and their distance query."""
 
-    def __init__(self, first: Any, second: Any) -> None:
-        self._shapes = first, second  # a functor keeps none
-        self._functor = coal.ComputeDistance(first, second)
+    def __init__(self, shape: Any, second: Any) -> None:
+        self._shapes = shape, second  # a functor keeps none
+        self._functor = coal.ComputeDistance(shape, second)
         self._request = coal.DistanceRequest()
         self._result = coal.DistanceResult()
         self._places = coal.Transform3s(), coal.Transform3s()

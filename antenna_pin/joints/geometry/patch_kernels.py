@@ -32,13 +32,13 @@ def take_place(patch: Contact, part: Contact) -> None:
 
 @kernel
 def strip_contacts(
-    shape: Revolute, strips: int, pose: Pose, table: Records[Contact], row: int, first: int
+    shape: Revolute, strips: int, pose: Pose, table: Records[Contact], row: int, start: int
 ) -> None:
     """Fill the bore's strips, and its two halves.
 
     The +z half is in ``row``, the -z half behind it.
 
-    The strips stand from ``first`` on, from the -z to the +z end; a strip is the circle at its middle. The
+    The strips stand from ``start`` on, from the -z to the +z end; a strip is the circle at its middle. The
     gap is concave along the bearing (the distance between two straight axes is convex), so in each half it is
     least at the outermost or the innermost strip, and from those two the loaded strips are found; the others
     are marked as apart. A half's row is that of its least gap. Each strip has 2 / strips of the law of its
@@ -46,7 +46,7 @@ def strip_contacts(
     """
     half = strips // 2
     for k in range(strips):
-        table[first + k].gap = APART
+        table[start + k].gap = APART
     for h in range(2):
         if h == 0:
             inner, outer, step = half, strips - 1, -1
@@ -56,17 +56,17 @@ def strip_contacts(
         for begin, towards in ((outer, step), (inner, -step)):
             k = begin
             while (k >= half) == (h == 0) and 0 <= k < strips:
-                if table[first + k].gap != APART:
+                if table[start + k].gap != APART:
                     break
                 side = (2.0 * k + 1.0) / strips - 1.0
-                bore_contact(shape, side, pose, table[first + k])
-                table[first + k].share = 2.0 / strips
-                if table[first + k].gap < table[first + least].gap:
+                bore_contact(shape, side, pose, table[start + k])
+                table[start + k].share = 2.0 / strips
+                if table[start + k].gap < table[start + least].gap:
                     least = k
-                if table[first + k].gap >= 0.0:
+                if table[start + k].gap >= 0.0:
                     break
                 k += towards
-        take_place(table[row + h], table[first + least])
+        take_place(table[row + h], table[start + least])
 
 
 @kernel
