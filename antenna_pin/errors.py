@@ -208,11 +208,13 @@ def nearest(name: str, known: Iterable[str], letters: float = math.inf) -> str |
     """
     if len(name) > _LONGEST_NAME:
         return None
-    scored = [(score, other) for other in known if (score := _unlike(name, other, letters)) is not None]
+    scored = [
+        (score, other) for other in known if (score := _name_distance(name, other, letters)) is not None
+    ]
     return min(scored, key=lambda one: one[0])[1] if scored else None
 
 
-def _unlike(name: str, other: str, letters: float) -> float | None:
+def _name_distance(name: str, other: str, letters: float) -> float | None:
     """Return the distance between two names; None if they are too different."""
     given, meant = name.strip().casefold(), other.casefold()
     found = [_slip(given, meant, letters)]

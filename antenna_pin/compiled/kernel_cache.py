@@ -90,7 +90,7 @@ class _LazyCache:
         self.turn = Turn(f"{function.__module__}:{function.__qualname__}")
 
     @functools.cached_property
-    def _found(self) -> Any:
+    def _opened(self) -> Any:
         try:
             return _KernelCache(*self._given, self.turn)
         except RuntimeError:
@@ -99,7 +99,7 @@ class _LazyCache:
             return _NoCache(str(error))
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self._found, name)
+        return getattr(self._opened, name)
 
 
 _listeners: list[Callable[[], None]] = []
@@ -246,10 +246,10 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         """Return a function's stored code for argument types; None without any."""
         keys = self._keys(sig, target_context.codegen())
         self._unpacked = None
-        found = self._kept(keys)
+        found = self._stored(keys)
         if found is None:
             self._turn.begin(self._cache_path)
-            found = self._kept(keys)  # another process may have made it by now
+            found = self._stored(keys)  # another process may have made it by now
         if found is not None:
             return self._loaded(*found, target_context)
         _to_be_compiled()
@@ -264,7 +264,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
             return [key]
         return [key, (signature, (triple, BASELINE, ""), code)]
 
-    def _kept(self, keys: list[Any]) -> tuple[Any, Any] | None:
+    def _stored(self, keys: list[Any]) -> tuple[Any, Any] | None:
         for key, files in itertools.product(keys, self._all_files):
             kept = files.load(key)
             if kept is not None:

@@ -19,7 +19,7 @@ from antenna_pin.mechanism.tree_kernels import PLACE
 
 
 @by_address
-class Held(NamedTuple):
+class ConstraintArrays(NamedTuple):
     """Constraints, and room for their solution."""
 
     plan: Floats  # the constraints
@@ -49,7 +49,7 @@ def observe_held(
     last: int,
     samples: SampleArrays,
     whole: SystemArrays,
-    constraints: Held,
+    constraints: ConstraintArrays,
     forces: Floats,
     out: Holding,
 ) -> None:
@@ -60,7 +60,7 @@ def observe_held(
         last: One behind the last.
         samples: :class:`antenna_pin.dynamics.sample_kernels.SampleArrays`.
         whole: ``SystemArrays``; its program is that of these samples.
-        constraints: ``Held``.
+        constraints: ``ConstraintArrays``.
         forces: Generalized forces of the elements, (n, nv).
         out: ``Holding``, to write to.
     """

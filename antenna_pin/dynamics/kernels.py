@@ -322,7 +322,9 @@ def element_energy(p: Floats, b: int, y: Floats, nq: int) -> float:
     """Energy stored in the element block at b, whether it is on or not [J]."""
     e = element_at(p, b)
     if e.about == ABOUT_POSE:
-        return float(elements.kept(e.kind, p, b + PARAMETERS, journal_place(joint_at(p, e.play), y)))
+        return float(
+            elements.journal_energy(e.kind, p, b + PARAMETERS, journal_place(joint_at(p, e.play), y))
+        )
     own = y, nq + head_of(p).nv + e.x
     return float(elements.stored_of(e.kind, p, b + PARAMETERS, joint_motion(p, b, y, nq)[0], own))
 

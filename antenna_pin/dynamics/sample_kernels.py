@@ -59,7 +59,7 @@ from antenna_pin.joints.pose_kernels import journal_state, motion_angle
 from antenna_pin.mechanism.tree_kernels import Body, Place, unwrapped
 
 
-class Seen(Record):
+class ContactSample(Record):
     """A contact at a sample, by the names of the result's variables."""
 
     gap: float  # [m]
@@ -72,7 +72,7 @@ class Seen(Record):
     contact_point: Vector3  # from the bearing's centre [m]
 
 
-SEEN = layout(Seen)
+SEEN = layout(ContactSample)
 
 
 class Effort(Record):
@@ -113,7 +113,7 @@ def _apart_in(
 
 
 @inlined
-def _look_at(row: Contact, sample: Seen) -> None:
+def _look_at(row: Contact, sample: ContactSample) -> None:
     """Write a contact's results from its row of a contact table."""
     force = max(row.force, 0.0)
     slip = 0.0
@@ -183,7 +183,7 @@ class Sights(NamedTuple):
     """Results at each of n samples."""
 
     forces: Floats  # generalized forces, (n, nv)
-    contacts: NDArray[Seen]  # results of contacts, ``SEEN``, (n, contacts)
+    contacts: NDArray[ContactSample]  # results of contacts, ``SEEN``, (n, contacts)
     poses: NDArray[Pose]  # poses of journals and wrenches on them, POSE, (n, joints)
     scenarios: NDArray[np.int8]  # contact scenarios, radial and axial, (n, joints, 2)
     efforts: NDArray[Effort]  # results of drives, ``EFFORT``, (n, drives)

@@ -60,7 +60,7 @@ def held_samples(
         joints=np.zeros((n, own + len(holds))),
         residuals=np.zeros((n, 4)),
     )
-    held = held_sample_kernels.Held(
+    held = held_sample_kernels.ConstraintArrays(
         plan=plan.words,
         work=constraints.work,
         mass=np.zeros((nv, nv)),

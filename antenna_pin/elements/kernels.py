@@ -159,7 +159,7 @@ dissipation = _chain("dissipation", _no_kind)
 drag = _chain("drag", _nothing)
 # Of those that act on a journal's whole pose.
 press = _chain("press", _no_press)
-kept = _chain("kept", _no_kind)
+journal_energy = _chain("journal_energy", _no_kind)
 coordinates = _chain("coordinates", _no_place)
 # Of those between points.
 tension = _chain("tension", _no_kind)

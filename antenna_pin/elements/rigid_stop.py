@@ -59,7 +59,7 @@ class RigidStop(Limits):
         Limits.__post_init__(self)
         self.check_upper(("restitution",))
 
-    def first(self, met: Met) -> Change | None:
+    def initial_change(self, met: Met) -> Change | None:
         """Refuse a start beyond a stop; a start on it comes to rest there."""
         self._check("initial state", "start it there", met, _ROUND_OFF)
         return None
@@ -84,7 +84,7 @@ class RigidStop(Limits):
 
     def in_another(self, met: Met) -> Change | None:
         """Refuse a position beyond a stop, as at a start; rest on it stays."""
-        return self.first(met) if self.mode == FREE else None
+        return self.initial_change(met) if self.mode == FREE else None
 
     def passed(self, k: int, met: Met) -> Change | None:
         """Return the rebound off side k, or the rest on it; none without approach."""
@@ -119,6 +119,8 @@ class RigidStop(Limits):
 
     def words(self, slides: bool = False) -> str:
         """Return the description."""
-        upper = "" if self.upper_restitution is None else f", above {self.said('upper_restitution', slides)}"
-        restitution = self.said("restitution", slides)
+        upper = (
+            "" if self.upper_restitution is None else f", above {self.text_of('upper_restitution', slides)}"
+        )
+        restitution = self.text_of("restitution", slides)
         return f"rigid end stop {self.words_of_limits(slides)}, restitution {restitution}{upper}"

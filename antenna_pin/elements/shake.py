@@ -101,7 +101,7 @@ class Shake(Motion):
 
     def said_in_own(self, name: str) -> str:
         """Return a parameter with its unit along a direction or about an axis."""
-        return self.said(name, self.slides)
+        return self.text_of(name, self.slides)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -208,8 +208,8 @@ class SineShake(_Swept):
 
     def words(self, slides: bool = False) -> str:
         """Return the description."""
-        phase = f", phase {self.said('phase', slides)}" if self.phase else ""
-        swing = f"sine of {self.said('frequency', slides)}{phase}, {self.said_amplitudes()}"
+        phase = f", phase {self.text_of('phase', slides)}" if self.phase else ""
+        swing = f"sine of {self.text_of('frequency', slides)}{phase}, {self.said_amplitudes()}"
         return f"{self.way()}: {swing}{self.said_fade()}"
 
 
@@ -330,8 +330,9 @@ class SweepShake(_Swept):
             else f"{number(self.hertz_per_second or 0.0, GIVEN)} Hz/s"
         )
         back = " and back" if self.back else ""
-        stays = f", {self.said('dwell', slides)} at the end" if self.dwell else ""
-        span = f"from {self.said('start_frequency', slides)} to {self.said('end_frequency', slides)}{back}"
+        stays = f", {self.text_of('dwell', slides)} at the end" if self.dwell else ""
+        start, end = (self.text_of(f"{word}_frequency", slides) for word in ("start", "end"))
+        span = f"from {start} to {end}{back}"
         takes = f"takes {readable(self.length, 's')}"
         return (
             f"{self.way()}: sweep {span}, {rate}, {self.said_amplitudes()}{stays}{self.said_fade()}, {takes}"

@@ -114,7 +114,9 @@ class ExplorerPage:
             name=knob.place,
             sizing_mode="stretch_width",
         )
-        typed = TextInput(value=knob.told(value), width=104, margin=(14, 5, 0, 5), name=f"{knob.place} typed")
+        typed = TextInput(
+            value=knob.display_text(value), width=104, margin=(14, 5, 0, 5), name=f"{knob.place} typed"
+        )
         self._sliders[knob.place] = knob, slider, typed
         slider.on_change("value", partial(self._slid, knob))
         typed.on_change("value", partial(self._typed, knob))
@@ -144,7 +146,7 @@ class ExplorerPage:
         _, slider, typed = self._sliders[knob.place]
         self._setting = True
         try:
-            typed.value = knob.told(value)
+            typed.value = knob.display_text(value)
             if slide:
                 slider.value = knob.to_slider(value)
         finally:

@@ -112,7 +112,7 @@ COUPLED = layout(Coupled)
 COUPLED_WORDS = words_of(COUPLED)
 
 
-class Found(Record):
+class ConstraintSolution(Record):
     """The outcome of solving for the constraints."""
 
     rank: int  # of the rows
@@ -124,7 +124,7 @@ class Found(Record):
     spin: float  # largest residual [rad/s]
 
 
-FOUND = layout(Found)
+FOUND = layout(ConstraintSolution)
 FOUND_WORDS = words_of(FOUND)
 
 BODY_WORDS = words_of(BODY)
@@ -191,7 +191,7 @@ def applied_in(plan: Floats) -> tuple[int, int]:
 
 
 @inlined
-def found_in(plan: Floats, work: Floats) -> Found:
+def found_in(plan: Floats, work: Floats) -> ConstraintSolution:
     """Return what solving found."""
     at = plan_of(plan).found
     return record(work[at : at + FOUND_WORDS], FOUND)

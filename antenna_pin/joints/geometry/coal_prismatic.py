@@ -44,7 +44,7 @@ class CoalPrismatic:
                 pair.ask(pose, table[row + k : row + k + 1])
 
 
-class _Asked:
+class _ShapePair:
     """Two shapes of coal, and their distance query."""
 
     def __init__(self, shape: Any, second: Any) -> None:
@@ -77,7 +77,7 @@ class _CornerOnWall:
         self._corner = shape["corner"].copy()
         # A half-space is {x : n.x <= d}; the material behind a wall whose normal points into the hollow.
         wall = coal.Halfspace(np.array(shape["wall"]), -float(shape["distance"]))
-        self._asked = _Asked(coal.Sphere(float(shape["radius"])), wall)
+        self._asked = _ShapePair(coal.Sphere(float(shape["radius"])), wall)
 
     def ask(self, pose: NDArray[Any], out: NDArray[Any]) -> None:
         centre = pose["centre"][0] + self._corner @ pose["rotation"][0].T
@@ -100,7 +100,7 @@ class _EdgeInGuide:
         kernels.fill(self._words, pose, out)
         normal, point = out["normal"][0].copy(), out["point"][0]
         self._wall[2] = np.copysign(self._reach, point[2])  # the mouth's edge, as far as it counts
-        asked = _Asked(self._ball, coal.Halfspace(normal, float(normal @ self._wall)))
+        asked = _ShapePair(self._ball, coal.Halfspace(normal, float(normal @ self._wall)))
         out["gap"] = asked.distance(point + self._radius * normal, np.zeros(3))
         out["normal"] = -asked.found[0]
 
@@ -113,8 +113,8 @@ class _RodInGuide:
         shape = words.view(REVOLUTE)[0]
         self._reach = float(shape["half_length"])
         long = _LONG * (shape["bearing_radius"] + 2.0 * shape["half_distance"])
-        self._guide = _Asked(coal.Sphere(0.0), coal.Cylinder(float(shape["bearing_radius"]), long))
-        self._slider = _Asked(coal.Sphere(0.0), coal.Cylinder(float(shape["journal_radius"]), long))
+        self._guide = _ShapePair(coal.Sphere(0.0), coal.Cylinder(float(shape["bearing_radius"]), long))
+        self._slider = _ShapePair(coal.Sphere(0.0), coal.Cylinder(float(shape["journal_radius"]), long))
 
     def ask(self, pose: NDArray[Any], out: NDArray[Any]) -> None:
         kernels.fill(self._words, pose, out)
