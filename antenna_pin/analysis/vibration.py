@@ -81,18 +81,18 @@ def power_density(
 
 
 @takes()
-def band_rms(density: xr.Dataset, bands: Sequence[Sequence[float]] | None = None) -> xr.Dataset:
+def band_rms(found: xr.Dataset, bands: Sequence[Sequence[float]] | None = None) -> xr.Dataset:
     """Return root mean squares in frequency bands, with standard errors.
 
     Args:
-        density: What :func:`power_density` returned for the signal.
+        found: What :func:`power_density` returned for the signal.
         bands: Lowest and highest frequency of each [Hz]; the whole spectrum if left out.
 
     Returns:
         Over ``band``: ``low``, ``high`` [Hz], ``rms`` and ``standard_error`` [units].
     """
-    frequency = np.asarray(density["frequency"].values, dtype=float)
-    power = np.asarray(density["power"].values, dtype=float)
+    frequency = np.asarray(found["frequency"].values, dtype=float)
+    power = np.asarray(found["power"].values, dtype=float)
     wanted = [(0.0, float(frequency[-1]))] if bands is None else [tuple(map(float, band)) for band in bands]
     step = float(frequency[1] - frequency[0])
     rows = []
@@ -106,11 +106,11 @@ def band_rms(density: xr.Dataset, bands: Sequence[Sequence[float]] | None = None
         low, high = np.maximum(frequency - 0.5 * step, band[0]), np.minimum(frequency + 0.5 * step, band[1])
         width = np.maximum(high - low, 0.0)
         # The mean square of an estimate is larger than that of the density by its variance.
-        own = 1.0 + 2.0 / float(density.attrs["degrees_of_freedom"])
-        square, spread = float(power @ width), float(power**2 @ width) / own / float(density.attrs["span"])
+        own = 1.0 + 2.0 / float(found.attrs["degrees_of_freedom"])
+        square, spread = float(power @ width), float(power**2 @ width) / own / float(found.attrs["span"])
         rms = math.sqrt(square)
         rows.append((*band, rms, 0.5 * math.sqrt(spread) / rms if rms > 0.0 else 0.0))
-    units = str(density["power"].attrs.get("units", "")).split(")^2")[0].removeprefix("(")
+    units = str(found["power"].attrs.get("units", "")).split(")^2")[0].removeprefix("(")
     columns = dict(zip(TABLES["bands"], np.array(rows, dtype=float).T, strict=True))
     return dataset_of("bands", columns, {"band": np.arange(len(rows))}, units=units)
 

@@ -197,12 +197,12 @@ class Sights(NamedTuple):
 
 @kernel
 def observe(
-    first: int, last: int, is_evaluated: bool, samples: SampleArrays, whole: SystemArrays, sights: Sights
+    begin: int, last: int, is_evaluated: bool, samples: SampleArrays, whole: SystemArrays, sights: Sights
 ) -> None:
-    """Evaluate the force elements at samples first to last and write what follows from them.
+    """Evaluate the force elements at samples begin to last and write what follows from them.
 
     Args:
-        first: First sample.
+        begin: First sample.
         last: One behind the last.
         is_evaluated: Whether forces and contact table of the one sample stand in ``whole.work`` already.
         samples: ``SampleArrays``.
@@ -216,7 +216,7 @@ def observe(
     pose = work[nv:start].view(POSE)
     memory = work[start : start + MEMORY_WORDS * samples.memories.shape[1]].view(MEMORY)
     on_links = head.points < program.shape[0]
-    for i in range(first, last):
+    for i in range(begin, last):
         t, y = samples.times[i], samples.states[i]
         if not is_evaluated:
             for c in range(memory.shape[0]):

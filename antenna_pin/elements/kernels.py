@@ -32,7 +32,7 @@ def _chain(name: str, last: Callable[..., Any]) -> Any:
     Kinds without one, and numbers that are no kind's, go on to ``last``.
     """
 
-    def made() -> Any:
+    def dispatcher() -> Any:
         chain = composed(last)
         for kind, module in reversed(_kinds()):
             own = getattr(module, name, None)
@@ -40,7 +40,7 @@ def _chain(name: str, last: Callable[..., Any]) -> Any:
                 chain = _branch(kind, own, chain)
         return chain
 
-    return composed_later(made)
+    return composed_later(dispatcher)
 
 
 def _branch(kind: int, own: Any, rest: Any) -> Any:

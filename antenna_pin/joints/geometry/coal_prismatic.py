@@ -54,9 +54,9 @@ class _ShapePair:
         self._result = coal.DistanceResult()
         self._places = coal.Transform3s(), coal.Transform3s()
 
-    def distance(self, first: NDArray[Any], second: NDArray[Any], turn: NDArray[Any] | None = None) -> float:
+    def distance(self, centre: NDArray[Any], second: NDArray[Any], turn: NDArray[Any] | None = None) -> float:
         """Return the distance [m] of the shapes at two places, the second turned."""
-        for place, at in zip(self._places, (first, second), strict=True):
+        for place, at in zip(self._places, (centre, second), strict=True):
             place.setTranslation(at)
         if turn is not None:
             self._places[1].setRotation(turn)
@@ -64,7 +64,7 @@ class _ShapePair:
         return float(self._functor(*self._places, self._request, self._result))
 
     @property
-    def found(self) -> tuple[NDArray[Any], NDArray[Any]]:
+    def nearest(self) -> tuple[NDArray[Any], NDArray[Any]]:
         """Normal from the first to the second, and nearest point of the first."""
         return self._result.normal, self._result.getNearestPoint1()
 
@@ -82,7 +82,7 @@ class _CornerOnWall:
     def ask(self, pose: NDArray[Any], out: NDArray[Any]) -> None:
         centre = pose["centre"][0] + self._corner @ pose["rotation"][0].T
         out["gap"] = self._asked.distance(centre, np.zeros(3))
-        normal, out["point"][0] = self._asked.found
+        normal, out["point"][0] = self._asked.nearest
         out["normal"] = -normal  # coal's runs from the slider to the wall
 
 
@@ -102,7 +102,7 @@ class _EdgeInGuide:
         self._wall[2] = np.copysign(self._reach, point[2])  # the mouth's edge, as far as it counts
         asked = _ShapePair(self._ball, coal.Halfspace(normal, float(normal @ self._wall)))
         out["gap"] = asked.distance(point + self._radius * normal, np.zeros(3))
-        out["normal"] = -asked.found[0]
+        out["normal"] = -asked.nearest[0]
 
 
 class _RodInGuide:
@@ -126,7 +126,7 @@ class _RodInGuide:
             return
         turn = pose_of((0.0, 0.0, 0.0), pose["axis"][0])["rotation"][0]
         out["gap"] = self._slider.distance(point, pose["centre"][0], turn)
-        out["normal"] = self._slider.found[0]
+        out["normal"] = self._slider.nearest[0]
 
 
 _PAIRS: dict[int, Any] = {

@@ -77,9 +77,9 @@ def sector_contacts(
     pose: Pose,
     table: Records[Contact],
     row: int,
-    first: int,
+    begin: int,
 ) -> None:
-    r"""Fill the flanges' sectors, from ``first`` on, and the flanges' own rows.
+    r"""Fill the flanges' sectors, from ``begin`` on, and the flanges' own rows.
 
     These are ``row`` and the next.
 
@@ -102,7 +102,7 @@ def sector_contacts(
     a = radius * sine
     for h in range(2):
         side = 1.0 - 2.0 * h
-        start = first + h * count
+        start = begin + h * count
         depth = side * (-ox * zx - oy * zy + (side * shape.half_length - oz) * zz) - shape.half_distance + a
         ux = side * zx / sine if sine > 0.0 else 1.0
         uy = side * zy / sine if sine > 0.0 else 0.0

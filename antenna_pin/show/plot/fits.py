@@ -354,15 +354,15 @@ def _no_rows(axes: Axes) -> None:
 
 
 @figure(found="Of :func:`antenna_pin.studies.fit.identifiability_table`.")
-def figure_identifiability(information: xr.Dataset, *, width: Width = "page") -> Sheet:
+def figure_identifiability(found: xr.Dataset, *, width: Width = "page") -> Sheet:
     """Return the information of a test: expected errors of parameters, and determined directions.
 
     On the left half widths of intervals over the parameters' sizes, with all others unknown and with all
     others known. On the right the error along each direction, and its parts of parameters.
     """
-    names = [literal(str(one)) for one in information["title"].values]
-    size, half, alone = _values(information, "scale", "half", "alone")
-    half, alone = 100.0 * half / size, 100.0 * float(information.attrs["quantile"]) * alone / size
+    names = [literal(str(one)) for one in found["title"].values]
+    size, half, alone = _values(found, "scale", "half", "alone")
+    half, alone = 100.0 * half / size, 100.0 * float(found.attrs["quantile"]) * alone / size
     ends = [one[np.isfinite(one) & (one > 0.0)] for one in (half, alone)]
     every = np.concatenate([*ends, [100.0]])
     low, high = 0.5 * float(every.min()), 3.0 * float(every.max())
@@ -394,12 +394,12 @@ def figure_identifiability(information: xr.Dataset, *, width: Width = "page") ->
     left = Panel("parameters", marks, _listed(names), x, finish=_with_plain_numbers)
     right = Panel(
         "directions",
-        [ByHand(lambda axes, *_: _directions(axes, information, names))],
+        [ByHand(lambda axes, *_: _directions(axes, found, names))],
         Axis("error along it [sizes]", ticks=0),
         Axis(ticks=0),
     )
     notes = (
-        f"intervals of {100.0 * float(information.attrs['level']):g} %",
+        f"intervals of {100.0 * float(found.attrs['level']):g} %",
         "grey: as wide as the value itself, or wider",
         "numbers: error along the direction, in sizes",
     )
@@ -427,13 +427,13 @@ def _directions(axes: Axes, information: xr.Dataset, names: list[str]) -> None:
 
 
 @figure(found="Of :func:`antenna_pin.studies.fit.experiments_table`.")
-def figure_experiments(comparison: xr.Dataset, *, width: Width = "page") -> Sheet:
+def figure_experiments(found: xr.Dataset, *, width: Width = "page") -> Sheet:
     """Return experiments side by side: the interval of each parameter after each.
 
     The best one stands first. A line is the parameter's interval before any of them.
     """
-    kept = min(comparison.sizes["experiment"], _MOST)
-    shown = comparison.isel(experiment=slice(kept))
+    kept = min(found.sizes["experiment"], _MOST)
+    shown = found.isel(experiment=slice(kept))
     names = [literal(str(one)) for one in shown["experiment"].values]
     size, half, before = _values(shown, "scale", "half", "before")
     half, before = 100.0 * half / size, 100.0 * before / size
@@ -450,8 +450,8 @@ def figure_experiments(comparison: xr.Dataset, *, width: Width = "page") -> Shee
         finish = _with_plain_numbers if x.scale == "log" else _no_rows
         panels.append(Panel(title + " (wanted)" * mine, marks, y, x, finish=finish))
     rows = in_rows(panels, columns, alone=False)
-    lacks = comparison.sizes["experiment"] - kept
-    level, criterion = float(comparison.attrs["level"]), str(comparison.attrs["criterion"])
+    lacks = found.sizes["experiment"] - kept
+    level, criterion = float(found.attrs["level"]), str(found.attrs["criterion"])
     notes = (
         f"intervals of {100.0 * level:g} % over the sizes",
         f"in order of {criterion}" + (f" of {wanted}" if criterion == "c" else ""),

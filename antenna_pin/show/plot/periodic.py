@@ -192,13 +192,13 @@ def _track_curves(branch: Track, black: bool = False) -> list[PlotCurve]:
     found="Of :func:`~antenna_pin.studies.nonlinear.orbit_table` or "
     ":func:`~antenna_pin.studies.nonlinear.branch_table`."
 )
-def figure_multipliers(multipliers: xr.Dataset, *, width: Width = "column") -> Sheet:
+def figure_multipliers(found: xr.Dataset, *, width: Width = "column") -> Sheet:
     """Return Floquet multipliers in the complex plane, with the unit circle.
 
     Neighbours come nearer along those within. Of a branch every orbit's are drawn, coloured by the parameter.
     """
     real, imaginary = (
-        np.asarray(multipliers[f"multiplier_{part}"].values, float) for part in ("real", "imaginary")
+        np.asarray(found[f"multiplier_{part}"].values, float) for part in ("real", "imaginary")
     )
     turn = np.linspace(0.0, 2.0 * np.pi, 361)
     circle = PlotCurve("", np.cos(turn), np.sin(turn), {"color": "#999999", "linewidth": 0.8, "zorder": 1.0})
@@ -210,18 +210,18 @@ def figure_multipliers(multipliers: xr.Dataset, *, width: Width = "column") -> S
         for there, colour, word in ((~outside, "C0", "within the circle"), (outside, "C1", "outside")):
             if there.any():
                 marks.append(PlotCurve(word, real[there], imaginary[there], {**look, "color": colour}))
-        said = f"{multipliers['stability'].item()}; multipliers to {float(multipliers['doubt'].item()):.1g}"
-        said += f"; period {float(multipliers['period'].item()):.6g} s"
+        said = f"{found['stability'].item()}; multipliers to {float(found['doubt'].item()):.1g}"
+        said += f"; period {float(found['period'].item()):.6g} s"
     else:
-        x = _parameter(multipliers)
+        x = _parameter(found)
         across, words = x.scaled(0.0)
-        values = across * np.asarray(multipliers["value"].values, dtype=float)
+        values = across * np.asarray(found["value"].values, dtype=float)
         over = np.broadcast_to(values[:, None], real.shape).ravel()
         norm = Normalize(values.min(), values.max())
         looks: dict[str, Any] = {"cmap": SEQUENTIAL, "norm": norm, "s": 9.0, "linewidths": 0.0, "zorder": 3}
         marks.append(ByHand(lambda axes, *_: axes.scatter(real.ravel(), imaginary.ravel(), c=over, **looks)))
         bar = (ScalarMappable(norm, SEQUENTIAL), words, {"shrink": 0.7, "aspect": 36.0, "pad": 0.02})
-        said = f"{multipliers.sizes['point']} orbits"
+        said = f"{found.sizes['point']} orbits"
     half = 1.12 * max(1.0, float(np.nanmax([np.abs(real), np.abs(imaginary)], initial=1.0)))
     x, y = (Axis(f"{part} part [-]", limits=(-half, half)) for part in ("real", "imaginary"))
     panel = Panel("", marks, y, x, named=False, finish=lambda axes: axes.set_aspect("equal"))

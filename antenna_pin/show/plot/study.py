@@ -315,10 +315,10 @@ def _against(
 
 
 @figure(found="As :func:`antenna_pin.studies.sweep.sensitivities` returns it.", title="Of the response.")
-def study_sensitivities(sensitivities: xr.Dataset, title: str = "", *, width: Width = "column") -> Sheet:
+def study_sensitivities(found: xr.Dataset, title: str = "", *, width: Width = "column") -> Sheet:
     """Draw the sensitivities of a response to parameters, with confidence intervals."""
-    names = [literal(str(name)) for name in sensitivities["factor"].values]
-    morris = sensitivities.attrs["method"] == "morris"
+    names = [literal(str(name)) for name in found["factor"].values]
+    morris = found.attrs["method"] == "morris"
     bars = (
         (("mu_star", "mean size of the effect"), ("sigma", "its spread"))
         if morris
@@ -327,21 +327,21 @@ def study_sensitivities(sensitivities: xr.Dataset, title: str = "", *, width: Wi
 
     def draw(axes: Axes, *_: float) -> None:
         for k, (name, label) in enumerate(bars):
-            error = sensitivities[f"{name}_conf"].values if f"{name}_conf" in sensitivities else None
+            error = found[f"{name}_conf"].values if f"{name}_conf" in found else None
             looks: dict[str, Any] = {"color": COLOURS[k], "error_kw": {"linewidth": 0.8, "capsize": 2.0}}
             places = np.arange(len(names)) + (0.2 if k else -0.2)
-            axes.barh(places, sensitivities[name].values, 0.36, xerr=error, label=label, **looks)
+            axes.barh(places, found[name].values, 0.36, xerr=error, label=label, **looks)
 
     def finish(axes: Axes) -> None:
         axes.invert_yaxis()
         axes.grid(axis="y", visible=False)
 
-    unit = str(sensitivities[bars[0][0]].attrs.get("units", ""))
+    unit = str(found[bars[0][0]].attrs.get("units", ""))
     what = "Effect" if morris else "Share of the variance [-]"
     text = f"{what}{f' [{unit}]' if unit not in ('', '1') else ''}{f': {title}' if title else ''}"
     y = Axis(named={float(k): name for k, name in enumerate(names)})
     panel = Panel("", [ByHand(draw)], y, Axis(_broken(text, 50), ticks=0), finish=finish)
-    note = f"bars of error: {100.0 * sensitivities.attrs['confidence']:g} % confidence"
+    note = f"bars of error: {100.0 * found.attrs['confidence']:g} % confidence"
     return Sheet([[panel]], width, 22.0 + 10.0 * len(names), (note,))
 
 

@@ -92,7 +92,7 @@ def profiles_of(
 
 @takes()
 def certain(
-    fit: Fit,
+    found: Fit,
     *,
     profile: bool = False,
     draws: int = 0,
@@ -105,24 +105,24 @@ def certain(
     (:attr:`antenna_pin.studies.fit.confidence_bands.ParameterBands.absence`) have none.
 
     Args:
-        fit: The fit.
+        found: The fit.
         profile: True for the profile of each parameter: some thirty fits of the others each.
         draws: Runs at drawn values; none for bands to first order.
         seed: Seed of the draws.
         progress: Called with the parameter and the signed root of each point of a profile.
     """
-    table, said = fit.data(), []
-    if fit.problem.plan.surface is not None:
+    table, said = found.data(), []
+    if found.problem.plan.surface is not None:
         if profile or draws:
             rule = "left out beside a surface, whose single runs scatter"
             raise InvalidParameterError("fit", "profile" if profile else "draws", rule, profile or draws)
         return table, ()
-    if fit.bands.absence:
+    if found.bands.absence:
         lacks = "no bands, profiles or draws" if profile or draws else "no bands"
-        said_already = fit.bands.beyond_chance and not (profile or draws)  # the verdict says so
-        return table, () if said_already else (f"{lacks}: {fit.bands.absence}",)
-    searched, known = _sure(fit)
-    plan = fit.problem.plan
+        said_already = found.bands.beyond_chance and not (profile or draws)  # the verdict says so
+        return table, () if said_already else (f"{lacks}: {found.bands.absence}",)
+    searched, known = _sure(found)
+    plan = found.problem.plan
     if draws:
         bands: CurveBands = sampled_bands(
             searched, known, draws, seed, loss=plan.loss, loss_scale=plan.loss_scale
@@ -142,8 +142,8 @@ def certain(
     ]
     columns = band_columns(bands, table, np.array(weights))
     if profile:
-        made = profiles_of(fit, progress=progress)
-        columns |= profile_columns(made, fit.problem.unknowns)
+        made = profiles_of(found, progress=progress)
+        columns |= profile_columns(made, found.problem.unknowns)
         said += profile_lines(table.assign(columns))
         better = [one.name for one in made if one.better is not None]
         if better:

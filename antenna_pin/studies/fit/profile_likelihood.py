@@ -79,7 +79,7 @@ class Profile:
 @takes()
 def profiles(
     problem: Residuals,
-    fit: Sure,
+    found: Sure,
     names: Sequence[str] | None = None,
     *,
     loss: Loss = "linear",
@@ -90,7 +90,7 @@ def profiles(
 
     Args:
         problem: Problem of the fit.
-        fit: Uncertainty of its values: level, noise, and sizes of the first steps.
+        found: Uncertainty of its values: level, noise, and sizes of the first steps.
         names: Names of the parameters; all but those at a bound by default.
         loss: Loss of the fit.
         loss_scale: Residual from which the loss grows more slowly [-].
@@ -100,16 +100,16 @@ def profiles(
         InvalidParameterError: The residuals have no noise.
         UnknownNameError: A parameter is unknown.
     """
-    if not fit.factor > 0.0:
+    if not found.factor > 0.0:
         rule = "given where the model meets the record exactly, as nothing is left that says how large it is"
-        raise InvalidParameterError("fit", "noise", rule, fit.noise)
-    wanted = [name for name, held in zip(fit.names, fit.held, strict=True) if not held]
+        raise InvalidParameterError("fit", "noise", rule, found.noise)
+    wanted = [name for name, held in zip(found.names, found.held, strict=True) if not held]
     for name in names or ():
-        if name not in fit.names:
-            raise UnknownNameError("fit", "parameter", name, fit.names)
+        if name not in found.names:
+            raise UnknownNameError("fit", "parameter", name, found.names)
     made = []
     for name in wanted if names is None else names:
-        path = _ProfilePath(problem, fit, fit.names.index(name), loss, loss_scale, progress)
+        path = _ProfilePath(problem, found, found.names.index(name), loss, loss_scale, progress)
         made.append(path.profile())
     return tuple(made)
 
