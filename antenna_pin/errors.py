@@ -34,7 +34,7 @@ _BLANKS = "\u00a0\u2007\u2009\u200a\u202f"
 
 
 def printable(text: str) -> str:
-    """Return a text as a terminal may be given it: control characters stand as Python writes them.
+    """Return a text safe for a terminal, with control characters escaped as in Python.
 
     With them a name or a title could command the terminal. A line's end is one of them.
     """
@@ -47,7 +47,7 @@ def printable(text: str) -> str:
 
 
 def one_line(text: str) -> str:
-    """Return a message as one line; of one that is too long the middle is left out."""
+    """Return a message as one line, without its middle if it is too long."""
     left_out = len(text) - _HEAD - _TAIL
     if left_out > 0:
         text = f"{text[:_HEAD]} [... {left_out} letters ...] {text[-_TAIL:]}"
@@ -71,15 +71,15 @@ class AssumedWarning(UserWarning):
 
 
 class StiffRunWarning(UserWarning):
-    """The explicit steps of a run are held short by what an implicit method would step over."""
+    """Stiffness that limits the explicit steps of a run; an implicit method allows longer ones."""
 
 
 class LongRunWarning(UserWarning):
-    """At its present pace a run will take long: how long, and what makes it slow."""
+    """Long expected duration of a run, with the estimate and the cause."""
 
 
 class LedgerOpenWarning(UserWarning):
-    """The energy or the momentum of a run does not balance, by more than its tolerance explains."""
+    """Error of a run's energy or momentum balance beyond that explained by the tolerance."""
 
 
 class InvalidParameterError(AntennaPinError, ValueError):
@@ -161,7 +161,7 @@ class UnknownNameError(AntennaPinError, LookupError):
 
 
 class FileFormatError(AntennaPinError, ValueError):
-    """A file is not what it is taken for, or is from another version of the format."""
+    """File of an unexpected kind, or of another version of the format."""
 
 
 class OutputError(AntennaPinError, OSError):
@@ -173,7 +173,7 @@ class TooLargeError(AntennaPinError, MemoryError):
 
 
 class MissingToolError(AntennaPinError, RuntimeError):
-    """A program or an optional package that this needs is not installed, or does not work."""
+    """Required program or optional package that is not installed, or does not work."""
 
 
 def _repr(value: object) -> str:
@@ -194,7 +194,7 @@ _BETWEEN_WORDS = re.compile(r"[\s_.\-/]+")
 
 
 def nearest(name: str, known: Iterable[str], letters: float = math.inf) -> str | None:
-    """Return the known name that ``name`` is most likely a slip of, or None if it is like none.
+    """Return the known name most similar to ``name``, or None if none is similar.
 
     Letters that were left out, added, mistaken or (at half the price) doubled or swapped count by their share
     of the longer name, and case does not. A word or the beginning of a known name is like it too:
@@ -208,12 +208,14 @@ def nearest(name: str, known: Iterable[str], letters: float = math.inf) -> str |
     """
     if len(name) > _LONGEST_NAME:
         return None
-    scored = [(score, other) for other in known if (score := _unlike(name, other, letters)) is not None]
+    scored = [
+        (score, other) for other in known if (score := _name_distance(name, other, letters)) is not None
+    ]
     return min(scored, key=lambda one: one[0])[1] if scored else None
 
 
-def _unlike(name: str, other: str, letters: float) -> float | None:
-    """Return how far a name is from another; None if it is no slip of it."""
+def _name_distance(name: str, other: str, letters: float) -> float | None:
+    """Return the distance between two names; None if they are too different."""
     given, meant = name.strip().casefold(), other.casefold()
     found = [_slip(given, meant, letters)]
     if len(given) >= _LEAST_PREFIX and meant.startswith(given):
@@ -230,26 +232,26 @@ def _unlike(name: str, other: str, letters: float) -> float | None:
     return min((one for one in found if one is not None), default=None)
 
 
-def _slip(given: str, meant: str, letters: float) -> float | None:
-    """Return the share of letters in which two words differ; None if it is too large for a slip."""
-    longer = max(len(given), len(meant))
-    if longer == 0 or abs(len(given) - len(meant)) > _SLIP * longer:
+def _slip(word: str, meant: str, letters: float) -> float | None:
+    """Return the share of differing letters of two words; None above the limit."""
+    longer = max(len(word), len(meant))
+    if longer == 0 or abs(len(word) - len(meant)) > _SLIP * longer:
         return None
-    apart = _distance(given, meant)
+    apart = _distance(word, meant)
     return apart / longer if apart < _SLIP * longer and apart <= letters else None
 
 
-def _distance(given: str, meant: str) -> float:
-    """Return how many letters differ, by the least of all ways from one word to the other."""
+def _distance(word: str, meant: str) -> float:
+    """Return the least number of letter edits from one word to the other."""
     before: list[float] = []
     row = [float(k) for k in range(len(meant) + 1)]
-    for i, letter in enumerate(given, start=1):
+    for i, letter in enumerate(word, start=1):
         last, row = row, [float(i)]
         for k, other in enumerate(meant, start=1):
-            more = 0.5 if i > 1 and given[i - 2] == letter else 1.0
+            more = 0.5 if i > 1 and word[i - 2] == letter else 1.0
             less = 0.5 if k > 1 and meant[k - 2] == other else 1.0
             row.append(min(last[k] + more, row[k - 1] + less, last[k - 1] + (letter != other)))
-            if i > 1 and k > 1 and letter == meant[k - 2] and given[i - 2] == other:
+            if i > 1 and k > 1 and letter == meant[k - 2] and word[i - 2] == other:
                 row[k] = min(row[k], before[k - 2] + 0.5)
         before = last
     return row[-1]

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import pytest
 
-from antenna_pin.scenario.spec import Count, Quantity, Spec
+from antenna_pin.scenario.spec import Count, QuantityRule, Spec
 
 SCRIPTS = str(Path(__file__).parents[1] / "scripts" / "check")
 SEED, FEW = 1, 12
@@ -61,7 +61,7 @@ def test_what_is_wrong_must_be_refused_and_its_place_be_named(tmp_path):
 class Inner(Spec):
     """A table."""
 
-    speed: Annotated[float, Quantity("m/s", "positive")]
+    speed: Annotated[float, QuantityRule("m/s", "positive")]
 
 
 class Outer(Spec):

@@ -8,7 +8,7 @@ import xarray as xr
 from antenna_pin import Trajectory, load_scenario, simulate
 from antenna_pin.errors import FileFormatError
 from antenna_pin.trajectory.check import problem_of
-from antenna_pin.trajectory.columns import Rule
+from antenna_pin.trajectory.columns import ColumnRule
 from antenna_pin.trajectory.file import write
 from antenna_pin.trajectory.schema import VARIABLES
 
@@ -27,7 +27,7 @@ def _with(data: xr.Dataset, name: str, change) -> xr.Dataset:
 
 
 # A number that breaks each part of a rule, and what it is set to where.
-def _break(rule: Rule, values: np.ndarray, data: xr.Dataset) -> None:
+def _break(rule: ColumnRule, values: np.ndarray, data: xr.Dataset) -> None:
     last = (len(values) - 1, *(0,) * (values.ndim - 1))
     if rule.unit:
         values[-1] = 0.0

@@ -16,7 +16,7 @@ __all__ = [
     "Drift",
     "extremes",
     "Index",
-    "Mean",
+    "WindowMean",
     "Period",
     "Polygon",
     "Quadratics",
@@ -216,7 +216,7 @@ class Absolute:
         return self.signal.at(_places(self.signal.start, self.signal.end, 100 * resolution))
 
 
-class Mean:
+class WindowMean:
     """Mean over a window that starts from ``low`` to ``high``."""
 
     def __init__(self, signal: Polygon, window: float, low: float, high: float) -> None:
@@ -289,7 +289,7 @@ class Reproducibility:
     """Difference of the means over two windows in different periods."""
 
     def __init__(self, signal: Polygon, window: float, periods: Sequence[Period]) -> None:
-        self._means = [Mean(signal, window, low, max(low, high - window)) for low, high in periods]
+        self._means = [WindowMean(signal, window, low, max(low, high - window)) for low, high in periods]
 
     def highest(self, direction: Array) -> float:
         high = [mean.highest(direction) for mean in self._means]

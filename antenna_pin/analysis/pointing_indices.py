@@ -42,11 +42,11 @@ from antenna_pin.analysis._indices import (
     Absolute,
     Drift,
     Index,
-    Mean,
     Period,
     Polygon,
     Relative,
     Reproducibility,
+    WindowMean,
     extremes,
 )
 from antenna_pin.base.arguments import takes
@@ -210,7 +210,7 @@ class _Plan:
         length = signal.end - signal.start
         self._check_fit("window", self.window, length, "the run")
         last = max(signal.start, signal.end - self.window)
-        found["MPE"] = Mean(signal, self.window, signal.start, last)
+        found["MPE"] = WindowMean(signal, self.window, signal.start, last)
         found["RPE"] = Relative(signal, self.window)
         periods = self._periods_of(signal)
         if self.spacing is not None:

@@ -1,4 +1,4 @@
-"""Entry of the installed command: until everything is imported, Ctrl-C ends the process without a word.
+"""Entry of the installed command; Ctrl-C during its imports ends the process silently.
 
 Python would print a traceback from wherever an import has come. Only the command imports this module.
 """

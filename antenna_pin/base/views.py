@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 __all__ = [
     "as_html",
     "as_text",
-    "Drawing",
+    "DrawingView",
     "FigureName",
     "in_frame",
     "item_of",
@@ -35,13 +35,13 @@ __all__ = [
     "Page",
     "Plotter",
     "policy",
-    "Recorder",
+    "RecorderView",
     "Reporter",
     "ResponsePlotter",
-    "RunFigures",
-    "RunNumbers",
+    "RunFiguresView",
+    "RunNumbersView",
     "script",
-    "StudyFigures",
+    "StudyFiguresView",
     "StudyReporter",
     "View",
     "VIEWS",
@@ -90,7 +90,7 @@ def in_frame(page: str, height: str) -> str:
 # catalogue of figures (:mod:`antenna_pin.show.plot.catalogue`).
 
 
-class Drawing(Protocol):
+class DrawingView(Protocol):
     """Figure of a run, ready to be drawn."""
 
     def __call__(
@@ -158,95 +158,95 @@ FigureName = Literal[
 class NamedFigures(Protocol):
     """Figures of runs, each ready to be drawn."""
 
-    motion_angle: Drawing
+    motion_angle: DrawingView
     """Angle of a joint."""
-    motion_rate: Drawing
+    motion_rate: DrawingView
     """Rate of a joint."""
-    motion_acceleration: Drawing
+    motion_acceleration: DrawingView
     """Acceleration of a joint."""
-    slide_position: Drawing
+    slide_position: DrawingView
     """Position of a joint."""
-    slide_rate: Drawing
+    slide_rate: DrawingView
     """Rate of a joint."""
-    slide_acceleration: Drawing
+    slide_acceleration: DrawingView
     """Acceleration of a joint."""
-    joint_motion: Drawing
+    joint_motion: DrawingView
     """Motion of a joint."""
-    angle_between_runs: Drawing
+    angle_between_runs: DrawingView
     """Angle of a joint, runs less one another."""
-    rate_between_runs: Drawing
+    rate_between_runs: DrawingView
     """Rate of a joint, runs less one another."""
-    contact_forces: Drawing
+    contact_forces: DrawingView
     """Contact forces in a joint."""
-    journal_orbit: Drawing
+    journal_orbit: DrawingView
     """Orbit of the journal in a joint."""
-    bore_load: Drawing
+    bore_load: DrawingView
     """Load around the bore of a joint."""
-    eccentricity: Drawing
+    eccentricity: DrawingView
     """Eccentricity and tilt in a joint."""
-    contact_scenarios: Drawing
+    contact_scenarios: DrawingView
     """Contact scenarios of a joint."""
-    joint_load: Drawing
+    joint_load: DrawingView
     """Force through a joint."""
-    steady_force: Drawing
+    steady_force: DrawingView
     """Force through a joint in the second half of the run."""
-    closure_forces: Drawing
+    closure_forces: DrawingView
     """Forces of the closures."""
-    coupling_torques: Drawing
+    coupling_torques: DrawingView
     """Torques of the couplings."""
-    drive_efforts: Drawing
+    drive_efforts: DrawingView
     """What the drives exert."""
-    applied_forces: Drawing
+    applied_forces: DrawingView
     """Forces on links."""
-    control: Drawing
+    control: DrawingView
     """What controllers measure and command."""
-    stops: Drawing
+    stops: DrawingView
     """End stops and latches."""
-    gears: Drawing
+    gears: DrawingView
     """Gears, belts and cables."""
-    deflection: Drawing
+    deflection: DrawingView
     """Deflections of flexible links."""
-    hysteresis: Drawing
+    hysteresis: DrawingView
     """Torque of springs over angle."""
-    spectra: Drawing
+    spectra: DrawingView
     """Spectra, a joint."""
-    spectrogram: Drawing
+    spectrogram: DrawingView
     """Spectrogram, a joint."""
-    swept_response: Drawing
+    swept_response: DrawingView
     """Response to the swept base."""
-    random_density: Drawing
+    random_density: DrawingView
     """Power spectral density on the shaken base."""
-    shock_spectrum: Drawing
+    shock_spectrum: DrawingView
     """Shock response spectrum on the shaken base."""
-    base_position: Drawing
+    base_position: DrawingView
     """Position of the base."""
-    base_velocity: Drawing
+    base_velocity: DrawingView
     """Velocity of the base."""
-    base_acceleration: Drawing
+    base_acceleration: DrawingView
     """Acceleration of the base."""
-    base_attitude: Drawing
+    base_attitude: DrawingView
     """Attitude of the base."""
-    base_angular_velocity: Drawing
+    base_angular_velocity: DrawingView
     """Angular velocity of the base."""
-    base_angular_acceleration: Drawing
+    base_angular_acceleration: DrawingView
     """Angular acceleration of the base."""
-    joints_angle: Drawing
+    joints_angle: DrawingView
     """Angle of all joints."""
-    joints_rate: Drawing
+    joints_rate: DrawingView
     """Rate of all joints."""
-    joints_acceleration: Drawing
+    joints_acceleration: DrawingView
     """Acceleration of all joints."""
-    body_position: Drawing
+    body_position: DrawingView
     """Position of the body that a joint moves."""
-    body_velocity: Drawing
+    body_velocity: DrawingView
     """Velocity of the body that a joint moves."""
-    body_acceleration: Drawing
+    body_acceleration: DrawingView
     """Acceleration of the body that a joint moves."""
-    pointing: Drawing
+    pointing: DrawingView
     """Boresight and pointing error."""
-    energy: Drawing
+    energy: DrawingView
     """Energy: work, storage and losses."""
-    momentum: Drawing
+    momentum: DrawingView
     """Drift of momentum."""
 
 
@@ -344,7 +344,7 @@ class Page(Protocol):
         ...
 
 
-class RunFigures(NamedFigures, Protocol):
+class RunFiguresView(NamedFigures, Protocol):
     """``run.plot``: figures by name."""
 
     def __call__(
@@ -360,7 +360,7 @@ class RunFigures(NamedFigures, Protocol):
         ...
 
 
-class Recorder(Protocol):
+class RecorderView(Protocol):
     """``run.record``."""
 
     def __call__(
@@ -384,7 +384,7 @@ class Reporter(Protocol):
         ...
 
 
-class RunNumbers(Protocol):
+class RunNumbersView(Protocol):
     """``run.analyse``: all numbers, or those of one analysis by its name."""
 
     def __call__(self, ideal: Any = None, *, longest_gap: float | str = 1e-3) -> dict[str, Any]:
@@ -441,7 +441,7 @@ class ModesRecorder(Protocol):
         ...
 
 
-class StudyFigures(Protocol):
+class StudyFiguresView(Protocol):
     """``study.plot``."""
 
     def __call__(

@@ -72,7 +72,7 @@ def _later(function: _Function, **options: bool) -> _Function:
         if "math" in function.__globals__:
             function.__globals__["math"] = plain
         return function
-    return _Later(function, options)  # type: ignore[return-value]
+    return _LazyKernel(function, options)  # type: ignore[return-value]
 
 
 def _plain() -> bool:
@@ -114,7 +114,7 @@ _DEEP = 10_000
 _MAKING = threading.RLock()
 
 
-class _Later:
+class _LazyKernel:
     """A function that is compiled by Numba at its first use."""
 
     __wrapped__: Callable[..., Any]
@@ -145,10 +145,10 @@ class _Later:
         return self.__wrapped__.__qualname__  # pickled by its name, as a function
 
 
-class _Composed(_Later):
+class _Composed(_LazyKernel):
     """Function that is composed at its first use."""
 
-    def __init__(self, make: Callable[[], _Later]) -> None:
+    def __init__(self, make: Callable[[], _LazyKernel]) -> None:
         self._make = make
 
     def __getattr__(self, name: str) -> Any:

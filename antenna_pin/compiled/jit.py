@@ -80,17 +80,17 @@ def code_of(text: bytes | str) -> str:
     return ast.dump(tree)
 
 
-def dispatcher(function: Callable[..., Any], kept: bool, alone: bool = False, **options: bool) -> Any:
+def dispatcher(function: Callable[..., Any], cached: bool, alone: bool = False, **options: bool) -> Any:
     """Return a function as Numba compiles it; the function itself where nothing is compiled.
 
     Args:
         function: In Python.
-        kept: Whether its machine code is kept, and a plain constant counts as the number it is.
+        cached: Whether its machine code is kept, and a plain constant counts as the number it is.
         alone: Whether its callers call it by name (:func:`antenna_pin.compiled.stand_alone.stand_alone`).
         **options: Numba's.
     """
     compiled = _njit(function, **options)
-    if kept:
+    if cached:
         _take_constants_as_numbers(compiled)
         keep(compiled, _stamp())
     if alone:
@@ -108,8 +108,8 @@ def _take_constants_as_numbers(compiled: Any) -> None:
         return
     template = compiled.get_call_template
 
-    def of_numbers(arguments: Any, named: Any) -> Any:
-        plain = {name: numba.types.unliteral(one) for name, one in named.items()}
+    def of_numbers(arguments: Any, keywords: Any) -> Any:
+        plain = {name: numba.types.unliteral(one) for name, one in keywords.items()}
         return template(tuple(map(numba.types.unliteral, arguments)), plain)
 
     compiled.get_call_template = of_numbers

@@ -24,7 +24,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from antenna_pin.compiled.machine_code import Kept, Part, called, kept_of, link
+from antenna_pin.compiled.machine_code import Kept, KernelCode, called, kept_of, link
 from antenna_pin.compiled.ownership import open_to, stranger_of
 from antenna_pin.compiled.stale_files import pack_of, sweep
 from antenna_pin.compiled.stand_alone import all_needs, kernel_named, needs_of, noted, parts_of, symbols_of
@@ -56,7 +56,7 @@ def keep(dispatcher: Any, stamp: str) -> None:
     function = getattr(dispatcher, "py_func", None)
     if function is None:  # NUMBA_DISABLE_JIT=1
         return
-    cache = dispatcher._cache = _Later(function, stamp)
+    cache = dispatcher._cache = _LazyCache(function, stamp)
     compile_or_load = dispatcher.compile
 
     def compiled(signature: Any) -> Any:
@@ -82,7 +82,7 @@ class _Nested(threading.local):
 _nested = _Nested()
 
 
-class _Later:
+class _LazyCache:
     """Cache of a function, opened at the function's first call."""
 
     def __init__(self, function: Any, stamp: str) -> None:
@@ -90,7 +90,7 @@ class _Later:
         self.turn = Turn(f"{function.__module__}:{function.__qualname__}")
 
     @functools.cached_property
-    def _found(self) -> Any:
+    def _opened(self) -> Any:
         try:
             return _KernelCache(*self._given, self.turn)
         except RuntimeError:
@@ -99,7 +99,7 @@ class _Later:
             return _NoCache(str(error))
 
     def __getattr__(self, name: str) -> Any:
-        return getattr(self._found, name)
+        return getattr(self._opened, name)
 
 
 _listeners: list[Callable[[], None]] = []
@@ -246,10 +246,10 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         """Return a function's stored code for argument types; None without any."""
         keys = self._keys(sig, target_context.codegen())
         self._unpacked = None
-        found = self._kept(keys)
+        found = self._stored(keys)
         if found is None:
             self._turn.begin(self._cache_path)
-            found = self._kept(keys)  # another process may have made it by now
+            found = self._stored(keys)  # another process may have made it by now
         if found is not None:
             return self._loaded(*found, target_context)
         _to_be_compiled()
@@ -257,38 +257,38 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         return None
 
     def _keys(self, sig: Any, codegen: Any) -> list[Any]:
-        """Return the keys of entries that this processor runs: of those made for it, and for its family."""
+        """Return the keys of entries compiled for this processor or its family."""
         key = self._index_key(sig, codegen)
         signature, (triple, *target), code = key
         if target == [BASELINE, ""] or not baseline_runs():
             return [key]
         return [key, (signature, (triple, BASELINE, ""), code)]
 
-    def _kept(self, keys: list[Any]) -> tuple[Any, Any] | None:
+    def _stored(self, keys: list[Any]) -> tuple[Any, Any] | None:
         for key, files in itertools.product(keys, self._all_files):
             kept = files.load(key)
             if kept is not None:
                 return key, kept
         return None
 
-    def _loaded(self, key: Any, kept: Any, target_context: Any) -> Any:
-        parts = self._pack(key) if kept.needs and _nested.depth == 1 else ()
+    def _loaded(self, key: Any, stored: Any, target_context: Any) -> Any:
+        parts = self._pack(key) if stored.needs and _nested.depth == 1 else ()
         for part in parts:
             link(target_context, part)
         if not parts:
-            for name, arguments in kept.needs:
+            for name, arguments in stored.needs:
                 kernel_named(name).compile(arguments)
-            self._note(key, kept)
-        result = called(target_context, kept)
-        needs_of(result.library).update(kept.needs)
+            self._note(key, stored)
+        result = called(target_context, stored)
+        needs_of(result.library).update(stored.needs)
         return result
 
-    def _note(self, key: Any, kept: Kept) -> None:
+    def _note(self, key: Any, stored: Kept) -> None:
         """Record the parts of a pack: of this function, or of its caller."""
-        noted(self._turn.kernel, kept)
-        self._unpacked = key, symbols_of(kept)
+        noted(self._turn.kernel, stored)
+        self._unpacked = key, symbols_of(stored)
 
-    def _pack(self, key: Any) -> tuple[Part, ...]:
+    def _pack(self, key: Any) -> tuple[KernelCode, ...]:
         """Return a function's parts in order of dependence; nothing without a pack."""
         for files in self._all_files:
             with contextlib.suppress(Exception):  # pickle promises no certain ones

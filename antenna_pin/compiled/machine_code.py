@@ -22,7 +22,7 @@ try:
 except ImportError:  # neither is promised by Numba
     _dynfunc = _nrt_python = compile_result = None
 
-__all__ = ["Code", "Kept", "Part", "called", "kept_of", "link", "add_kernel_symbol"]
+__all__ = ["Code", "Kept", "KernelCode", "called", "kept_of", "link", "add_kernel_symbol"]
 
 
 class Kept(NamedTuple):
@@ -45,7 +45,7 @@ class Kept(NamedTuple):
     signature: Any
 
 
-class Part(NamedTuple):
+class KernelCode(NamedTuple):
     """Machine code of a kernel that loaded callers call by name.
 
     Attributes:
@@ -143,7 +143,7 @@ def add_kernel_symbol(symbol: str, address: int) -> None:
     add_symbol(symbol, address)
 
 
-def link(context: Any, part: Part) -> None:
+def link(context: Any, part: KernelCode) -> None:
     """Load a kernel for callers by name, after the kernels that it calls."""
     if part.symbol not in _symbols:
         engine = context.codegen()._engine._ee

@@ -13,7 +13,7 @@ import importlib
 import itertools
 from typing import Any
 
-from antenna_pin.compiled.machine_code import Kept, Part, add_kernel_symbol
+from antenna_pin.compiled.machine_code import Kept, KernelCode, add_kernel_symbol
 
 try:
     from numba.core.base import OverloadSelector
@@ -96,7 +96,7 @@ def all_needs(library: Any) -> set[Any]:
 
 
 #: What this process has read or compiled, by the names by which it is called.
-_parts: dict[str, Part] = {}
+_parts: dict[str, KernelCode] = {}
 
 
 def symbols_of(code: Kept) -> tuple[str, ...]:
@@ -107,16 +107,16 @@ def symbols_of(code: Kept) -> tuple[str, ...]:
 def noted(name: str, code: Kept) -> None:
     """Record a kernel's part for its callers."""
     symbol, function = _symbol(name, code.signature.args), code.description.llvm_func_name
-    _parts[symbol] = Part(symbol, function, symbols_of(code), code.object, code.environments)
+    _parts[symbol] = KernelCode(symbol, function, symbols_of(code), code.object, code.environments)
 
 
-def parts_of(symbols: tuple[str, ...]) -> tuple[Part, ...]:
+def parts_of(symbols: tuple[str, ...]) -> tuple[KernelCode, ...]:
     """Return kernels in order of dependence; nothing if one is unknown."""
-    found: dict[str, Part] = {}
+    found: dict[str, KernelCode] = {}
     return tuple(found.values()) if _gather(symbols, found) else ()
 
 
-def _gather(needs: tuple[str, ...], parts: dict[str, Part]) -> bool:
+def _gather(needs: tuple[str, ...], parts: dict[str, KernelCode]) -> bool:
     for symbol in needs:
         if symbol not in parts:
             part = _parts.get(symbol)

@@ -1,4 +1,4 @@
-"""Processor that machine code is made for: one for all of a family, so that code and results are the same.
+"""Target processor of machine code: one for a whole family, for identical code and results.
 
 Numba makes code for the processor at hand. What is made for the third level of x86-64 (AVX2 and FMA, in use
 since 2013) runs on every processor that has it, with the same results to the last bit, and takes as long:

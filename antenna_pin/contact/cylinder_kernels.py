@@ -9,14 +9,14 @@ from antenna_pin.compiled.decorators import kernel
 from antenna_pin.contact.records import elastic_record
 
 
-class LogarithmicLaw(Record):
+class LogarithmicLawRecord(Record):
     """A line contact: d = d_0 s ln(1/s), F = F_0 s."""
 
     force_scale: float  # F_0 [N]
     depth_scale: float  # d_0 [m]
 
 
-LOGARITHMIC_LAW = elastic_record(LogarithmicLaw)
+LOGARITHMIC_LAW = elastic_record(LogarithmicLawRecord)
 
 
 @kernel
@@ -45,7 +45,7 @@ def log_ratio(ratio: float) -> float:
 
 
 @kernel
-def logarithmic_force(law: LogarithmicLaw, depth: float) -> float:
+def logarithmic_force(law: LogarithmicLawRecord, depth: float) -> float:
     """Elastic force [N] of a record of ``LOGARITHMIC_LAW``; odd in the depth.
 
     d = d_0 w exp(-w), F = F_0 exp(-w), on the branch below the turn-over at w = 1. Odd, as the law is nearly
@@ -59,7 +59,7 @@ def logarithmic_force(law: LogarithmicLaw, depth: float) -> float:
 
 
 @kernel
-def logarithmic_energy(law: LogarithmicLaw, depth: float) -> float:
+def logarithmic_energy(law: LogarithmicLawRecord, depth: float) -> float:
     """Energy stored [J] by a record of ``LOGARITHMIC_LAW``.
 
     F d - integral of d dF, with d = d_0 s ln(1/s): F_0 d_0 s^2 (w/2 - 1/4), w = ln(1/s).

@@ -52,7 +52,7 @@ class Law:
 
     __slots__ = ()
 
-    def __new__(cls, *given: Any, **parameters: Any) -> Self:
+    def __new__(cls, *values: Any, **parameters: Any) -> Self:
         """Refuse values that are no numbers, before a law checks more."""
         declared = parameters_of(cls)
         for name, value in parameters.items():

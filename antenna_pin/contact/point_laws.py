@@ -85,7 +85,7 @@ def _class_of(alias: Alias) -> type[Any]:
             default = alias.defaults.get(item.name, item.default)
             metadata = {**item.metadata, "doc": declared[item.name].doc}
             fields.append((item.name, item.type, field(default=default, metadata=metadata)))
-    fields.sort(key=lambda made: made[0] == "exponent")  # last, as it has a default
+    fields.sort(key=lambda item: item[0] == "exponent")  # last, as it has a default
     of_restitution = issubclass(parts[1], HysteresisDamping)
     spring = f":class:`antenna_pin.contact.{parts[0].__name__}`"
     if parts[0] is Hertz:

@@ -36,8 +36,8 @@ NORMAL_SIZE = _KINDS + _ELASTIC_ROOM + _DISSIPATION_ROOM
 FRICTION_SIZE = 12
 
 
-def _record(size: int, first: int, room: int, kind: type[_Record]) -> Layout[_Record]:
-    """Return a record of ``size`` floats with names from float ``first`` on.
+def _record(size: int, start: int, room: int, kind: type[_Record]) -> Layout[_Record]:
+    """Return a record of ``size`` floats with names from float ``start`` on.
 
     There are at most ``room`` names.
     """
@@ -47,7 +47,7 @@ def _record(size: int, first: int, room: int, kind: type[_Record]) -> Layout[_Re
     layout = {
         "names": names,
         "formats": ["f8"] * len(names),
-        "offsets": [8 * (first + i) for i in range(len(names))],
+        "offsets": [8 * (start + i) for i in range(len(names))],
         "itemsize": 8 * size,
     }
     return Layout((kind, layout))
@@ -68,21 +68,21 @@ def friction_record(kind: type[_Record]) -> Layout[_Record]:
     return _record(FRICTION_SIZE, 1, FRICTION_SIZE - 1, kind)
 
 
-class NormalLaw(Record):
+class NormalLawRecord(Record):
     """The kinds of a normal law, before its parameters."""
 
     elastic: float  # POWER, LOGARITHMIC, ...
     dissipation: float  # CONSERVATIVE, HYSTERETIC, ... of ``damping_kernels``
 
 
-class FrictionLaw(Record):
+class FrictionLawRecord(Record):
     """The kind of a friction law, before its parameters."""
 
     kind: float  # FRICTIONLESS, VELOCITY_BASED, ... of ``friction_kernels``
 
 
-NORMAL_LAW = _record(NORMAL_SIZE, 0, _KINDS, NormalLaw)
-FRICTION_LAW = _record(FRICTION_SIZE, 0, 1, FrictionLaw)
+NORMAL_LAW = _record(NORMAL_SIZE, 0, _KINDS, NormalLawRecord)
+FRICTION_LAW = _record(FRICTION_SIZE, 0, 1, FrictionLawRecord)
 
 
 def coded(code: NDArray[np.float64], layout: Layout[Any], values: Mapping[str, float]) -> None:

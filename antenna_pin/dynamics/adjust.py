@@ -234,7 +234,7 @@ def first_modes(system: System, y: Array, t: float = 0.0) -> tuple[tuple[str, fl
         if isinstance(one.element, Modal):
             angle, rate, _, _ = kernels.joint_motion(program, one.block, y, system.model.nq)
             met = Met(t, float(angle), float(rate), 0.0)
-            change = one.element.first(met) if one.element.acts else one.element.first_off(met)
+            change = one.element.initial_change(met) if one.element.acts else one.element.first_off(met)
             if change is not None:
                 found.change(one.place, change)
                 for other in change.switches_off:  # what a latch holds at the start it has captured

@@ -21,7 +21,7 @@ from antenna_pin.dynamics.kernels import (
     element_at,
     own_motion,
 )
-from antenna_pin.joints.layout_kernels import Joint, joint_at
+from antenna_pin.joints.layout_kernels import JointRecord, joint_at
 from antenna_pin.joints.pose_kernels import axis_of_parent, journal_centre
 from antenna_pin.mechanism.twist_kernels import twist_slopes
 
@@ -55,14 +55,14 @@ def _unit(k: int) -> Triple:
 
 
 @inlined
-def _axis_goes(j: Joint, e: ElementHead) -> bool:
+def _axis_goes(j: JointRecord, e: ElementHead) -> bool:
     """Return whether the effort acts along the parent's axis."""
     return bool((e.about == ABOUT_JOURNAL) == (j.on_child != 0))
 
 
 @inlined
 def _write_turned(
-    j: Joint, e: ElementHead, y: Floats, first: int, slope: tuple[float, float], out: Floats
+    j: JointRecord, e: ElementHead, y: Floats, row: int, slope: tuple[float, float], out: Floats
 ) -> None:
     """Write the rows of a turning joint with play; ``slope``: gx and gy."""
     a, i = j.axes, j.q + 3
@@ -70,8 +70,8 @@ def _write_turned(
     hx = a[0, 0] * y[i] + a[1, 0] * y[i + 1] + a[2, 0] * y[i + 2]
     hy = a[0, 1] * y[i] + a[1, 1] * y[i + 1] + a[2, 1] * y[i + 2]
     hz = a[0, 2] * y[i] + a[1, 2] * y[i + 1] + a[2, 2] * y[i + 2]
-    wx = a[0, 0] * y[first] + a[1, 0] * y[first + 1] + a[2, 0] * y[first + 2]
-    wy = a[0, 1] * y[first] + a[1, 1] * y[first + 1] + a[2, 1] * y[first + 2]
+    wx = a[0, 0] * y[row] + a[1, 0] * y[row + 1] + a[2, 0] * y[row + 2]
+    wy = a[0, 1] * y[row] + a[1, 1] * y[row + 1] + a[2, 1] * y[row + 2]
     n = out[N]
     for k in range(3):
         out[G, k] = gx * a[k, 0] + gy * a[k, 1] + a[k, 2]
@@ -86,7 +86,7 @@ def _write_turned(
 
 
 @inlined
-def _write_slid(j: Joint, e: ElementHead, y: Floats, first: int, out: Floats) -> None:
+def _write_slid(j: JointRecord, e: ElementHead, y: Floats, row: int, out: Floats) -> None:
     """Write the rows of a joint with play that slides, but for n.
 
     Its way has the gradient (a, c x a), of what is on the parent's axis a and the child's centre c, or with
@@ -112,7 +112,7 @@ def _write_slid(j: Joint, e: ElementHead, y: Floats, first: int, out: Floats) ->
         one, two = _cross(went, seen), _cross(centre, axis)
         three, four = _cross(went, along), _cross(centre, pushed)
         for m in range(3):
-            out[G_CHANGE, k] += axis[m] * y[first + m] + (one[m] + two[m]) * y[first + 3 + m]
+            out[G_CHANGE, k] += axis[m] * y[row + m] + (one[m] + two[m]) * y[row + 3 + m]
             out[N_CHANGES + k, m], out[N_CHANGES + k, 3 + m] = pushed[m], three[m] + four[m]
 
 
@@ -156,11 +156,11 @@ def write_motion(p: Floats, b: int, y: Floats, nq: int, tau: Floats, out: Floats
 
 
 @inlined
-def change_along(rows: Floats, first: int, count: int, way: Floats, nv: int) -> Triple:
+def change_along(rows: Floats, row: int, count: int, way: Floats, nv: int) -> Triple:
     """Return changes of an angle, its rate, and its working rate along a displacement."""
     angle, rate, speed = 0.0, 0.0, 0.0
     for k in range(count):
-        w, dv = way[first + k], way[nv + first + k]
+        w, dv = way[row + k], way[nv + row + k]
         angle += rows[G, k] * w
         rate += rows[G, k] * dv + rows[G_CHANGE, k] * w
         speed += rows[N, k] * dv + rows[N_CHANGE, k] * w
@@ -168,9 +168,9 @@ def change_along(rows: Floats, first: int, count: int, way: Floats, nv: int) -> 
 
 
 @inlined
-def turn_push(rows: Floats, first: int, count: int, way: Floats, effort: float, out: Floats) -> None:
+def turn_push(rows: Floats, row: int, count: int, way: Floats, effort: float, out: Floats) -> None:
     """Write how an effort along a joint changes along a displacement with the joint alone."""
     for k in range(count):
-        out[first + k] = 0.0
+        out[row + k] = 0.0
         for m in range(count if count > 1 else 0):
-            out[first + k] += effort * way[first + m] * rows[N_CHANGES + m, k]
+            out[row + k] += effort * way[row + m] * rows[N_CHANGES + m, k]

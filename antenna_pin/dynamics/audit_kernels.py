@@ -9,7 +9,7 @@ from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.mechanism.tree_kernels import Body, Place, place_bodies
 
 
-class Audit(Record):
+class AuditRecord(Record):
     """Energies and momenta of a state; those of contacts and springs are written elsewhere."""
 
     kinetic: float  # [J]
@@ -22,12 +22,17 @@ class Audit(Record):
     angular_scale: float  # [kg m^2/s]
 
 
-AUDIT = layout(Audit)
+AUDIT = layout(AuditRecord)
 
 
 @kernel
 def audit_state(
-    y: Floats, nq: int, tree: Records[Body], gravity: Floats, places: Records[Place], audits: Records[Audit]
+    y: Floats,
+    nq: int,
+    tree: Records[Body],
+    gravity: Floats,
+    places: Records[Place],
+    audits: Records[AuditRecord],
 ) -> None:
     """Write the energies and momenta of a state but those of contacts and springs.
 

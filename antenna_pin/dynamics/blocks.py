@@ -185,7 +185,7 @@ class InPython(NamedTuple):
 
     def values(self, t: float, angle: float, rate: float) -> tuple[float, ...]:
         """Return the controller's numbers at time t [s] for a joint's angle and rate."""
-        return self.element.given(self.functions, t, angle, rate)
+        return self.element.record_numbers(self.functions, t, angle, rate)
 
 
 def slides(mechanism: Mechanism, clearances: Sequence[ClearanceJoint], joint: str) -> bool:

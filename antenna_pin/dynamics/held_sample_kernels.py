@@ -12,14 +12,14 @@ from antenna_pin.dynamics.constraints.force_kernels import write_holding
 from antenna_pin.dynamics.constraints.layout_kernels import PLACE_WORDS, applied_in, found_in, plan_of
 from antenna_pin.dynamics.constraints.loaded_kernels import solve
 from antenna_pin.dynamics.constraints.rows_kernels import write_rows
-from antenna_pin.dynamics.sample_kernels import Samples, Whole
+from antenna_pin.dynamics.sample_kernels import SampleArrays, SystemArrays
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.room_kernels import BodyRoom
 from antenna_pin.mechanism.tree_kernels import PLACE
 
 
 @by_address
-class Held(NamedTuple):
+class ConstraintArrays(NamedTuple):
     """Constraints, and room for their solution."""
 
     plan: Floats  # the constraints
@@ -45,32 +45,38 @@ class Holding(NamedTuple):
 
 @kernel
 def observe_held(
-    first: int, last: int, samples: Samples, whole: Whole, held: Held, forces: Floats, out: Holding
+    start: int,
+    last: int,
+    samples: SampleArrays,
+    whole: SystemArrays,
+    constraints: ConstraintArrays,
+    forces: Floats,
+    out: Holding,
 ) -> None:
-    """Solve the constraints at samples first to last.
+    """Solve the constraints at samples start to last.
 
     Args:
-        first: First sample.
+        start: First sample.
         last: One behind the last.
-        samples: :class:`antenna_pin.dynamics.sample_kernels.Samples`.
-        whole: :class:`antenna_pin.dynamics.sample_kernels.Whole`; its program is that of these samples.
-        held: ``Held``.
+        samples: :class:`antenna_pin.dynamics.sample_kernels.SampleArrays`.
+        whole: ``SystemArrays``; its program is that of these samples.
+        constraints: ``ConstraintArrays``.
         forces: Generalized forces of the elements, (n, nv).
         out: ``Holding``, to write to.
     """
-    plan, work = held.plan, held.work
+    plan, work = constraints.plan, constraints.work
     found = found_in(plan, work)
     places = work[: PLACE_WORDS * (plan_of(plan).bodies + 1)].view(PLACE)
-    for i in range(first, last):
+    for i in range(start, last):
         t, y = samples.times[i], samples.states[i]
         write_rows(t, y, whole.program, plan, work)
-        mass_and_bias(whole.tree, places, whole.gravity, held.room, held.mass, held.bias)
-        factorize(plan, work, held.mass)
+        mass_and_bias(whole.tree, places, whole.gravity, constraints.room, constraints.mass, constraints.bias)
+        factorize(plan, work, constraints.mass)
         first_applied, end_applied = applied_in(plan)
         for k in range(first_applied, end_applied):
-            work[k] = held.applied[i, k - first_applied]
-        solve(y, whole.program, plan, work, forces[i], held.bias, out.rates[i])
-        write_holding(plan, work, held.least, held.multipliers, out.closures[i], out.joints[i])
+            work[k] = constraints.applied[i, k - first_applied]
+        solve(y, whole.program, plan, work, forces[i], constraints.bias, out.rates[i])
+        write_holding(plan, work, constraints.least, constraints.multipliers, out.closures[i], out.joints[i])
         residuals = out.residuals[i]
         residuals[0], residuals[1], residuals[2], residuals[3] = (
             found.gap,

@@ -14,7 +14,7 @@ from antenna_pin.dynamics.trial_kernels import (
     DEPTH_RATE,
     GAP,
     NORMAL_FORCE,
-    Trial,
+    TrialStep,
     apart_contacts_of,
     contacts_at,
     contacts_of,
@@ -39,7 +39,7 @@ def _may_cross(c: int, sign: float, level: float, nodes: Floats) -> bool:
 
 
 @kernel
-def _crossing(c: int, sign: float, level: float, h: float, nodes: Floats, trial: Trial) -> float:
+def _crossing(c: int, sign: float, level: float, h: float, nodes: Floats, trial: TrialStep) -> float:
     """Return the first fraction at which gap c passes a level, or 2.
 
     The sign is 1 for upward and -1 for downward passes.
@@ -84,7 +84,7 @@ def _crossing(c: int, sign: float, level: float, h: float, nodes: Floats, trial:
 
 
 @kernel
-def fill_nodes(nodes: Floats, trial: Trial, from_last: bool, at_end: bool) -> None:
+def fill_nodes(nodes: Floats, trial: TrialStep, from_last: bool, at_end: bool) -> None:
     """Write gap, depth rate and force of each contact at the points of the step.
 
     ``nodes`` is (NODE_SIZE, NODES + 1, contacts). Its ends are the states themselves, not those of the dense
@@ -116,7 +116,7 @@ def fill_nodes(nodes: Floats, trial: Trial, from_last: bool, at_end: bool) -> No
 
 
 @inlined
-def _take_end(nodes: Floats, trial: Trial) -> None:
+def _take_end(nodes: Floats, trial: TrialStep) -> None:
     """Write the last point from the evaluated state; only separated contacts are located."""
     apart_contacts_of(trial.start + STATE - START, trial)
     for c in range(trial.memory.shape[0]):
@@ -136,7 +136,7 @@ def inspect_step(
     ignore: Ints,
     limits: Floats,
     peaks: Records[Peak],
-    trial: Trial,
+    trial: TrialStep,
     ends: tuple[bool, bool],
 ) -> tuple[int, float, bool]:
     """Return the first event within the step: contact, fraction, and whether too deep.

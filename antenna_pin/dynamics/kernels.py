@@ -40,7 +40,7 @@ from antenna_pin.base.records import (
 from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.elements import kernels as elements
 from antenna_pin.joints.kernels import clearance_joint, joint_energy
-from antenna_pin.joints.layout_kernels import CLEARANCE, FORCES_GIVEN, Joint, joint_at
+from antenna_pin.joints.layout_kernels import CLEARANCE, FORCES_GIVEN, JointRecord, joint_at
 from antenna_pin.joints.pose_kernels import (
     along_bearing,
     axis_of_parent,
@@ -249,11 +249,11 @@ def _between(p: Floats, b: int, t: float, y: Floats, head: Program, tau: Floats,
 
 @inlined
 def efforts_between(
-    p: Floats, b: int, t: float, seen: tuple[float, float, float, float], rates: Floats, x: int
+    p: Floats, b: int, t: float, motion: tuple[float, float, float, float], rates: Floats, x: int
 ) -> tuple[float, float]:
     """Return efforts of an element at its two joints; write its rates of x."""
     e, at = element_at(p, b), b + PARAMETERS
-    angle, rate, other, other_rate = seen
+    angle, rate, other, other_rate = motion
     deflection, speed, over, over_other = elements.between(e.kind, p, at, angle, rate, other, other_rate)
     effort = e.on * elements.effort(e.kind, p, at, t, deflection, speed)
     drag = elements.drag(e.kind, p, at, effort * over, rate)
@@ -264,7 +264,7 @@ def efforts_between(
 
 @kernel
 def _push(
-    j: Joint, e: ElementHead, effort: float, slope: tuple[float, float], y: Floats, nq: int, tau: Floats
+    j: JointRecord, e: ElementHead, effort: float, slope: tuple[float, float], y: Floats, nq: int, tau: Floats
 ) -> float:
     """Add an effort at a free joint with play to tau; return its working rate.
 
@@ -322,7 +322,9 @@ def element_energy(p: Floats, b: int, y: Floats, nq: int) -> float:
     """Energy stored in the element block at b, whether it is on or not [J]."""
     e = element_at(p, b)
     if e.about == ABOUT_POSE:
-        return float(elements.kept(e.kind, p, b + PARAMETERS, journal_place(joint_at(p, e.play), y)))
+        return float(
+            elements.journal_energy(e.kind, p, b + PARAMETERS, journal_place(joint_at(p, e.play), y))
+        )
     own = y, nq + head_of(p).nv + e.x
     return float(elements.stored_of(e.kind, p, b + PARAMETERS, joint_motion(p, b, y, nq)[0], own))
 

@@ -26,7 +26,7 @@ from antenna_pin.elements.desk_kernels import (
     WHOLE,
     WHOLE_WORDS,
     Desk,
-    Link,
+    LinkRecord,
     LinksBook,
     clear,
 )
@@ -73,7 +73,7 @@ def see(t: float, y: Floats, program: Floats, b: int, places: Records[Place]) ->
 
 
 @inlined
-def _see_link(link: Link, places: Records[Place]) -> None:
+def _see_link(link: LinkRecord, places: Records[Place]) -> None:
     p = link.point
     if link.body < 0:
         for k in range(3):
@@ -294,7 +294,7 @@ def kink_on_links(
 
 
 @kernel
-def look_at_links(program: Floats, applied: Records[Applied], kept: Floats) -> None:
+def look_at_links(program: Floats, applied: Records[Applied], energies: Floats) -> None:
     """Write what stands on all desks: ``APPLIED`` of each place, (places,), energies stored, (elements,)."""
     k = n = 0
     b = head_of(program).points
@@ -307,6 +307,6 @@ def look_at_links(program: Floats, applied: Records[Applied], kept: Floats) -> N
                     applied[k].force[j] = links[i].force[j]
                     applied[k].torque[j] = links[i].torque[j]
                 k += 1
-            kept[n] = whole[0].energy if whole[0].passive != 0 else 0.0
+            energies[n] = whole[0].energy if whole[0].passive != 0 else 0.0
             n += 1
         b += e.length

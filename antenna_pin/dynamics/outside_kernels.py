@@ -21,7 +21,7 @@ REFUSED = 1
 RAISED = 2
 
 
-class Asked(Record):
+class CallbackRecord(Record):
     """Addresses of callbacks, 0 where the kernel's own code serves, and their arguments and answers."""
 
     elements: int  # before elements are evaluated, at a time and state
@@ -39,14 +39,14 @@ class Asked(Record):
     answer: float  # in one number
 
 
-ASKED = layout(Asked)
+ASKED = layout(CallbackRecord)
 
 
 @by_address
 class Outside(NamedTuple):
     """Questions and answers."""
 
-    asked: Records[Asked]  # requests of callbacks, ASKED, (1,)
+    asked: Records[CallbackRecord]  # requests of callbacks, ASKED, (1,)
     state: Floats  # state of a request, [q, v, x], (size,)
     effort: Floats  # generalized force of a request for accelerations, (nv,)
     acceleration: Floats  # resulting accelerations, (nv,)

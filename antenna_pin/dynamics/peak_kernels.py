@@ -10,7 +10,7 @@ from antenna_pin.dynamics.trial_kernels import (
     DEPTH_RATE,
     GAP,
     NORMAL_FORCE,
-    Trial,
+    TrialStep,
     rise_of_tangents,
     root_of,
     value_at,
@@ -36,7 +36,7 @@ _NEAR = 1e-6
 
 @kernel
 def highest_force(
-    c: int, low: float, middle: float, high: float, force: float, trial: Trial
+    c: int, low: float, middle: float, high: float, force: float, trial: TrialStep
 ) -> tuple[float, float]:
     """Return the largest normal force [N] of contact c between two fractions, and its fraction.
 
@@ -98,7 +98,7 @@ def highest_force(
 
 
 @inlined
-def _may_pass(nodes: Floats, best: int, c: int, least: float, trial: Trial) -> bool:
+def _may_pass(nodes: Floats, best: int, c: int, least: float, trial: TrialStep) -> bool:
     """Return whether the contact's force may exceed ``least`` beside its largest sample."""
     force = nodes[NORMAL_FORCE, best, c]
     if best == NODES:
@@ -112,7 +112,7 @@ def _may_pass(nodes: Floats, best: int, c: int, least: float, trial: Trial) -> b
 
 
 @kernel
-def track_peaks(t: float, h: float, nodes: Floats, peaks: Records[Peak], trial: Trial) -> None:
+def track_peaks(t: float, h: float, nodes: Floats, peaks: Records[Peak], trial: TrialStep) -> None:
     """Raise the peaks of touching contacts (``PEAK``) to maxima of the dense output."""
     memory = trial.memory
     for c in range(memory.shape[0]):

@@ -27,7 +27,7 @@ QUERIED_WORDS = HEAD + WORDS
 
 
 @inlined
-def _first(head: Program) -> int:
+def _first_piece(head: Program) -> int:
     """Return where the first stretch begins."""
     return int(head.nv + POSE_WORDS + MEMORY_WORDS * head.contacts + CONTACT_WORDS * head.rows)
 
@@ -35,7 +35,7 @@ def _first(head: Program) -> int:
 @inlined
 def has_queries(program: Floats, work: Floats) -> bool:
     """Return whether queries are necessary."""
-    return bool(_first(head_of(program)) < work.shape[0])
+    return bool(_first_piece(head_of(program)) < work.shape[0])
 
 
 @kernel
@@ -45,7 +45,7 @@ def set_out_queries(y: Floats, program: Floats, work: Floats) -> None:
     nv = head.nv
     pose = work[nv : nv + POSE_WORDS].view(POSE)
     memory = work[nv + POSE_WORDS : nv + POSE_WORDS + MEMORY_WORDS * head.contacts].view(MEMORY)
-    at = _first(head)
+    at = _first_piece(head)
     while at < work.shape[0]:
         j = joint_at(program, record(work[at : at + HEAD], QUERIED).block)
         wanted = 0
@@ -63,7 +63,7 @@ def take_in_queries(y: Floats, program: Floats, work: Floats) -> bool:
     head = head_of(program)
     nv = head.nv
     pose = work[nv : nv + POSE_WORDS].view(POSE)
-    at = _first(head)
+    at = _first_piece(head)
     table = work[at - CONTACT_WORDS * head.rows : at].view(CONTACT)
     final = True
     while at < work.shape[0]:

@@ -25,7 +25,7 @@ from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics import link_kernels as _links
 from antenna_pin.dynamics import point_kernels as _points
-from antenna_pin.dynamics.audit_kernels import Audit, audit_state
+from antenna_pin.dynamics.audit_kernels import AuditRecord, audit_state
 from antenna_pin.dynamics.kernels import (
     ABOUT_POSE,
     HEADER,
@@ -50,7 +50,7 @@ from antenna_pin.joints.kernels import apart_motion, wrench_on_journal
 from antenna_pin.joints.layout_kernels import (
     ALL_COMPILED,
     CLEARANCE,
-    Joint,
+    JointRecord,
     joint_at,
     primitive_of,
     revolute_of,
@@ -59,7 +59,7 @@ from antenna_pin.joints.pose_kernels import journal_state, motion_angle
 from antenna_pin.mechanism.tree_kernels import Body, Place, unwrapped
 
 
-class Seen(Record):
+class ContactSample(Record):
     """A contact at a sample, by the names of the result's variables."""
 
     gap: float  # [m]
@@ -72,7 +72,7 @@ class Seen(Record):
     contact_point: Vector3  # from the bearing's centre [m]
 
 
-SEEN = layout(Seen)
+SEEN = layout(ContactSample)
 
 
 class Effort(Record):
@@ -86,7 +86,7 @@ class Effort(Record):
 EFFORT = layout(Effort)
 
 
-class Done(Record):
+class ElementSample(Record):
     """An element of a further family at a sample."""
 
     effort: float  # [N m] ([N])
@@ -95,7 +95,7 @@ class Done(Record):
     mode: float  # of the element
 
 
-DONE = layout(Done)
+DONE = layout(ElementSample)
 
 
 @inlined
@@ -113,7 +113,7 @@ def _apart_in(
 
 
 @inlined
-def _look_at(row: Contact, seen: Seen) -> None:
+def _look_at(row: Contact, sample: ContactSample) -> None:
     """Write a contact's results from its row of a contact table."""
     force = max(row.force, 0.0)
     slip = 0.0
@@ -121,14 +121,14 @@ def _look_at(row: Contact, seen: Seen) -> None:
     for k in range(3):
         slip += row.slip[k] ** 2
         friction += row.friction[k] ** 2
-        seen.contact_force[k] = force * row.normal[k] + row.friction[k]
-        seen.contact_point[k] = row.point[k]
-    seen.gap = row.gap
-    seen.depth = max(-row.gap, 0.0)
-    seen.depth_rate = row.rate
-    seen.slip_speed = math.sqrt(slip)
-    seen.normal_force = force
-    seen.friction_force = math.sqrt(friction)
+        sample.contact_force[k] = force * row.normal[k] + row.friction[k]
+        sample.contact_point[k] = row.point[k]
+    sample.gap = row.gap
+    sample.depth = max(-row.gap, 0.0)
+    sample.depth_rate = row.rate
+    sample.slip_speed = math.sqrt(slip)
+    sample.normal_force = force
+    sample.friction_force = math.sqrt(friction)
 
 
 @kernel
@@ -154,7 +154,7 @@ def _scenario(
 
 
 @by_address
-class Samples(NamedTuple):
+class SampleArrays(NamedTuple):
     """Samples of a run for evaluation."""
 
     times: Floats  # (n,) [s]
@@ -163,7 +163,7 @@ class Samples(NamedTuple):
 
 
 @by_address
-class Whole(NamedTuple):
+class SystemArrays(NamedTuple):
     """A system, and room for its evaluation."""
 
     program: Floats  # the force elements
@@ -183,11 +183,11 @@ class Sights(NamedTuple):
     """Results at each of n samples."""
 
     forces: Floats  # generalized forces, (n, nv)
-    contacts: NDArray[Seen]  # results of contacts, ``SEEN``, (n, contacts)
+    contacts: NDArray[ContactSample]  # results of contacts, ``SEEN``, (n, contacts)
     poses: NDArray[Pose]  # poses of journals and wrenches on them, POSE, (n, joints)
     scenarios: NDArray[np.int8]  # contact scenarios, radial and axial, (n, joints, 2)
     efforts: NDArray[Effort]  # results of drives, ``EFFORT``, (n, drives)
-    audits: Records[Audit]  # energies and momenta, AUDIT, (n,)
+    audits: Records[AuditRecord]  # energies and momenta, AUDIT, (n,)
     stretches: NDArray[Stretched]  # results of springs between points, ``STRETCH``, (n, springs)
     applied: NDArray[Applied]  # results at places of forces, ``APPLIED``, (n, places)
     kept: Floats  # energies that forces store [J], (n, forces)
@@ -196,15 +196,17 @@ class Sights(NamedTuple):
 
 
 @kernel
-def observe(first: int, last: int, given: bool, samples: Samples, whole: Whole, sights: Sights) -> None:
-    """Evaluate the force elements at samples first to last and write what follows from them.
+def observe(
+    begin: int, last: int, is_evaluated: bool, samples: SampleArrays, whole: SystemArrays, sights: Sights
+) -> None:
+    """Evaluate the force elements at samples begin to last and write what follows from them.
 
     Args:
-        first: First sample.
+        begin: First sample.
         last: One behind the last.
-        given: Whether forces and contact table of the one sample stand in ``whole.work`` already.
-        samples: ``Samples``.
-        whole: ``Whole``.
+        is_evaluated: Whether forces and contact table of the one sample stand in ``whole.work`` already.
+        samples: ``SampleArrays``.
+        whole: ``SystemArrays``.
         sights: ``Sights``, to write to.
     """
     program, work, table, places = whole.program, whole.work, whole.table, whole.places
@@ -214,9 +216,9 @@ def observe(first: int, last: int, given: bool, samples: Samples, whole: Whole, 
     pose = work[nv:start].view(POSE)
     memory = work[start : start + MEMORY_WORDS * samples.memories.shape[1]].view(MEMORY)
     on_links = head.points < program.shape[0]
-    for i in range(first, last):
+    for i in range(begin, last):
         t, y = samples.times[i], samples.states[i]
-        if not given:
+        if not is_evaluated:
             for c in range(memory.shape[0]):
                 memory[c] = samples.memories[i, c]
             _apart_in(y, program, memory, pose[0], table)
@@ -247,12 +249,17 @@ def observe(first: int, last: int, given: bool, samples: Samples, whole: Whole, 
 
 @kernel
 def look_at_elements(
-    first: int, last: int, samples: Samples, blocks: Ints, whole: Whole, out: NDArray[Done]
+    start: int,
+    last: int,
+    samples: SampleArrays,
+    blocks: Ints,
+    whole: SystemArrays,
+    out: NDArray[ElementSample],
 ) -> None:
-    """Write what elements do at samples first to last, ``DONE``, (n, blocks)."""
+    """Write what elements do at samples start to last, ``DONE``, (n, blocks)."""
     program = whole.program
     nq = head_of(program).nq
-    for i in range(first, last):
+    for i in range(start, last):
         t, y = samples.times[i], samples.states[i]
         for k in range(blocks.shape[0]):
             b, own = blocks[k], out[i, k]
@@ -264,13 +271,13 @@ def look_at_elements(
 
 
 @kernel
-def turned_angles(states: Floats, at: int, near: int, out: Floats) -> None:
+def turned_angles(states: Floats, at: int, angle: int, out: Floats) -> None:
     """Write the angle of a continuous joint, with its whole turns, at every sample.
 
-    Its cosine stands at ``at`` in a state, its turned angle at ``near``.
+    Its cosine stands at ``at`` in a state, its turned angle at ``angle``.
     """
     for i in range(states.shape[0]):
-        out[i] = unwrapped(math.atan2(states[i, at + 1], states[i, at]), states[i, near])
+        out[i] = unwrapped(math.atan2(states[i, at + 1], states[i, at]), states[i, angle])
 
 
 @kernel
@@ -301,7 +308,7 @@ def clearance_motion(program: Floats, b: int, states: Floats, accelerations: Flo
 
 
 @kernel
-def tilt_rate(j: Joint, y: Floats, wx: float, wy: float, wz: float) -> tuple[float, float]:
+def tilt_rate(j: JointRecord, y: Floats, wx: float, wy: float, wz: float) -> tuple[float, float]:
     """Return the rates of gx and gy of the motion angle [1/s]."""
     i = j.q + 3
     x = j.axes[0, 0] * y[i] + j.axes[1, 0] * y[i + 1] + j.axes[2, 0] * y[i + 2]

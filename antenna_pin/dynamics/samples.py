@@ -37,8 +37,8 @@ Array = NDArray[np.float64]
 
 def held_samples(
     workspace: Workspace,
-    samples: sample_kernels.Samples,
-    whole: sample_kernels.Whole,
+    samples: sample_kernels.SampleArrays,
+    whole: sample_kernels.SystemArrays,
     sights: sample_kernels.Sights,
     programs: Sequence[Array],
     done: NDArray[Any],
@@ -60,7 +60,7 @@ def held_samples(
         joints=np.zeros((n, own + len(holds))),
         residuals=np.zeros((n, 4)),
     )
-    held = held_sample_kernels.Held(
+    held = held_sample_kernels.ConstraintArrays(
         plan=plan.words,
         work=constraints.work,
         mass=np.zeros((nv, nv)),
@@ -167,7 +167,7 @@ def observed(
     """
     n, model, workspace = len(times), system.model, Workspace(system)
     whole = _whole(system, workspace)
-    samples = sample_kernels.Samples(np.ascontiguousarray(times, dtype=float), states, memories)
+    samples = sample_kernels.SampleArrays(np.ascontiguousarray(times, dtype=float), states, memories)
     sights = _unseen(workspace, n)
     failures: dict[int, FunctionError] = {}
     if workspace.paths or system.callables:
@@ -218,11 +218,11 @@ def observed(
     )
 
 
-def _whole(system: System, workspace: Workspace) -> sample_kernels.Whole:
+def _whole(system: System, workspace: Workspace) -> sample_kernels.SystemArrays:
     """Return a system's arrays for evaluation."""
     tree = body_tree(system.mechanism)
     blocks = [system.clearance_blocks[joint.name] for joint in system.clearances]
-    return sample_kernels.Whole(
+    return sample_kernels.SystemArrays(
         program=workspace.program,
         work=workspace.work,
         table=workspace.table,
@@ -256,9 +256,9 @@ def _unseen(workspace: Workspace, n: int) -> sample_kernels.Sights:
 
 def _done(
     workspace: Workspace,
-    samples: sample_kernels.Samples,
+    samples: sample_kernels.SampleArrays,
     programs: Sequence[Array],
-    whole: sample_kernels.Whole,
+    whole: sample_kernels.SystemArrays,
     blocks: Sequence[int],
 ) -> NDArray[Any]:
     """Return what elements do whose blocks stand at these places, ``DONE``, (n, elements)."""

@@ -404,7 +404,7 @@ class System:
                     continue
                 own = at + int(kernels.PARAMETERS)
                 if element.in_python:
-                    asked = element.asked(place, self.slides(element.joint))
+                    asked = element.callbacks(place, self.slides(element.joint))
                     self.callables.append(InPython(at, slice(own, at + len(block)), element, asked))
                 if holds := element.has_row:
                     check_holds(place, self.mechanism, element)

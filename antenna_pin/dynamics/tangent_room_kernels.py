@@ -8,13 +8,13 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.records import Floats, Ints, Memory, Pose, Records
 from antenna_pin.compiled.by_address import by_address
-from antenna_pin.dynamics.constraints.layout_kernels import Closure, Coupled
+from antenna_pin.dynamics.constraints.layout_kernels import ClosureRecord, Coupled
 from antenna_pin.dynamics.constraints.tangent_kernels import Tie
 from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.integrate.word_kernels import Words
 from antenna_pin.joints.tangent_room_kernels import LawWords, Part
 from antenna_pin.mechanism.room_kernels import BodyRoom
-from antenna_pin.mechanism.spatial_kernels import Change
+from antenna_pin.mechanism.spatial_kernels import BodyChange
 from antenna_pin.mechanism.tree_kernels import Body, Place
 
 
@@ -28,7 +28,7 @@ class Shifts(NamedTuple):
     bodies: NDArray[Body]  # changes of bodies, BODY, (numbers, bodies)
     gravity: Floats  # changes of gravity, (numbers, 3) [m/s^2]
     heavy: Ints  # flags of changes of tree, gravity or constraints, (numbers,)
-    closures: NDArray[Closure]  # changes of closures, CLOSURE, (numbers, closures)
+    closures: NDArray[ClosureRecord]  # changes of closures, CLOSURE, (numbers, closures)
     couplings: NDArray[Coupled]  # changes of couplings, COUPLED, (numbers, couplings)
     motions: Ints  # flags of changes of motions, (numbers,)
     lacks: Floats  # changes of biases of accelerations, scratch, (numbers, kinds, width)
@@ -100,8 +100,8 @@ class TangentRoom(NamedTuple):
     mass: Floats  # factors of the mass matrix, of a tree without constraints, (nv, nv)
     lanes: Floats  # right-hand sides, scratch, (nv, LANES)
     acceleration: Floats  # (nv,)
-    bodies: Records[Change]  # CHANGE, (bodies + 1,), the last the ground
-    body: Records[Change]  # CHANGE, scratch, (1,)
+    bodies: Records[BodyChange]  # CHANGE, (bodies + 1,), the last the ground
+    body: Records[BodyChange]  # CHANGE, scratch, (1,)
     first_number: Ints  # start of system numbers in a displacement, (1,)
     seen: Ints  # flags of numbers that affect a joint, scratch, (numbers,)
     shifts: Shifts  # derivatives of system numbers

@@ -33,7 +33,7 @@ ALL: Any = np.int64(-1)
 
 
 @by_address
-class Trial(NamedTuple):
+class TrialStep(NamedTuple):
     """Trial step under inspection: its dense output and scratch arrays."""
 
     layout: Ints  # layout of the joints with play, part of the manifold's
@@ -51,7 +51,7 @@ class Trial(NamedTuple):
 
 
 @inlined
-def _look(b: int, y: Floats, nq: int, nv: int, trial: Trial) -> None:
+def _look(b: int, y: Floats, nq: int, nv: int, trial: TrialStep) -> None:
     """Fill the contact table of the joint block at b, with normal forces."""
     program, pose, table, memory = trial.program, trial.pose[0], trial.table, trial.memory
     j = joint_at(program, b)
@@ -69,7 +69,7 @@ def _look(b: int, y: Floats, nq: int, nv: int, trial: Trial) -> None:
 
 
 @inlined
-def _ask_outside(y: Floats, contact: int, with_forces: bool, trial: Trial) -> None:
+def _ask_outside(y: Floats, contact: int, with_forces: bool, trial: TrialStep) -> None:
     """Evaluate what no kernel computes for a contact, or for all (-1).
 
     The state is whole, or that of the contact's joint.
@@ -85,7 +85,7 @@ def _ask_outside(y: Floats, contact: int, with_forces: bool, trial: Trial) -> No
 
 
 @inlined
-def contacts_at(theta: float, trial: Trial) -> None:
+def contacts_at(theta: float, trial: TrialStep) -> None:
     """Fill the contact table at the fraction theta of a step, normal forces included."""
     program, layout = trial.program, trial.layout
     head = head_of(program)
@@ -104,7 +104,7 @@ def contacts_at(theta: float, trial: Trial) -> None:
 
 
 @kernel
-def contacts_of(row: int, trial: Trial) -> None:
+def contacts_of(row: int, trial: TrialStep) -> None:
     """Fill the contact table for the state in a stepper row, normal forces included."""
     program = trial.program
     head = head_of(program)
@@ -116,7 +116,7 @@ def contacts_of(row: int, trial: Trial) -> None:
 
 
 @inlined
-def apart_contacts_of(row: int, trial: Trial) -> None:
+def apart_contacts_of(row: int, trial: TrialStep) -> None:
     """Fill the contact table of separated contacts for the state in a stepper row."""
     program, memory = trial.program, trial.memory
     head = head_of(program)
@@ -158,7 +158,7 @@ def locate(
 
 
 @kernel
-def value_at(column: int, theta: float, c: int, trial: Trial) -> float:
+def value_at(column: int, theta: float, c: int, trial: TrialStep) -> float:
     """Gap, depth rate or normal force of contact c at theta.
 
     Of laws in Python forces are there only where they are asked for.
@@ -193,7 +193,7 @@ def value_at(column: int, theta: float, c: int, trial: Trial) -> float:
 
 @kernel
 def root_of(
-    column: int, c: int, low: float, high: float, f_low: float, f_high: float, level: float, trial: Trial
+    column: int, c: int, low: float, high: float, f_low: float, f_high: float, level: float, trial: TrialStep
 ) -> float:
     """Return the fraction of a column's level crossing: bisection with regula falsi (Illinois).
 

@@ -15,7 +15,7 @@ from antenna_pin.joints.pose_kernels import wrapped_angle
 from antenna_pin.mechanism.tree_kernels import unwrapped
 
 
-class Turn(Record):
+class TurnedAngle(Record):
     """A turned angle."""
 
     x: int  # its place
@@ -24,11 +24,11 @@ class Turn(Record):
     v: int  # start of its joint's part of v
 
 
-TURN = layout(Turn)
+TURN = layout(TurnedAngle)
 
 
 @kernel
-def turn_on(program: Floats, turns: Records[Turn], y: Floats) -> float:
+def turn_on(program: Floats, turns: Records[TurnedAngle], y: Floats) -> float:
     """Update the turned angles in a state's x; return the fastest rate [rad/s].
 
     ``turns`` has a record ``TURN`` per angle.

@@ -81,9 +81,9 @@ def point_stiffness(first: float, second: float, softness: float) -> float:
     return float(depth**-1.5)
 
 
-def in_series(first: float, second: float) -> float:
+def in_series(one: float, second: float) -> float:
     """Return K of two contacts under the same load [N/m^1.5]."""
-    return float((first ** (-2.0 / 3.0) + second ** (-2.0 / 3.0)) ** -1.5)
+    return float((one ** (-2.0 / 3.0) + second ** (-2.0 / 3.0)) ** -1.5)
 
 
 Array = NDArray[np.float64]

@@ -39,7 +39,7 @@ class Bearing(Element):
     Beside their kernels' ``LAYOUT`` and ``effort``, which is zero:
 
     - ``press(words, at, pose)``: force and moment on the journal, written into its pose; the power lost [W];
-    - ``kept(words, at, place)``: the energy stored [J] with the journal's centre and axis there;
+    - ``journal_energy(words, at, place)``: the energy stored [J] with the journal's centre and axis there;
     - ``coordinates(words, at, place)``: the five coordinates there, and the reference point's distance.
     """
 
@@ -226,5 +226,5 @@ class AxialPreload(Bearing):
         """Return the description."""
         said = self.said_of({"force": "preload", "stiffness": "stiffness"}, slides)
         where = {"touching": "where the face touches", "rest": "at rest on the face", "centred": "centred"}
-        place = where[self.given_at] if self.position is None else f"at {self.said('position', slides)}"
+        place = where[self.given_at] if self.position is None else f"at {self.text_of('position', slides)}"
         return f"{', '.join(said)}, force given {place}"

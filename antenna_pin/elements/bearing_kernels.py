@@ -128,7 +128,7 @@ def press(words: Floats, at: int, pose: Pose) -> float:
 
 
 @kernel
-def kept(words: Floats, at: int, place: JournalPlace) -> float:
+def journal_energy(words: Floats, at: int, place: JournalPlace) -> float:
     """Return the energy stored [J], with the journal's centre and axis at ``place``."""
     b = record(words[at : at + SIZE], LAYOUT)
     q = _coordinates(b.offset, place)

@@ -73,7 +73,7 @@ class Strands(Flanks):
     def between_said(self) -> str:
         """Return the joints, and how the pulleys are connected, as text."""
         crossed = ", crossed" if self.crossed else ""
-        radii = f"radii {self.said('input_radius', False)} and {self.said('output_radius', False)}"
+        radii = f"radii {self.text_of('input_radius', False)} and {self.text_of('output_radius', False)}"
         return f"{Flanks.between_said(self)}{crossed}, {radii}"
 
 

@@ -81,7 +81,7 @@ class Capture(ModalElement):
         slow = self.greatest_rate is None or way <= self.greatest_rate
         return 0.0 <= way and slow and (self.greatest_energy is None or met.energy <= self.greatest_energy)
 
-    def first(self, met: Met) -> Change | None:
+    def initial_change(self, met: Met) -> Change | None:
         """Return where the joint starts: beside the window, in it, or held there."""
         lower, upper = self.window
         side = self._side(met)
@@ -89,7 +89,7 @@ class Capture(ModalElement):
             return Change(OUTSIDE, memory=side)
         if self.greatest_energy is not None and met.rate != 0.0:
             return Change(OUTSIDE, memory=side)  # it comes in before the run begins, and is weighed then
-        return self._held(met, "") if self.captures(met) else Change(INSIDE, memory=side)
+        return self._capture(met, "") if self.captures(met) else Change(INSIDE, memory=side)
 
     def passed(self, k: int, met: Met) -> Change | None:
         """Return the change at the window, at the rate, or of a release.
@@ -99,12 +99,12 @@ class Capture(ModalElement):
         if self.mode == HELD:
             return self.lets_go_with(met) if k == _HOLDING else None
         if k == _RATES:  # slow enough now, but for round-off
-            return self._held(met, "latched") if self.mode == INSIDE else None
+            return self._capture(met, "latched") if self.mode == INSIDE else None
         if k != _WINDOW:
             return None
         if self.mode == OUTSIDE:
             if self.captures(met):
-                return self._held(met, "latched")
+                return self._capture(met, "latched")
             if self.width == 0.0:
                 return Change(OUTSIDE, "refused", {"side": -self.side}, phase=CAPTURE)
             return Change(INSIDE, "refused", phase=CAPTURE)
@@ -128,7 +128,7 @@ class Capture(ModalElement):
     def _side(self, met: Met) -> dict[str, float]:
         return {"side": -1.0 if met.angle < self.angle else 1.0}
 
-    def _held(self, met: Met, what: str) -> Change:
+    def _capture(self, met: Met, what: str) -> Change:
         return Change(HELD, what, self._side(met), switches_off=self.switches_off, phase=CAPTURE)
 
     def derived(self) -> dict[str, Any]:
@@ -144,11 +144,11 @@ class Capture(ModalElement):
 
     def capture_words(self, slides: bool) -> list[str]:
         """Return in words when it captures."""
-        told = [f"at {self.said('angle', slides)}"]
+        told = [f"at {self.text_of('angle', slides)}"]
         if self.width:
-            told.append(f"window {self.said('width', slides)} to either side")
+            told.append(f"window {self.text_of('width', slides)} to either side")
         most = [
-            self.said(name, slides)
+            self.text_of(name, slides)
             for name in ("greatest_rate", "greatest_energy")
             if getattr(self, name) is not None
         ]
@@ -157,5 +157,5 @@ class Capture(ModalElement):
         if self.direction != "both":
             told.append(f"on the way {self.direction}")
         if self.holding_torque is not None:
-            told.append(f"lets go at {self.said('holding_torque', slides)}")
+            told.append(f"lets go at {self.text_of('holding_torque', slides)}")
         return told

@@ -58,9 +58,9 @@ class ConstantSpring(Element):
     def words(self, slides: bool = False) -> str:
         """Return the description."""
         ends = [
-            f"{word} {self.said(name, slides)}"
+            f"{word} {self.text_of(name, slides)}"
             for name, word in (("lower", "from"), ("upper", "to"))
             if getattr(self, name) is not None
         ]
-        where = f", {' '.join(ends)}, ceases within {self.said('ramp', slides)}" if ends else ""
-        return f"constant {self.said('torque', slides)}{where}"
+        where = f", {' '.join(ends)}, ceases within {self.text_of('ramp', slides)}" if ends else ""
+        return f"constant {self.text_of('torque', slides)}{where}"

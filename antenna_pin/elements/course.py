@@ -121,14 +121,14 @@ class Course(Swing):
             slides: Whether the joint slides.
             powers: Words of further parts, behind the one that grows with time.
         """
-        parts = [self.said(self.constant, slides)] if getattr(self, self.constant) else []
+        parts = [self.text_of(self.constant, slides)] if getattr(self, self.constant) else []
         if self.rate:
-            parts.append(f"{self.said('rate', slides)} · t")
+            parts.append(f"{self.text_of('rate', slides)} · t")
         parts += powers
         if self.frequency is not None:
-            phase = f" + {self.said('phase', slides)}" if self.phase else ""
+            phase = f" + {self.text_of('phase', slides)}" if self.phase else ""
             frequency = number(self.frequency, GIVEN)
-            parts.append(f"{self.said('amplitude', slides)} × sin(2π · {frequency} Hz · t{phase})")
+            parts.append(f"{self.text_of('amplitude', slides)} × sin(2π · {frequency} Hz · t{phase})")
         if self.time is not None:
             where = "" if self.file is None else f" of {self.file}"
             parts.append(f"a table{where} of {len(self.time)} points")

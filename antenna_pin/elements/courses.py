@@ -34,7 +34,7 @@ class Constant(Reference):
 
     def words(self, slides: bool = False) -> str:
         """Return the description."""
-        return self.said("value", slides)
+        return self.text_of("value", slides)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,9 +70,9 @@ class Ramp(Reference):
 
     def words(self, slides: bool = False) -> str:
         """Return the description."""
-        until = "" if self.duration is None else f" for {self.said('duration', slides)}"
-        when = f" from {self.said('start', slides)} on" if self.start else ""
-        return f"{self.said('begin', slides)} + a ramp of {self.said('rate', slides)}{when}{until}"
+        until = "" if self.duration is None else f" for {self.text_of('duration', slides)}"
+        when = f" from {self.text_of('start', slides)} on" if self.start else ""
+        return f"{self.text_of('begin', slides)} + a ramp of {self.text_of('rate', slides)}{when}{until}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -139,8 +139,8 @@ class Sine(Reference):
 
     def words(self, slides: bool = False) -> str:
         """Return the description."""
-        mean = f"{self.said('mean', slides)} + " if self.mean else ""
-        return f"{mean}a sine of {self.said('amplitude', slides)} at {self.said('frequency', slides)}"
+        mean = f"{self.text_of('mean', slides)} + " if self.mean else ""
+        return f"{mean}a sine of {self.text_of('amplitude', slides)} at {self.text_of('frequency', slides)}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -210,10 +210,10 @@ class Chirp(Reference):
 
     def words(self, slides: bool = False) -> str:
         """Return the description."""
-        ends = f"{self.said('first', slides)} to {self.said('last', slides)}"
+        ends = f"{self.text_of('first', slides)} to {self.text_of('last', slides)}"
         return (
-            f"a {self.spacing} chirp of {self.said('amplitude', slides)} from {ends} in "
-            f"{self.said('duration', slides)}"
+            f"a {self.spacing} chirp of {self.text_of('amplitude', slides)} from {ends} in "
+            f"{self.text_of('duration', slides)}"
         )
 
 

@@ -18,7 +18,7 @@ from antenna_pin.base.records import Floats, Matrix3, Record, Records, Triple, V
 from antenna_pin.compiled.decorators import inlined
 
 
-class Whole(Record):
+class LinkElementRecord(Record):
     """An element on links as a whole: its sizes, and what it reports."""
 
     links: int  # how many
@@ -32,10 +32,10 @@ class Whole(Record):
     kink: float  # passes zero where the forces have a kink; written by the element
 
 
-WHOLE = layout(Whole)
+WHOLE = layout(LinkElementRecord)
 
 
-class Link(Record):
+class LinkRecord(Record):
     """A link with a point: its motion, and the forces on it, world axes."""
 
     body: int  # index; -1: the world
@@ -51,7 +51,7 @@ class Link(Record):
     torque: Vector3  # [N m]; written by the element
 
 
-LINK = layout(Link)
+LINK = layout(LinkRecord)
 
 #: Length of an element's head in programs (``dynamics.kernels.ELEMENT``).
 HEAD_WORDS = 13
@@ -99,7 +99,7 @@ STATE_WORDS: Any = np.int64(words_of(STATE))
 BOOK_WORDS: Any = np.int64(words_of(BOOK))
 
 #: Of one element on links: itself (1,), its links, joints and states.
-Desk = tuple[Records[Whole], Records[Link], Records[DeskJoint], Records[DeskState]]
+Desk = tuple[Records[LinkElementRecord], Records[LinkRecord], Records[DeskJoint], Records[DeskState]]
 
 
 @inlined

@@ -207,13 +207,15 @@ class ForceElement:
         """Return the description, at a joint that slides or turns: labels with numbers and units."""
         return ", ".join(self.said_of(self.labels, slides))
 
-    def said(self, name: str, slides: bool) -> str:
+    def text_of(self, name: str, slides: bool) -> str:
         """Return one of its parameters with its unit, of a joint that slides or turns."""
         return readable(getattr(self, name), self.unit(name, slides), GIVEN)
 
     def said_of(self, words: Mapping[str, str], slides: bool) -> list[str]:
         """Return the nonzero parameters of the element, each behind its label."""
-        return [f"{word} {self.said(name, slides)}" for name, word in words.items() if getattr(self, name, 0)]
+        return [
+            f"{word} {self.text_of(name, slides)}" for name, word in words.items() if getattr(self, name, 0)
+        ]
 
     def unit(self, name: str, slides: bool) -> str:
         """Return the unit of one of its parameters as :mod:`antenna_pin.base.readable` takes it."""
@@ -260,7 +262,7 @@ class Element(ForceElement):
         for name, function, count in self.functions:
             check_takes(self, name, function, *(word for word, _ in _motion_words(False)[:count]))
 
-    def asked(self, place: str, slides: bool) -> tuple[AskedFunction, ...]:
+    def callbacks(self, place: str, slides: bool) -> tuple[AskedFunction, ...]:
         """Return the functions for a run.
 
         Args:
@@ -275,7 +277,7 @@ class Element(ForceElement):
             for name, function, count in self.functions
         )
 
-    def given(
+    def record_numbers(
         self, functions: Sequence[Callable[..., float]], t: float, angle: float, rate: float
     ) -> tuple[float, ...]:
         """Return the numbers of its record, if Python writes them.

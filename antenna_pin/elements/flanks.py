@@ -139,7 +139,7 @@ class Flanks(Modal, BetweenJoints):
         """Return whether the element has sides: without play it is one spring both ways."""
         return self.side_numbers[1] != BOTH_WAYS
 
-    def first(self, met: Met) -> Change | None:
+    def initial_change(self, met: Met) -> Change | None:
         """Return which sides are in contact where both joints are."""
         room, springs = self.side_numbers
         if springs == BOTH_WAYS:
@@ -152,7 +152,7 @@ class Flanks(Modal, BetweenJoints):
 
     def armed(self, met: Met) -> Change | None:
         """Return which sides are in contact when it is switched on."""
-        return self.first(met)
+        return self.initial_change(met)
 
     def passed(self, k: int, met: Met) -> Change:
         """Bring side k into contact or out of it, or turn back in contact."""

@@ -61,7 +61,7 @@ class CallableDrive(Drive):
 
         return address_of(type(self).__name__, "torque", self.torque, 3) if self.called else 0.0
 
-    def given(
+    def record_numbers(
         self, functions: Sequence[Callable[..., float]], t: float, angle: float, rate: float
     ) -> tuple[float, ...]:
         """Return the numbers of its record at time t [s]."""

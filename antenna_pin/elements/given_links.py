@@ -97,7 +97,7 @@ def _compiled(function: Any, sizes: tuple[int, int, int, int]) -> Any:
     end = fourth + states * words_of(STATE)
 
     @njit
-    def asked(t: float, all_: Any) -> None:
+    def call_function(t: float, all_: Any) -> None:
         function(
             t,
             all_[:first],
@@ -109,7 +109,7 @@ def _compiled(function: Any, sizes: tuple[int, int, int, int]) -> Any:
 
     def wrapped(t: float, place: float, _: float) -> float:
         try:
-            asked(t, carray(pointer(place), (end,)))
+            call_function(t, carray(pointer(place), (end,)))
         except Exception:
             return 1.0
         return 0.0

@@ -71,6 +71,5 @@ class HarnessSpring(TableSpring):
 
     def words(self, slides: bool = False) -> str:
         """Return the description."""
-        return (
-            f"both ways, {TableSpring.words(self, slides)}, goes over within {self.said('reversal', slides)}"
-        )
+        reversal = self.text_of("reversal", slides)
+        return f"both ways, {TableSpring.words(self, slides)}, goes over within {reversal}"

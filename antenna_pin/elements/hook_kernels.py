@@ -122,7 +122,7 @@ class Hooks(Protocol):
         The moment is about the journal's centre.
         """
 
-    def kept(self, words: Floats, at: int, place: JournalPlace) -> float:
+    def journal_energy(self, words: Floats, at: int, place: JournalPlace) -> float:
         """Return the energy stored [J] of a kind that acts on a journal's whole pose."""
 
     def coordinates(

@@ -46,5 +46,5 @@ class JointFriction(Element):
         """Return the description."""
         found = self.said_of({"damping": "damping", "friction": "friction"}, slides)
         if self.friction:
-            found.append(f"rounded off below {self.said('regularisation_speed', slides)}")
+            found.append(f"rounded off below {self.text_of('regularisation_speed', slides)}")
         return ", ".join(found)

@@ -32,7 +32,7 @@ def _chain(name: str, last: Callable[..., Any]) -> Any:
     Kinds without one, and numbers that are no kind's, go on to ``last``.
     """
 
-    def made() -> Any:
+    def dispatcher() -> Any:
         chain = composed(last)
         for kind, module in reversed(_kinds()):
             own = getattr(module, name, None)
@@ -40,72 +40,72 @@ def _chain(name: str, last: Callable[..., Any]) -> Any:
                 chain = _branch(kind, own, chain)
         return chain
 
-    return composed_later(made)
+    return composed_later(dispatcher)
 
 
 def _branch(kind: int, own: Any, rest: Any) -> Any:
-    def branch(asked: int, *arguments: Any) -> Any:
-        if asked == kind:
+    def branch(number: int, *arguments: Any) -> Any:
+        if number == kind:
             return own(*arguments)
-        return rest(asked, *arguments)
+        return rest(number, *arguments)
 
     return composed(branch)
 
 
-def _no_kind(asked: int, *arguments: Any) -> float:
+def _no_kind(kind: int, *arguments: Any) -> float:
     return math.nan
 
 
-def _nothing(asked: int, *arguments: Any) -> float:
+def _nothing(kind: int, *arguments: Any) -> float:
     return 0.0
 
 
-def _no_rates(asked: int, words: Floats, at: int, *arguments: Any) -> None:
+def _no_rates(kind: int, words: Floats, at: int, *arguments: Any) -> None:
     return None
 
 
-def _no_reference(asked: int, words: Floats, at: int, t: float) -> tuple[float, float]:
+def _no_reference(kind: int, words: Floats, at: int, t: float) -> tuple[float, float]:
     return math.nan, math.nan
 
 
-def _no_deflection(asked: int, *arguments: Any) -> tuple[float, float, float, float]:
+def _no_deflection(kind: int, *arguments: Any) -> tuple[float, float, float, float]:
     return math.nan, math.nan, math.nan, math.nan
 
 
-def _no_motion(asked: int, words: Floats, at: int, t: float) -> tuple[float, float, float]:
+def _no_motion(kind: int, words: Floats, at: int, t: float) -> tuple[float, float, float]:
     return math.nan, math.nan, math.nan
 
 
-def _never(asked: int, words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
+def _never(kind: int, words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
     return 1.0, 0.0
 
 
-def _not_held(asked: int, words: Floats, at: int) -> tuple[bool, float]:
+def _not_held(kind: int, words: Floats, at: int) -> tuple[bool, float]:
     return False, 0.0
 
 
-def _bears_nothing(asked: int, words: Floats, at: int) -> tuple[float, float, float, float]:
+def _bears_nothing(kind: int, words: Floats, at: int) -> tuple[float, float, float, float]:
     return 0.0, 0.0, 0.0, 0.0
 
 
-def _not_told(asked: int, words: Floats, at: int, burden: float) -> None:
+def _not_told(kind: int, words: Floats, at: int, burden: float) -> None:
     return None
 
 
-def _no_mode(asked: int, words: Floats, at: int) -> int:
+def _no_mode(kind: int, words: Floats, at: int) -> int:
     return 0
 
 
-def _not_acting(asked: int, words: Floats, at: int, t: float, desk: Desk) -> None:
+def _not_acting(kind: int, words: Floats, at: int, t: float, desk: Desk) -> None:
     desk[1][0].force[0] = math.nan
 
 
-def _no_press(asked: int, words: Floats, at: int, pose: Pose) -> float:
+def _no_press(kind: int, words: Floats, at: int, pose: Pose) -> float:
     return math.nan
 
 
 def _no_place(
-    asked: int, words: Floats, at: int, place: JournalPlace
+    kind: int, words: Floats, at: int, place: JournalPlace
 ) -> tuple[float, float, float, float, float, float]:
     return math.nan, math.nan, math.nan, math.nan, math.nan, math.nan
 
@@ -115,20 +115,18 @@ write_rates = _chain("write_rates", _no_rates)
 stored = _chain("stored", _nothing)
 
 
-def _effort(asked: int, words: Floats, at: int, motion: Motion, own: Own) -> float:
+def _effort(kind: int, words: Floats, at: int, motion: Motion, own: Own) -> float:
     t, angle, rate = motion
-    return float(effort(asked, words, at, t, angle, rate))
+    return float(effort(kind, words, at, t, angle, rate))
 
 
-def _write_rates(
-    asked: int, words: Floats, at: int, motion: Powered, own: Own, rates: Floats, x: int
-) -> None:
+def _write_rates(kind: int, words: Floats, at: int, motion: Powered, own: Own, rates: Floats, x: int) -> None:
     angle, rate, power = motion
-    write_rates(asked, words, at, angle, rate, power, rates, x)
+    write_rates(kind, words, at, angle, rate, power, rates, x)
 
 
-def _stored(asked: int, words: Floats, at: int, angle: float, own: Own) -> float:
-    return float(stored(asked, words, at, angle))
+def _stored(kind: int, words: Floats, at: int, angle: float, own: Own) -> float:
+    return float(stored(kind, words, at, angle))
 
 
 # Of all, those with states of their own among them.
@@ -138,9 +136,9 @@ stored_of = _chain("stored_of", _stored)
 kink = _chain("kink", _no_kind)
 
 
-def _kink(asked: int, words: Floats, at: int, k: int, motion: Motion, own: Own) -> float:
+def _kink(kind: int, words: Floats, at: int, k: int, motion: Motion, own: Own) -> float:
     t, angle, rate = motion
-    return float(kink(asked, words, at, t, angle, rate))
+    return float(kink(kind, words, at, t, angle, rate))
 
 
 kink_of = _chain("kink_of", _kink)
@@ -161,7 +159,7 @@ dissipation = _chain("dissipation", _no_kind)
 drag = _chain("drag", _nothing)
 # Of those that act on a journal's whole pose.
 press = _chain("press", _no_press)
-kept = _chain("kept", _no_kind)
+journal_energy = _chain("journal_energy", _no_kind)
 coordinates = _chain("coordinates", _no_place)
 # Of those between points.
 tension = _chain("tension", _no_kind)

@@ -71,8 +71,8 @@ class Latch(Capture):
         flank = self.flank_at(met.angle, met.rate)
         return Change(HELD, memory={"flank": flank}) if self.mode == HELD and flank != self.flank else None
 
-    def _held(self, met: Met, what: str) -> Change:
-        found = Capture._held(self, met, what)
+    def _capture(self, met: Met, what: str) -> Change:
+        found = Capture._capture(self, met, what)
         return found._replace(memory={**found.memory, "flank": self.flank_at(met.angle, met.rate)})
 
     def derived(self) -> dict[str, Any]:

@@ -80,8 +80,8 @@ class Limits(ModalElement):
     def words_of_limits(self, slides: bool) -> str:
         """Return the limits in words."""
         if self.lower is None or self.upper is None:
-            return f"at {self.said('lower' if self.upper is None else 'upper', slides)}"
-        return f"at {self.said('lower', slides)} and {self.said('upper', slides)}"
+            return f"at {self.text_of('lower' if self.upper is None else 'upper', slides)}"
+        return f"at {self.text_of('lower', slides)} and {self.text_of('upper', slides)}"
 
     def facts(self) -> dict[str, float]:
         """Return the limits that it has."""

@@ -19,13 +19,13 @@ _ANEW = 64
 
 
 @inlined
-def _lanes_of(words: Floats, at: int, first: float, step: float) -> tuple[Any, Any]:
-    """Return the cosines and the sines of first, first + step, ... as lanes."""
+def _lanes_of(words: Floats, at: int, start: float, step: float) -> tuple[Any, Any]:
+    """Return the cosines and the sines of start, start + step, ... as lanes."""
     cosines, sines = same_lane(0.0), same_lane(0.0)
     for k in range(LANES):
         own = lane(words, at + k * LANES)
-        cosines = cosines + own * math.cos(first + k * step)
-        sines = sines + own * math.sin(first + k * step)
+        cosines = cosines + own * math.cos(start + k * step)
+        sines = sines + own * math.sin(start + k * step)
     return cosines, sines
 
 

@@ -98,14 +98,14 @@ class MaxwellSlip(ModalElement):
         each = zip(self.stiffness, self.reaches, self.anchors, strict=True)
         return tuple(number for one in each for number in one)
 
-    def first(self, met: Met) -> Change:
+    def initial_change(self, met: Met) -> Change:
         """Return the bending of all springs from the rest angle, as far as they reach."""
         rest = met.angle if self.rest_angle is None else self.rest_angle
         return Change(0, memory=self._dragged((rest,) * len(self.slip), met.angle))
 
     def first_off(self, met: Met) -> Change:
         """Return the bending at the start, constant until the springs are switched on."""
-        return self.first(met)
+        return self.initial_change(met)
 
     def in_another(self, met: Met) -> Change:
         """Drag the anchors of springs bent beyond their reach; none slips yet."""

@@ -127,7 +127,7 @@ class Modal(ForceElement):
         """Return whether the element has a row among constraints, to hold its joint."""
         return self.holds
 
-    def first(self, met: Met) -> Change | None:
+    def initial_change(self, met: Met) -> Change | None:
         """Return the mode at the start, None for the present one; without impulse."""
         return None
 

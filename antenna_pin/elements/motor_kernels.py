@@ -37,7 +37,7 @@ CURRENT = 4
 
 
 @inlined
-def _within(value: float, middle: float, reach: float) -> float:
+def _clamped(value: float, middle: float, reach: float) -> float:
     return min(max(value, middle - reach), middle + reach)
 
 
@@ -45,9 +45,9 @@ def _within(value: float, middle: float, reach: float) -> float:
 def _voltage(m: PackedMotor, back: float) -> float:
     """Voltage that the driver puts on [V], at a back-EMF [V]."""
     if m.by_current != 0.0:
-        wished = m.resistance * _within(m.value, 0.0, m.current_limit) + back
-        return float(_within(wished, 0.0, m.voltage_limit))
-    return float(_within(_within(m.value, 0.0, m.voltage_limit), back, m.resistance * m.current_limit))
+        wished = m.resistance * _clamped(m.value, 0.0, m.current_limit) + back
+        return float(_clamped(wished, 0.0, m.voltage_limit))
+    return float(_clamped(_clamped(m.value, 0.0, m.voltage_limit), back, m.resistance * m.current_limit))
 
 
 @inlined
@@ -106,6 +106,6 @@ def kink(words: Floats, at: int, t: float, angle: float, rate: float) -> float:
     m = record(words[at : at + SIZE], LAYOUT)
     back = m.back_emf * m.ratio * rate
     if m.by_current != 0.0:
-        wished = m.resistance * _within(m.value, 0.0, m.current_limit) + back
+        wished = m.resistance * _clamped(m.value, 0.0, m.current_limit) + back
         return float(abs(wished) - m.voltage_limit)
-    return float(abs(_within(m.value, 0.0, m.voltage_limit) - back) - m.resistance * m.current_limit)
+    return float(abs(_clamped(m.value, 0.0, m.voltage_limit) - back) - m.resistance * m.current_limit)

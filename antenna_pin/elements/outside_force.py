@@ -122,7 +122,7 @@ class OutsideForce(AtPoint):
         if self.value != 1.0:
             text += f", times {number(self.value, GIVEN)}"
         if self.frequency is not None:
-            phase = f" + {self.said('phase', slides)}" if self.phase else ""
+            phase = f" + {self.text_of('phase', slides)}" if self.phase else ""
             text += f", times sin(2π · {number(self.frequency, GIVEN)} Hz · t{phase})"
         if self.time is not None:
             where = "" if self.file is None else f" of {self.file}"

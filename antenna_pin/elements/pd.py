@@ -90,7 +90,7 @@ class PDController(Course, Drive):
 
     def words(self, slides: bool = False) -> str:
         """Return the description."""
-        kp, kd = (self.said(name, slides) for name in ("kp", "kd"))
+        kp, kd = (self.text_of(name, slides) for name in ("kp", "kd"))
         of = "" if self.measured == self.joint else f" of {self.measured}"
         text = f"controller{of}, kp {kp}, kd {kd}, reference {self.course_words(slides) or '0'}"
-        return text if self.limit is None else f"{text}, at most {self.said('limit', slides)}"
+        return text if self.limit is None else f"{text}, at most {self.text_of('limit', slides)}"

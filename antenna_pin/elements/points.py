@@ -21,16 +21,16 @@ Point: TypeAlias = tuple[str, tuple[float, float, float]]
 """A link, or ``world``, and a place in its frame [m]."""
 
 
-def checked_point(element: ForceElement, name: str, given: Any) -> Point:
+def checked_point(element: ForceElement, name: str, pair: Any) -> Point:
     """Return a link and a point on it with floats, or refuse what is none."""
     link: object = None
     try:
-        link, place = given
+        link, place = pair
         x, y, z = map(float, place)
     except (TypeError, ValueError):
         link = None
     if not isinstance(link, str) or not all(map(math.isfinite, (x, y, z))):
-        raise InvalidParameterError(element, name, "a link and three finite numbers [m]", given)
+        raise InvalidParameterError(element, name, "a link and three finite numbers [m]", pair)
     return link, (x, y, z)
 
 

@@ -381,7 +381,7 @@ class CallableMotion(Motion):
         """Its three functions, of time."""
         return tuple((name, getattr(self, name), 1) for name in ("position", "velocity", "acceleration"))
 
-    def given(
+    def record_numbers(
         self, functions: Sequence[Callable[..., float]], t: float, angle: float, rate: float
     ) -> tuple[float, ...]:
         """Return the numbers of its record at time t [s]."""
@@ -389,7 +389,7 @@ class CallableMotion(Motion):
 
     def profile(self) -> Callable[[float], tuple[float, float, float]]:
         """Return position, rate and acceleration as a function of time."""
-        position, velocity, acceleration = self.asked(f"motion of joint {self.joint!r}", False)
+        position, velocity, acceleration = self.callbacks(f"motion of joint {self.joint!r}", False)
         return lambda t: (position(t), velocity(t), acceleration(t))
 
     def words(self, slides: bool = False) -> str:

@@ -69,7 +69,7 @@ class Reference:
         """Return what it is in words, numbers with units; of what slides or turns."""
         raise NotImplementedError
 
-    def said(self, name: str, slides: bool) -> str:
+    def text_of(self, name: str, slides: bool) -> str:
         """Return one of its parameters with its unit."""
         found = parameters_of(type(self))[name]
         unit = found.sliding if slides and found.sliding else found.unit

@@ -35,15 +35,15 @@ class RigidLatch(Capture):
 
     held_at: float = field(default=0.0, repr=False)
 
-    def first(self, met: Met) -> Change | None:
+    def initial_change(self, met: Met) -> Change | None:
         """Return the mode at the start; a moving joint is captured before the run."""
-        found = Capture.first(self, met)
+        found = Capture.initial_change(self, met)
         if found is not None and found.mode == HELD and met.rate != 0.0:
             return Change(OUTSIDE, memory=self._side(met))
         return found
 
-    def _held(self, met: Met, what: str) -> Change:
-        return Capture._held(self, met, what)._replace(memory={**self._side(met), "held_at": met.angle})
+    def _capture(self, met: Met, what: str) -> Change:
+        return Capture._capture(self, met, what)._replace(memory={**self._side(met), "held_at": met.angle})
 
     def words(self, slides: bool = False) -> str:
         """Return the description."""

@@ -59,7 +59,7 @@ class RigidStop(Limits):
         Limits.__post_init__(self)
         self.check_upper(("restitution",))
 
-    def first(self, met: Met) -> Change | None:
+    def initial_change(self, met: Met) -> Change | None:
         """Refuse a start beyond a stop; a start on it comes to rest there."""
         self._check("initial state", "start it there", met, _ROUND_OFF)
         return None
@@ -75,16 +75,16 @@ class RigidStop(Limits):
         limit = self.lowest if self.mode == LOWER else self.highest
         return Change(FREE) if self.mode != FREE and abs(met.angle - limit) > _LOCATED else None
 
-    def _check(self, place: str, way_out: str, met: Met, near: float) -> None:
+    def _check(self, place: str, way_out: str, met: Met, margin: float) -> None:
         for name, beyond in (("lower", self.lowest - met.angle), ("upper", met.angle - self.highest)):
-            if beyond > near:
+            if beyond > margin:
                 at = f"{name} = {getattr(self, name):g}"
                 rule = f"within its rigid stop, {at}; {way_out}, or move the stop"
                 raise InvalidParameterError(place, f"position of {self.joint}", rule, met.angle)
 
     def in_another(self, met: Met) -> Change | None:
         """Refuse a position beyond a stop, as at a start; rest on it stays."""
-        return self.first(met) if self.mode == FREE else None
+        return self.initial_change(met) if self.mode == FREE else None
 
     def passed(self, k: int, met: Met) -> Change | None:
         """Return the rebound off side k, or the rest on it; none without approach."""
@@ -119,6 +119,8 @@ class RigidStop(Limits):
 
     def words(self, slides: bool = False) -> str:
         """Return the description."""
-        upper = "" if self.upper_restitution is None else f", above {self.said('upper_restitution', slides)}"
-        restitution = self.said("restitution", slides)
+        upper = (
+            "" if self.upper_restitution is None else f", above {self.text_of('upper_restitution', slides)}"
+        )
+        restitution = self.text_of("restitution", slides)
         return f"rigid end stop {self.words_of_limits(slides)}, restitution {restitution}{upper}"

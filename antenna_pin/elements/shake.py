@@ -101,7 +101,7 @@ class Shake(Motion):
 
     def said_in_own(self, name: str) -> str:
         """Return a parameter with its unit along a direction or about an axis."""
-        return self.said(name, self.slides)
+        return self.text_of(name, self.slides)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -208,8 +208,8 @@ class SineShake(_Swept):
 
     def words(self, slides: bool = False) -> str:
         """Return the description."""
-        phase = f", phase {self.said('phase', slides)}" if self.phase else ""
-        swing = f"sine of {self.said('frequency', slides)}{phase}, {self.said_amplitudes()}"
+        phase = f", phase {self.text_of('phase', slides)}" if self.phase else ""
+        swing = f"sine of {self.text_of('frequency', slides)}{phase}, {self.said_amplitudes()}"
         return f"{self.way()}: {swing}{self.said_fade()}"
 
 
@@ -278,12 +278,12 @@ class SweepShake(_Swept):
         """Time that the sweep takes, with what it dwells and goes back [s]."""
         return self.pieces()[-1].start
 
-    def _half_turns(self, first: float, last: float) -> float:
+    def _half_turns(self, low: float, last: float) -> float:
         """Return the number of half periods between two angular frequencies."""
         if self.octaves_per_minute is not None:
-            return abs(last - first) / (math.log(2.0) * self.octaves_per_minute / _MINUTE) / math.pi
+            return abs(last - low) / (math.log(2.0) * self.octaves_per_minute / _MINUTE) / math.pi
         assert self.hertz_per_second is not None
-        return abs(last**2 - first**2) / (4.0 * math.pi * self.hertz_per_second) / math.pi
+        return abs(last**2 - low**2) / (4.0 * math.pi * self.hertz_per_second) / math.pi
 
     def _corners(self) -> list[float]:
         """Return the angular frequencies between which one amplitude counts, from the first to the last."""
@@ -330,8 +330,9 @@ class SweepShake(_Swept):
             else f"{number(self.hertz_per_second or 0.0, GIVEN)} Hz/s"
         )
         back = " and back" if self.back else ""
-        stays = f", {self.said('dwell', slides)} at the end" if self.dwell else ""
-        span = f"from {self.said('start_frequency', slides)} to {self.said('end_frequency', slides)}{back}"
+        stays = f", {self.text_of('dwell', slides)} at the end" if self.dwell else ""
+        start, end = (self.text_of(f"{word}_frequency", slides) for word in ("start", "end"))
+        span = f"from {start} to {end}{back}"
         takes = f"takes {readable(self.length, 's')}"
         return (
             f"{self.way()}: sweep {span}, {rate}, {self.said_amplitudes()}{stays}{self.said_fade()}, {takes}"

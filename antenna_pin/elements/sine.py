@@ -31,6 +31,6 @@ class SineDrive(Swing, Drive):
 
     def words(self, slides: bool = False) -> str:
         """Return the description."""
-        phase = f" + {self.said('phase', slides)}" if self.phase else ""
+        phase = f" + {self.text_of('phase', slides)}" if self.phase else ""
         frequency = number(self.frequency, GIVEN)
-        return f"{self.said('amplitude', slides)} × sin(2π · {frequency} Hz · t{phase})"
+        return f"{self.text_of('amplitude', slides)} × sin(2π · {frequency} Hz · t{phase})"

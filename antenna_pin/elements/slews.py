@@ -75,8 +75,8 @@ class Slew(Reference):
 
     def words(self, slides: bool = False) -> str:
         """Return the description."""
-        when = f" at {self.said('start', slides)}" if self.start else ""
-        return f"{self._kind()} from {self.said('begin', slides)} to {self.said('end', slides)}{when}"
+        when = f" at {self.text_of('start', slides)}" if self.start else ""
+        return f"{self._kind()} from {self.text_of('begin', slides)} to {self.text_of('end', slides)}{when}"
 
     def _kind(self) -> str:
         raise NotImplementedError
@@ -198,4 +198,4 @@ class RestToRest(Slew):
         return pieces(times, [[self.begin + unit[0], *unit[1:]], [self.end]])
 
     def _kind(self) -> str:
-        return f"a {self.shape} slew of {self.said('duration', False)}"
+        return f"a {self.shape} slew of {self.text_of('duration', False)}"

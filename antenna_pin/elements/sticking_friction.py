@@ -137,7 +137,7 @@ class StickingFriction(ModalElement):
             "burden": 0.0,
         }
 
-    def first(self, met: Met) -> Change:
+    def initial_change(self, met: Met) -> Change:
         """Slip if the joint moves, else stick: whether that holds is found next."""
         return self.sticks(met) if abs(met.rate) <= _AT_REST else self.slips(math.copysign(1.0, met.rate))
 

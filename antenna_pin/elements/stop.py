@@ -125,7 +125,7 @@ class EndStop(Limits):
 
     def _check_law(self, side: int) -> None:
         """Check that the parameters of a side are those of its law."""
-        law, takes = self.of_side("law", side), self._taken(side)
+        law, takes = self.of_side("law", side), self._law_parameters(side)
         for own in _OF_LAWS:
             name = self.said_by(own, side)
             given = getattr(self, name) is not None
@@ -143,13 +143,13 @@ class EndStop(Limits):
             name = self.said_by(_NAMES.get(error.parameter, error.parameter), side)
             raise InvalidParameterError(self, name, error.rule, getattr(self, name)) from None
 
-    def _taken(self, side: int) -> tuple[str, ...]:
+    def _law_parameters(self, side: int) -> tuple[str, ...]:
         """Return the names of its own parameters that the law of a side takes."""
         return tuple(_NAMES.get(name, name) for name in parameters_of(_law(self.of_side("law", side))))
 
     def contact_law(self, side: int) -> Any:
         """Return the contact law of a side, with the angle as its depth."""
-        law, takes = _law(self.of_side("law", side)), self._taken(side)
+        law, takes = _law(self.of_side("law", side)), self._law_parameters(side)
         given = {
             item.name: self.of_side(name, side)
             for item in fields(law)
@@ -163,7 +163,7 @@ class EndStop(Limits):
         inertia, upper = (self.of_side("inertia", side) or 0.0 for side in (LOWER, UPPER))
         return Limits.derived(self) | {"inertia": inertia, "upper_inertia": upper}
 
-    def first(self, met: Met) -> Change | None:
+    def initial_change(self, met: Met) -> Change | None:
         """Return the side that the joint is pressed into at the start, if any."""
         side = self.side_at(met.angle, met.rate)
         return self._pressed_in(side, met) if side != self.mode else None
@@ -233,11 +233,11 @@ class EndStop(Limits):
         exponent = self.of_side("exponent", side)
         power = "" if exponent == 1.0 else f", exponent {readable(exponent, '1', GIVEN)}"
         own = [
-            f"{word} {self.said(self.said_by(word, side), slides)}"
+            f"{word} {self.text_of(self.said_by(word, side), slides)}"
             for word in ("restitution", "damping", "slope", "inertia")
-            if word in self._taken(side)
+            if word in self._law_parameters(side)
         ]
-        spring = f"stiffness {self.said(self.said_by('stiffness', side), slides)}{power}"
+        spring = f"stiffness {self.text_of(self.said_by('stiffness', side), slides)}{power}"
         return [spring, self.of_side("law", side), *own]
 
 

@@ -47,7 +47,7 @@ LINES = 5
 POWERS = 8
 
 
-class SweptPiece(Record):
+class SweptPieceRecord(Record):
     """A piece of a swept sine: amplitude ``height`` / omega^power, omega from ``begin`` on."""
 
     start: float  # [s]
@@ -59,7 +59,7 @@ class SweptPiece(Record):
     power: int  # 0, 1 or 2
 
 
-SWEPT_PIECE = layout(SweptPiece)
+SWEPT_PIECE = layout(SweptPieceRecord)
 _PIECE_SIZE = words_of(SWEPT_PIECE)
 
 
@@ -98,7 +98,7 @@ def _swing(size: float, angle: float, omega: float) -> tuple[float, float, float
 
 
 @inlined
-def _turned(p: SweptPiece, s: float) -> tuple[float, float, float, float]:
+def _turned(p: SweptPieceRecord, s: float) -> tuple[float, float, float, float]:
     """Return phase, angular frequency and its two derivatives, s after the start.
 
     The phase counts from the piece's start.

@@ -85,7 +85,7 @@ class Thruster(AtPoint):
 
     def _check_pulses(self) -> None:
         least = self.minimum
-        for k, (start, end) in enumerate(self._asked()):
+        for k, (start, end) in enumerate(self._command_spans()):
             if self.short_pulses == "refuse" and end - start < least * (1.0 - 1e-12):
                 rule = (
                     f"{least:g} s or more by minimum_on_time and minimum_impulse; lengthen the pulse, or say "
@@ -103,7 +103,7 @@ class Thruster(AtPoint):
         """Shortest pulse [s]."""
         return max(self.minimum_on_time, self.minimum_impulse / self.thrust)
 
-    def _asked(self) -> tuple[tuple[float, float], ...]:
+    def _command_spans(self) -> tuple[tuple[float, float], ...]:
         lasting = (
             self.durations if len(self.durations) == len(self.starts) else self.durations * len(self.starts)
         )
@@ -113,7 +113,7 @@ class Thruster(AtPoint):
     def pulses(self) -> tuple[tuple[float, float], ...]:
         """Start and end of each pulse, as it is made [s]."""
         least = self.minimum
-        return tuple((start, max(end, start + least)) for start, end in self._asked())
+        return tuple((start, max(end, start + least)) for start, end in self._command_spans())
 
     @property
     def edges(self) -> tuple[float, ...]:

@@ -25,14 +25,14 @@ MADE = 1
 FAILED = 2
 
 
-class Course(records.Record):
+class ExplicitProgress(records.Record):
     """The progress of an explicit step."""
 
     stage: int  # whose state was written last
     t: float  # its time [s]
 
 
-COURSE = records.layout(Course)
+COURSE = records.layout(ExplicitProgress)
 
 
 @by_address
@@ -45,7 +45,7 @@ class Tableau(NamedTuple):
     polynomials: Floats  # of the dense output, (stages, degree)
     last: int  # the stage at the step's end
     adaptive: int  # whether it has an error, 1 or 0
-    course: Records[Course]  # COURSE, (1,)
+    course: Records[ExplicitProgress]  # COURSE, (1,)
 
 
 @inlined
@@ -73,19 +73,19 @@ def error_of(h: float, tableau: Tableau, layout: Ints, work: Floats, scales: Flo
 
 
 @inlined
-def set_out_dense(tableau: Tableau, layout: Ints, work: Floats, kept: Floats) -> None:
+def set_out_dense(tableau: Tableau, layout: Ints, work: Floats, scratch: Floats) -> None:
     """Begin the dense output of a completed step; scratch (2, size) holds its end."""
     space, stages = space_of(layout), tableau.weights.shape[0]
     tableau.course[0].stage = tableau.last
     if stages > tableau.last + 1:
         for k in range(space.nq + space.nv + space.nx):
-            kept[0, k] = work[stages + STATE, k]
-            kept[1, k] = work[stages + RATES, k]
+            scratch[0, k] = work[stages + STATE, k]
+            scratch[1, k] = work[stages + RATES, k]
 
 
 @inlined
 def go_on_dense(
-    t: float, h: float, tableau: Tableau, layout: Ints, work: Floats, dense: Floats, kept: Floats
+    t: float, h: float, tableau: Tableau, layout: Ints, work: Floats, dense: Floats, scratch: Floats
 ) -> int:
     """Write the state of the dense output's next stage; return MADE when complete."""
     course, stages = tableau.course[0], tableau.weights.shape[0]
@@ -99,7 +99,7 @@ def go_on_dense(
     if stages > tableau.last + 1:
         store(stages - 1, stages, layout, work)
         for k in range(space.nq + space.nv + space.nx):
-            work[stages + STATE, k] = kept[0, k]
-            work[stages + RATES, k] = kept[1, k]
+            work[stages + STATE, k] = scratch[0, k]
+            work[stages + RATES, k] = scratch[1, k]
     dense_coefficients(h, tableau.polynomials, 2 * space.nv + space.nx, work, dense)
     return MADE

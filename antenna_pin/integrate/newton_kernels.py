@@ -27,7 +27,7 @@ FIRST: Any = np.int64(0)
 END: Any = np.int64(2)
 
 
-class Progress(records.Record):
+class ImplicitProgress(records.Record):
     """The progress of an implicit step."""
 
     phase: int  # what the next derivative is for
@@ -40,14 +40,14 @@ class Progress(records.Record):
     error: float  # scaled
 
 
-PROGRESS = records.layout(Progress)
+PROGRESS = records.layout(ImplicitProgress)
 
 
 @by_address
 class Radau(NamedTuple):
     """The method's numbers, and what its steps work on; n components of z, m columns."""
 
-    progress: Records[Progress]  # PROGRESS, (1,)
+    progress: Records[ImplicitProgress]  # PROGRESS, (1,)
     nodes: Floats  # c_i of the stages, (3,)
     inverse: Floats  # inverse of A, (3, 3)
     back: Floats  # T, from W to Z, (3, 3)

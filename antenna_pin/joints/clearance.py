@@ -251,13 +251,13 @@ class ClearanceJoint:
                 block[laws + NORMAL_SIZE : start + _layout.CANDIDATE_WORDS] = friction.code()
         return block
 
-    def place_strips(self, block: Array, first: int) -> int:
+    def place_strips(self, block: Array, begin: int) -> int:
         """Write into a block where its strips' rows start; return how many rows they are."""
         if self.load != "distributed":
             return 0
         start = in_python(_layout.candidate_at)(0, 4)
         tail = block[start : start + _layout.PATCHES_WORDS].view(_layout.PATCHES)
-        tail["strips"], tail["sectors"], tail["first"] = self.strips, self.sectors, first
+        tail["strips"], tail["sectors"], tail["first"] = self.strips, self.sectors, begin
         tail["radius"] = self.geometry.patch_radius
         t = math.pi * ((np.arange(self.sectors) + 0.5) / self.sectors - 0.5)
         nodes = block[_layout.nodes_at(0) :].view(NODE)

@@ -24,7 +24,7 @@ GEOMETRY_GIVEN = 1  # gap, normal and point (coal, or another backend in Python)
 FORCES_GIVEN = 2  # forces too (laws in Python)
 
 
-class Joint(Record):
+class JointRecord(Record):
     """A joint with play; frames in the joint's frames on parent and child."""
 
     kind: int  # of the block
@@ -45,7 +45,7 @@ class Joint(Record):
     centre: Vector3  # of these frames [m]
 
 
-JOINT = layout(Joint)
+JOINT = layout(JointRecord)
 JOINT_WORDS = words_of(JOINT)
 
 #: A contact's part of a block: candidate, normal law, friction law.
@@ -78,7 +78,7 @@ BRISTLES = words_of(INTEGRALS)
 
 
 @inlined
-def joint_at(p: Floats, b: int) -> Joint:
+def joint_at(p: Floats, b: int) -> JointRecord:
     """Return the head of the joint whose block stands at p[b:]."""
     return record(p[b : b + JOINT_WORDS], JOINT)
 

@@ -29,7 +29,7 @@ from antenna_pin.joints.geometry.tangent_kernels import (
     contact_changes,
     has_closed_changes,
 )
-from antenna_pin.joints.layout_kernels import Joint, candidate_at, joint_at, primitive_of, revolute_of
+from antenna_pin.joints.layout_kernels import JointRecord, candidate_at, joint_at, primitive_of, revolute_of
 from antenna_pin.joints.pose_kernels import journal_state, onto_joint
 from antenna_pin.joints.row_kernels import lever, lever_slope
 from antenna_pin.joints.tangent_room_kernels import JointRoom
@@ -44,7 +44,7 @@ _WAY = 1e-3
 
 
 @inlined
-def _twist(j: Joint, pose: Pose, x: Floats, k: int) -> Six:
+def _twist(j: JointRecord, pose: Pose, x: Floats, k: int) -> Six:
     """Return velocity and spin of the journal's centre for x[k:] as joint velocity.
 
     It is the transpose of :func:`antenna_pin.joints.pose_kernels.onto_joint`.

@@ -66,7 +66,7 @@ def patch_rows(p: Floats, b: int, k: int) -> tuple[int, int]:
 
 @kernel
 def _tune_sectors(
-    p: Floats, b: int, normal: Floats, table: Records[Contact], patch: Contact, first: int
+    p: Floats, b: int, normal: Floats, table: Records[Contact], patch: Contact, start: int
 ) -> tuple[float, float]:
     r"""Return alpha and gamma, with which a flange's forces have a potential.
 
@@ -95,7 +95,7 @@ def _tune_sectors(
     asked = 0.0
     for k in range(nodes.shape[0]):
         x = nodes[k].sine * nodes[k].sine
-        sector = table[first + k]
+        sector = table[start + k]
         force = sector.share * elastic_force(normal, -sector.gap)
         b0 += force
         b2 += force * x

@@ -13,13 +13,13 @@ import math
 
 from antenna_pin.base.records import Floats, Pose, Records, Six, Triple
 from antenna_pin.compiled.decorators import inlined, kernel
-from antenna_pin.joints.layout_kernels import Joint, joint_at
+from antenna_pin.joints.layout_kernels import JointRecord, joint_at
 from antenna_pin.mechanism.tree_kernels import unwrapped
 from antenna_pin.mechanism.twist_kernels import twist_angle
 
 
 @inlined
-def journal_state(j: Joint, y: Floats, nq: int, pose: Pose) -> None:
+def journal_state(j: JointRecord, y: Floats, nq: int, pose: Pose) -> None:
     """Write the journal's pose and twist relative to the bearing, in bearing axes."""
     if j.on_child != 0:
         journal_on_parent(j, y, nq, pose)
@@ -74,7 +74,7 @@ def journal_state(j: Joint, y: Floats, nq: int, pose: Pose) -> None:
 
 
 @kernel
-def journal_on_parent(j: Joint, y: Floats, nq: int, pose: Pose) -> None:
+def journal_on_parent(j: JointRecord, y: Floats, nq: int, pose: Pose) -> None:
     """:func:`journal_state` of a joint whose bearing is on its child."""
     k = nq + j.v
     dx, dy, dz = centre_from_child(j, y)
@@ -113,7 +113,7 @@ def journal_on_parent(j: Joint, y: Floats, nq: int, pose: Pose) -> None:
 
 
 @inlined
-def journal_place(j: Joint, y: Floats) -> Six:
+def journal_place(j: JointRecord, y: Floats) -> Six:
     """Return the journal's centre [m] and axis in bearing axes."""
     i = j.q
     if j.planar != 0:
@@ -149,7 +149,7 @@ def place_journal(program: Floats, block: int, y: Floats, nq: int, pose: Records
 
 
 @inlined
-def onto_joint(j: Joint, pose: Pose, force: Triple, moment: Triple, tau: Floats) -> None:
+def onto_joint(j: JointRecord, pose: Pose, force: Triple, moment: Triple, tau: Floats) -> None:
     """Add force and torque on the journal to tau, in the child's own axes.
 
     Both are about its centre, in bearing axes.
@@ -184,7 +184,7 @@ def onto_joint(j: Joint, pose: Pose, force: Triple, moment: Triple, tau: Floats)
 
 
 @kernel
-def onto_bearing(j: Joint, pose: Pose, force: Triple, moment: Triple, tau: Floats) -> None:
+def onto_bearing(j: JointRecord, pose: Pose, force: Triple, moment: Triple, tau: Floats) -> None:
     """:func:`onto_joint` of a joint whose bearing is on its child, which has the reaction."""
     fx, fy, fz = force
     mx, my, mz = moment
@@ -210,7 +210,7 @@ def onto_bearing(j: Joint, pose: Pose, force: Triple, moment: Triple, tau: Float
 
 
 @kernel
-def wrapped_angle(j: Joint, y: Floats) -> Triple:
+def wrapped_angle(j: JointRecord, y: Floats) -> Triple:
     """Rotation of the child about the joint's axis (swing-twist) and where its rate comes from.
 
     It is the journal's in the bearing, or with the bearing on the child the opposite of that: the twist about
@@ -232,7 +232,7 @@ def wrapped_angle(j: Joint, y: Floats) -> Triple:
 
 
 @kernel
-def motion_angle(j: Joint, y: Floats, x0: int) -> Triple:
+def motion_angle(j: JointRecord, y: Floats, x0: int) -> Triple:
     """Return :func:`wrapped_angle` with whole turns, from the turned angle at y[x0:]."""
     angle, gx, gy = wrapped_angle(j, y)
     return unwrapped(angle, y[x0 + j.turn]), gx, gy
@@ -248,14 +248,14 @@ def rotated(qx: float, qy: float, qz: float, qw: float, x: float, y: float, z: f
 
 
 @inlined
-def axis_of_parent(j: Joint, y: Floats) -> Triple:
+def axis_of_parent(j: JointRecord, y: Floats) -> Triple:
     """Return the axis of the parent's part, bearing or journal, in child axes."""
     i = j.q + 3
     return rotated(-y[i], -y[i + 1], -y[i + 2], y[i + 3], j.axes[0, 2], j.axes[1, 2], j.axes[2, 2])
 
 
 @inlined
-def centre_from_child(j: Joint, y: Floats) -> Triple:
+def centre_from_child(j: JointRecord, y: Floats) -> Triple:
     """Return the centre of the parent's part, bearing or journal, in the child's frame [m]."""
     i = j.q
     if j.planar != 0:
@@ -266,7 +266,7 @@ def centre_from_child(j: Joint, y: Floats) -> Triple:
 
 
 @inlined
-def journal_centre(j: Joint, y: Floats) -> Triple:
+def journal_centre(j: JointRecord, y: Floats) -> Triple:
     """Return the journal's centre in the child's own frame [m]."""
     if j.on_child != 0:
         return centre_from_child(j, y)
@@ -274,7 +274,7 @@ def journal_centre(j: Joint, y: Floats) -> Triple:
 
 
 @inlined
-def along_bearing(j: Joint, y: Floats) -> tuple[float, float, float, float, float, float, float]:
+def along_bearing(j: JointRecord, y: Floats) -> tuple[float, float, float, float, float, float, float]:
     """Return a sliding child's position along the bearing's axis [m], and its gradient.
 
     It is that of the journal's centre, or with the bearing on the child its opposite. The gradient is over

@@ -100,7 +100,7 @@ class PythonPath:
         distances: What measures its gaps; None for the compiled closed form.
         laws: Its normal laws, one for each contact, and whose each is, in words.
         friction: Its friction law if laws are asked in Python, None if all are compiled; and whose it is.
-        measured: Whether no closed form is known for what ``distances`` measures.
+        is_measured: Whether no closed form is known for what ``distances`` measures.
     """
 
     def __init__(
@@ -112,11 +112,11 @@ class PythonPath:
         distances: Distances | None,
         laws: Sequence[tuple[NormalLaw, str]],
         friction: tuple[FrictionLaw, str] | None,
-        measured: bool = False,
+        is_measured: bool = False,
     ) -> None:
         """Build the buffers once."""
         #: Whether its gaps are what ``distances`` measures and nothing else.
-        self.measured = measured
+        self.measured = is_measured
         #: Whether all its laws are compiled.
         self.compiled = friction is None
         self._given_laws = laws

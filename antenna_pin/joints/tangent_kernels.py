@@ -90,12 +90,12 @@ def _along_slip(row: Contact, change: Floats) -> float:
 
 
 @inlined
-def _turn_friction(row: Contact, change: Floats, at_rest: float, said: Floats) -> None:
+def _turn_friction(row: Contact, change: Floats, at_rest: float, slopes: Floats) -> None:
     """Write how friction that is along slip changes, of how it does along that.
 
     What of slip changes across it turns it: by friction over slip, of which ``at_rest`` is the limit.
     """
-    speed, along, friction = slip_speed(row), said[V_FRICTION], 0.0
+    speed, along, friction = slip_speed(row), slopes[V_FRICTION], 0.0
     turned, more = at_rest, _along_slip(row, change)
     if speed > 0.0:
         for i in range(3):
@@ -103,7 +103,7 @@ def _turn_friction(row: Contact, change: Floats, at_rest: float, said: Floats) -
         turned = friction / (speed * speed)
     for i in range(3):
         way = row.slip[i] / speed if speed > 0.0 else 0.0
-        said[V_FRICTION + i] = along * way + turned * (change[SLIP + i] - more * way)
+        slopes[V_FRICTION + i] = along * way + turned * (change[SLIP + i] - more * way)
 
 
 @inlined

@@ -11,7 +11,7 @@ from __future__ import annotations
 from antenna_pin.base.records import Floats, Records
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.mechanism.room_kernels import crossed, turned, turned_symmetric
-from antenna_pin.mechanism.spatial_kernels import Change, add_six, cross_wrench, set_six, times_inertia
+from antenna_pin.mechanism.spatial_kernels import BodyChange, add_six, cross_wrench, set_six, times_inertia
 from antenna_pin.mechanism.tangent_kernels import change_motion
 from antenna_pin.mechanism.tree_kernels import Body, Place
 
@@ -46,7 +46,7 @@ def write_frame_change(
 
 
 @inlined
-def _inertia_change(body: Body, change: Body, rotation: Floats, own: Change, out: Change) -> None:
+def _inertia_change(body: Body, change: Body, rotation: Floats, own: BodyChange, out: BodyChange) -> None:
     """Write changes of mass, first moment and moment of inertia about the point."""
     c, s, i, j, h = body.centre, change.centre, change.inertia, out.inertia, out.first
     m, dm = body.mass, change.mass
@@ -72,8 +72,8 @@ def write_number_changes(
     change: Records[Body],
     space: tuple[Records[Body], Records[Place]],
     pulls: tuple[Floats, Floats],
-    scratch: tuple[Floats, Records[Change]],
-    bodies: Records[Change],
+    scratch: tuple[Floats, Records[BodyChange]],
+    bodies: Records[BodyChange],
     out: Floats,
 ) -> None:
     """Write how bodies' motions and own wrenches change with a number of the tree.

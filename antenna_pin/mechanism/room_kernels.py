@@ -13,13 +13,13 @@ from antenna_pin.compiled.decorators import inlined
 from antenna_pin.mechanism.tree_kernels import Body, Place, relative
 
 
-class Carrying(Record):
+class CarrierRecord(Record):
     """A body that may carry others."""
 
     carries: int  # 1: it or what it carries has inertia
 
 
-class BodyRoom(Place, Carrying):
+class BodyRoom(Place, CarrierRecord):
     """Workspace of a body: its place, and the inertia and forces it carries.
 
     It does not begin as :class:`Place` does: Numba would take it for one, which it warns of.

@@ -10,7 +10,7 @@ from antenna_pin.mechanism.room_kernels import crossed, symmetric_times
 Spatial = Floats | Six
 
 
-class Change(Record):
+class BodyChange(Record):
     """A body about the point, in world axes, and its changes by one displacement."""
 
     origin: Vector3  # place of its origin [m]
@@ -28,7 +28,7 @@ class Change(Record):
     wrench_change: Vector6  # by the displacement
 
 
-CHANGE = layout(Change)
+CHANGE = layout(BodyChange)
 
 
 @inlined
@@ -69,7 +69,7 @@ def cross_wrench(a: Spatial, f: Spatial) -> Six:
 
 
 @inlined
-def times_inertia(own: Change, a: Spatial) -> Six:
+def times_inertia(own: BodyChange, a: Spatial) -> Six:
     """Return I a, of a mass, first moment and moment of inertia."""
     m, h = own.mass, own.first
     x, y, z = crossed(a[3], a[4], a[5], h[0], h[1], h[2])

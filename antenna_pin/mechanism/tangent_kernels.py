@@ -27,7 +27,7 @@ from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.room_kernels import BodyRoom, crossed, turned, turned_back, turned_symmetric
 from antenna_pin.mechanism.spatial_kernels import (
-    Change,
+    BodyChange,
     add_six,
     cross_motion,
     cross_wrench,
@@ -41,7 +41,7 @@ LANES = 16
 
 
 @inlined
-def _along_joint(body: Body, rotation: Floats, own: Change, x: Floats, out: Floats) -> None:
+def _along_joint(body: Body, rotation: Floats, own: BodyChange, x: Floats, out: Floats) -> None:
     """Write the motion of a body by its joint's part of a generalized velocity."""
     k, kind, axis = body.v, body.kind, body.axis
     ux, uy, uz, wx, wy, wz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -63,7 +63,7 @@ def _along_joint(body: Body, rotation: Floats, own: Change, x: Floats, out: Floa
 
 
 @inlined
-def _onto_joint(body: Body, rotation: Floats, own: Change, out: Floats) -> None:
+def _onto_joint(body: Body, rotation: Floats, own: BodyChange, out: Floats) -> None:
     """Subtract a wrench's change, projected on the joint, from ``out``."""
     f, p, k, kind, axis = own.wrench_change, own.origin, body.v, body.kind, body.axis
     x, y, z = crossed(p[0], p[1], p[2], f[0], f[1], f[2])
@@ -97,7 +97,7 @@ def read_bodies(
     places: Records[Place],
     gravity: Floats,
     a: Floats,
-    bodies: Records[Change],
+    bodies: Records[BodyChange],
 ) -> None:
     """Write bodies' motions about the first origin at acceleration a, and their wrenches."""
     count = tree.shape[0]
@@ -144,7 +144,7 @@ def read_bodies(
 
 
 @inlined
-def change_motion(parent: int, bodies: Records[Change], own: Change, gravity: Floats) -> None:
+def change_motion(parent: int, bodies: Records[BodyChange], own: BodyChange, gravity: Floats) -> None:
     """Write changes of a body's motion and own wrench by displacement and parent.
 
     ``own`` has its way, and what its joint adds to the change of velocity.
@@ -172,7 +172,7 @@ def change_motion(parent: int, bodies: Records[Change], own: Change, gravity: Fl
 
 @kernel
 def subtract_wrenches(
-    tree: Records[Body], places: Records[Place], bodies: Records[Change], out: Floats
+    tree: Records[Body], places: Records[Place], bodies: Records[BodyChange], out: Floats
 ) -> None:
     """Subtract the changes of all bodies' wrenches, projected on joints, from ``out``."""
     for b in range(tree.shape[0] - 1, -1, -1):
@@ -191,7 +191,7 @@ def write_changes(
     tree: Records[Body],
     places: Records[Place],
     gravity: Floats,
-    bodies: Records[Change],
+    bodies: Records[BodyChange],
 ) -> None:
     """Write changes of bodies' motions and own wrenches along a displacement, after :func:`read_bodies`.
 
@@ -294,7 +294,7 @@ def prepare_changes(
     gravity: Floats,
     tau: Floats,
     scratch: tuple[Records[Place], Records[BodyRoom], Floats, Floats],
-    bodies: Records[Change],
+    bodies: Records[BodyChange],
 ) -> None:
     """Write motions and accelerations of bodies under forces, and the mass matrix's factors.
 

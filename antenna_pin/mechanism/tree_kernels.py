@@ -60,9 +60,9 @@ PLACE = layout(Place)
 
 
 @inlined
-def unwrapped(angle: float, near: float) -> float:
-    """Return an angle shifted by whole turns to within half a turn of ``near`` [rad]."""
-    return angle + 2.0 * math.pi * math.floor((near - angle) / (2.0 * math.pi) + 0.5)
+def unwrapped(angle: float, reference: float) -> float:
+    """Return an angle shifted by whole turns to within half a turn of ``reference`` [rad]."""
+    return angle + 2.0 * math.pi * math.floor((reference - angle) / (2.0 * math.pi) + 0.5)
 
 
 @inlined

@@ -30,7 +30,7 @@ from antenna_pin.base.lazy import Classes
 from antenna_pin.base.parameters import parameters_of
 from antenna_pin.base.units import matching_unit, shown
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.scenario.spec import Quantity, Spec, Vector, read_count, refuse
+from antenna_pin.scenario.spec import QuantityRule, Spec, Vector, read_count, refuse
 
 __all__ = [
     "CONTROLLER_SPECS",
@@ -185,7 +185,7 @@ def _annotated(parameter: Any, hint: Any) -> Any:
     elif int in (hint, *get_args(hint)):
         kind = Annotated[int, read_count(parameter.rule)]
     else:
-        kind = Annotated[float, Quantity(parameter.units, parameter.rule)]
+        kind = Annotated[float, QuantityRule(parameter.units, parameter.rule)]
     return Union[kind, None] if optional else kind  # noqa: UP007 - of values
 
 
@@ -280,7 +280,11 @@ class JointTable(Spec):
 def _either_unit(field: FieldInfo) -> tuple[str, ...]:
     candidates = [*field.metadata, *(item for part in get_args(field.annotation) for item in get_args(part))]
     for item in candidates:
-        if isinstance(item, Quantity) and isinstance(item.unit, tuple) and len(item.unit) == len(_MOTIONS):
+        if (
+            isinstance(item, QuantityRule)
+            and isinstance(item.unit, tuple)
+            and len(item.unit) == len(_MOTIONS)
+        ):
             return item.unit
     return ()
 

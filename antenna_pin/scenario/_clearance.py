@@ -23,7 +23,7 @@ from antenna_pin.scenario.laws import (
     title,
     unit_of,
 )
-from antenna_pin.scenario.spec import Count, Length, PositiveLength, PositiveSpeed, Quantity, Spec, refuse
+from antenna_pin.scenario.spec import Count, Length, PositiveLength, PositiveSpeed, QuantityRule, Spec, refuse
 
 __all__ = ["KINDS", "RADIAL_PLAY", "Clearance", "Kind", "Variant", "check_play", "law_tables"]
 
@@ -108,8 +108,8 @@ class Clearance(Spec):
     slider_width: PositiveLength | None = None
     slider_height: PositiveLength | None = None
     slider_length: PositiveLength | None = None
-    corner_radius: Annotated[float, Quantity("m", "zero or more")] | None = None
-    roll: Annotated[float, Quantity("rad")] | None = None
+    corner_radius: Annotated[float, QuantityRule("m", "zero or more")] | None = None
+    roll: Annotated[float, QuantityRule("rad")] | None = None
     guide_length: PositiveLength | None = None
     key_width: PositiveLength | None = None
     keyway_width: PositiveLength | None = None
@@ -120,7 +120,7 @@ class Clearance(Spec):
     load: Literal["point", "distributed"] = "point"
     strips: Annotated[int, Count(2, 1000, even=True)] = 16
     sectors: Annotated[int, Count(3, 1000)] = 16
-    flange_modulus: Annotated[float, Quantity("N/m**3", "positive")] | None = None
+    flange_modulus: Annotated[float, QuantityRule("N/m**3", "positive")] | None = None
     approach_speed_floor: PositiveSpeed = 1e-4
     maximum_depth: PositiveLength | None = None
     journal_material: str | None = None

@@ -19,7 +19,7 @@ from antenna_pin.scenario._class_tables import JOINTS, Motion, motion_of
 from antenna_pin.scenario.drives import WITH_FILES, file_columns, file_units
 from antenna_pin.scenario.merge import Overrides, merge, read_overrides
 from antenna_pin.scenario.shipped import tables
-from antenna_pin.scenario.spec import Location, Place, Spec, dotted, explained, unknown_key
+from antenna_pin.scenario.spec import Location, Spec, ValuePlace, dotted, explained, unknown_key
 
 __all__ = [
     "Source",
@@ -101,18 +101,18 @@ class Source:
             merged = merge(merged, table)
         return dict(merged)
 
-    def place(self, location: Location) -> Place:
+    def place(self, location: Location) -> ValuePlace:
         """Return the place of a value or missing key: file, case, or override."""
         lower = [self.base, *(table for _, table in self.below)]
         if from_layer(self.overrides, location, *lower, self.case_table):
-            return Place(f"{self.label}: {dotted(location)}", " (set by an override)")
+            return ValuePlace(f"{self.label}: {dotted(location)}", " (set by an override)")
         for case, table in reversed([*self.below, (self.case, self.case_table)]):
             if case is not None and from_layer(table, location, *lower):
-                return Place(f"{self.label}: {dotted(('cases', case, *location))}")
+                return ValuePlace(f"{self.label}: {dotted(('cases', case, *location))}")
             lower = lower[:-1] or lower
         if not location:
-            return Place(f"{self.label}:", self.note)
-        return Place(f"{self.label}: {dotted(location)}", self.note, self._stale(location[:-1]))
+            return ValuePlace(f"{self.label}:", self.note)
+        return ValuePlace(f"{self.label}: {dotted(location)}", self.note, self._stale(location[:-1]))
 
     def _stale(self, table: Location) -> str:
         """Return a hint for a key made unknown by another kind in a layer above."""

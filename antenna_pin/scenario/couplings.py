@@ -9,7 +9,7 @@ from pydantic import model_validator
 
 from antenna_pin.base.units import matching_unit
 from antenna_pin.scenario._class_tables import JointTable
-from antenna_pin.scenario.spec import Quantity, Spec, refuse
+from antenna_pin.scenario.spec import QuantityRule, Spec, refuse
 
 __all__ = ["AnyCoupling", "CouplingSpec", "DifferentialSpec", "PlanetarySpec"]
 
@@ -36,10 +36,10 @@ class CouplingSpec(JointTable):
     kind: Literal["ratio"] = "ratio"
     follower: str
     leader: str
-    multiplier: Annotated[float, Quantity(_RATIOS)] = 1.0
-    offset: Annotated[float, Quantity(("rad", "m"))] = 0.0
+    multiplier: Annotated[float, QuantityRule(_RATIOS)] = 1.0
+    offset: Annotated[float, QuantityRule(("rad", "m"))] = 0.0
     second: str | None = None
-    second_multiplier: Annotated[float, Quantity("1")] = 1.0
+    second_multiplier: Annotated[float, QuantityRule("1")] = 1.0
     conversion: Literal["m/rad", "rad/m"] | None = None
 
     @model_validator(mode="before")
@@ -92,7 +92,7 @@ class PlanetarySpec(Spec):
     carrier: str
     sun: str
     ring: str
-    ratio: Annotated[float, Quantity("1")]
+    ratio: Annotated[float, QuantityRule("1")]
 
 
 AnyCoupling = CouplingSpec | DifferentialSpec | PlanetarySpec

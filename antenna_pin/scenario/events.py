@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, model_validator
 from antenna_pin.base.units import shown
 from antenna_pin.scenario._class_tables import JointTable
 from antenna_pin.scenario.spec import (
-    Quantity,
+    QuantityRule,
     Spec,
     read_count,
     read_quantity,
@@ -101,7 +101,7 @@ class AngleEvent(_Event, JointTable):
 
     kind: Literal["angle"]
     joint: str
-    value: Annotated[float, Quantity(("rad", "m"))]
+    value: Annotated[float, QuantityRule(("rad", "m"))]
     direction: Direction = "both"
 
 
@@ -116,7 +116,7 @@ class RateEvent(_Event, JointTable):
 
     kind: Literal["rate"]
     joint: str
-    value: Annotated[float, Quantity(("rad/s", "m/s"))] = 0.0
+    value: Annotated[float, QuantityRule(("rad/s", "m/s"))] = 0.0
     direction: Direction = "both"
 
 
@@ -142,7 +142,7 @@ class GapEvent(_Event):
 
     kind: Literal["gap"]
     contact: str
-    value: Annotated[float, Quantity("m")]
+    value: Annotated[float, QuantityRule("m")]
     direction: Direction = "both"
 
 
@@ -157,7 +157,7 @@ class ForceEvent(_Event):
 
     kind: Literal["force"]
     contact: str
-    value: Annotated[float, Quantity("N", "positive")]
+    value: Annotated[float, QuantityRule("N", "positive")]
     direction: Direction = "both"
 
 
@@ -222,12 +222,12 @@ def _number_to_set(
     return read_quantity(value, unit.unit, unit.rule, *value_at)
 
 
-def _quantities(table: Spec) -> dict[str, Quantity]:
+def _quantities(table: Spec) -> dict[str, QuantityRule]:
     """Return the numbers that a table has and that may change, by key."""
     found = {}
     at_start = getattr(getattr(table, "fills", None), "at_start", ())
     for key, field in type(table).model_fields.items():
         for item in (*field.metadata, *get_args(field.annotation)):
-            if isinstance(item, Quantity) and key not in at_start:
+            if isinstance(item, QuantityRule) and key not in at_start:
                 found[key] = item
     return found

@@ -9,7 +9,7 @@ from pydantic import Field
 from antenna_pin.base.changes import JointChange, JointVariant, LinkChange, Rotor, ShapeChange
 from antenna_pin.base.material import Material
 from antenna_pin.scenario._class_tables import JointTable, MadeSpec, reads
-from antenna_pin.scenario.spec import Quantity, Spec, Vector, Vector3
+from antenna_pin.scenario.spec import QuantityRule, Spec, Vector, Vector3
 
 __all__ = [
     "JointSpec",
@@ -45,7 +45,7 @@ class JointSpec(JointTable, MadeSpec):
     """
 
     kind: JointVariant | None = None
-    regularisation_speed: Annotated[float, Quantity(("rad/s", "m/s"), "positive")] | None = None
+    regularisation_speed: Annotated[float, QuantityRule(("rad/s", "m/s"), "positive")] | None = None
     sticks: bool | None = None
 
 

@@ -12,7 +12,7 @@ from antenna_pin.errors import ScenarioError, UnknownNameError
 from antenna_pin.scenario._clearance import law_tables
 from antenna_pin.scenario.merge import key_of, key_parts
 from antenna_pin.scenario.scenario import Scenario
-from antenna_pin.scenario.spec import Quantity, Vector
+from antenna_pin.scenario.spec import QuantityRule, Vector
 
 __all__ = ["Number", "number_of", "with_number"]
 
@@ -115,7 +115,7 @@ def _unit(spec: Any, part: str) -> str:
     """Return the unit of a table's field; "" without one, or with several."""
     field = getattr(type(spec), "model_fields", {}).get(part)
     for item in () if field is None else (*field.metadata, *_annotations(field.annotation)):
-        if isinstance(item, Quantity | Vector):
+        if isinstance(item, QuantityRule | Vector):
             return item.unit if isinstance(item.unit, str) else ""
     return ""
 

@@ -14,7 +14,7 @@ from antenna_pin.scenario.spec import (
     Direction,
     PositiveLength,
     PositiveTime,
-    Quantity,
+    QuantityRule,
     Spec,
     Vector3,
     refuse,
@@ -40,7 +40,7 @@ class OrbitSpec(Spec):
 
     altitude: PositiveLength | None = None
     period: PositiveTime | None = None
-    rate: Annotated[float, Quantity("rad/s", "positive")] | None = None
+    rate: Annotated[float, QuantityRule("rad/s", "positive")] | None = None
     normal: Direction = (0.0, 1.0, 0.0)
     nadir: Direction = (0.0, 0.0, -1.0)
 

@@ -15,7 +15,7 @@ from antenna_pin.scenario._class_tables import JointTable, MadeSpec, reads
 from antenna_pin.scenario.spec import (
     AngularVelocity,
     Position,
-    Quantity,
+    QuantityRule,
     Rotation,
     Spec,
     Vector,
@@ -50,10 +50,10 @@ class InitialJointSpec(JointTable):
         guess: Whether, in loops, what is given is where a search begins rather than held.
     """
 
-    position: Annotated[float, Quantity(("rad", "m"))] | None = None
-    velocity: Annotated[float, Quantity(("rad/s", "m/s"))] | None = None
-    angle: Annotated[float, Quantity("rad")] | None = None
-    rate: Annotated[float, Quantity("rad/s")] | None = None
+    position: Annotated[float, QuantityRule(("rad", "m"))] | None = None
+    velocity: Annotated[float, QuantityRule(("rad/s", "m/s"))] | None = None
+    angle: Annotated[float, QuantityRule("rad")] | None = None
+    rate: Annotated[float, QuantityRule("rad/s")] | None = None
     journal_position: Position | None = None
     journal_tilt: Rotation | None = None
     journal_velocity: Velocity | None = None

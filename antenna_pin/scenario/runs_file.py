@@ -14,7 +14,7 @@ from antenna_pin.scenario.load import load_scenario
 from antenna_pin.scenario.merge import merge, read_overrides
 from antenna_pin.scenario.scenario import Scenario
 from antenna_pin.scenario.shipped import models_path, read_toml
-from antenna_pin.scenario.spec import Place, Spec, Version, dotted, explained
+from antenna_pin.scenario.spec import Spec, ValuePlace, Version, dotted, explained
 
 __all__ = ["RunsFile", "laid_over", "nested"]
 
@@ -98,7 +98,9 @@ class RunsFile(Spec):
         try:
             return cls.validated(merge(data, layer) | {"name": name, "folder": found.parent.resolve()})
         except ValidationError as error:
-            raise explained(error, lambda location: Place(f"{label}: {dotted(location)}".strip())) from None
+            raise explained(
+                error, lambda location: ValuePlace(f"{label}: {dotted(location)}".strip())
+            ) from None
 
 
 def nested(table: Mapping[str, Any]) -> dict[str, Any]:

@@ -43,12 +43,12 @@ __all__ = [
     "Length",
     "Line",
     "Location",
-    "Place",
+    "ValuePlace",
     "Position",
     "PositiveLength",
     "PositiveSpeed",
     "PositiveTime",
-    "Quantity",
+    "QuantityRule",
     "Rotation",
     "Spec",
     "Vector",
@@ -126,7 +126,7 @@ class _Annotation:
 
 
 @dataclass(frozen=True, slots=True)
-class Quantity(_Annotation):
+class QuantityRule(_Annotation):
     """Annotation of a float: SI unit and rule.
 
     Attributes:
@@ -227,10 +227,10 @@ class Count(_Annotation):
 
 Vector3 = tuple[float, float, float]
 
-Length = Annotated[float, Quantity("m")]
-PositiveLength = Annotated[float, Quantity("m", "positive")]
-PositiveTime = Annotated[float, Quantity("s", "positive")]
-PositiveSpeed = Annotated[float, Quantity("m/s", "positive")]
+Length = Annotated[float, QuantityRule("m")]
+PositiveLength = Annotated[float, QuantityRule("m", "positive")]
+PositiveTime = Annotated[float, QuantityRule("s", "positive")]
+PositiveSpeed = Annotated[float, QuantityRule("m/s", "positive")]
 Position = Annotated[Vector3, Vector("m")]
 Velocity = Annotated[Vector3, Vector("m/s")]
 Direction = Annotated[Vector3, Vector("1", rule=A_DIRECTION)]
@@ -355,13 +355,13 @@ def _read_plain(value: Any, kind: Any, name: str) -> Any:
 
 def _wanted(field: FieldInfo) -> str:
     for item in field.metadata:
-        if isinstance(item, Quantity | Vector):
+        if isinstance(item, QuantityRule | Vector):
             return f"; give {item}"
     return ""
 
 
-def _by_class(cls: type[Spec]) -> Callable[[Location], Place]:
-    return lambda location: Place(f"{cls.__name__}: {dotted(location)}".strip())
+def _by_class(cls: type[Spec]) -> Callable[[Location], ValuePlace]:
+    return lambda location: ValuePlace(f"{cls.__name__}: {dotted(location)}".strip())
 
 
 Location = tuple[str | int, ...]
@@ -381,7 +381,7 @@ def dotted(location: Location) -> str:
     return text
 
 
-class Place(NamedTuple):
+class ValuePlace(NamedTuple):
     """Place of a value, for a message.
 
     Attributes:
@@ -399,12 +399,12 @@ Line = tuple[Location, Mapping[str, Any]]
 """One thing that pydantic found: its location, as the user writes it, and its details."""
 
 
-def explained(error: ValidationError, place: Callable[[Location], Place]) -> AntennaPinError:
+def explained(error: ValidationError, place: Callable[[Location], ValuePlace]) -> AntennaPinError:
     """Return the first fault found by pydantic as an error of one line."""
     return explained_line(located_lines(error)[0], place)
 
 
-def explained_line(line: Line, place: Callable[[Location], Place]) -> AntennaPinError:
+def explained_line(line: Line, place: Callable[[Location], ValuePlace]) -> AntennaPinError:
     """Return a fault found by pydantic as an error of one line."""
     location, detail = line
     where, note, stale = place(location)

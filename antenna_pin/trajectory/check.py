@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.units import shown
-from antenna_pin.trajectory.columns import Breach, Rule
+from antenna_pin.trajectory.columns import Breach, ColumnRule
 from antenna_pin.trajectory.json_attributes import JSON_ATTRIBUTES, problem_of_json
 from antenna_pin.trajectory.outcome import REACHED_END
 from antenna_pin.trajectory.read import contact_kinds, is_lean, json_in, names_along
@@ -30,7 +30,7 @@ _OWN, _OTHER = 1e-2, 1e-9
 # What a run has come to is finite, however it ended; what follows from that need not be.
 _ALWAYS = {"time", "q", "v"}
 _PARTS = ({"qx", "qy", "qz", "qw"}, {"cos", "sin"})
-_DIRECTION = Rule(unit=True)
+_DIRECTION = ColumnRule(unit=True)
 
 
 def problems_of_numbers(data: xr.Dataset) -> Iterator[str]:
@@ -62,7 +62,7 @@ def problems_of_numbers(data: xr.Dataset) -> Iterator[str]:
 
 
 def _in_column(
-    data: xr.Dataset, name: str, rule: Rule, finite: bool, part: Any, title: str = ""
+    data: xr.Dataset, name: str, rule: ColumnRule, finite: bool, part: Any, title: str = ""
 ) -> Iterator[str]:
     """Yield the first breach in a variable, or in a part of its last dimension."""
     variable, before = data[name].variable, None

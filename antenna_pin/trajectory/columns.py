@@ -19,7 +19,7 @@ __all__ = [
     "Breach",
     "Coordinate",
     "Reduction",
-    "Rule",
+    "ColumnRule",
     "Variable",
     "end",
     "first_not_finite",
@@ -38,7 +38,7 @@ _UNIT = 1e-6  # that the length of a direction or a quaternion may be off by
 
 
 @dataclass(frozen=True, slots=True)
-class Rule:
+class ColumnRule:
     """Allowed numbers of a column; finite in any case."""
 
     least: float = -math.inf  # none is less
@@ -126,8 +126,8 @@ class Rule:
 
 
 #: Any finite number.
-ANY = Rule()
-_SIZE = Rule(least=0.0)
+ANY = ColumnRule()
+_SIZE = ColumnRule(least=0.0)
 
 
 class Breach(NamedTuple):
@@ -205,7 +205,7 @@ class Variable:
     units: str
     meaning: str
     source: str
-    rule: Rule = ANY
+    rule: ColumnRule = ANY
     flags: tuple[tuple[int, str], ...] = ()
     free_base: bool = False
     sliding: str = ""
@@ -259,7 +259,7 @@ def rows(*blocks: str | tuple[Any, ...], **more: Any) -> tuple[Variable, ...]:
 
     Args:
         *blocks: Of each block its source and, behind a colon, its dimensions; then a tuple for each quantity:
-            name, unit (behind a bar that of what slides), meaning, and in any order a :class:`Rule`, a
+            name, unit (behind a bar that of what slides), meaning, and in any order a :class:`ColumnRule`, a
             :class:`Reduction`, a text ``entry: label`` (either may be left out; ``=`` for a label that is the
             meaning), and further fields in a dictionary.
         **more: What else holds for all.
@@ -281,7 +281,7 @@ def rows(*blocks: str | tuple[Any, ...], **more: Any) -> tuple[Variable, ...]:
             elif isinstance(one, Reduction):
                 fields = {"rule": _SIZE if one.by == "peak" else ANY} | fields | {"reduced": one}
             else:
-                fields |= {"rule": one} if isinstance(one, Rule) else one
+                fields |= {"rule": one} if isinstance(one, ColumnRule) else one
         made.append(Variable(name, tuple(dims.split()), turning, meaning, source, **fields))
     return tuple(made)
 

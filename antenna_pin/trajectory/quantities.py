@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from antenna_pin.trajectory.columns import Reduction, Rule, Variable, end, peak, rows, total
+from antenna_pin.trajectory.columns import ColumnRule, Reduction, Variable, end, peak, rows, total
 from antenna_pin.trajectory.read import names_along
 
 if TYPE_CHECKING:
@@ -41,12 +41,12 @@ __all__ = [
     "table",
 ]
 
-SIZE = Rule(least=0.0)
-ORDERED = Rule(rising=True)
-TOTAL = Rule(least=0.0, summed=True)
+SIZE = ColumnRule(least=0.0)
+ORDERED = ColumnRule(rising=True)
+TOTAL = ColumnRule(least=0.0, summed=True)
 # Of contacts; none of them is sure to lose energy under a law of a user's.
-LOST = Rule(least=0.0, summed=True, passive=True)
-_LACKS = Rule(lacks=True)
+LOST = ColumnRule(least=0.0, summed=True, passive=True)
+_LACKS = ColumnRule(lacks=True)
 _COUNT, _SHARE, _EXACT = {"form": "count"}, {"form": "share"}, {"exact": True}
 COUPLED = "torque of the coupling on its follower (a force [N] if it slides)"
 _OF_TOUCH = "largest effort (N) of the touch that ends, or lasts to the end; NaN: none"
@@ -155,7 +155,7 @@ EPISODES: tuple[Variable, ...] = rows(
     ("change_loss", "J", "energy lost in the impulse"),
     ("change_impulse", "N m s|N s", "impulse about the axis on the child (N s)"),
     ("change_energy", "J", "energy of a latch's joint, 1/2 I_r rate^2; NaN: no latch", _LACKS),
-    ("change_peak_effort", "N m|N", _OF_TOUCH, Rule(least=0.0, lacks=True)),
+    ("change_peak_effort", "N m|N", _OF_TOUCH, ColumnRule(least=0.0, lacks=True)),
     ("change_peak_time", "s", "when that effort was", _LACKS),
     "episodes: tick",
     ("tick_time", "s", "when the controller was asked", ORDERED),

@@ -15,7 +15,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Self, cast
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.files import check_writable, replacing
 from antenna_pin.base.state import State
-from antenna_pin.base.views import Recorder, Reporter, RunFigures, RunNumbers, View, as_html, as_text, item_of
+from antenna_pin.base.views import (
+    RecorderView,
+    Reporter,
+    RunFiguresView,
+    RunNumbersView,
+    View,
+    as_html,
+    as_text,
+    item_of,
+)
 from antenna_pin.errors import FileFormatError
 from antenna_pin.trajectory.check import problem_of
 from antenna_pin.trajectory.file import FORMAT, read, write
@@ -59,12 +68,12 @@ class RunEvent(NamedTuple):
     energy: float  # that its action added [J]
 
 
-class _Later:
+class _UnlabelledSlot:
     __slots__ = ("_unlabelled",)  # what the data of a result are made of, beside its fields
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Trajectory(_Later):
+class Trajectory(_UnlabelledSlot):
     """Sampled result of a run.
 
     It shows itself: ``run.plot("contact_forces")``, ``run.record("run.html")``,
@@ -87,10 +96,10 @@ class Trajectory(_Later):
     scenario: Scenario | None = None
     end: State | None = None
 
-    plot = View[RunFigures]()
-    record = View[Recorder]()
+    plot = View[RunFiguresView]()
+    record = View[RecorderView]()
     report = View[Reporter]()
-    analyse = View[RunNumbers]()
+    analyse = View[RunNumbersView]()
 
     @classmethod
     def later(cls, unlabelled: Unlabelled, **fields: Any) -> Self:

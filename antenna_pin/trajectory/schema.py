@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterator
 from typing import Any
 
 from antenna_pin.joints.geometry import AxialScenario, RadialScenario
-from antenna_pin.trajectory.columns import Coordinate, Rule, Variable, rows
+from antenna_pin.trajectory.columns import ColumnRule, Coordinate, Variable, rows
 from antenna_pin.trajectory.quantities import COUPLED, EPISODES, LOST, ORDERED, SIZE, SUMMARIES, TOTAL
 
 __all__ = ["COORDINATES", "DIMENSIONS", "TIME", "VARIABLES", "variables_of"]
@@ -61,9 +61,9 @@ COORDINATES: tuple[Coordinate, ...] = (
 )
 
 
-_UNIT, _FREE = Rule(unit=True), {"free_base": True}
-_STORED = Rule(summed=True)  # below zero of a table: where it stores nothing is a matter of choice
-_PRESSED = Rule(least=0.0, beside="touching")
+_UNIT, _FREE = ColumnRule(unit=True), {"free_base": True}
+_STORED = ColumnRule(summed=True)  # below zero of a table: where it stores nothing is a matter of choice
+_PRESSED = ColumnRule(least=0.0, beside="touching")
 #: What the times of samples may be.
 TIME = ORDERED
 
@@ -71,7 +71,7 @@ TIME = ORDERED
 def _scenario_row(name: str, kinds: type[RadialScenario | AxialScenario]) -> tuple[Any, ...]:
     """Return the row of a contact scenario, whose numbers stand for its kinds."""
     flags = tuple((int(kind.value), kind.name.lower()) for kind in kinds)
-    rule = Rule(only=tuple(float(value) for value, _ in flags))
+    rule = ColumnRule(only=tuple(float(value) for value, _ in flags))
     return f"{name}_scenario", "1", f"contact scenario, {name}", rule, {"flags": flags}
 
 
@@ -120,9 +120,9 @@ _CONTACTS: tuple[Variable, ...] = rows(
     ("slip_speed", "m/s", "tangential speed of the journal over the bearing", SIZE),
     ("normal_force", "N", "normal force on the journal", _PRESSED),
     ("friction_force", "N", "friction on the journal", _PRESSED),
-    ("touching", "1", "whether the contact touches", Rule(only=(0.0, 1.0))),
+    ("touching", "1", "whether the contact touches", ColumnRule(only=(0.0, 1.0))),
     "contact: time contact axis",
-    ("contact_force", "N", "force on the journal, bearing axes", Rule(beside="touching")),
+    ("contact_force", "N", "force on the journal, bearing axes", ColumnRule(beside="touching")),
     ("contact_point", "m", "candidate contact, from the bearing's centre"),
     "contact: time clearance_joint axis",
     ("journal_position", "m", "journal's centre in the bearing"),
@@ -135,7 +135,7 @@ _CONTACTS: tuple[Variable, ...] = rows(
         "journal_tilt",
         "rad",
         "angle between the axes of journal and bearing",
-        Rule(least=0.0, most=math.pi),
+        ColumnRule(least=0.0, most=math.pi),
     ),
     "bearing: time bearing axis",
     ("bearing_place", "m", "journal at the bearing's reference point, bearing axes"),

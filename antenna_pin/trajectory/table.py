@@ -22,7 +22,7 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.base.files import absence, has_whole_seal, replacing
 from antenna_pin.base.units import shown
 from antenna_pin.errors import FileFormatError
-from antenna_pin.trajectory.columns import ANY, Rule
+from antenna_pin.trajectory.columns import ANY, ColumnRule
 from antenna_pin.trajectory.file import load_dataset, open_hdf5, write
 from antenna_pin.trajectory.outcome import Outcome
 from antenna_pin.trajectory.read import json_in
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ATTRIBUTES",
     "Attribute",
-    "Column",
+    "TableColumn",
     "FORMATS",
     "KINDS",
     "TABLES",
@@ -49,12 +49,12 @@ __all__ = [
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class TableColumn:
     """Column of a table."""
 
     name: str  # "" for one of each quantity
     dims: tuple[str, ...]
-    rule: Rule = ANY
+    rule: ColumnRule = ANY
     words: tuple[str, ...] | None = None  # allowed texts of a column of text; any if empty
     optional: bool = False
 
@@ -64,7 +64,7 @@ class Attribute:
     """Attribute of a table: a number, or text, which may be JSON."""
 
     name: str
-    rule: Rule | None = None  # of a number
+    rule: ColumnRule | None = None  # of a number
     words: tuple[str, ...] = ()  # allowed texts; any if empty
     several: int = 0  # least number of texts, of a list of them
     named: bool = False  # texts by name
@@ -100,30 +100,30 @@ def _names(text: object) -> list[str] | None:
     return names if isinstance(names, list) and all(isinstance(name, str) for name in names) else None
 
 
-_SIZE, _TIMES = Rule(least=0.0), Rule(rising=True)
-_LACKS, _WHETHER = Rule(lacks=True), Rule(only=(0.0, 1.0))
-_OPEN = Rule(lacks=True, infinite=True)
-_SIZE_OR_NONE = Rule(least=0.0, lacks=True)
-_WIDTH = Rule(least=0.0, infinite=True)
+_SIZE, _TIMES = ColumnRule(least=0.0), ColumnRule(rising=True)
+_LACKS, _WHETHER = ColumnRule(lacks=True), ColumnRule(only=(0.0, 1.0))
+_OPEN = ColumnRule(lacks=True, infinite=True)
+_SIZE_OR_NONE = ColumnRule(least=0.0, lacks=True)
+_WIDTH = ColumnRule(least=0.0, infinite=True)
 _OUTCOMES = ("", *(one.name for one in Outcome))
 
 
-def _columns(*rows: tuple[Any, ...]) -> tuple[Column, ...]:
+def _columns(*rows: tuple[Any, ...]) -> tuple[TableColumn, ...]:
     """Return columns from rows of dimensions, names, rule, words and ``_OPTIONAL``."""
     found = []
     for dims, names, *rest in rows:
         fields: dict[str, Any] = {"optional": _OPTIONAL in rest}
         for one in rest:
             if one is not _OPTIONAL:
-                fields["rule" if isinstance(one, Rule) else "words"] = one
-        found += [Column(name, tuple(dims.split()), **fields) for name in names.split() or [""]]
+                fields["rule" if isinstance(one, ColumnRule) else "words"] = one
+        found += [TableColumn(name, tuple(dims.split()), **fields) for name in names.split() or [""]]
     return tuple(found)
 
 
 _OPTIONAL, _TEXT = "optional", ()
 
 
-def _orbits(over: str, parts: Rule, exponents: Rule) -> tuple[Column, ...]:
+def _orbits(over: str, parts: ColumnRule, exponents: ColumnRule) -> tuple[TableColumn, ...]:
     return _columns(
         (over, "period residual doubt neutral onsets events", _SIZE),
         (over, "stability", ("stable", "unstable", "neutral")),
@@ -137,7 +137,7 @@ def _orbits(over: str, parts: Rule, exponents: Rule) -> tuple[Column, ...]:
 
 
 #: The columns of each kind of table; "" stands for one of each quantity.
-TABLES: Mapping[str, tuple[Column, ...]] = {
+TABLES: Mapping[str, tuple[TableColumn, ...]] = {
     "portrait": _columns(("sample", "time", _TIMES), ("sample", "", _LACKS)),
     "section": _columns(
         ("point", "time", _TIMES),
@@ -157,7 +157,7 @@ TABLES: Mapping[str, tuple[Column, ...]] = {
         ("branch value", "outcome", _OUTCOMES),
         ("branch value", "message", _TEXT),
     ),
-    "orbit": (*_orbits("", ANY, Rule(infinite=True)), *_columns(("to from", "tangent"))),
+    "orbit": (*_orbits("", ANY, ColumnRule(infinite=True)), *_columns(("to from", "tangent"))),
     "branch": (
         *_orbits("point", _LACKS, _OPEN),
         *_columns(
@@ -180,7 +180,7 @@ TABLES: Mapping[str, tuple[Column, ...]] = {
         ("result parameter", "change doubt", _LACKS),
         ("parameter", "at scale"),
         ("parameter", "exponent", _LACKS),
-        ("parameter", "believed", Rule(infinite=True)),
+        ("parameter", "believed", ColumnRule(infinite=True)),
         ("time curve parameter", "curve_change curve_doubt", _LACKS),
         ("time", "time", _TIMES),
         ("result", "result unit", _TEXT),
@@ -189,8 +189,8 @@ TABLES: Mapping[str, tuple[Column, ...]] = {
     ),
     "fit": _columns(
         ("parameter", "value start"),
-        ("parameter", "lower upper", Rule(infinite=True)),
-        ("parameter", "sd", Rule(least=0.0, lacks=True, infinite=True)),
+        ("parameter", "lower upper", ColumnRule(infinite=True)),
+        ("parameter", "sd", ColumnRule(least=0.0, lacks=True, infinite=True)),
         ("parameter", "low high", _OPEN),
         ("parameter", "logarithmic", _WHETHER),
         ("parameter", "units title key", _TEXT),
@@ -256,15 +256,15 @@ ATTRIBUTES: Mapping[str, tuple[Attribute, ...]] = {
     "fit": (
         Attribute("fit", table=True),
         *(Attribute(name, _SIZE) for name in ("chi2", "runs", "evaluations")),
-        Attribute("freedoms", Rule()),
+        Attribute("freedoms", ColumnRule()),
         *(Attribute(name) for name in ("noise", "loss", "message")),
         Attribute("converged", _WHETHER),
     ),
-    "identifiability": (Attribute("level", Rule(0.0, 1.0)), Attribute("quantile", _SIZE)),
+    "identifiability": (Attribute("level", ColumnRule(0.0, 1.0)), Attribute("quantile", _SIZE)),
     "experiments": (
         Attribute("criterion", words=("D", "c", "A", "E")),
         Attribute("wanted"),
-        Attribute("level", Rule(0.0, 1.0)),
+        Attribute("level", ColumnRule(0.0, 1.0)),
         Attribute("total", _SIZE),
     ),
 }
@@ -298,7 +298,7 @@ def _problems(table: xr.Dataset, kind: str) -> Iterator[str]:
             yield from _in_column(table, name, column)
 
 
-def _in_column(table: xr.Dataset, name: str, column: Column) -> Iterator[str]:
+def _in_column(table: xr.Dataset, name: str, column: TableColumn) -> Iterator[str]:
     if name not in table.variables:
         if not column.optional:
             yield f"no variable {name!r}"

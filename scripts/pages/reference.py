@@ -84,7 +84,7 @@ def figure_names() -> str:
     """Return the names of the catalogue's figures as Python, for type checkers."""
     names = "".join(f"    {name!r},\n".replace("'", '"') for name in CATALOGUE)
     drawn = "".join(
-        f'    {name}: Drawing\n    """{figure.title.format(joint="a joint")}."""\n'
+        f'    {name}: DrawingView\n    """{figure.title.format(joint="a joint")}."""\n'
         for name, figure in CATALOGUE.items()
     )
     return (

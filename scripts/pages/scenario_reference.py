@@ -85,7 +85,7 @@ def kind_of(field: FieldInfo, parameter: Parameter | None = None) -> str:
     if parameter is not None and parameter.sizes == (0,):
         return f"list of {kind_of_units(parameter.units)}"
     for item in (*field.metadata, *annotations(field.annotation)):
-        if type(item).__name__ in ("Quantity", "Vector"):
+        if type(item).__name__ in ("QuantityRule", "Vector"):
             text = kind_of_units(item.unit)
             sizes = getattr(item, "sizes", ())
             return f"{' or '.join(map(str, sizes))} × {text}" if sizes else text

@@ -7,9 +7,9 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.base.records import POSE
 from antenna_pin.elements import BallBearing, StiffnessBearing
-from antenna_pin.elements.bearing_kernels import LAYOUT, SIZE, kept, press
+from antenna_pin.elements.bearing_kernels import LAYOUT, SIZE, journal_energy, press
 
-PRESS, KEPT = plain(press), plain(kept)
+PRESS, ENERGY = plain(press), plain(journal_energy)
 RANDOM = np.random.default_rng(11)
 STIFFNESS, DAMPING = (one @ one.T for one in RANDOM.normal(size=(2, 5, 5)))
 
@@ -80,7 +80,7 @@ def test_what_a_bearing_stores_is_what_it_takes(bearing, size):
 
     def energy(t):
         axis = Rotation.from_rotvec(t * spin).apply(pose["axis"][0])
-        return KEPT(words, 0, np.concatenate([pose["centre"][0] + t * velocity, axis]))
+        return ENERGY(words, 0, np.concatenate([pose["centre"][0] + t * velocity, axis]))
 
     assert PRESS(words, 0, pose[0]) == 0.0
     slope = 8.0 * (energy(h) - energy(-h)) - energy(2.0 * h) + energy(-2.0 * h)

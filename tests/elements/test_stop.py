@@ -30,7 +30,7 @@ def test_a_start_beyond_a_limit_or_at_it_is_a_touch(angle, rate, side, approach)
     met = Met(0.0, angle, rate, 0.0)
     for mode in (FREE, LOWER, UPPER):
         stop = dataclasses.replace(STOP, mode=mode)
-        found = stop.first(met) if side != FREE else stop.in_another(met)
+        found = stop.initial_change(met) if side != FREE else stop.in_another(met)
         if mode == side:
             assert found is None
             continue

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from antenna_pin.joints.geometry import RevoluteClearance, pose_of
-from antenna_pin.joints.geometry.shape import asked
+from antenna_pin.joints.geometry.shape import queried_contacts
 
 ANTENNA = dict(
     bearing_radius=0.010,
@@ -173,4 +173,4 @@ class Coal:
         self.backend = shape.coal(np.eye(3))
 
     def contacts(self, p_HJ, attitude):
-        return asked(self.backend, len(self.shape.contact_places), pose_of(p_HJ, attitude))
+        return queried_contacts(self.backend, len(self.shape.contact_places), pose_of(p_HJ, attitude))

@@ -47,7 +47,7 @@ def test_a_knob_at_its_value_is_the_scenario(scenario, knob):
         # A play that the radii give is a difference: round-off of them, 1e-16 of 0.02 m.
         assert flat_after[place] == pytest.approx(value, rel=1e-12, abs=0.0), place
     # Ten digits are shown.
-    assert knob.read(knob.told(knob.value)) == pytest.approx(knob.value, rel=1e-9, abs=0.0)
+    assert knob.read(knob.display_text(knob.value)) == pytest.approx(knob.value, rel=1e-9, abs=0.0)
 
 
 def test_a_heading_names_one_of_its_table():
@@ -73,8 +73,8 @@ def test_a_slider_goes_through_its_range_in_three_digits(scenario, knob):
 @pytest.mark.parametrize("unit", ["m", "s", "N", "Hz", "Pa", "rad"])
 def test_a_small_number_is_shown_with_a_prefix_and_read_again(unit):
     knob = Knob(group="g", name="n", place="p", unit=unit, value=2e-4, low=1e-5, high=4e-3, logarithmic=True)
-    assert knob.told(2.5e-4) in (f"0.25 m{unit}", f"250 \N{MICRO SIGN}{unit}")
-    assert knob.read(knob.told(2.5e-4)) == pytest.approx(2.5e-4, rel=1e-12)
+    assert knob.display_text(2.5e-4) in (f"0.25 m{unit}", f"250 \N{MICRO SIGN}{unit}")
+    assert knob.read(knob.display_text(2.5e-4)) == pytest.approx(2.5e-4, rel=1e-12)
 
 
 def test_a_slider_begins_at_its_middle_and_goes_as_far_either_way():
@@ -93,11 +93,11 @@ def test_a_slider_begins_at_its_middle_and_goes_as_far_either_way():
 def test_an_angle_is_shown_in_the_unit_that_it_was_written_in():
     """The scenario keeps radians; of the units of angles that one is taken which makes the fewest digits."""
     knobs = {knob.place: knob for knob in knobs_of(load_scenario("solar_array"), "root")}
-    assert knobs["stops.root.upper"].told(math.radians(90.0)) == "90 deg"
+    assert knobs["stops.root.upper"].display_text(math.radians(90.0)) == "90 deg"
     upper = knobs["stops.root.upper"]
-    assert upper.told(upper.from_slider(0.3)) == "27.2 deg"  # 4.5 deg times 400 to the power of 0.3
-    assert knobs["springs.root.rest_angle"].told(knobs["springs.root.rest_angle"].value) == "-180 deg"
-    assert knobs["stops.root.least_rate"].told(knobs["stops.root.least_rate"].value) == "0.0001 rad/s"
+    assert upper.display_text(upper.from_slider(0.3)) == "27.2 deg"  # 4.5 deg times 400 to the power of 0.3
+    assert knobs["springs.root.rest_angle"].display_text(knobs["springs.root.rest_angle"].value) == "-180 deg"
+    assert knobs["stops.root.least_rate"].display_text(knobs["stops.root.least_rate"].value) == "0.0001 rad/s"
 
 
 def flat(table, place=""):
@@ -157,7 +157,7 @@ def test_play_that_two_sizes_give_is_turned_at_one_of_them(model, changes, key, 
 def test_powers_are_shown_as_they_are_typed(unit, value, shown):
     """With a circumflex; and what is shown is read again."""
     knob = Knob(group="", name="", place="here", unit=unit, value=value, low=0.0, high=1.0, logarithmic=False)
-    assert knob.told(value) == shown
+    assert knob.display_text(value) == shown
     assert knob.read(shown) == pytest.approx(value, rel=1e-14, abs=0.0)
 
 

@@ -18,7 +18,7 @@ quantities = ["motion_rate[hinge]"]
 def test_a_shipped_diagram_can_be_made(name):
     """Its first and last value build a system with what is noted, looked at where it says."""
     plan = load_plan(name)
-    values = plan.given()
+    values = plan.argument_values()
     for value in (values[0], values[-1]):
         SectionRun(plan.base().with_overrides({plan.parameter: value}), plan.where(), plan.quantities)
     assert plan.title and len(values) >= 10
@@ -29,7 +29,7 @@ def test_a_file_of_ones_own_says_what_the_command_would(tmp_path):
     file.write_text(PLAN)
     plan = load_plan(file, {"count": 50})
     assert (plan.name, plan.count, plan.transient, plan.branches) == ("stiffness", 50, None, ("fresh",))
-    assert plan.given() == ["1.0 N*m/rad", "1.5 N*m/rad", "2.0 N*m/rad"]
+    assert plan.argument_values() == ["1.0 N*m/rad", "1.5 N*m/rad", "2.0 N*m/rad"]
     assert values_of("3, 1, 2 mm") == [3.0, 1.0, "2 mm"]
 
 

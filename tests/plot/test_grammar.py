@@ -9,9 +9,9 @@ from antenna_pin.show.plot._style import LINEAR_BETWEEN, footnote
 from antenna_pin.show.plot._thinned import between_spikes
 from antenna_pin.show.plot.grammar import (
     Axis,
-    Curve,
     Ground,
     Panel,
+    PlotCurve,
     Points,
     Rule,
     Sheet,
@@ -42,15 +42,15 @@ def test_a_sine_under_impacts_counts_whole():
 def test_a_scale_is_linear_as_far_as_every_run_is_smooth():
     """The ideal run does not move that way at all: what the play does is a sine, and looks like one."""
     time, value = with_impacts(0.3, 2000.0)
-    still = Curve("ideal", time, 1e-6 * value, {}, smooth=True)
-    assert 0.3 / 1.2 < Panel("", [Curve("play", time, value), still]).core <= 0.3
+    still = PlotCurve("ideal", time, 1e-6 * value, {}, smooth=True)
+    assert 0.3 / 1.2 < Panel("", [PlotCurve("play", time, value), still]).core <= 0.3
 
 
 def test_what_dotted_lines_mean_stands_once_below_the_panels():
     """Beside the axes it would take the room of the label; limits stand as ticks at the lines."""
     time, value = with_impacts(0.3, 2000.0)
     y = Axis("acceleration", "m/s^2")
-    panels = [Panel(name, [Curve(name, time, value)], y) for name in ("x", "y")]
+    panels = [Panel(name, [PlotCurve(name, time, value)], y) for name in ("x", "y")]
     figure = render(panels_sheet(panels, "page", 2, spikes=True))
     assert figure.get_supxlabel() == LINEAR_BETWEEN
     assert all("\n" not in axes.get_ylabel() for axes in figure.axes)
@@ -65,12 +65,12 @@ TIME = np.linspace(0.0, 1.0, 5)
 
 
 def panel(title="p", size=1.0, **axis):
-    return Panel(title, [Curve(title, TIME, size * TIME)], Axis("force", "N", **axis))
+    return Panel(title, [PlotCurve(title, TIME, size * TIME)], Axis("force", "N", **axis))
 
 
 def test_numbers_of_all_marks_are_scaled_by_the_prefix_of_the_largest_curve():
     marks = [
-        Curve("line", TIME, 2e-3 * TIME),
+        PlotCurve("line", TIME, 2e-3 * TIME),
         Points(np.array([[0.5, 1e-3]])),
         Rule(3e-3),
         Ground(0.0, 1e-3, along="y"),

@@ -54,7 +54,7 @@ from antenna_pin.show.plot import (
 from antenna_pin.show.plot import journal as journal_figures
 from antenna_pin.show.plot._compared import panels_sheet
 from antenna_pin.show.plot._kinds import FREE_BASE, LOOPED, MOVING, PLAYLESS, POINTED, SLIDING, TOUCHING
-from antenna_pin.show.plot.grammar import Axis, Curve, Panel, render
+from antenna_pin.show.plot.grammar import Axis, Panel, PlotCurve, render
 
 from .conftest import factor_of, lines_of, note_of, title_of
 
@@ -524,7 +524,7 @@ def test_what_samples_do_not_resolve_is_shaded_in_spectra_and_not_in_spectrogram
 def test_time_axes_that_no_other_continues_are_labelled(count, labelled):
     """The last of an odd number has a row to itself, on another scale than those above it."""
     t = np.linspace(0.0, 1.0, 5)
-    panels = [Panel("p", [Curve("c", t, t, smooth=True)], Axis("p", "m")) for _ in range(count)]
+    panels = [Panel("p", [PlotCurve("c", t, t, smooth=True)], Axis("p", "m")) for _ in range(count)]
     axes = render(panels_sheet(panels, "page", 2)).axes
     assert [k for k, each in enumerate(axes) if each.get_xlabel()] == labelled
 

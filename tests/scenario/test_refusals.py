@@ -11,7 +11,7 @@ from antenna_pin import contact, load_scenario
 from antenna_pin.base.units import describe_unit
 from antenna_pin.errors import ScenarioError, UnknownNameError
 from antenna_pin.scenario import LawChange, LawSpec
-from antenna_pin.scenario.spec import Quantity, Spec
+from antenna_pin.scenario.spec import QuantityRule, Spec
 
 
 @pytest.mark.parametrize("key", ["altitude", "period", "rate"])
@@ -450,7 +450,7 @@ def test_every_key_refuses_what_it_does_not_declare(folder):
         kinds = [one for one in get_args(field.annotation) or (field.annotation,) if one is not type(None)]
         annotations = [*field.metadata, *(one for kind in kinds for one in get_args(kind))]
         wrong = [(3, "must be text, got 3")] if kinds == [str] else []
-        for quantity in (one for one in annotations if isinstance(one, Quantity)):
+        for quantity in (one for one in annotations if isinstance(one, QuantityRule)):
             wrong.append(("1 K", f"must be {describe_unit(quantity.unit)}, got '1 K' (K)"))
             wrong += [(-1, f"must be {quantity.rule}, got -1")] if quantity.rule else []
         for value, rule in wrong:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from antenna_pin.studies.sensitivity import SensitivityError
-from antenna_pin.studies.sensitivity.finite_differences import Slopes
+from antenna_pin.studies.sensitivity.finite_differences import VariableDerivatives
 from antenna_pin.studies.sensitivity.methods import _checked_by_runs
 
 # Of three instants; the second is displaced most and in doubt by 0.6 %, the third by chance in none.
@@ -16,7 +16,7 @@ DOUBTS = np.array([0.01, 0.6, 0.0])
 
 def held(ours):
     runs, found = (
-        Slopes({"onset_time": values}, {"onset_time": doubts})
+        VariableDerivatives({"onset_time": values}, {"onset_time": doubts})
         for values, doubts in ((BY_RUNS, DOUBTS), (ours, np.zeros(3)))
     )
     key, made = SimpleNamespace(key="a.play", scale=1.0), SimpleNamespace(sizes={"onset_time": 1e-3})

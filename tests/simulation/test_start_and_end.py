@@ -13,7 +13,7 @@ from antenna_pin.contact import make_normal_law
 from antenna_pin.dynamics import CallableDrive
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.joints.geometry import RevoluteClearance, pose_of
-from antenna_pin.joints.geometry.shape import asked
+from antenna_pin.joints.geometry.shape import queried_contacts
 from antenna_pin.mechanism import frame_aligning_z
 from antenna_pin.run.simulation import steps
 from antenna_pin.scenario.assemble import build_system, initial_state
@@ -65,7 +65,7 @@ def test_the_gap_falls_all_the_way_to_a_pin_across_the_bore():
         axis = [math.sin(tilt), 0.0, math.cos(tilt)]
         closed = [c.gap for c in shape.contacts([0, 0, 0], axis)]
         # Round-off of 5 cm; at right angles the journal's axis never meets the planes of the end circles.
-        by_coal = [c.gap for c in asked(coal, 4, pose_of([0, 0, 0], axis))]
+        by_coal = [c.gap for c in queried_contacts(coal, 4, pose_of([0, 0, 0], axis))]
         assert by_coal[:2] == pytest.approx(closed[:2], abs=1e-15)
         gaps.append(closed[0])
     assert (np.diff(gaps) < 0.0).all()

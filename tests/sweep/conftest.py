@@ -5,7 +5,7 @@ import math
 import pytest
 
 from antenna_pin.studies.sweep import load_study
-from antenna_pin.studies.sweep.jobs import Done
+from antenna_pin.studies.sweep.jobs import FinishedRun
 
 STUDY = """
 scenario = "impact_pair"
@@ -68,7 +68,7 @@ class Fake:
             if self.stop is not None and len(self.made) >= self.stop:
                 raise KeyboardInterrupt
             self.made.append(job.run)
-            yield [job], [Done(answer(job))]
+            yield [job], [FinishedRun(answer(job))]
 
     def close(self):
         pass

@@ -5,7 +5,7 @@ import pytest
 
 from antenna_pin import Trajectory, load_scenario, simulate
 from antenna_pin.trajectory.check import problem_of
-from antenna_pin.trajectory.columns import Rule
+from antenna_pin.trajectory.columns import ColumnRule
 
 
 @pytest.fixture(scope="module")
@@ -26,16 +26,16 @@ def test_an_episode_of_no_contact_is_refused(data, number):
 @pytest.mark.parametrize(
     ("rule", "good", "bad"),
     [
-        (Rule(), [-1e300, 0.0], [0.0, np.nan]),
-        (Rule(lacks=True), [np.nan, 1.0], [np.nan, np.inf]),
-        (Rule(infinite=True), [np.inf, -np.inf], [np.inf, np.nan]),
-        (Rule(least=0.0), [0.0, 1.0], [0.0, -5e-324]),
-        (Rule(most=1.0), [-1.0, 1.0], [1.0, 1.0 + 2.3e-16]),
-        (Rule(only=(0.0, 1.0)), [1.0, 0.0], [1.0, 0.5]),
-        (Rule(rising=True), [1.0, 1.0], [1.0, 1.0 - 1.2e-16]),
-        (Rule(unit=True), [[0.6, 0.8], [0.0, 1.0 + 0.9e-6]], [[0.6, 0.8], [0.0, 1.0 + 1.1e-6]]),
+        (ColumnRule(), [-1e300, 0.0], [0.0, np.nan]),
+        (ColumnRule(lacks=True), [np.nan, 1.0], [np.nan, np.inf]),
+        (ColumnRule(infinite=True), [np.inf, -np.inf], [np.inf, np.nan]),
+        (ColumnRule(least=0.0), [0.0, 1.0], [0.0, -5e-324]),
+        (ColumnRule(most=1.0), [-1.0, 1.0], [1.0, 1.0 + 2.3e-16]),
+        (ColumnRule(only=(0.0, 1.0)), [1.0, 0.0], [1.0, 0.5]),
+        (ColumnRule(rising=True), [1.0, 1.0], [1.0, 1.0 - 1.2e-16]),
+        (ColumnRule(unit=True), [[0.6, 0.8], [0.0, 1.0 + 0.9e-6]], [[0.6, 0.8], [0.0, 1.0 + 1.1e-6]]),
     ],
-    ids=lambda one: one.words if isinstance(one, Rule) else "",
+    ids=lambda one: one.words if isinstance(one, ColumnRule) else "",
 )
 def test_a_rule_holds_up_to_its_bound_and_no_further(rule, good, bad):
     assert rule.breach(np.array(good)) is None

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
     from antenna_pin.run.simulation import Progress
-    from antenna_pin.studies.nonlinear import Made
+    from antenna_pin.studies.nonlinear import DiagramProgress
     from antenna_pin.studies.sweep import StudyProgress
 
 
@@ -263,13 +263,13 @@ def _seconds(value: float) -> str:
 
 
 @contextlib.contextmanager
-def diagram_bar(title: str, shown: bool) -> Iterator[Callable[[Made], None]]:
+def diagram_bar(title: str, shown: bool) -> Iterator[Callable[[DiagramProgress], None]]:
     """Yield the progress function of a bifurcation diagram."""
     from antenna_pin.studies.sweep import StudyProgress
 
     with study_bar(title, shown) as report:
 
-        def tell(progress: Made) -> None:
+        def tell(progress: DiagramProgress) -> None:
             if report is not None:
                 report(StudyProgress("run", progress.done, progress.count, 0))
 

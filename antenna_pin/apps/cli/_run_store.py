@@ -179,7 +179,7 @@ class AttractorStore:
 
         plan = load_plan(wanted.name)
         scenario = plan.base(self.settings)
-        every = plan.given()
+        every = plan.argument_values()
         values = values_of(f"{every[0]}:{every[-1]}:{self.values}")
         numbers = [found[0] for found in map(any_quantity, values) if found is not None]
         path = self.folder / f"{_stem(wanted)}.nc"

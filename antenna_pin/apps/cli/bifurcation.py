@@ -132,7 +132,7 @@ def bifurcation(
         refuse("bifurcation: --orbits must be given with --plot, whose figure they lie over")
     with diagram_bar(plan.parameter, progress) as tell:
         how = {**plan.how(), "out": targets[0], "workers": workers, "progress": tell}
-        found = computed(loaded, values=plan.given(), **how)
+        found = computed(loaded, values=plan.argument_values(), **how)
     with not_interrupted():
         save_both(
             found,

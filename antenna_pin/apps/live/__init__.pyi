@@ -3,8 +3,8 @@ from antenna_pin.apps.live.explored import Curves as Curves
 from antenna_pin.apps.live.explored import Explored as Explored
 from antenna_pin.apps.live.knobs import Knob as Knob
 from antenna_pin.apps.live.knobs import knobs_of as knobs_of
-from antenna_pin.apps.live.runner import Made as Made
 from antenna_pin.apps.live.runner import Runner as Runner
+from antenna_pin.apps.live.runner import RunUpdate as RunUpdate
 from antenna_pin.apps.live.server import Exploration as Exploration
 from antenna_pin.apps.live.server import check_bokeh as check_bokeh
 from antenna_pin.apps.live.server import explore as explore

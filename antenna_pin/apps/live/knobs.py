@@ -80,7 +80,7 @@ class Knob:
         plain = text.replace("\N{MINUS SIGN}", "-").replace("\N{NO-BREAK SPACE}", " ")
         return quantity(bare(plain), self.unit, self.place)
 
-    def told(self, value: float) -> str:
+    def display_text(self, value: float) -> str:
         """Return a value as displayed and typed: ``0.2 mm``."""
         unit, factor = self._written
         if unit == self.unit and self._is_plain:

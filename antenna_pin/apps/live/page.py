@@ -19,7 +19,7 @@ from antenna_pin.apps.live.explored import Curves, Explored, said_of
 from antenna_pin.apps.live.knobs import Knob
 from antenna_pin.apps.live.looks import darkened, dressed
 from antenna_pin.apps.live.panels import Panels
-from antenna_pin.apps.live.runner import COMPILING, Made, Runner
+from antenna_pin.apps.live.runner import COMPILING, Runner, RunUpdate
 from antenna_pin.base.readable import lasting
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.scenario import Scenario
@@ -114,7 +114,9 @@ class ExplorerPage:
             name=knob.place,
             sizing_mode="stretch_width",
         )
-        typed = TextInput(value=knob.told(value), width=104, margin=(14, 5, 0, 5), name=f"{knob.place} typed")
+        typed = TextInput(
+            value=knob.display_text(value), width=104, margin=(14, 5, 0, 5), name=f"{knob.place} typed"
+        )
         self._sliders[knob.place] = knob, slider, typed
         slider.on_change("value", partial(self._slid, knob))
         typed.on_change("value", partial(self._typed, knob))
@@ -144,7 +146,7 @@ class ExplorerPage:
         _, slider, typed = self._sliders[knob.place]
         self._setting = True
         try:
-            typed.value = knob.told(value)
+            typed.value = knob.display_text(value)
             if slide:
                 slider.value = knob.to_slider(value)
         finally:
@@ -188,7 +190,7 @@ class ExplorerPage:
     def _ask(self) -> None:
         self._runner.ask(self._explored.scenario)
 
-    def _pass_on(self, answer: Made) -> None:
+    def _pass_on(self, answer: RunUpdate) -> None:
         """Pass a run from its thread to the page's own."""
         self._document.add_next_tick_callback(partial(self._show, answer))
 
@@ -200,7 +202,7 @@ class ExplorerPage:
             self._stage = stage
             self._tell(f"first run: {stage}")
 
-    def _show(self, answer: Made) -> None:
+    def _show(self, answer: RunUpdate) -> None:
         if self._ticking is not None:
             self._document.remove_periodic_callback(self._ticking)
             self._ticking = None

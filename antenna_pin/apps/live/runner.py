@@ -25,7 +25,7 @@ _LEAST = 1.0 / 256.0
 
 
 @dataclass(frozen=True, slots=True)
-class Made:
+class RunUpdate:
     """Answer to a request.
 
     Attributes:
@@ -50,7 +50,7 @@ class Runner:
         deliver: Called in that thread with answers to the latest request.
     """
 
-    def __init__(self, deliver: Callable[[Made], None]) -> None:
+    def __init__(self, deliver: Callable[[RunUpdate], None]) -> None:
         """Start the thread, which waits."""
         self._deliver = deliver
         self._change = threading.Condition()
@@ -108,7 +108,7 @@ class Runner:
                 said = str(error)
                 if not isinstance(error, AntennaPinError):
                     said = f"{type(error).__name__}: {' '.join(said.split())}"
-                self._tell(Made(number, None, True, said, time.perf_counter() - asked))
+                self._tell(RunUpdate(number, None, True, said, time.perf_counter() - asked))
 
     def _make(self, number: int, scenario: Callable[[], Scenario], requested: float) -> None:
         """Make a run piece by piece, identical to one run, until another request comes."""
@@ -129,10 +129,10 @@ class Runner:
             piece = max(piece, _LEAST * made.duration)
             if now - told > _PICTURE and session.time < end:
                 told = now
-                self._tell(Made(number, session.trajectory(), False, "", now - requested))
+                self._tell(RunUpdate(number, session.trajectory(), False, "", now - requested))
         run = session.trajectory()
-        self._tell(Made(number, run, True, "", time.perf_counter() - requested))
+        self._tell(RunUpdate(number, run, True, "", time.perf_counter() - requested))
 
-    def _tell(self, answer: Made) -> None:
+    def _tell(self, answer: RunUpdate) -> None:
         if answer.number == self._number:
             self._deliver(answer)

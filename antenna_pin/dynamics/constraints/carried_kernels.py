@@ -14,7 +14,7 @@ from antenna_pin.base.records import PLANE, RIGID, ROTATION, SLIDE, Floats
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.constraints.force_kernels import least_forces, wrenches
 from antenna_pin.dynamics.constraints.layout_kernels import (
-    Closure,
+    ClosureRecord,
     applied_in,
     body_at,
     closure_at,
@@ -221,7 +221,7 @@ def _take_closures(plan: Floats, work: Floats, room: Floats) -> None:
 
 
 @inlined
-def _from_body(work: Floats, closure: Closure, b: int, lever: Floats) -> None:
+def _from_body(work: Floats, closure: ClosureRecord, b: int, lever: Floats) -> None:
     """Write the way from a body's origin to the second side's point."""
     point = closure.second_origin
     for k in range(3):

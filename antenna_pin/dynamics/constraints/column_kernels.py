@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from antenna_pin.base.records import CIRCLE, FIXED_AXIS, PLANE, RIGID, SLIDE, Floats, Triple
 from antenna_pin.compiled.decorators import inlined, kernel
-from antenna_pin.dynamics.constraints.layout_kernels import Closure, body_at, place_at, plan_of
+from antenna_pin.dynamics.constraints.layout_kernels import ClosureRecord, body_at, place_at, plan_of
 from antenna_pin.mechanism.room_kernels import Nine
 
 #: What a closure holds, 0 or 1: along and about each axis of its first frame, and the angle between two axes.
@@ -14,7 +14,7 @@ Holds = tuple[Nine, Held, Triple]
 
 
 @kernel
-def closure_columns(plan: Floats, work: Floats, closure: Closure) -> None:
+def closure_columns(plan: Floats, work: Floats, closure: ClosureRecord) -> None:
     """Write J of a closure whose frames are placed; ``slide`` is its first perpendicular axis."""
     # In numbers of their own: what is written might be them, for all that a compiler knows.
     a, b = place_at(work, plan_of(plan).bodies + 1), place_at(work, plan_of(plan).bodies + 2)
@@ -74,15 +74,15 @@ def _columns(plan: Floats, work: Floats, row: int, b: int, sign: float, origin: 
 
 
 @inlined
-def _way_column(work: Floats, at: int, x: float, y: float, z: float, frame: Nine, held: Held) -> None:
+def _way_column(work: Floats, at: int, x: float, y: float, z: float, frame: Nine, restraint: Held) -> None:
     """Write one column of a closure's rows, at ``work[at:]``, for translation along (x, y, z)."""
-    if held[0] != 0:
+    if restraint[0] != 0:
         work[at] = frame[0] * x + frame[1] * y + frame[2] * z
         at += 1
-    if held[1] != 0:
+    if restraint[1] != 0:
         work[at] = frame[3] * x + frame[4] * y + frame[5] * z
         at += 1
-    if held[2] != 0:
+    if restraint[2] != 0:
         work[at] = frame[6] * x + frame[7] * y + frame[8] * z
 
 

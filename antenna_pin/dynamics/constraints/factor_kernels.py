@@ -190,16 +190,16 @@ def _reduce(plan: Floats, work: Floats, left: Floats, squares: Floats, weights: 
 
 
 @inlined
-def _scale(largest: Floats, first: int, count: int) -> None:
+def _scale(largest: Floats, row: int, count: int) -> None:
     """Scale a closure's translational or rotational rows by their largest number.
 
     Where a row vanishes an equation is lost. Numbers of J are geometry: lengths, in which kinetic energies
     are squares, differ by any factor between ways that turn a body and those that move it.
     """
     most = 0.0
-    for r in range(first, first + count):
+    for r in range(row, row + count):
         most = max(most, largest[r])
-    for r in range(first, first + count):
+    for r in range(row, row + count):
         if largest[r] != 0.0:
             largest[r] /= most
 

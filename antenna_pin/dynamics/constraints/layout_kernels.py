@@ -14,7 +14,7 @@ from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.mechanism.tree_kernels import BODY, PLACE, Body, Place
 
 
-class Plan(Record):
+class PlanRecord(Record):
     """Head of a plan: sizes, and the starts of its arrays in a work array."""
 
     bodies: int  # how many
@@ -49,11 +49,11 @@ class Plan(Record):
     gravity: Vector3  # [m/s^2]
 
 
-PLAN = layout(Plan)
+PLAN = layout(PlanRecord)
 PLAN_WORDS = words_of(PLAN)
 
 
-class Closure(Record):
+class ClosureRecord(Record):
     """A closure of a loop between two bodies."""
 
     first: int  # index of a body; -1: the world
@@ -70,7 +70,7 @@ class Closure(Record):
     second_origin: Vector3  # [m]
 
 
-CLOSURE = layout(Closure)
+CLOSURE = layout(ClosureRecord)
 CLOSURE_WORDS = words_of(CLOSURE)
 
 
@@ -112,7 +112,7 @@ COUPLED = layout(Coupled)
 COUPLED_WORDS = words_of(COUPLED)
 
 
-class Found(Record):
+class ConstraintSolution(Record):
     """The outcome of solving for the constraints."""
 
     rank: int  # of the rows
@@ -124,7 +124,7 @@ class Found(Record):
     spin: float  # largest residual [rad/s]
 
 
-FOUND = layout(Found)
+FOUND = layout(ConstraintSolution)
 FOUND_WORDS = words_of(FOUND)
 
 BODY_WORDS = words_of(BODY)
@@ -132,7 +132,7 @@ PLACE_WORDS = words_of(PLACE)
 
 
 @inlined
-def plan_of(plan: Floats) -> Plan:
+def plan_of(plan: Floats) -> PlanRecord:
     """Return the head of a plan."""
     return record(plan[:PLAN_WORDS], PLAN)
 
@@ -145,7 +145,7 @@ def body_at(plan: Floats, b: int) -> Body:
 
 
 @inlined
-def closure_at(plan: Floats, c: int) -> Closure:
+def closure_at(plan: Floats, c: int) -> ClosureRecord:
     """Return a closure."""
     at = PLAN_WORDS + BODY_WORDS * plan_of(plan).bodies + CLOSURE_WORDS * c
     return record(plan[at : at + CLOSURE_WORDS], CLOSURE)
@@ -191,7 +191,7 @@ def applied_in(plan: Floats) -> tuple[int, int]:
 
 
 @inlined
-def found_in(plan: Floats, work: Floats) -> Found:
+def found_in(plan: Floats, work: Floats) -> ConstraintSolution:
     """Return what solving found."""
     at = plan_of(plan).found
     return record(work[at : at + FOUND_WORDS], FOUND)

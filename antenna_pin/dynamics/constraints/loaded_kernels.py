@@ -21,7 +21,7 @@ from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.constraints.carried_kernels import write_carried
 from antenna_pin.dynamics.constraints.factor_kernels import factorize
-from antenna_pin.dynamics.constraints.layout_kernels import Driven, Plan, hold_at, plan_of
+from antenna_pin.dynamics.constraints.layout_kernels import Driven, PlanRecord, hold_at, plan_of
 from antenna_pin.dynamics.constraints.rows_kernels import write_rows
 from antenna_pin.dynamics.constraints.solve_kernels import solve_rows
 from antenna_pin.elements import kernels as elements
@@ -119,7 +119,7 @@ def _bear(
 
 
 @inlined
-def _rub(y: Floats, program: Floats, head: Plan, own: Driven) -> float:
+def _rub(y: Floats, program: Floats, head: PlanRecord, own: Driven) -> float:
     """Return the torque of a hold's friction by its load, with its sign."""
     states = y, head.nq + head.nv + own.x
     return float(elements.rub(own.kind, program, own.words, y[head.nq + own.v], states))

@@ -9,7 +9,7 @@ from antenna_pin.compiled.decorators import inlined
 
 
 @inlined
-def write_root(mass: Floats, nv: int, root: Floats, first: Floats) -> None:
+def write_root(mass: Floats, nv: int, root: Floats, starts: Floats) -> None:
     """Write L of M = L L^T, (nv nv,), and each row's first column.
 
     On the diagonal stand inverses.
@@ -19,10 +19,10 @@ def write_root(mass: Floats, nv: int, root: Floats, first: Floats) -> None:
         begin = 0
         while begin < i and mass[i, begin] == 0.0:
             begin += 1
-        first[i] = begin
+        starts[i] = begin
         for j in range(begin, i):
             total = mass[i, j]
-            for k in range(max(begin, int(first[j])), j):
+            for k in range(max(begin, int(starts[j])), j):
                 total -= root[row + k] * root[j * nv + k]
             root[row + j] = total * root[j * nv + j]
         total = mass[i, i]
@@ -32,19 +32,19 @@ def write_root(mass: Floats, nv: int, root: Floats, first: Floats) -> None:
 
 
 @inlined
-def solve_forth(nv: int, root: Floats, first: Floats, out: Floats) -> None:
+def solve_forth(nv: int, root: Floats, starts: Floats, out: Floats) -> None:
     """Solve L x = out in place."""
     for i in range(nv):
         total = out[i]
-        for k in range(int(first[i]), i):
+        for k in range(int(starts[i]), i):
             total -= root[i * nv + k] * out[k]
         out[i] = total * root[i * nv + i]
 
 
 @inlined
-def solve_back(nv: int, root: Floats, first: Floats, out: Floats) -> None:
+def solve_back(nv: int, root: Floats, starts: Floats, out: Floats) -> None:
     """Solve L^T x = out in place."""
     for i in range(nv - 1, -1, -1):
         out[i] *= root[i * nv + i]
-        for k in range(int(first[i]), i):
+        for k in range(int(starts[i]), i):
             out[k] -= root[i * nv + k] * out[i]

@@ -39,7 +39,7 @@ from antenna_pin.dynamics.constraints.layout_kernels import (
     BODY_WORDS,
     PLACE_WORDS,
     PLAN_WORDS,
-    Closure,
+    ClosureRecord,
     Coupled,
     Driven,
     closure_at,
@@ -226,7 +226,7 @@ def _place_frame(plan: Floats, work: Floats, b: int, rotation: Floats, origin: F
 
 
 @kernel
-def _closure_rows(plan: Floats, work: Floats, closure: Closure) -> None:
+def _closure_rows(plan: Floats, work: Floats, closure: ClosureRecord) -> None:
     head = plan_of(plan)
     # The frames' slide, turn and the scratch body's fields serve as room for vectors.
     a, b = place_at(work, head.bodies + 1), place_at(work, head.bodies + 2)

@@ -28,7 +28,7 @@ from __future__ import annotations
 from antenna_pin.base.records import Floats, Matrix3, Record, Records, Six, Triple, Vector3, Vector6, layout
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.constraints.layout_kernels import (
-    Closure,
+    ClosureRecord,
     Coupled,
     body_at,
     closure_at,
@@ -39,7 +39,7 @@ from antenna_pin.dynamics.constraints.layout_kernels import (
 from antenna_pin.mechanism.number_kernels import write_frame_change
 from antenna_pin.mechanism.room_kernels import crossed
 from antenna_pin.mechanism.spatial_kernels import (
-    Change,
+    BodyChange,
     Spatial,
     add_six,
     cross_motion,
@@ -98,10 +98,10 @@ def _column(axes: Floats, k: int) -> Triple:
 
 
 @inlined
-def _own(closure: Closure, second: bool, bodies: Records[Change], ground: int) -> Change:
+def _own(closure: ClosureRecord, second: bool, bodies: Records[BodyChange], ground: int) -> BodyChange:
     """Return how the body moves that carries a side; the ground stands behind the bodies."""
     b = closure.second if second else closure.first
-    found: Change = bodies[b if b >= 0 else ground]
+    found: BodyChange = bodies[b if b >= 0 else ground]
     return found
 
 
@@ -116,7 +116,7 @@ def _axis(work: Floats, b: int, rotation: Floats, k: int, n: int) -> float:
 
 @kernel
 def read_ties(
-    plan: Floats, work: Floats, gravity: Floats, bodies: Records[Change], ties: Records[Tie]
+    plan: Floats, work: Floats, gravity: Floats, bodies: Records[BodyChange], ties: Records[Tie]
 ) -> None:
     """Write closures in a solved state; subtract their wrenches from those of joints.
 
@@ -144,7 +144,7 @@ def read_ties(
 
 
 @inlined
-def _read(plan: Floats, work: Floats, closure: Closure, bodies: Records[Change], tie: Tie) -> None:
+def _read(plan: Floats, work: Floats, closure: ClosureRecord, bodies: Records[BodyChange], tie: Tie) -> None:
     """Write what a closure is in a state."""
     head, p, row = plan_of(plan), tie.point, closure.row
     for n in range(3):
@@ -184,7 +184,7 @@ def _read(plan: Floats, work: Floats, closure: Closure, bodies: Records[Change],
 
 
 @kernel
-def change_ties(plan: Floats, bodies: Records[Change], ties: Records[Tie], lack: Floats) -> None:
+def change_ties(plan: Floats, bodies: Records[BodyChange], ties: Records[Tie], lack: Floats) -> None:
     """Add how what accelerations lack in closures' rows changes; take changes of wrenches from bodies'.
 
     Args:
@@ -223,7 +223,7 @@ def change_ties(plan: Floats, bodies: Records[Change], ties: Records[Tie], lack:
 
 
 @inlined
-def _change_motion(a: Change, b: Change, tie: Tie) -> None:
+def _change_motion(a: BodyChange, b: BodyChange, tie: Tie) -> None:
     """Write how U and U' change."""
     u, du, shift, way = tie.velocity_change, tie.acceleration_change, tie.first_shift, tie.way
     set_six(u, _six(b.velocity_change))
@@ -241,7 +241,7 @@ def _change_motion(a: Change, b: Change, tie: Tie) -> None:
 
 
 @inlined
-def _direction_changes(closure: Closure, tie: Tie) -> Six:
+def _direction_changes(closure: ClosureRecord, tie: Tie) -> Six:
     """Return changes of e and of the moment of a closure's wrench about the point."""
     w, s, p, b, f = tie.way, (tie.first_shift, tie.second_shift), tie.point, tie.other, tie.wrench
     moved = (
@@ -263,7 +263,7 @@ def _direction_changes(closure: Closure, tie: Tie) -> Six:
 
 
 @inlined
-def _write_lacks(closure: Closure, length: float, tie: Tie, turned: Triple, lack: Floats) -> None:
+def _write_lacks(closure: ClosureRecord, length: float, tie: Tie, turned: Triple, lack: Floats) -> None:
     """Write minus the changes of a closure's rows; ``turned`` is that of e."""
     p, b, w, row = tie.point, tie.other, tie.way, closure.row
     U, dU, A, dA = tie.velocity, tie.velocity_change, tie.acceleration, tie.acceleration_change
@@ -299,7 +299,9 @@ def _write_lacks(closure: Closure, length: float, tie: Tie, turned: Triple, lack
 
 
 @kernel
-def shift_ties(plan: Floats, places: Records[Place], moved: Records[Closure], ties: Records[Tie]) -> None:
+def shift_ties(
+    plan: Floats, places: Records[Place], moved: Records[ClosureRecord], ties: Records[Tie]
+) -> None:
     """Write how far closures' frames move on their bodies with a number of the system.
 
     Args:

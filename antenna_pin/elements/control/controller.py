@@ -57,7 +57,7 @@ def remembered(text: str, like: Any) -> Any:
         text: It.
         like: A state of the same class: what is no dataclass needs none.
     """
-    return _made(json.loads(text), like)
+    return _restored(json.loads(text), like)
 
 
 def _check_storable(place: str, state: Any) -> None:
@@ -90,10 +90,10 @@ def _plain(value: Any) -> Any:
     raise TypeError(f"a {type(value).__name__}")
 
 
-def _made(content: Any, like: Any = None) -> Any:
+def _restored(content: Any, like: Any = None) -> Any:
     if isinstance(content, list):
         known = like if isinstance(like, list) and len(like) == len(content) else [None] * len(content)
-        return [_made(one, hint) for one, hint in zip(content, known, strict=True)]
+        return [_restored(one, hint) for one, hint in zip(content, known, strict=True)]
     if not isinstance(content, dict):
         return content
     if _ARRAY in content:
@@ -102,20 +102,20 @@ def _made(content: Any, like: Any = None) -> Any:
     hints: Any
     if _TUPLE in content:
         hints = like if isinstance(like, tuple) and len(like) == len(content[_TUPLE]) else ()
-        return tuple(_made(content[_TUPLE], list(hints) or None))
+        return tuple(_restored(content[_TUPLE], list(hints) or None))
     if _PAIRS in content:
         hints = like if isinstance(like, dict) else {}
-        pairs = ((_made(key), one) for key, one in content[_PAIRS])
-        return {key: _made(one, hints.get(key)) for key, one in pairs}
+        pairs = ((_restored(key), one) for key, one in content[_PAIRS])
+        return {key: _restored(one, hints.get(key)) for key, one in pairs}
     if _GENERATOR in content:
         bits = getattr(np.random, content[_GENERATOR])()
-        bits.state = _made(content["state"])
+        bits.state = _restored(content["state"])
         return np.random.Generator(bits)
     made = copy.copy(like)
     if not dataclasses.is_dataclass(made):
         raise TypeError("a dataclass that did not stand there at the start")
     for name, one in content[_FIELDS].items():
-        object.__setattr__(made, name, _made(one, getattr(like, name)))
+        object.__setattr__(made, name, _restored(one, getattr(like, name)))
     return made
 
 

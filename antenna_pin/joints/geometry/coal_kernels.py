@@ -42,14 +42,14 @@ class Query(Record):
 QUERY = layout(Query)
 
 
-class Frame(Record):
+class PlacementRecord(Record):
     """The placement of H in J."""
 
     rotation: Matrix3  # from H to J
     origin: Vector3  # [m]
 
 
-FRAME = layout(Frame)
+FRAME = layout(PlacementRecord)
 
 
 class End(Record):
@@ -106,7 +106,7 @@ def _shape_in(work: Floats) -> Revolute:
 
 
 @inlined
-def _frame_in(work: Floats) -> Frame:
+def _frame_in(work: Floats) -> PlacementRecord:
     return record(work[FRAME_AT:ENDS_AT], FRAME)
 
 
@@ -188,7 +188,7 @@ def coal_start(work: Floats, k: int, side: float, pose: Records[Pose]) -> bool:
 
 
 @inlined
-def _place_point(shape: Revolute, frame: Frame, end: End) -> None:
+def _place_point(shape: Revolute, frame: PlacementRecord, end: End) -> None:
     end.in_bearing[0] = shape.bearing_radius * math.cos(end.angle)
     end.in_bearing[1] = shape.bearing_radius * math.sin(end.angle)
     end.in_bearing[2] = end.side * shape.half_length
@@ -202,7 +202,7 @@ def _place_point(shape: Revolute, frame: Frame, end: End) -> None:
 
 
 @inlined
-def _in_bearing(at: Frame, x: float, y: float, z: float) -> Triple:
+def _in_bearing(at: PlacementRecord, x: float, y: float, z: float) -> Triple:
     """Return a direction of J in H."""
     return (
         at.rotation[0, 0] * x + at.rotation[1, 0] * y + at.rotation[2, 0] * z,
@@ -212,7 +212,7 @@ def _in_bearing(at: Frame, x: float, y: float, z: float) -> Triple:
 
 
 @inlined
-def _newton(shape: Revolute, at: Frame, end: End, normal: Triple, gap: float) -> Triple:
+def _newton(shape: Revolute, at: PlacementRecord, end: End, normal: Triple, gap: float) -> Triple:
     """Return a Newton step in an END [rad], gap loss [m], and slope.
 
     The equation is d gap / d phi = 0.
@@ -237,7 +237,7 @@ def _newton(shape: Revolute, at: Frame, end: End, normal: Triple, gap: float) ->
 
 
 @inlined
-def _approach(shape: Revolute, at: Frame, end: End) -> None:
+def _approach(shape: Revolute, at: PlacementRecord, end: End) -> None:
     """Place the point of an END at the closed form's least gap.
 
     Then coal is queried once.

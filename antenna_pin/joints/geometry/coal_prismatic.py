@@ -44,19 +44,19 @@ class CoalPrismatic:
                 pair.ask(pose, table[row + k : row + k + 1])
 
 
-class _Asked:
+class _ShapePair:
     """Two shapes of coal, and their distance query."""
 
-    def __init__(self, first: Any, second: Any) -> None:
-        self._shapes = first, second  # a functor keeps none
-        self._functor = coal.ComputeDistance(first, second)
+    def __init__(self, shape: Any, second: Any) -> None:
+        self._shapes = shape, second  # a functor keeps none
+        self._functor = coal.ComputeDistance(shape, second)
         self._request = coal.DistanceRequest()
         self._result = coal.DistanceResult()
         self._places = coal.Transform3s(), coal.Transform3s()
 
-    def distance(self, first: NDArray[Any], second: NDArray[Any], turn: NDArray[Any] | None = None) -> float:
+    def distance(self, centre: NDArray[Any], second: NDArray[Any], turn: NDArray[Any] | None = None) -> float:
         """Return the distance [m] of the shapes at two places, the second turned."""
-        for place, at in zip(self._places, (first, second), strict=True):
+        for place, at in zip(self._places, (centre, second), strict=True):
             place.setTranslation(at)
         if turn is not None:
             self._places[1].setRotation(turn)
@@ -64,7 +64,7 @@ class _Asked:
         return float(self._functor(*self._places, self._request, self._result))
 
     @property
-    def found(self) -> tuple[NDArray[Any], NDArray[Any]]:
+    def nearest(self) -> tuple[NDArray[Any], NDArray[Any]]:
         """Normal from the first to the second, and nearest point of the first."""
         return self._result.normal, self._result.getNearestPoint1()
 
@@ -77,12 +77,12 @@ class _CornerOnWall:
         self._corner = shape["corner"].copy()
         # A half-space is {x : n.x <= d}; the material behind a wall whose normal points into the hollow.
         wall = coal.Halfspace(np.array(shape["wall"]), -float(shape["distance"]))
-        self._asked = _Asked(coal.Sphere(float(shape["radius"])), wall)
+        self._asked = _ShapePair(coal.Sphere(float(shape["radius"])), wall)
 
     def ask(self, pose: NDArray[Any], out: NDArray[Any]) -> None:
         centre = pose["centre"][0] + self._corner @ pose["rotation"][0].T
         out["gap"] = self._asked.distance(centre, np.zeros(3))
-        normal, out["point"][0] = self._asked.found
+        normal, out["point"][0] = self._asked.nearest
         out["normal"] = -normal  # coal's runs from the slider to the wall
 
 
@@ -100,9 +100,9 @@ class _EdgeInGuide:
         kernels.fill(self._words, pose, out)
         normal, point = out["normal"][0].copy(), out["point"][0]
         self._wall[2] = np.copysign(self._reach, point[2])  # the mouth's edge, as far as it counts
-        asked = _Asked(self._ball, coal.Halfspace(normal, float(normal @ self._wall)))
+        asked = _ShapePair(self._ball, coal.Halfspace(normal, float(normal @ self._wall)))
         out["gap"] = asked.distance(point + self._radius * normal, np.zeros(3))
-        out["normal"] = -asked.found[0]
+        out["normal"] = -asked.nearest[0]
 
 
 class _RodInGuide:
@@ -113,8 +113,8 @@ class _RodInGuide:
         shape = words.view(REVOLUTE)[0]
         self._reach = float(shape["half_length"])
         long = _LONG * (shape["bearing_radius"] + 2.0 * shape["half_distance"])
-        self._guide = _Asked(coal.Sphere(0.0), coal.Cylinder(float(shape["bearing_radius"]), long))
-        self._slider = _Asked(coal.Sphere(0.0), coal.Cylinder(float(shape["journal_radius"]), long))
+        self._guide = _ShapePair(coal.Sphere(0.0), coal.Cylinder(float(shape["bearing_radius"]), long))
+        self._slider = _ShapePair(coal.Sphere(0.0), coal.Cylinder(float(shape["journal_radius"]), long))
 
     def ask(self, pose: NDArray[Any], out: NDArray[Any]) -> None:
         kernels.fill(self._words, pose, out)
@@ -126,7 +126,7 @@ class _RodInGuide:
             return
         turn = pose_of((0.0, 0.0, 0.0), pose["axis"][0])["rotation"][0]
         out["gap"] = self._slider.distance(point, pose["centre"][0], turn)
-        out["normal"] = self._slider.found[0]
+        out["normal"] = self._slider.nearest[0]
 
 
 _PAIRS: dict[int, Any] = {

@@ -137,7 +137,7 @@ class CoalRevolute:
         radius: float,
         table: NDArray[Any],
         row: int,
-        first: int,
+        start: int,
     ) -> None:
         """Fill the rows of the bore's strips, the flanges' sectors, and the patches.
 
@@ -151,13 +151,13 @@ class CoalRevolute:
             radius: Of the sectors' circle [m].
             table: Contact table.
             row: Row of the first patch.
-            first: Row of the first strip.
+            start: Row of the first strip.
         """
         shape = self._shape
         kernels.coal_set_out(self.work, pose, 0)
-        strip_contacts(shape[0], strips, pose[0], table, row, first)
+        strip_contacts(shape[0], strips, pose[0], table, row, start)
         for k in range(strips):
-            if table["gap"][first + k] == APART:
+            if table["gap"][start + k] == APART:
                 continue
             side = (2.0 * k + 1.0) / strips - 1.0
             if not kernels.coal_start(self.work, 0, side, pose):
@@ -166,19 +166,19 @@ class CoalRevolute:
                 self._questions[1][0]()
                 if kernels.coal_turn(self.work, 0):
                     break
-            table["gap"][first + k] = self._ends["gap"][0]
-            table["normal"][first + k] = self._ends["normal"][0]
-            table["point"][first + k] = self._ends["in_bearing"][0]
+            table["gap"][start + k] = self._ends["gap"][0]
+            table["normal"][start + k] = self._ends["normal"][0]
+            table["point"][start + k] = self._ends["in_bearing"][0]
         half = strips // 2
-        for patch, begin in enumerate((first + half, first)):
+        for patch, begin in enumerate((start + half, start)):
             least = begin + int(np.argmin(table["gap"][begin : begin + half]))
             for name in ("gap", "normal", "point"):
                 table[name][row + patch] = table[name][least]
-        sector_contacts(shape[0], nodes, radius, pose[0], table, row + 2, first + strips)
+        sector_contacts(shape[0], nodes, radius, pose[0], table, row + 2, start + strips)
         count = len(nodes)
         rotation, origin = self._rotation, self._origin
         for patch, functor in enumerate(self._sector_functors):
-            begin = first + strips + patch * count
+            begin = start + strips + patch * count
             for r in (row + 2 + patch, *range(begin, begin + count)):
                 if table["gap"][r] == APART:
                     continue

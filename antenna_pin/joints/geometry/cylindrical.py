@@ -17,10 +17,10 @@ from antenna_pin.joints.geometry.prismatic import (
     check_guide_length,
     clamped,
     guide_words,
+    guided_length,
     mouths,
     touches,
     walls,
-    within,
 )
 from antenna_pin.joints.geometry.revolute_kernels import REVOLUTE
 from antenna_pin.joints.geometry.shape import (
@@ -148,7 +148,7 @@ class CylindricalClearance(RoundShape):
     @property
     def half_length(self) -> float:
         """Half the guided length of a centred slider [m]."""
-        return 0.5 * within(self.slider_length, self.guide_length)
+        return 0.5 * guided_length(self.slider_length, self.guide_length)
 
     @property
     def contact_places(self) -> tuple[ContactPlace, ...]:

@@ -22,7 +22,7 @@ from antenna_pin.compiled.decorators import kernel
 from antenna_pin.joints.geometry.revolute_kernels import Revolute, bore_contact
 
 
-class Edge(Record):
+class GuideCorner(Record):
     """A corner (``corner_kernels.CORNER``) in a guide that ends."""
 
     primitive: int  # its kind
@@ -33,12 +33,12 @@ class Edge(Record):
     reach: float  # half the guide's length [m]
 
 
-EDGE = layout(Edge)
+EDGE = layout(GuideCorner)
 _MAX_ITERATIONS = 60
 
 
 @kernel
-def edge_contact(shape: Edge, pose: Pose, out: Contact) -> None:
+def edge_contact(shape: GuideCorner, pose: Pose, out: Contact) -> None:
     """Write the candidate at one end of a long edge: its corner, or the mouth.
 
     The edge counts as far as it is within the guide.

@@ -9,14 +9,14 @@ from antenna_pin.compiled.decorators import kernel
 from antenna_pin.joints.geometry.revolute_kernels import Revolute, bore_contact
 
 
-class Node(Record):
+class PatchSector(Record):
     """A sector of a patch."""
 
     sine: float  # of t_k
     share: float  # cos(t_k) over the number of sectors
 
 
-NODE = layout(Node)
+NODE = layout(PatchSector)
 
 APART = 1.0  # [m], the gap written to strips that are known to be apart without being computed
 
@@ -32,13 +32,13 @@ def take_place(patch: Contact, part: Contact) -> None:
 
 @kernel
 def strip_contacts(
-    shape: Revolute, strips: int, pose: Pose, table: Records[Contact], row: int, first: int
+    shape: Revolute, strips: int, pose: Pose, table: Records[Contact], row: int, start: int
 ) -> None:
     """Fill the bore's strips, and its two halves.
 
     The +z half is in ``row``, the -z half behind it.
 
-    The strips stand from ``first`` on, from the -z to the +z end; a strip is the circle at its middle. The
+    The strips stand from ``start`` on, from the -z to the +z end; a strip is the circle at its middle. The
     gap is concave along the bearing (the distance between two straight axes is convex), so in each half it is
     least at the outermost or the innermost strip, and from those two the loaded strips are found; the others
     are marked as apart. A half's row is that of its least gap. Each strip has 2 / strips of the law of its
@@ -46,7 +46,7 @@ def strip_contacts(
     """
     half = strips // 2
     for k in range(strips):
-        table[first + k].gap = APART
+        table[start + k].gap = APART
     for h in range(2):
         if h == 0:
             inner, outer, step = half, strips - 1, -1
@@ -56,30 +56,30 @@ def strip_contacts(
         for begin, towards in ((outer, step), (inner, -step)):
             k = begin
             while (k >= half) == (h == 0) and 0 <= k < strips:
-                if table[first + k].gap != APART:
+                if table[start + k].gap != APART:
                     break
                 side = (2.0 * k + 1.0) / strips - 1.0
-                bore_contact(shape, side, pose, table[first + k])
-                table[first + k].share = 2.0 / strips
-                if table[first + k].gap < table[first + least].gap:
+                bore_contact(shape, side, pose, table[start + k])
+                table[start + k].share = 2.0 / strips
+                if table[start + k].gap < table[start + least].gap:
                     least = k
-                if table[first + k].gap >= 0.0:
+                if table[start + k].gap >= 0.0:
                     break
                 k += towards
-        take_place(table[row + h], table[first + least])
+        take_place(table[row + h], table[start + least])
 
 
 @kernel
 def sector_contacts(
     shape: Revolute,
-    nodes: Records[Node],
+    nodes: Records[PatchSector],
     radius: float,
     pose: Pose,
     table: Records[Contact],
     row: int,
-    first: int,
+    begin: int,
 ) -> None:
-    r"""Fill the flanges' sectors, from ``first`` on, and the flanges' own rows.
+    r"""Fill the flanges' sectors, from ``begin`` on, and the flanges' own rows.
 
     These are ``row`` and the next.
 
@@ -102,7 +102,7 @@ def sector_contacts(
     a = radius * sine
     for h in range(2):
         side = 1.0 - 2.0 * h
-        start = first + h * count
+        start = begin + h * count
         depth = side * (-ox * zx - oy * zy + (side * shape.half_length - oz) * zz) - shape.half_distance + a
         ux = side * zx / sine if sine > 0.0 else 1.0
         uy = side * zy / sine if sine > 0.0 else 0.0

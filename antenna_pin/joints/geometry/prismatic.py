@@ -39,7 +39,7 @@ __all__ = [
     "PrismaticClearance",
     "touches",
     "walls",
-    "within",
+    "guided_length",
 ]
 
 # --- readings of results ------------------------------------------------------------------------------------
@@ -171,7 +171,7 @@ def check_guide_length(shape: _Guided) -> None:
         raise InvalidParameterError(shape, "guide_length", "a length [m], or 0 for a guide without end")
 
 
-def within(slider: float, guide: float) -> float:
+def guided_length(slider: float, guide: float) -> float:
     """Return the guided length of a centred slider, from both lengths [m]."""
     return min(slider, guide) if guide else slider
 
@@ -274,7 +274,7 @@ class PrismaticClearance(Shape):
     @property
     def half_length(self) -> float:
         """Half the guided length of a centred slider [m]."""
-        return 0.5 * within(self.slider_length, self.guide_length)
+        return 0.5 * guided_length(self.slider_length, self.guide_length)
 
     @property
     def contact_places(self) -> tuple[ContactPlace, ...]:

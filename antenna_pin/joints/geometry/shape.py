@@ -211,7 +211,7 @@ def closed_form(shape: ClearanceGeometry, pose: NDArray[Any]) -> NDArray[Any]:
     return table
 
 
-def asked(backend: Distances, contacts: int, pose: NDArray[Any]) -> tuple[ContactPoint, ...]:
+def queried_contacts(backend: Distances, contacts: int, pose: NDArray[Any]) -> tuple[ContactPoint, ...]:
     """Return the candidate contacts that a backend finds in a pose."""
     table = np.zeros(contacts, CONTACT)
     backend.query(pose, table, 0)

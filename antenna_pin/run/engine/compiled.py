@@ -85,7 +85,7 @@ class Answers:
 
     def check(self) -> None:
         """Raise what has been raised where compiled code asked last, if anything was."""
-        asked: kernels.Asked = self.outside.asked[0]
+        asked: kernels.CallbackRecord = self.outside.asked[0]
         if asked.failed != kernels.ANSWERED:
             asked.failed = kernels.ANSWERED
             raise self._raised.pop()
@@ -94,7 +94,7 @@ class Answers:
 def give_python(answers: Answers, workspace: Workspace, table: NDArray[Any]) -> None:
     """Register the callbacks of a system's elements in Python."""
     state = answers.outside.state
-    asked: kernels.Asked = answers.outside.asked[0]
+    asked: kernels.CallbackRecord = answers.outside.asked[0]
     if workspace.paths or workspace.system.callables:
         ask = workspace.asked_in_steps()
         answers.give("elements", lambda t: ask(t, state))

@@ -33,7 +33,7 @@ from antenna_pin.dynamics.tangent_room_kernels import TangentRoom
 from antenna_pin.integrate.manifold_kernels import space_of
 from antenna_pin.joints.geometry.tangent_kernels import GAP, NORMAL, POINT
 from antenna_pin.joints.kernels import contact_motion
-from antenna_pin.joints.layout_kernels import Joint, joint_at
+from antenna_pin.joints.layout_kernels import JointRecord, joint_at
 from antenna_pin.joints.motion_change_kernels import RATE, change_contact, change_pose
 from antenna_pin.joints.pose_kernels import journal_state, onto_joint
 from antenna_pin.joints.slope_kernels import is_moved
@@ -52,7 +52,7 @@ OPENING, CLOSING, HEAVIER, MET = 0, 1, 2, 3
 
 
 @inlined
-def _press(j: Joint, row: Contact, pose: Pose, force: Floats) -> None:
+def _press(j: JointRecord, row: Contact, pose: Pose, force: Floats) -> None:
     """Write a contact's unit normal force to the pose, and its generalized force."""
     n, r, f, m = row.normal, row.point, pose.force, pose.moment
     x, y, z = r[0] - pose.centre[0], r[1] - pose.centre[1], r[2] - pose.centre[2]
@@ -64,7 +64,7 @@ def _press(j: Joint, row: Contact, pose: Pose, force: Floats) -> None:
 
 
 @inlined
-def _press_change(j: Joint, row: Contact, room: TangentRoom, out: Floats) -> None:
+def _press_change(j: JointRecord, row: Contact, room: TangentRoom, out: Floats) -> None:
     """Write how that changes, (nv,), behind how pose and contact do."""
     pose, way, change = room.poses[0], room.poses[1], room.change[0]
     n, r, f, m = row.normal, row.point, way.force, way.moment

@@ -27,11 +27,11 @@ def attempt_implicit(
     rtol: float,
     radau: Radau,
     numbers: Numbers,
-    asked: Ints,
+    evaluations: Ints,
 ) -> float:
     """Try a step of size h [s] from the work rows; return its scaled error.
 
-    ``asked``, (1,), is raised by how often the derivative was.
+    ``evaluations``, (1,), is raised by how often the derivative was.
     """
     space = space_of(layout)
     y, out = work[stages + STATE], work[stages + RATES, : space.nv + space.nx]
@@ -40,11 +40,11 @@ def attempt_implicit(
     came = go_on(t, h, stages, layout, work, scales, rtol, radau)
     while came == ASK:
         derivative(progress.t, y, numbers, out, False)
-        asked[0] += 1
+        evaluations[0] += 1
         if has_failed(numbers.outside):
             return math.nan
         came = go_on(t, h, stages, layout, work, scales, rtol, radau)
     if came == FAILED:
         return NOT_SOLVED
-    asked[0] += 1
+    evaluations[0] += 1
     return float(progress.error if end(t + h, layout, work, stages, numbers) else math.nan)

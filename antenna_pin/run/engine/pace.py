@@ -95,7 +95,7 @@ class Sizes:
     def __init__(self, memory: NDArray[Any]) -> None:
         """Begin without patterns."""
         self._memory = memory
-        self.table = kernels.Sizes(
+        self.table = kernels.StepSizeArrays(
             patterns=np.zeros((_ROOM, len(memory)), dtype=np.uint8),
             sizes=np.zeros(_ROOM),
             count=np.zeros(1, dtype=np.int64),

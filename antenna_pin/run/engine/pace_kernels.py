@@ -19,7 +19,7 @@ LEAST_ERROR = 1e-4  # that the next step but one is told of: an error of chance 
 LARGEST_TURN = 2.0  # [rad] of a joint in one step: an angle's whole turns are counted from step to step
 
 
-class Pace(Record):
+class PaceRecord(Record):
     """The control of step sizes."""
 
     adaptive: int  # 1: sizes follow errors
@@ -35,11 +35,11 @@ class Pace(Record):
     error: float  # scaled, of the last step that passed; 0: none
 
 
-PACE = layout(Pace)
+PACE = layout(PaceRecord)
 
 
 @kernel
-def cut(pace: Records[Pace], breaks: Floats, t: float, h: float) -> tuple[float, bool]:
+def cut(pace: Records[PaceRecord], breaks: Floats, t: float, h: float) -> tuple[float, bool]:
     """Cut a step from t [s] to its maximum, the next instant, or the end.
 
     Args:
@@ -69,7 +69,7 @@ def cut(pace: Records[Pace], breaks: Floats, t: float, h: float) -> tuple[float,
 
 
 @kernel
-def following(pace: Records[Pace], wished: float, tried: float, error: float, rejected: bool) -> float:
+def following(pace: Records[PaceRecord], wished: float, tried: float, error: float, rejected: bool) -> float:
     """Return the step to try after one that passed [s].
 
     Args:
@@ -98,7 +98,7 @@ def following(pace: Records[Pace], wished: float, tried: float, error: float, re
 
 
 @kernel
-def shortened(pace: Records[Pace], tried: float, error: float) -> float:
+def shortened(pace: Records[PaceRecord], tried: float, error: float) -> float:
     """Return the step to try after one with too large an error [s]."""
     if math.isfinite(error):
         return float(tried * max(SHRINK, SAFETY * math.pow(error, -1.0 / pace[0].power)))
@@ -106,13 +106,13 @@ def shortened(pace: Records[Pace], tried: float, error: float) -> float:
 
 
 @kernel
-def hopeless(pace: Records[Pace], h: float) -> bool:
+def hopeless(pace: Records[PaceRecord], h: float) -> bool:
     """Return whether a step shortened to h [s] is too short to try."""
     return bool(h < pace[0].least or pace[0].adaptive == 0)
 
 
 @by_address
-class Sizes(NamedTuple):
+class StepSizeArrays(NamedTuple):
     """Step sizes by pattern of touching contacts: similar impacts need similar steps.
 
     Attributes:
@@ -127,7 +127,7 @@ class Sizes(NamedTuple):
 
 
 @kernel
-def _number(table: Sizes, memory: Records[Memory]) -> int:
+def _number(table: StepSizeArrays, memory: Records[Memory]) -> int:
     """Return where the present pattern stands, or how many there are."""
     count = table.count[0]
     for k in range(count):
@@ -142,7 +142,7 @@ def _number(table: Sizes, memory: Records[Memory]) -> int:
 
 
 @kernel
-def note_size(table: Sizes, memory: Records[Memory], h: float) -> None:
+def note_size(table: StepSizeArrays, memory: Records[Memory], h: float) -> None:
     """Note the step that goes well in the present pattern of touching contacts [s]."""
     k = _number(table, memory)
     if k == table.count[0]:
@@ -155,7 +155,7 @@ def note_size(table: Sizes, memory: Records[Memory], h: float) -> None:
 
 
 @kernel
-def size_after_change(table: Sizes, memory: Records[Memory], h: float) -> float:
+def size_after_change(table: StepSizeArrays, memory: Records[Memory], h: float) -> float:
     """Return the first step size in a new contact pattern [s], from h [s] before."""
     k = _number(table, memory)
     return float(h if k == table.count[0] else min(table.sizes[k], 10.0 * h))

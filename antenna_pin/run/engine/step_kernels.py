@@ -142,18 +142,18 @@ def prepare_dense(
     layout: Ints,
     work: Floats,
     dense: Floats,
-    kept: Floats,
+    scratch: Floats,
     numbers: Numbers,
 ) -> int:
     """Write the dense output of a step; return the number of evaluations.
 
-    ``kept``, (2, size), holds the step's end meanwhile.
+    ``scratch``, (2, size), holds the step's end meanwhile.
     """
     space, stages = space_of(layout), tableau.weights.shape[0]
     y, out = work[stages + STATE], work[stages + RATES, : space.nv + space.nx]
-    set_out_dense(tableau, layout, work, kept)
+    set_out_dense(tableau, layout, work, scratch)
     asked = 0
-    while go_on_dense(t, h, tableau, layout, work, dense, kept) == ASK:
+    while go_on_dense(t, h, tableau, layout, work, dense, scratch) == ASK:
         derivative(tableau.course[0].t, y, numbers, out, False)
         asked += 1
     if numbers.flag[0] == MOVED:

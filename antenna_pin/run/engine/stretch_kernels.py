@@ -13,16 +13,16 @@ from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.dynamics.outside_kernels import ANSWERED, REFUSED, ask, has_failed
 from antenna_pin.dynamics.peak_kernels import Peak
-from antenna_pin.dynamics.trial_kernels import Trial, contacts_in
-from antenna_pin.dynamics.turn_kernels import Turn, turn_on
+from antenna_pin.dynamics.trial_kernels import TrialStep, contacts_in
+from antenna_pin.dynamics.turn_kernels import TurnedAngle, turn_on
 from antenna_pin.integrate.explicit_kernels import Tableau
 from antenna_pin.integrate.kernels import START, STATE, STATE_ROW, begin, dense_state
 from antenna_pin.run.engine.episode_kernels import Book, keep_peaks
 from antenna_pin.run.engine.gross_kernels import settle
 from antenna_pin.run.engine.hold_kernels import close
-from antenna_pin.run.engine.pace_kernels import Pace, Sizes
+from antenna_pin.run.engine.pace_kernels import PaceRecord, StepSizeArrays
 from antenna_pin.run.engine.step_kernels import attempt, prepare_dense
-from antenna_pin.run.engine.touch_kernels import Touch, keep_efforts
+from antenna_pin.run.engine.touch_kernels import TouchRecord, keep_efforts
 from antenna_pin.run.engine.watch_kernels import Watched
 
 # Where a step is: it has not begun; longer ones did not pass; its trial stands, and is to be searched; a
@@ -92,14 +92,14 @@ class Buffers(NamedTuple):
 
 
 @by_address
-class Search(NamedTuple):
+class EventSearch(NamedTuple):
     """Arrays for event location (:func:`antenna_pin.dynamics.inspect_kernels.inspect_step`)."""
 
     nodes: Floats  # scratch
     ignore: Ints  # how often each contact has changed at the start
     limits: Floats  # depths at which a run ends
     peaks: Records[Peak]  # largest forces
-    turns: Records[Turn]  # turned angles, TURN
+    turns: Records[TurnedAngle]  # turned angles, TURN
     compared: Ints  # contacts whose gaps coal measures, as 1, (contacts,); nobody's: (0,)
     # largest one of their gaps and the closed form's so far, where forces come from them, (1,) [m]
     difference: Floats
@@ -110,7 +110,7 @@ class Loop(NamedTuple):
     """All that the loop works on."""
 
     stretch: Records[Stretch]  # STRETCH, (1,)
-    pace: Records[Pace]  # PACE, (1,)
+    pace: Records[PaceRecord]  # PACE, (1,)
     breaks: Floats  # instants at which steps must end [s]
     chosen: Floats  # output times beside those at the rate, (n,), ascending [s]
     tableau: Tableau  # the method, in numbers
@@ -120,14 +120,14 @@ class Loop(NamedTuple):
     scales: Floats  # of errors
     rtol: float  # relative tolerance
     numbers: Numbers  # the system, in numbers
-    search: Search  # what is looked for
-    trial: Trial  # the trial step as it is looked at
+    search: EventSearch  # what is looked for
+    trial: TrialStep  # the trial step as it is looked at
     buffers: Buffers  # what is written
     book: Book  # of the contacts
-    sizes: Sizes  # of steps, by pattern of contacts
+    sizes: StepSizeArrays  # of steps, by pattern of contacts
     watched: Watched  # what is looked at from afar
     works: Ints  # where works and their gross works stand in x, (n, 2)
-    touches: Records[Touch]  # largest efforts of elements in touch, TOUCH, (n,)
+    touches: Records[TouchRecord]  # largest efforts of elements in touch, TOUCH, (n,)
 
 
 @inlined

@@ -16,7 +16,7 @@ from antenna_pin.integrate.kernels import STATE_ROW, DenseStep, dense_state
 _PARTS, _VERTICES, _CLOSE = 4, 12, 1e-5
 
 
-class Touch(Record):
+class TouchRecord(Record):
     """A side of an element that touches, or a drive, and its largest effort."""
 
     block: int  # in the program
@@ -26,11 +26,13 @@ class Touch(Record):
     looks: Annotated[Floats, _PARTS + 1]  # efforts in a step, scratch
 
 
-TOUCH = layout(Touch)
+TOUCH = layout(TouchRecord)
 
 
 @kernel
-def keep_efforts(t: float, h: float, touches: Records[Touch], step: DenseStep, numbers: Numbers) -> None:
+def keep_efforts(
+    t: float, h: float, touches: Records[TouchRecord], step: DenseStep, numbers: Numbers
+) -> None:
     """Update the largest effort of each touching side by the step from t [s].
 
     Args:
@@ -59,7 +61,7 @@ def keep_efforts(t: float, h: float, touches: Records[Touch], step: DenseStep, n
 
 @kernel
 def _largest(
-    top: int, t: float, h: float, own: Touch, step: DenseStep, program: Floats
+    top: int, t: float, h: float, own: TouchRecord, step: DenseStep, program: Floats
 ) -> tuple[float, float]:
     """Return fraction and size of the largest effort, by successive parabolas near a node."""
     looks, most = own.looks, own.looks[top]

@@ -28,7 +28,7 @@ from antenna_pin.run.simulation.events import Moment
 from antenna_pin.run.simulation.loop import Run
 from antenna_pin.run.simulation.recorder import at_present
 
-__all__ = ["Numbers", "slides"]
+__all__ = ["StateNumbers", "slides"]
 
 _OF_CONTACT = {"gap": "m", "depth_rate": "m/s", "force": "N", "touching": "1"}
 _SHOWN = 6  # names that a message offers
@@ -39,7 +39,7 @@ def slides(run: Run, joint: str) -> bool:
     return run.system.mechanism.joint(joint).kind == "prismatic"
 
 
-class Numbers:
+class StateNumbers:
     """Numbers of a run's present state, by name.
 
     Args:

@@ -27,7 +27,7 @@ from antenna_pin.dynamics import System, acting_in, check_motions
 from antenna_pin.elements import Element
 from antenna_pin.elements.control import Controller
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
-from antenna_pin.run.session.numbers import Numbers, slides
+from antenna_pin.run.session.numbers import StateNumbers, slides
 from antenna_pin.run.simulation import Event, Mark, Moment, Set, Time
 from antenna_pin.run.simulation.inputs import (
     PreparedRun,
@@ -301,7 +301,7 @@ class Session(Exclusive):
         self._closed = False
         self._began = origin.text(self._ready.scenario)
         self._open = self._opened(self._ready.first)
-        self._numbers = Numbers(self._open.run)
+        self._numbers = StateNumbers(self._open.run)
         self.command = Commands(self._ready.system, self.__getitem__, self.set)
 
     def _opened(self, state: Any) -> OpenRun:

@@ -27,7 +27,7 @@ from antenna_pin.dynamics import System
 from antenna_pin.elements.control import Controller
 from antenna_pin.errors import AntennaPinError, FileFormatError, OutputError, one_line
 from antenna_pin.run.simulation.attributes import mechanism_attributes
-from antenna_pin.run.simulation.element_events import ModeChange
+from antenna_pin.run.simulation.element_events import ModeChangeEvent
 from antenna_pin.run.simulation.event_actions import EventRecord
 from antenna_pin.run.simulation.events import Event
 from antenna_pin.run.simulation.loop import Run
@@ -110,7 +110,7 @@ class _Counts(BaseModel):
     compile_seconds: _Duration
 
 
-# Fields of a ``ModeChange``.
+# Fields of a ``ModeChangeEvent``.
 _Changed = tuple[str, str, str, float, str, float, float, float, float, float, float, float, float]
 
 
@@ -224,7 +224,7 @@ class Checkpoint:
         run.search.difference[0] = how["gap_difference"]
         run.control.paced = tuple(how["paced"])
         run.actions.happened[:] = [EventRecord(*one) for one in how["happened"]]
-        run.actions.modes.changed[:] = [ModeChange(*one) for one in how["changed"]]
+        run.actions.modes.changed[:] = [ModeChangeEvent(*one) for one in how["changed"]]
         if run.singular is not None:
             run.singular.take_up(how["singular"])
         made = run.steps

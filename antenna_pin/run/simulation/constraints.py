@@ -80,7 +80,7 @@ class Motions:
     .. math:: J v^+ = s^+, \qquad W = \Lambda\, \tfrac12 (s^- + s^+)
 
     with the rates s of all motions and their work W; other constraints are kept
-    (:class:`antenna_pin.run.simulation.mode_changes.Impacts`).
+    (:class:`antenna_pin.run.simulation.mode_changes.ImpactSolver`).
     """
 
     def __init__(self, workspace: Workspace, adjustments: Adjustments) -> None:

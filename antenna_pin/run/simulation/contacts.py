@@ -244,7 +244,7 @@ class ContactSearch:
         self.compared = np.array(of_coal if any(of_coal) else [], dtype=np.int64)
         self.difference = np.zeros(1)
         factors = [system.mechanism.joint(j.name).joint_id - 1 for j in system.clearances]
-        self.trial = trial_kernels.Trial(
+        self.trial = trial_kernels.TrialStep(
             layout=manifold.part(factors),
             dense=stepper.dense,
             work=stepper.work,

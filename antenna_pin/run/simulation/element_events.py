@@ -34,7 +34,7 @@ __all__ = [
     "EventEffect",
     "ImpulseEffect",
     "KinkFunction",
-    "ModeChange",
+    "ModeChangeEvent",
     "ModeEffect",
     "ModeFunction",
     "NeverSettlesError",
@@ -141,7 +141,7 @@ class ModeFunction:
 
 
 @dataclass(frozen=True, slots=True)
-class ModeChange:
+class ModeChangeEvent:
     """Recorded change of mode of an element."""
 
     name: str  # name of the change, as ``stop hinge: upper: on``

@@ -18,11 +18,11 @@ from antenna_pin.run.simulation.constraints import Motions
 from antenna_pin.run.simulation.element_events import (
     ZERO,
     EventEffect,
-    ModeChange,
+    ModeChangeEvent,
     NeverSettlesError,
     effects_of,
 )
-from antenna_pin.run.simulation.event_watch import Crossing, EventWatch
+from antenna_pin.run.simulation.event_watch import EventWatch, ZeroCrossing
 from antenna_pin.run.simulation.events import Edge, ElementChange, Event, Jump, Kink, Set, Stop, Switch
 from antenna_pin.run.simulation.mode_changes import ModeChanges
 from antenna_pin.run.simulation.samples import Samples
@@ -102,7 +102,7 @@ class Actions:
         self.effects: list[EventEffect] | None = None
         self.ending: str | None = None
 
-    def take(self, crossings: Sequence[Crossing]) -> None:
+    def take(self, crossings: Sequence[ZeroCrossing]) -> None:
         """Count the events at the present time and carry out their actions.
 
         Users' events come first, in their order; then elements change, all together; then come the events on
@@ -282,7 +282,7 @@ class Actions:
         self._follow(modes.changed[recorded:])
         return changed
 
-    def _follow(self, changed: Sequence[ModeChange]) -> None:
+    def _follow(self, changed: Sequence[ModeChangeEvent]) -> None:
         """Carry out the events on changes of elements, and the changes that follow."""
         changes = False
         made = [(one.element, one.what) for one in changed]

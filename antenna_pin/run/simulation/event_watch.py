@@ -32,14 +32,14 @@ from antenna_pin.run.simulation.events import (
     Time,
 )
 
-__all__ = ["Crossing", "EventWatch", "WatchTable", "is_known"]
+__all__ = ["ZeroCrossing", "EventWatch", "WatchTable", "is_known"]
 
 Array = NDArray[np.float64]
 
 # --- zero crossings -----------------------------------------------------------------------------------------
 
 
-class Crossing(NamedTuple):
+class ZeroCrossing(NamedTuple):
     """Zero crossing of an event's function."""
 
     event: int  # number of the event
@@ -266,7 +266,7 @@ class EventWatch:
                 memory.side, memory.noise = (1.0, 0.0) if stays else (0.0, own)
                 self._renew(k)
 
-    def count(self, crossing: Crossing) -> int:
+    def count(self, crossing: ZeroCrossing) -> int:
         """Count an event at the present state; return the count."""
         k = crossing.event
         memory, watched = self._memories[k], k in self._functions
@@ -282,17 +282,17 @@ class EventWatch:
             self._renew(k)
         return memory.count
 
-    def due(self) -> list[Crossing]:
+    def due(self) -> list[ZeroCrossing]:
         """Return the events whose times have come."""
         due = []
         for k in self._times:
             instants: tuple[float, ...] = self.events[k].when.instants  # type: ignore[attr-defined]
-            due += [Crossing(k, 0.0) for t in instants if self._memories[k].last < t <= self.stepper.t]
+            due += [ZeroCrossing(k, 0.0) for t in instants if self._memories[k].last < t <= self.stepper.t]
         return due
 
     def on_changes(
         self, elements: Mapping[str, ForceElement], changed: Iterable[tuple[str, str]]
-    ) -> list[Crossing]:
+    ) -> list[ZeroCrossing]:
         """Return the events on elements' changes recorded at the present time.
 
         Args:
@@ -302,7 +302,7 @@ class EventWatch:
         made = tuple(changed)
         whens = {k: self.events[k].when for k in self._on_changes if self._memories[k].last != self.stepper.t}
         return [
-            Crossing(k, 0.0)
+            ZeroCrossing(k, 0.0)
             for k, when in whens.items()
             if isinstance(when, ElementChange) and any(when.is_met(elements, *one) for one in made)
         ]
@@ -322,7 +322,7 @@ class EventWatch:
     def _value(self, k: int, theta: float) -> float:
         return self._whens[k](self._at(theta))
 
-    def ahead(self) -> list[list[Crossing]]:
+    def ahead(self) -> list[list[ZeroCrossing]]:
         """Return the events in the trial step in order of time, coincident ones together.
 
         The dense output of the step must be prepared. Only the first ones are certain: none after an event
@@ -338,7 +338,7 @@ class EventWatch:
                 looks[k] = with_least_values(partial(self._value, k), look)
         brackets = [bracket for k in self._functions if (bracket := self._bracket(k, looks[k])) is not None]
         brackets.sort(key=lambda bracket: bracket.guess)
-        found: list[Crossing] = []
+        found: list[ZeroCrossing] = []
         later: list[Bracket] = []
         for bracket in brackets:
             if found and self._comes_after(bracket, found[0].theta):
@@ -463,17 +463,19 @@ class EventWatch:
         )
         return Bracket(k, at, at, 0.0, 0.0, 0.0, at, -1.0)
 
-    def _located(self, one: Bracket) -> Crossing:
+    def _located(self, one: Bracket) -> ZeroCrossing:
         """Return the crossing in a bracket, or the zero at its first end."""
         if one.side != 0.0:
-            return Crossing(one.event, one.a, one.side, until=one.until)
+            return ZeroCrossing(one.event, one.a, one.side, until=one.until)
         f, (a, b, fa, fb) = partial(self._value, one.event), one[1:5]
         theta = root_between(f, a, b, absolute=1e-15, ends=(fa, fb)) if fa * fb < 0.0 else a
         low, high = max(theta - _SLOPE_REACH, 0.0), min(theta + _SLOPE_REACH, 1.0)
         slope = (f(high) - f(low)) / ((high - low) * self.stepper.h)
-        return Crossing(one.event, theta, 0.0, slope if math.isfinite(slope) else 0.0, one.noise, one.until)
+        return ZeroCrossing(
+            one.event, theta, 0.0, slope if math.isfinite(slope) else 0.0, one.noise, one.until
+        )
 
-    def lack(self, crossing: Crossing) -> Callable[[], float]:
+    def lack(self, crossing: ZeroCrossing) -> Callable[[], float]:
         """Return a function for the Newton correction of the step size to an event [s].
 
         Zero within the round-off of time, or if corrections no longer shrink.
@@ -495,7 +497,7 @@ class EventWatch:
         return correction
 
 
-def _order(crossing: Crossing) -> tuple[float, int]:
+def _order(crossing: ZeroCrossing) -> tuple[float, int]:
     return crossing.theta, crossing.event
 
 

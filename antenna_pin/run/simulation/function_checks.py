@@ -286,7 +286,7 @@ def _of_elements(workspace: Workspace) -> Iterator[UserFunction]:
             yield _on_links(one, workspace)
         if not isinstance(one.element, Element):
             continue
-        functions = one.element.asked(one.label, system.slides(one.element.joint))
+        functions = one.element.callbacks(one.label, system.slides(one.element.joint))
         for function, (_, own, count) in zip(functions, one.element.functions, strict=True):
             called = CompiledFunction(function, own, count, one.block)
             yield _of_numbers(function, _motion_of(workspace, one.block, count), called)

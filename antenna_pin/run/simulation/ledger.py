@@ -39,7 +39,7 @@ from antenna_pin.run.simulation.loop import Run
 from antenna_pin.run.simulation.variables import SampleBlock
 from antenna_pin.trajectory.schema import VARIABLES
 
-__all__ = ["Audit", "FIXED_STEP", "GROWTH", "MOST"]
+__all__ = ["LedgerAudit", "FIXED_STEP", "GROWTH", "MOST"]
 
 Array = NDArray[np.float64]
 
@@ -177,7 +177,7 @@ _ENERGIES = tuple(
 _MOMENTA = {"linear": "kg m/s", "angular": "kg m^2/s"}
 
 
-class Audit:
+class LedgerAudit:
     """Errors of a run's energy and momentum, block by block, and their explained bounds."""
 
     def __init__(self, run: Run) -> None:

@@ -41,7 +41,7 @@ from antenna_pin.run.simulation.contacts import ContactSearch, Episodes
 from antenna_pin.run.simulation.controllers import Controllers
 from antenna_pin.run.simulation.element_events import NeverSettlesError, own_events
 from antenna_pin.run.simulation.event_actions import Actions
-from antenna_pin.run.simulation.event_watch import Crossing, EventWatch
+from antenna_pin.run.simulation.event_watch import EventWatch, ZeroCrossing
 from antenna_pin.run.simulation.events import Event, Set
 from antenna_pin.run.simulation.monitor import Monitor
 from antenna_pin.run.simulation.samples import Samples
@@ -184,7 +184,7 @@ class Run:
         self.monitor = Monitor(self.workspace, self.control, self.events)
         self.singular = None if system.plan is None else Singularities(Workspace(system))
         self.steps = StepBatches(self.stepper, self._parts(), singly, logged)
-        self._ahead: list[list[Crossing]] = []
+        self._ahead: list[list[ZeroCrossing]] = []
         self.outcome, self.message = Outcome.COMPLETED, Outcome.COMPLETED.value
         self.wall = 0.0
         self.left: State | None = None
@@ -388,7 +388,7 @@ class Run:
             self.steps.rest()
             self._stop(*_no_step(self, reason))
 
-    def _carry_out(self, ahead: list[list[Crossing]]) -> None:
+    def _carry_out(self, ahead: list[list[ZeroCrossing]]) -> None:
         """Carry out the events ahead in the trial step, one time after the other.
 
         If the events at one time change nothing, the next ones were located with them: a step leads there.
@@ -434,7 +434,7 @@ class Run:
             self.watch.tick = following
             self.control.pace.end_next_at(t, following)
 
-    def _act(self, crossings: list[Crossing]) -> None:
+    def _act(self, crossings: list[ZeroCrossing]) -> None:
         """Carry out all events of the present time."""
         with self._settling():
             self.actions.take(crossings)

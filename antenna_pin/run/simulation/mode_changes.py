@@ -42,7 +42,7 @@ from antenna_pin.run.simulation.element_events import (
     CoincidentChange,
     CoincidentEvents,
     ImpulseEffect,
-    ModeChange,
+    ModeChangeEvent,
     ModeEffect,
     NeverSettlesError,
     StruckElement,
@@ -67,7 +67,7 @@ class ChangeResult(NamedTuple):
     impulse: float = 0.0  # impulse on the child [N m s] ([N s])
 
 
-class Impacts:
+class ImpactSolver:
     """Impulses of a run's stops and latches.
 
     All elements struck at one time are one problem (:func:`antenna_pin.dynamics.push_apart`). Joints that
@@ -253,7 +253,9 @@ class RunningPeaks:
                 own["effort"], own["time"] = 0.0, t
         return found
 
-    def with_open(self, changed: Sequence[ModeChange], modes: Mapping[str, int]) -> list[ModeChange]:
+    def with_open(
+        self, changed: Sequence[ModeChangeEvent], modes: Mapping[str, int]
+    ) -> list[ModeChangeEvent]:
         """Return recorded changes, with the peaks so far at the onsets of touches that last.
 
         Args:
@@ -301,12 +303,12 @@ class ModeChanges:
         }
         self._holds = [one.name for one in system.holds]
         self._due = CoincidentEvents(workspace, adjustments, self._acting)
-        self.changed: list[ModeChange] = []
+        self.changed: list[ModeChangeEvent] = []
         self.peaks = RunningPeaks(system, self._acting)
         self.effects: list[ModeEffect | ImpulseEffect] = []
         self.grazed: set[tuple[str, int]] = set()
         self._rest = RestingJoints(workspace, adjustments, self._acting)
-        self._blows = Impacts(workspace, adjustments, self._acting)
+        self._blows = ImpactSolver(workspace, adjustments, self._acting)
         #: Elements that have held a freedom together with others, by name: their shares are indeterminate.
         self.shares: set[str] = set()
         self._limit = _AT_MOST * (1 + len(self._acting))
@@ -491,7 +493,7 @@ class ModeChanges:
             self.effects.append(ModeEffect(place, before, _by_sticking))
         return bool(shifts)
 
-    def recorded(self) -> list[ModeChange]:
+    def recorded(self) -> list[ModeChangeEvent]:
         """Return the recorded changes, with the peaks so far of touches that last."""
         return self.peaks.with_open(
             self.changed, {place: self._element(place).mode for place in self._acting}
@@ -511,7 +513,7 @@ class ModeChanges:
             return
         element, one, (met, change, loss, blow) = self._element(place), self._acting[place], result
         self.changed.append(
-            ModeChange(
+            ModeChangeEvent(
                 name=f"{FAMILIES[one.family].word} {one.name}: {what}",
                 element=place,
                 what=what,

@@ -20,7 +20,7 @@ from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.state import State
 from antenna_pin.dynamics import System
 from antenna_pin.elements.control import Controller
-from antenna_pin.run.simulation.event_watch import Crossing
+from antenna_pin.run.simulation.event_watch import ZeroCrossing
 from antenna_pin.run.simulation.events import Event, Set, Stop
 from antenna_pin.run.simulation.loop import Run
 from antenna_pin.trajectory import Outcome
@@ -200,7 +200,7 @@ class OpenRun:
         self._cut = self._again
         return self._cut.state
 
-    def events(self, ahead: Sequence[Sequence[Crossing]]) -> None:
+    def events(self, ahead: Sequence[Sequence[ZeroCrossing]]) -> None:
         """Take a snapshot if the goal of the run is in the trial step."""
         sought = any(one.event == self._sought for group in ahead for one in group)
         if sought and self._cut is None:

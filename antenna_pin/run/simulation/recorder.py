@@ -16,7 +16,7 @@ from antenna_pin.errors import FunctionError
 from antenna_pin.integrate import method_named
 from antenna_pin.run.simulation.attributes import constraint_attributes, mechanism_attributes
 from antenna_pin.run.simulation.controllers import ControllerRecord
-from antenna_pin.run.simulation.ledger import Audit
+from antenna_pin.run.simulation.ledger import LedgerAudit
 from antenna_pin.run.simulation.loop import Run
 from antenna_pin.run.simulation.sample_files import SampleFiles, blocks_of, count_of
 from antenna_pin.run.simulation.samples import Chunk, Samples
@@ -401,7 +401,7 @@ class Recorder:
         self._last: SampleBlock | None = None
         self._totals: dict[str, Any] = {}
         self._peaks: dict[str, Any] = {}
-        self._audit = Audit(run)
+        self._audit = LedgerAudit(run)
         # Only the run's own states are consecutive samples.
         self._tops = EffortPeaks(run, between=samples is None) if run.system.drives else None
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from antenna_pin.base.records import MEMORY
 from antenna_pin.base.settings import ErrorScales, RunSettings
 from antenna_pin.dynamics import System, Workspace, works_in_x
-from antenna_pin.dynamics.outside_kernels import Asked
+from antenna_pin.dynamics.outside_kernels import CallbackRecord
 from antenna_pin.elements import ForceElement
 from antenna_pin.integrate import Method
 from antenna_pin.run.engine import Compiled, CompiledStepper, Pace, Sizes, loop_kernels
@@ -312,7 +312,7 @@ class StepBatches:
             scales=stepper.scales,
             rtol=stepper.rtol,
             numbers=stepper.numbers,
-            search=kernels.Search(
+            search=kernels.EventSearch(
                 nodes=parts.search.nodes,
                 ignore=parts.search.ignore,
                 limits=parts.search.limits,
@@ -349,7 +349,7 @@ class StepBatches:
         """Set the callbacks of the loop: implicit steps, corrections to events."""
         stepper, stretch = self._stepper, self._stretch
         answers = stepper.answers
-        answer: Asked = stepper.numbers.outside.asked[0]
+        answer: CallbackRecord = stepper.numbers.outside.asked[0]
 
         def step(h: float) -> None:
             stepper.t = float(stretch["t"][0])

@@ -24,7 +24,7 @@ from antenna_pin.show.plot._runs import (
 )
 from antenna_pin.show.plot._style import Array, Width
 from antenna_pin.show.plot._thinned import Columns, closer, thinned
-from antenna_pin.show.plot.grammar import Axis, Curve, Panel, Sheet, in_rows, size_of
+from antenna_pin.show.plot.grammar import Axis, Panel, PlotCurve, Sheet, in_rows, size_of
 from antenna_pin.trajectory import names_along
 
 #: Share of a panel's height within which lines are indistinguishable [-].
@@ -78,20 +78,22 @@ class Picked:
         same = [new for new, old in zip(drawn, self.drawn, strict=True) if old is self.reference]
         return replace(self, drawn=drawn, reference=same[0] if same else self.reference)
 
-    def curves(self, values: Callable[[LabelledRun], Array | None]) -> list[Curve]:
+    def curves(self, values: Callable[[LabelledRun], Array | None]) -> list[PlotCurve]:
         """Return a quantity of the runs that have it over time."""
         found = ((run, look, values(run)) for run, look in self.styled)
         return [
-            Curve(run.legend, run.time, one, look, run is self.reference, run.many)
+            PlotCurve(run.legend, run.time, one, look, run is self.reference, run.many)
             for run, look, one in found
             if one is not None
         ]
 
-    def deviations(self, of: Callable[[LabelledRun], tuple[Array, Array] | None]) -> list[Curve]:
+    def deviations(self, of: Callable[[LabelledRun], tuple[Array, Array] | None]) -> list[PlotCurve]:
         """Return the deviations of comparable runs from the ideal run over time."""
         looks = {run.label: (run, look) for run, look in self.styled}
         found = [(run, look, of(run)) for run, look in looks.values() if run is not self.reference]
-        return [Curve(run.label, *one, look, many=run.many) for run, look, one in found if one is not None]
+        return [
+            PlotCurve(run.label, *one, look, many=run.many) for run, look, one in found if one is not None
+        ]
 
 
 def pick(

@@ -135,7 +135,7 @@ def literal(text: str) -> str:
     return text.replace("$", r"\$")
 
 
-class Picture(Figure):
+class NotebookFigure(Figure):
     """Figure that displays itself in a notebook, with or without a backend."""
 
     # Whether it is being saved: Matplotlib then draws it twice, once without ink, to have its panels placed.
@@ -164,11 +164,11 @@ class Picture(Figure):
         return buffer.getvalue()
 
 
-def new_figure(width: str, height: float) -> Picture:
+def new_figure(width: str, height: float) -> NotebookFigure:
     """Return an empty figure of a named width and a height [mm]."""
     if width not in WIDTHS:
         raise UnknownNameError("figure", "width", width, WIDTHS)
-    figure = Picture(figsize=(WIDTHS[width], height * _MILLIMETRE), layout="constrained")
+    figure = NotebookFigure(figsize=(WIDTHS[width], height * _MILLIMETRE), layout="constrained")
     # Neighbours' outermost tick labels must not run into each other.
     figure.set_layout_engine("constrained", w_pad=1.4 * _MILLIMETRE, h_pad=1.0 * _MILLIMETRE, wspace=0.02)
     return figure

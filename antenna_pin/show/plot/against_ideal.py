@@ -49,7 +49,7 @@ from antenna_pin.show.plot._kinds import (
 from antenna_pin.show.plot._runs import LabelledRun, Run, Runs, left_out, too_short, unit_of
 from antenna_pin.show.plot._style import Array, Width
 from antenna_pin.show.plot._thinned import turning
-from antenna_pin.show.plot.grammar import Axis, Curve, Panel, Sheet, figure
+from antenna_pin.show.plot.grammar import Axis, Panel, PlotCurve, Sheet, figure
 from antenna_pin.show.plot.motion import (
     MOTIONS,
     QUANTITIES,
@@ -115,7 +115,7 @@ def figure_joint(
     return _compared(panels, picked, width, _FROM_IDEAL, spikes=True, columns=0)
 
 
-def _deviation(title: str, curves: Sequence[Curve], unit: str) -> list[Panel]:
+def _deviation(title: str, curves: Sequence[PlotCurve], unit: str) -> list[Panel]:
     """Return the panel of deviations, if there are any."""
     return [Panel(title, curves, Axis("deviation", unit), apart=True)] if curves else []
 
@@ -388,7 +388,7 @@ def figure_pointing(runs: Runs, *, ideal: Run | None = None, width: Width = "pag
         for run in drawn
     }
 
-    def of(table: dict[str, xr.Dataset | None], name: str, **place: str) -> list[Curve]:
+    def of(table: dict[str, xr.Dataset | None], name: str, **place: str) -> list[PlotCurve]:
         def value(run: LabelledRun) -> Array | None:
             found = table.get(run.label)
             return None if found is None else np.asarray(found[name].sel(place).values, dtype=float)
@@ -431,7 +431,7 @@ def _pointing_error(run: LabelledRun, reference: LabelledRun | None) -> xr.Datas
     return _or_none(pointing_error, run.data, None if reference is None else reference.whole.data)
 
 
-def _broken(curve: Curve) -> Curve:
+def _broken(curve: PlotCurve) -> PlotCurve:
     """Return an angle with gaps where it jumps, as an azimuth at the pole."""
     jumps = np.flatnonzero(np.abs(np.diff(curve.y)) > _JUMP) + 1
     return replace(curve, x=np.insert(curve.x, jumps, curve.x[jumps]), y=np.insert(curve.y, jumps, np.nan))

@@ -28,8 +28,8 @@ from antenna_pin.show.plot.grammar import (
     TIME,
     Axis,
     ByHand,
-    Curve,
     Panel,
+    PlotCurve,
     Sheet,
     figure,
     in_blocks,
@@ -84,7 +84,7 @@ def figure_energy(runs: Runs, *, width: Width = "page") -> Sheet:
         rows.append([])
         for run, book in zip(drawn, books, strict=True):
             lines = [
-                Curve(label, run.time, book[name], _DRIVES if colour == "black" else {"color": colour})
+                PlotCurve(label, run.time, book[name], _DRIVES if colour == "black" else {"color": colour})
                 for name, label, colour in parts
                 if np.any(book[name])
             ]
@@ -175,10 +175,10 @@ def _total(run: LabelledRun, name: str) -> Array:
     return values if values.ndim == 1 else np.asarray(values.sum(axis=1), dtype=float)
 
 
-def _so_far(label: str, run: LabelledRun, value: Array, look: dict[str, Any]) -> Curve:
+def _so_far(label: str, run: LabelledRun, value: Array, look: dict[str, Any]) -> PlotCurve:
     """Return the largest values so far, exact zeros on the logarithmic scale's floor."""
     so_far = np.fmax.accumulate(np.maximum(value, _FLOOR))
-    return Curve(label, run.time, so_far, look, many=run.many)
+    return PlotCurve(label, run.time, so_far, look, many=run.many)
 
 
 def _in_decades(panels: Sequence[Panel]) -> list[Panel]:

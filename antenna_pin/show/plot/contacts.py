@@ -24,9 +24,9 @@ from antenna_pin.show.plot.grammar import (
     TIME,
     Axis,
     ByHand,
-    Curve,
-    Mark,
     Panel,
+    PlotCurve,
+    PlotMark,
     Rule,
     Sheet,
     close_view,
@@ -100,8 +100,8 @@ def figure_contact_forces(runs: Runs, *, joint: str | None = None, width: Width 
                 rows[-1].append(None)
                 continue
             look = {"color": COLOURS[0], "linewidth": 0.6, "zorder": 3}
-            marks: list[Mark] = [
-                Curve("resultant on the journal", curve.time, force[kind], look, many=curve.many),
+            marks: list[PlotMark] = [
+                PlotCurve("resultant on the journal", curve.time, force[kind], look, many=curve.many),
                 *_stems(*peak[kind]),
                 Rule(0.0, {"color": "#999999", "linewidth": 0.5, "zorder": 1.5}),
             ]
@@ -173,7 +173,7 @@ def _peaks(run: LabelledRun, curve: LabelledRun, joint: str, kind: str) -> tuple
     return run.values("peak_time")[of_kind], np.where(negative, -force, force)
 
 
-def _stems(time: Array, force: Array) -> list[Curve]:
+def _stems(time: Array, force: Array) -> list[PlotCurve]:
     """Return a line from zero to each peak, and a dot on it."""
     if not time.size:
         return []
@@ -183,8 +183,8 @@ def _stems(time: Array, force: Array) -> list[Curve]:
     look = {"color": PEAK, "linewidth": 0.35, "alpha": 0.55, "zorder": 2}
     dots = {**_DOT, "zorder": 2.5}
     return [
-        Curve("", np.repeat(time, 3), stems.ravel(), look, many=many),
-        Curve("peak normal force of each blow", time, force, dots, many=many),
+        PlotCurve("", np.repeat(time, 3), stems.ravel(), look, many=many),
+        PlotCurve("peak normal force of each blow", time, force, dots, many=many),
     ]
 
 
@@ -193,7 +193,7 @@ def _blow(run: LabelledRun, curve: LabelledRun, blow: Blow, names: dict[str, str
     seen = np.flatnonzero((curve.time >= blow.window[0]) & (curve.time <= blow.window[1]))
     seen = np.arange(max(seen[0] - 1, 0), min(seen[-1] + 2, curve.time.size))
     lines = [
-        Curve(
+        PlotCurve(
             names[name],
             curve.time[seen] - blow.time,
             curve.values("normal_force", contact=name)[seen],
@@ -203,7 +203,7 @@ def _blow(run: LabelledRun, curve: LabelledRun, blow: Blow, names: dict[str, str
         if name in blow.touching
     ]
     dot = {**_DOT, "markersize": 4.0, "zorder": 4}
-    peak = Curve("", np.zeros(1), np.array([blow.force]), dot)
+    peak = PlotCurve("", np.zeros(1), np.array([blow.force]), dot)
     start, end = blow.window
     limits = start - blow.time, end - blow.time
     x = Axis(f"time from {blow.time:.6g} s on", "s", end - start, limits)
@@ -247,7 +247,7 @@ def figure_eccentricity(runs: Runs, *, joint: str | None = None, width: Width = 
     look = {"color": COLOURS[0], "linewidth": 0.5}
     every = list(zip(picked.drawn, curves, motions, depths, strict=True))
 
-    def panel(run: LabelledRun, title: str, marks: Sequence[Mark], y: Axis) -> Panel:
+    def panel(run: LabelledRun, title: str, marks: Sequence[PlotMark], y: Axis) -> Panel:
         limits = float(run.time[0]), float(run.time[-1])
         y = replace(y, ticks=4, shared=title)
         return Panel(f"{run.label}, {title}", marks, y, replace(TIME, limits=limits))
@@ -257,14 +257,14 @@ def figure_eccentricity(runs: Runs, *, joint: str | None = None, width: Width = 
         ratios = zip(motion["place"].values, motion["eccentricity_ratio"].values.T, strict=True)
         ends = [(*_ENDS[str(place)], ratio) for place, ratio in ratios]
         lines = [
-            Curve(end, curve.time, ratio, {**look, "color": colour}, many=curve.many)
+            PlotCurve(end, curve.time, ratio, {**look, "color": colour}, many=curve.many)
             for end, colour, ratio in ends
         ]
         y = Axis("eccentricity /\nclearance [-]")
         rows[0].append(panel(run, "eccentricity", [*lines, Rule(1.0, _LIMIT)], y))
         marks = [
-            Curve("", curve.time, sampled, look, many=curve.many),
-            Curve("largest of each blow", at, peaks, _DOT, many=peaks.size > MANY // 20),
+            PlotCurve("", curve.time, sampled, look, many=curve.many),
+            PlotCurve("largest of each blow", at, peaks, _DOT, many=peaks.size > MANY // 20),
         ]
         rows[1].append(panel(run, "penetration", marks, Axis("depth", "m", deepest)))
     notes = []
@@ -278,7 +278,7 @@ def figure_eccentricity(runs: Runs, *, joint: str | None = None, width: Width = 
         )
         rows.append([])
         for (run, curve, motion, _), limit in zip(every, limits, strict=True):
-            line = Curve("", curve.time, motion[variable].values, look, many=curve.many)
+            line = PlotCurve("", curve.time, motion[variable].values, look, many=curve.many)
             rules = [Rule(side * limit, _LIMIT) for side in sides]
             rows[-1].append(panel(run, title, [line, *rules], y) if np.isfinite(limit) else None)
         without = [

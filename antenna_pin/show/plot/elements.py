@@ -21,10 +21,10 @@ from antenna_pin.show.plot.grammar import (
     COLUMN_OR_PAGE,
     Axis,
     ByHand,
-    Curve,
     Ground,
-    Mark,
     Panel,
+    PlotCurve,
+    PlotMark,
     Points,
     Rule,
     Sheet,
@@ -61,14 +61,18 @@ def _paired(pairs: Sequence[tuple[Panel, Panel]], width: Width, notes: Sequence[
 
 
 def _within_bounds(
-    title: str, curves: list[Curve], grounds: Iterable[tuple[float, float, str]], edges: list[float], y: Axis
+    title: str,
+    curves: list[PlotCurve],
+    grounds: Iterable[tuple[float, float, str]],
+    edges: list[float],
+    y: Axis,
 ) -> Panel:
     """Return curves on coloured grounds, with a margin around all that is drawn."""
     values = [one.y for one in curves]
     low, high = (float(pick([*(pick(one) for one in values), *edges])) for pick in (np.min, np.max))
     room = _BEYOND * ((high - low) or 1.0)
     low, high = low - room, high + room
-    marks: list[Mark] = [
+    marks: list[PlotMark] = [
         Ground(max(begin, low), min(end, high), {"color": colour, "linewidth": 0.0, "zorder": 0}, "y")
         for begin, end, colour in grounds
     ]
@@ -76,7 +80,7 @@ def _within_bounds(
 
 
 def _with_efforts(
-    motion: Panel, points: Iterable[Points], title: str, efforts: Iterable[Curve], slides: bool
+    motion: Panel, points: Iterable[Points], title: str, efforts: Iterable[PlotCurve], slides: bool
 ) -> tuple[Panel, Panel]:
     """Return a panel with marks of events, and a panel of efforts."""
     exerted = Panel(title, [replace(one, label="") for one in efforts], _effort_axis(slides))
@@ -290,10 +294,10 @@ def _largest(runs: Sequence[LabelledRun], most: int) -> tuple[list[str], int]:
 def _spectrum_panel(runs: Sequence[tuple[LabelledRun, dict[str, Any]]], part: str, unit: str) -> Panel:
     """Return amplitude densities of a part's deflections, and natural frequencies."""
     found = [(_density(run, part), look) for run, look in runs]
-    curves = [Curve("", *one, look) for one, look in found if one is not None]
+    curves = [PlotCurve("", *one, look) for one, look in found if one is not None]
     own = sorted({elastic_parts_of(run.data)[part]["frequency"] for run, _ in runs})
     look = {"color": "#666666", "linewidth": 0.7, "linestyle": ":"}
-    marks: list[Mark] = [*curves, *(Rule(one, look, "x") for one in own)]
+    marks: list[PlotMark] = [*curves, *(Rule(one, look, "x") for one in own)]
     x, y = Axis("frequency [Hz]", scale="log"), Axis(f"density [{unit}/√Hz]", scale="log")
     top = largest_of([one.y for one in curves])
     if top > 0.0:
@@ -335,7 +339,7 @@ def figure_hysteresis(runs: Runs, *, width: Width = "page") -> Sheet:
     picked = pick(runs, TRACED, compared=False)
     panels = []
     for name in picked.names("traced_spring"):
-        marks: list[Curve] = []
+        marks: list[PlotCurve] = []
         slides = False
         for run, look in picked.styled:
             springs = names_along(run.data, "traced_spring")
@@ -345,8 +349,8 @@ def figure_hysteresis(runs: Runs, *, width: Width = "page") -> Sheet:
             slides |= joint in run.sliding_joints
             angle, torque = _position(run, joint), run.values("spring_torque", traced_spring=name)
             dot = {"linestyle": "none", "marker": ".", "color": look.get("color"), "markersize": 4}
-            marks.append(Curve(run.legend, angle, torque, look, many=run.many))
-            marks.append(Curve("", angle[:1], torque[:1], dot))
+            marks.append(PlotCurve(run.legend, angle, torque, look, many=run.many))
+            marks.append(PlotCurve("", angle[:1], torque[:1], dot))
         x = Axis("way", "m") if slides else Axis("angle", "rad")
         y = _effort_axis(slides)
         panels.append(Panel(name.replace("_", " "), marks, y, x, margins=(0.03, 0.03)))
@@ -394,7 +398,7 @@ def figure_control(runs: Runs, *, width: Width = "page") -> Sheet:
     looks = {run.label: look for run, look in picked.styled} if len(picked.drawn) > 1 else {}
     shown = []
     for title, by_run in panels.items():
-        marks: list[Mark] = [mark for label, one in by_run.items() for mark in _marks(one, label, looks)]
+        marks: list[PlotMark] = [mark for label, one in by_run.items() for mark in _marks(one, label, looks)]
         unit = next(iter(by_run.values())).unit
         y = Axis("", unit) if unit else Axis("[SI]")
         shown.append(Panel(title, marks, y, Axis("time [s]", ticks=6)))
@@ -406,7 +410,7 @@ def figure_control(runs: Runs, *, width: Width = "page") -> Sheet:
     return Sheet(rows, width, 12.0 + 42.0 * len(rows), (*notes, *picked.notes))
 
 
-def _marks(signals: _Signals, label: str, looks: dict[str, dict[str, Any]]) -> Iterator[Mark]:
+def _marks(signals: _Signals, label: str, looks: dict[str, dict[str, Any]]) -> Iterator[PlotMark]:
     """Yield the lines of a run in a panel."""
     number = 0
     for name, values in signals.lines.items():
@@ -418,7 +422,7 @@ def _marks(signals: _Signals, label: str, looks: dict[str, dict[str, Any]]) -> I
             words = label if looks else name
             number += 1
         style = {"drawstyle": "steps-post" if signals.steps else "default", **look}
-        yield Curve(words, signals.time, values, style)
+        yield PlotCurve(words, signals.time, values, style)
     for span in signals.held:
         yield Ground(*span, {"facecolor": SHADE, "edgecolor": "none", "zorder": 0.5})
 

@@ -14,7 +14,7 @@ from antenna_pin.show.plot._compared import Picked, above_round_off, panels_shee
 from antenna_pin.show.plot._kinds import CLOSED, COUPLED, FORCED, LOOPED, MOVING, PRESCRIBED, RunFigure
 from antenna_pin.show.plot._runs import LabelledRun, Run, Runs, unit_of
 from antenna_pin.show.plot._style import Array, Width, prefixed
-from antenna_pin.show.plot.grammar import Axis, Curve, Panel, Sheet, close_view, figure, in_rows, size_of
+from antenna_pin.show.plot.grammar import Axis, Panel, PlotCurve, Sheet, close_view, figure, in_rows, size_of
 from antenna_pin.trajectory import names_along
 
 # --- through a joint ---
@@ -89,7 +89,7 @@ def _words(joint: str) -> str:
 
 
 def _with_close_view(
-    curves: Sequence[Curve],
+    curves: Sequence[PlotCurve],
     y: Axis,
     spans: tuple[_Span, _Span],
     title: str,
@@ -110,7 +110,7 @@ def _with_close_view(
     return Sheet(in_rows(panels, 2), width, 66.0, notes)
 
 
-def _forces(runs: Runs, ideal: Run | None, joint: str | None) -> tuple[Picked, list[Curve]]:
+def _forces(runs: Runs, ideal: Run | None, joint: str | None) -> tuple[Picked, list[PlotCurve]]:
     """Return the runs that have the joint, and the sizes of its force [N]."""
     picked = pick(runs, ideal=ideal, joint=(MOVING, joint))
     known = [joint_loads(run.data, [0])["moving_joint"].values for run in picked.drawn]
@@ -119,7 +119,7 @@ def _forces(runs: Runs, ideal: Run | None, joint: str | None) -> tuple[Picked, l
     return picked, picked.curves(lambda run: _force(run, picked.joint))
 
 
-def _closer(picked: Picked, curves: list[Curve], window: _Span) -> list[Curve]:
+def _closer(picked: Picked, curves: list[PlotCurve], window: _Span) -> list[PlotCurve]:
     """Return sizes of the force with all samples in a close view."""
     if all(run.kept is None for run in picked.drawn):
         return curves
@@ -133,7 +133,7 @@ def _force(run: LabelledRun, joint: str) -> Array:
     return np.asarray(np.linalg.norm(np.asarray(force.values, dtype=float), axis=1))
 
 
-def _around(curve: Curve, start: float, end: float, half: float) -> _Span:
+def _around(curve: PlotCurve, start: float, end: float, half: float) -> _Span:
     """Return the span of a half width around the largest force."""
     centre = min(max(float(curve.x[int(np.nanargmax(curve.y))]), start + half), end - half)
     return centre - half, centre + half

@@ -22,10 +22,10 @@ from antenna_pin.show.plot.grammar import (
     Axis,
     Band,
     ByHand,
-    Curve,
     Ground,
-    Mark,
     Panel,
+    PlotCurve,
+    PlotMark,
     Rule,
     Sheet,
     colour_bar,
@@ -112,7 +112,7 @@ def _record(rows: xr.Dataset, name: str, bands: bool) -> tuple[Panel, Panel]:
         shared=name,
     )
     y = Axis(measure, unit, largest_of([data, model])) if linear else Axis(f"{measure} [-]")
-    marks: list[Mark] = []
+    marks: list[PlotMark] = []
     for low, high, colour, words in (
         ("new_low", "new_high", _NEW, "where a new measurement may be"),
         ("band_low", "band_high", _CURVE, "where the model may be"),
@@ -123,10 +123,12 @@ def _record(rows: xr.Dataset, name: str, bands: bool) -> tuple[Panel, Panel]:
             marks.append(Band(at, ends[0], ends[1], look))
     marks.append(_measurements("measured", at, data))
     alone = {"marker": "D" if len(at) == 1 else "", "markersize": 3.0}
-    marks.append(Curve("fitted model", at, model, {"color": "C0", "linewidth": 0.9, "zorder": 3.0, **alone}))
+    marks.append(
+        PlotCurve("fitted model", at, model, {"color": "C0", "linewidth": 0.9, "zorder": 3.0, **alone})
+    )
     residual = (model - data) / noise
     half = 1.1 * max(2.5, size_of(residual))
-    beneath: list[Mark] = [
+    beneath: list[PlotMark] = [
         Ground(-1.96, 1.96, {"color": "#EEEEEE", "linewidth": 0.0, "zorder": 0.5}, "y"),
         _ZERO,
         _measurements("", at, residual),
@@ -159,11 +161,13 @@ def _record(rows: xr.Dataset, name: str, bands: bool) -> tuple[Panel, Panel]:
     )
 
 
-def _measurements(label: str, at: Array, values: Array) -> Curve:
+def _measurements(label: str, at: Array, values: Array) -> PlotCurve:
     """Return measured values as dots, or many as a line."""
     look: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2.6}
     line = {"linewidth": 0.5, "alpha": 0.8}
-    return Curve(label, at, values, {"color": _DATA, "zorder": 2.0, **(look if len(at) <= _DOTS else line)})
+    return PlotCurve(
+        label, at, values, {"color": _DATA, "zorder": 2.0, **(look if len(at) <= _DOTS else line)}
+    )
 
 
 # --- how sure a fit is ---
@@ -286,17 +290,17 @@ def _profile(one: xr.Dataset, reach: float, labelled: bool) -> Panel:
         between = PchipInterpolator(coordinate(values), root)(fine)
     dots = {"linestyle": "none", "marker": "o", "color": "C0", "markersize": 2.4, "zorder": 3.0}
     line = {"color": "C0", "linewidth": 0.9, "zorder": 3.0}
-    marks: list[Mark] = [
+    marks: list[PlotMark] = [
         Ground(max(low, left), min(high, right)),
         Rule(reach**2, {"color": "#999999", "linewidth": 0.6, "linestyle": ":", "zorder": 0.8}),
-        Curve("", values, root**2, dots),
-        Curve("profile", back(fine), between**2, line),
+        PlotCurve("", values, root**2, dots),
+        PlotCurve("profile", back(fine), between**2, line),
     ]
     if math.isfinite(error) and error > 0.0:
         x = np.linspace(coordinate(left), coordinate(right), 201)
         parabola = ((x - coordinate(best)) / (error / best if by_log else error)) ** 2
         dashed = {"color": "C1", "linewidth": 0.8, "linestyle": (0, (4, 1.5)), "zorder": 2.0}
-        marks.append(Curve("by the standard error", back(x), parabola, dashed))
+        marks.append(PlotCurve("by the standard error", back(x), parabola, dashed))
     marks.append(Rule(best, {"color": "#777777", "linewidth": 0.6, "zorder": 0.9}, "x"))
     wide = by_log and right > _WIDE * left
     across = Axis(
@@ -334,10 +338,10 @@ _SPREAD = 20.0  # from the narrowest interval to the widest: more is shown by lo
 _DOT: dict[str, Any] = {"linestyle": "none", "marker": "o", "clip_on": False}
 
 
-def _entry(label: str, marker: str, colour: str, **looks: Any) -> Curve:
+def _entry(label: str, marker: str, colour: str, **looks: Any) -> PlotCurve:
     """Return an entry of the legend alone."""
     look = {"linestyle": "none", "marker": marker, "color": colour, "markersize": 2.3, **looks}
-    return Curve(label, np.empty(0), np.empty(0), look)
+    return PlotCurve(label, np.empty(0), np.empty(0), look)
 
 
 def _listed(names: Sequence[str]) -> Axis:
@@ -362,14 +366,14 @@ def figure_identifiability(found: xr.Dataset, *, width: Width = "page") -> Sheet
     ends = [one[np.isfinite(one) & (one > 0.0)] for one in (half, alone)]
     every = np.concatenate([*ends, [100.0]])
     low, high = 0.5 * float(every.min()), 3.0 * float(every.max())
-    marks: list[Mark] = [Ground(100.0, high, {"color": SHADE, "linewidth": 0.0, "zorder": 0.4})]
+    marks: list[PlotMark] = [Ground(100.0, high, {"color": SHADE, "linewidth": 0.0, "zorder": 0.4})]
     for place, (end, begin) in enumerate(zip(half, alone, strict=True)):
         told, known = np.isfinite(end), np.isfinite(begin)
         colour = COLOURS[0] if told else PEAK
         at = np.array([place])
         span = np.array([begin if known else high, end if told else high])
         marks.append(
-            Curve("", span, np.array([place, place]), {"color": colour, "linewidth": 1.4, "zorder": 2.0})
+            PlotCurve("", span, np.array([place, place]), {"color": colour, "linewidth": 1.4, "zorder": 2.0})
         )
         look = {"linestyle": "none", "markersize": 4.5, "color": colour, "zorder": 4.0, "clip_on": False}
         if known:
@@ -380,9 +384,9 @@ def figure_identifiability(found: xr.Dataset, *, width: Width = "page") -> Sheet
                 "clip_on": True,
                 "marker": "o",
             }
-            marks.append(Curve("", np.array([begin]), at, {**look, **hollow}))
+            marks.append(PlotCurve("", np.array([begin]), at, {**look, **hollow}))
         tip = np.array([end if told else 0.93 * high])
-        marks.append(Curve("", tip, at, {**look, "marker": "o" if told else ">"}))
+        marks.append(PlotCurve("", tip, at, {**look, "marker": "o" if told else ">"}))
     marks.append(_entry("others known", "o", "white", markeredgecolor=COLOURS[0]))
     marks.append(_entry("others unknown", "o", COLOURS[0]))
     marks += [] if np.isfinite(half).all() else [_entry("cannot be told", ">", PEAK)]
@@ -409,9 +413,9 @@ def _with_plain_numbers(axes: Axes) -> None:
     _no_rows(axes)
 
 
-def _directions(axes: Axes, found: xr.Dataset, names: list[str]) -> None:
+def _directions(axes: Axes, information: xr.Dataset, names: list[str]) -> None:
     """Draw the parameters of each direction, with the error along it."""
-    parts, singular = _values(found, "part", "singular")
+    parts, singular = _values(information, "part", "singular")
     axes.imshow(parts**2, cmap="Blues", vmin=0.0, vmax=1.0, aspect="auto")
     for row, column in np.argwhere(parts**2 > 0.005):
         share = parts[row, column]
@@ -457,14 +461,14 @@ def figure_experiments(found: xr.Dataset, *, width: Width = "page") -> Sheet:
     return Sheet(rows, width, 20.0 + (14.0 + 6.0 * kept) * len(rows), notes, every=True, letters=False)
 
 
-def _after(half: Array, before: float) -> tuple[Axis, list[Mark]]:
+def _after(half: Array, before: float) -> tuple[Axis, list[PlotMark]]:
     """Return the interval of one parameter after each experiment [%], and before any."""
     told = np.isfinite(half)
     every = np.append(half[told], [before] if math.isfinite(before) else [])
     high = 1.15 * float(every.max(initial=0.0)) or 100.0
     by_log = bool(every.size) and high > _SPREAD * every.min()
     low = 0.6 * float(every.min()) if by_log else 0.0
-    marks: list[Mark] = []
+    marks: list[PlotMark] = []
     if math.isfinite(before):
         look = {"color": "#777777", "linewidth": 0.8, "linestyle": "--", "label": "before", "zorder": 1.0}
         marks.append(Rule(before, look, "x"))
@@ -476,7 +480,9 @@ def _after(half: Array, before: float) -> tuple[Axis, list[Mark]]:
         colour = PEAK if not told[place] else COLOURS[1] if place == best else COLOURS[0]
         look = {**_DOT, "color": colour, "markersize": 4.0, "zorder": 3.0}
         look |= {} if told[place] else {"marker": ">", "clip_on": True}
-        marks.append(Curve("", np.array([value if told[place] else 0.96 * high]), np.array([place]), look))
+        marks.append(
+            PlotCurve("", np.array([value if told[place] else 0.96 * high]), np.array([place]), look)
+        )
     return Axis("± [%]", limits=(low, high), scale="log" if by_log else "linear", ticks=4), marks
 
 
@@ -553,10 +559,10 @@ def _over_time(
     """Return the change of one curve with each parameter."""
     (time,) = _values(sensitivity, "time")
     change, doubt = (0.01 * one[:, curve] for one in _values(sensitivity, "curve_change", "curve_doubt"))
-    marks: list[Mark] = []
+    marks: list[PlotMark] = []
     for j, k in enumerate(order.tolist()):
         mine, apart = change[:, k], doubt[:, k]
-        marks.append(Curve(names[k], time, mine, {"color": COLOURS[j], "linewidth": 0.9}))
+        marks.append(PlotCurve(names[k], time, mine, {"color": COLOURS[j], "linewidth": 0.9}))
         marks.append(Band(time, mine - apart, mine + apart, {"color": COLOURS[j], "alpha": 0.25}))
     y = Axis(f"change per 1 % [{sensitivity['curve_unit'].values[curve]}]")
     x = Axis("time [s]", ticks=3)  # beside long names of results little room is left

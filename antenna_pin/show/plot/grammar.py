@@ -34,7 +34,7 @@ Scale = Literal["linear", "log", "plain"]
 # --- marks ---
 
 
-class Mark(Protocol):
+class PlotMark(Protocol):
     """Mark in a panel."""
 
     def draw(self, axes: Axes, across: float, up: float) -> None:
@@ -43,7 +43,7 @@ class Mark(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Curve:
+class PlotCurve:
     """Line, or dots, through points (n,).
 
     Attributes:
@@ -199,7 +199,7 @@ class Panel:
     """
 
     title: str
-    marks: Sequence[Mark]
+    marks: Sequence[PlotMark]
     y: Axis = field(default_factory=Axis)
     x: Axis = TIME
     apart: bool = False
@@ -211,9 +211,9 @@ class Panel:
     finish: Callable[[Axes], object] | None = None
 
     @property
-    def curves(self) -> list[Curve]:
+    def curves(self) -> list[PlotCurve]:
         """Its lines."""
-        return [mark for mark in self.marks if isinstance(mark, Curve)]
+        return [mark for mark in self.marks if isinstance(mark, PlotCurve)]
 
     @property
     def largest(self) -> float:

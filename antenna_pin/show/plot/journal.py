@@ -36,7 +36,7 @@ from antenna_pin.show.plot._style import (
     prefixed,
 )
 from antenna_pin.show.plot._thinned import thinned
-from antenna_pin.show.plot.grammar import Axis, ByHand, Curve, Mark, Panel, Sheet, figure, in_rows
+from antenna_pin.show.plot.grammar import Axis, ByHand, Panel, PlotCurve, PlotMark, Sheet, figure, in_rows
 from antenna_pin.trajectory import contact_ends, contact_kinds
 
 # --- squares, and axes that have "up" against gravity ---
@@ -254,9 +254,9 @@ def figure_orbit(
                 panels.append(Panel(title, [ByHand(draw)], y, x))
     none = np.empty(0)
     outlines = " or ".join(dict.fromkeys(motion.attrs["outline_name"] for motion in motions))
-    entries: list[Mark] = [Curve(outlines, none, none, {"color": "black", "linewidth": 0.7})]
+    entries: list[PlotMark] = [PlotCurve(outlines, none, none, {"color": "black", "linewidth": 0.7})]
     if shade == "load":
-        entries.append(Curve("no contact", none, none, {"color": _FREE, "linewidth": 0.7}))
+        entries.append(PlotCurve("no contact", none, none, {"color": _FREE, "linewidth": 0.7}))
     panels[0] = Panel(panels[0].title, [*panels[0].marks, *entries], panels[0].y, panels[0].x)
     tangled = shade == "time" and float(norm.vmin or 0.0) > start
     where: dict[str, Any] = {"location": "bottom", "shrink": 0.6, "aspect": 40.0, "pad": 0.02}

@@ -24,7 +24,7 @@ from antenna_pin.contact import LiuPinJoint, NormalLaw, effective_modulus, make_
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.show.plot._style import COLOURS, SHADE, Array, Width, literal, new_figure, panel_title
 from antenna_pin.show.plot.files import check_formats, folder_for_figures, save_figure
-from antenna_pin.show.plot.grammar import Axis, Curve, Ground, Mark, Panel, Rule, Sheet, figure
+from antenna_pin.show.plot.grammar import Axis, Ground, Panel, PlotCurve, PlotMark, Rule, Sheet, figure
 
 _DASHES: tuple[Any, ...] = ("-", (0, (4, 1.2)), (0, (1, 1)), (0, (4, 1, 1, 1)))
 _LABEL_HEIGHT = 3.0  # of one line of text beside a panel [mm]
@@ -80,7 +80,7 @@ def figure_force_curves(
     low, high = (held[0], held[-1]) if held[-1] > held[0] else (0.5 * held[0], 2.0 * held[0])
     grid = np.geomspace(low, high, 300)
     forces = {name: np.array([force_within(law, float(x)) for x in grid]) for name, law in laws.items()}
-    curves: list[Curve] = []
+    curves: list[PlotCurve] = []
     ended: list[bool] = []
     for (label, force), look in zip(_coinciding(forces).items(), _looks(), strict=False):
         known = np.isfinite(force)
@@ -88,7 +88,7 @@ def figure_force_curves(
             continue
         ended.append(bool(np.flatnonzero(known)[-1] < grid.size - 1))
         dot = {"marker": "o" if ended[-1] else None, "markersize": 3.0, "markevery": [-1]}
-        curves.append(Curve(label, grid[known], force[known], {**look, **dot}))
+        curves.append(PlotCurve(label, grid[known], force[known], {**look, **dot}))
     thin = {"color": "#999999", "linewidth": 0.5, "linestyle": ":", "zorder": 1.5}
     rules = [Rule(depth, thin, "x") for depth in held[1:-1]]  # where the table stands
 
@@ -287,12 +287,12 @@ def figure_experiment(laws: Mapping[str, Callable[[float, float], float]], *, wi
     squares = {"linestyle": "none", "marker": "s", "color": "black", "markersize": 3.2, "zorder": 4}
     panels = []
     for play in LIU_2013_PLAYS:
-        marks: list[Mark] = [
-            Curve(label, 1e6 * grid, 1e-3 * np.array([law(play, float(depth)) for depth in grid]), look)
+        marks: list[PlotMark] = [
+            PlotCurve(label, 1e6 * grid, 1e-3 * np.array([law(play, float(depth)) for depth in grid]), look)
             for (label, law), look in zip(laws.items(), _looks(), strict=False)
         ]
         measured = np.array([(p.depth, p.load) for p in LIU_2013 if p.clearance == play]).T
-        marks.append(Curve("measured", 1e6 * measured[0], 1e-3 * measured[1], squares))
+        marks.append(PlotCurve("measured", 1e6 * measured[0], 1e-3 * measured[1], squares))
         panels.append(Panel(f"radial play {1e3 * play:.3f} mm", marks, y, x))
     if width == "page":
         return Sheet([panels], width, 66.0)
@@ -313,9 +313,9 @@ def figure_contact_width(law: LiuPinJoint, *, width: Width = "column") -> Sheet:
     look = {"color": COLOURS[1], "linestyle": _DASHES[1]}
     words = "(5) and (11), $a^2 = R\\,\\delta$"
     deepest = 1e3 * max(point.depth for point in LIU_2013)
-    marks: list[Mark] = [
-        Curve("(24), new model", share, 1e3 * depths, {"color": COLOURS[0]}),
-        Curve(words, hertz, 1e3 * (hertz * law.journal_radius) ** 2 / radius, look),
+    marks: list[PlotMark] = [
+        PlotCurve("(24), new model", share, 1e3 * depths, {"color": COLOURS[0]}),
+        PlotCurve(words, hertz, 1e3 * (hertz * law.journal_radius) ** 2 / radius, look),
         Ground(0.0, deepest, {"color": SHADE, "zorder": 1.0, "label": "displacements measured"}, "y"),
     ]
     top = 3e3 * law.journal_radius * law.clearance / law.bearing_radius

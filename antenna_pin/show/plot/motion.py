@@ -20,7 +20,7 @@ from antenna_pin.show.plot._kinds import SLIDING, TURNING, JointKind, RunFigure
 from antenna_pin.show.plot._runs import LabelledRun, Run, too_short
 from antenna_pin.show.plot._style import IDEAL, Array, Width, distinct, prefixed
 from antenna_pin.show.plot._thinned import Columns, between_spikes
-from antenna_pin.show.plot.grammar import ZERO, Axis, Curve, Panel, Sheet, close_view, figure, size_of
+from antenna_pin.show.plot.grammar import ZERO, Axis, Panel, PlotCurve, Sheet, close_view, figure, size_of
 
 Quantity = Literal["angle", "rate", "acceleration", "position", "slide rate", "slide acceleration"]
 Span = tuple[float, float]
@@ -213,7 +213,7 @@ class _MotionCurve:
     spacing: float  # the run's commonest one of samples [s]
     many: bool = False
 
-    def line(self, values: Array, linewidth: float, span: Span | None = None) -> Curve:
+    def line(self, values: Array, linewidth: float, span: Span | None = None) -> PlotCurve:
         """Return the line of some values, or its part in a span."""
         time, many = self.time, self.many
         if span is not None:
@@ -221,7 +221,7 @@ class _MotionCurve:
             last = int(np.searchsorted(time, span[1], side="right")) + 1
             time, values, many = time[first:last], values[first:last], False
         look = IDEAL if self.is_ideal else {**self.look, "linewidth": linewidth}
-        return Curve(self.label, time, values, look, self.is_ideal, many)
+        return PlotCurve(self.label, time, values, look, self.is_ideal, many)
 
 
 def _curves_of(

@@ -18,7 +18,17 @@ from matplotlib.colors import Normalize
 from antenna_pin.base.readable import printed_unit
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.show.plot._style import SEQUENTIAL, Array, Width, parameter_words
-from antenna_pin.show.plot.grammar import Axis, ByHand, Curve, Mark, Panel, Rule, Sheet, figure, size_of
+from antenna_pin.show.plot.grammar import (
+    Axis,
+    ByHand,
+    Panel,
+    PlotCurve,
+    PlotMark,
+    Rule,
+    Sheet,
+    figure,
+    size_of,
+)
 from antenna_pin.show.plot.study import is_spaced_by_factors
 
 # --- branches of periodic solutions ---
@@ -155,26 +165,26 @@ def figure_branch(branch: xr.Dataset, coordinate: str | None = None, *, width: W
     x = _parameter(branch, ticks=6, shared="parameter")
     panels: list[Panel] = []
     for label, numbers in shown:
-        marks: list[Mark] = [*_track_curves(track(branch, numbers))]
+        marks: list[PlotMark] = [*_track_curves(track(branch, numbers))]
         marks += [Rule(1.0)] if len(panels) + 1 == len(shown) else []
         panels.append(Panel("", marks, Axis(label), x, margins=(0.03, 0.08)))
     note = f"{branch.sizes['point']} orbits over {branch.attrs['parameter']}; {branch.attrs['message']}"
     return Sheet([[one] for one in panels], width, 20.0 + 46.0 * len(shown), (note,))
 
 
-def _track_curves(branch: Track, black: bool = False) -> list[Curve]:
+def _track_curves(branch: Track, black: bool = False) -> list[PlotCurve]:
     """Return a branch's pieces by stability, and its events, black over coloured dots."""
     curves = []
     for said, x, y in branch.pieces:
         colour = "black" if black else "C0" if said == "stable" else "#555555"
         look = {"linestyle": _LINES[said], "linewidth": 0.9, "zorder": 3.0 if black else 2.0}
         words = f"orbit, {_WORDS[said]}" if black else _WORDS[said]
-        curves.append(Curve(words, x, y, {**look, "color": colour}))
+        curves.append(PlotCurve(words, x, y, {**look, "color": colour}))
     looks = {"linestyle": "none", "markersize": 4.0, "markeredgecolor": "white", "markeredgewidth": 0.4}
     for kind, at, level in branch.marks:
         shape, colour = _MARKS[kind]
         look = {**looks, "marker": shape, "color": colour, "zorder": 4}
-        curves.append(Curve(_KINDS.get(kind, kind), np.array([at]), np.array([level]), look))
+        curves.append(PlotCurve(_KINDS.get(kind, kind), np.array([at]), np.array([level]), look))
     return curves
 
 
@@ -191,15 +201,15 @@ def figure_multipliers(found: xr.Dataset, *, width: Width = "column") -> Sheet:
         np.asarray(found[f"multiplier_{part}"].values, float) for part in ("real", "imaginary")
     )
     turn = np.linspace(0.0, 2.0 * np.pi, 361)
-    circle = Curve("", np.cos(turn), np.sin(turn), {"color": "#999999", "linewidth": 0.8, "zorder": 1.0})
-    marks: list[Mark] = [circle]
+    circle = PlotCurve("", np.cos(turn), np.sin(turn), {"color": "#999999", "linewidth": 0.8, "zorder": 1.0})
+    marks: list[PlotMark] = [circle]
     bar = None
     if real.ndim == 1:
         outside = np.hypot(real, imaginary) > 1.0
         look = {"linestyle": "none", "marker": "o", "zorder": 3, "markersize": 4.0}
         for there, colour, word in ((~outside, "C0", "within the circle"), (outside, "C1", "outside")):
             if there.any():
-                marks.append(Curve(word, real[there], imaginary[there], {**look, "color": colour}))
+                marks.append(PlotCurve(word, real[there], imaginary[there], {**look, "color": colour}))
         said = f"{found['stability'].item()}; multipliers to {float(found['doubt'].item()):.1g}"
         said += f"; period {float(found['period'].item()):.6g} s"
     else:
@@ -255,7 +265,7 @@ def figure_section(section: xr.Dataset, *, width: Width = "column") -> Sheet:
     panels = [
         Panel(
             "",
-            [Curve("", section[across].values, section[name].values, look)],
+            [PlotCurve("", section[across].values, section[name].values, look)],
             _section_axis(section, name),
             x,
         )
@@ -329,12 +339,12 @@ def _check_over_the_same(diagram: xr.Dataset, branches: Sequence[xr.Dataset], na
             raise InvalidParameterError("figure", "orbits", rule, said=f"one without {', '.join(missing)}")
 
 
-def _points(diagram: xr.Dataset, name: str) -> tuple[list[Mark], list[str]]:
+def _points(diagram: xr.Dataset, name: str) -> tuple[list[PlotMark], list[str]]:
     """Return the points of a diagram, and the meaning of its marks."""
     values = np.asarray(diagram["value"].values, dtype=float)
     settled = np.asarray(diagram["settled"].values, dtype=bool)
     said: dict[str, None] = {}
-    marks: list[Mark] = []
+    marks: list[PlotMark] = []
     lost: dict[str, Any] = {"linestyle": "none", "color": _UNSETTLED, "markeredgewidth": 0.4}
     for b, branch in enumerate(str(one) for one in diagram["branch"].values):
         points = np.asarray(diagram[name].values[b], dtype=float)
@@ -345,13 +355,13 @@ def _points(diagram: xr.Dataset, name: str) -> tuple[list[Mark], list[str]]:
         look = {**dots, "markersize": size, "markeredgewidth": 0.0}
         there, known = settled[b], np.isfinite(points).any(axis=1)
         many = points.size > 20000
-        marks.append(Curve("", x[there].ravel(), points[there].ravel(), look, many=many))
-        marks.append(Curve(_BRANCHES[branch], np.empty(0), np.empty(0), dots))
+        marks.append(PlotCurve("", x[there].ravel(), points[there].ravel(), look, many=many))
+        marks.append(PlotCurve(_BRANCHES[branch], np.empty(0), np.empty(0), dots))
         rest = ~there & known
         if rest.any():
             said["crosses: had not settled"] = None
             look = {**lost, "marker": "x", "markersize": 2.2}
-            marks.append(Curve("", x[rest].ravel(), points[rest].ravel(), look))
+            marks.append(PlotCurve("", x[rest].ravel(), points[rest].ravel(), look))
         if not known.all():
             said["ticks below: failed"] = None
 
@@ -375,14 +385,14 @@ def figure_exponents(exponents: xr.Dataset, *, width: Width = "page") -> Sheet:
         np.asarray(exponents[name].values, dtype=float) for name in ("time", "running", "value", "error")
     )
     end = float(time[-1])
-    marks: list[Mark] = [Rule(0.0)]
+    marks: list[PlotMark] = [Rule(0.0)]
     looks: dict[str, Any] = {"marker": "o", "markersize": 2.6, "capsize": 2.0, "elinewidth": 0.8, "zorder": 4}
     for k, (value, error) in enumerate(zip(values, errors, strict=True)):
         known = np.isfinite(error)
         spread = f" ± {error:.2g}" if known else ", error unknown"
         label = f"{value:.4g}{spread} 1/s" if k < _NAMED else "others"
         colour = f"C{k}" if k < _NAMED else "#999999"
-        marks.append(Curve(label, time, running[:, k], {"color": colour, "linewidth": 0.8}))
+        marks.append(PlotCurve(label, time, running[:, k], {"color": colour, "linewidth": 0.8}))
         # Side by side, as errors of exponents that are alike would cover one another.
         bar = {"yerr": [[error], [error]] if known else None, "color": colour, **looks}
         at = [end * (1.015 + 0.012 * k)], [value]

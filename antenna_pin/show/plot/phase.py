@@ -30,7 +30,7 @@ from antenna_pin.show.plot._style import (
     new_figure,
     panel_title,
 )
-from antenna_pin.show.plot.grammar import Axis, Curve, Panel, Sheet, colour_bar, figure, size_of
+from antenna_pin.show.plot.grammar import Axis, Panel, PlotCurve, Sheet, colour_bar, figure, size_of
 from antenna_pin.trajectory import Trajectory
 
 # --- portraits ---
@@ -259,9 +259,9 @@ def figure_attractors(
         ]
         ends = zip((middle - half).tolist(), (middle + half).tolist(), strict=True)
         close = [replace(axis, limits=limits) for axis, limits in zip(whole, ends, strict=True)]
-        line = Curve("", lines[0].values, lines[1].values, {"linewidth": 0.5})
+        line = PlotCurve("", lines[0].values, lines[1].values, {"linewidth": 0.5})
         words = one.words(x, y, tolerance=tolerance)
-        map_ = Panel(words, [Curve("", points[:, 0], points[:, 1], dots)], close[1], close[0])
+        map_ = Panel(words, [PlotCurve("", points[:, 0], points[:, 1], dots)], close[1], close[0])
         rows.append([Panel(one.label, [line], whole[1], whole[0]), map_])
     periods = {float(one.section.attrs["period"]) for one in attractors}
     said = f"{attractors[0].section.attrs['section']}; " if len(periods) == 1 else ""

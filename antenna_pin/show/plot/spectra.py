@@ -42,10 +42,10 @@ from antenna_pin.show.plot.grammar import (
     Axis,
     Band,
     ByHand,
-    Curve,
     Ground,
-    Mark,
     Panel,
+    PlotCurve,
+    PlotMark,
     Rule,
     Sheet,
     figure,
@@ -102,7 +102,7 @@ def figure_spectra(
     for kind, mine in found.items():
         if not mine:
             continue
-        lines = [Curve(one.run.legend, one.frequency, one.density, looks[one.run.label]) for one in mine]
+        lines = [PlotCurve(one.run.legend, one.frequency, one.density, looks[one.run.label]) for one in mine]
         rate = max(one.rate for one in mine)
         top = 10.0 ** np.ceil(np.log10(1.2 * max(float(one.density.max()) for one in mine)))
         shade = Ground(_RESOLVED * rate, 0.5 * rate, {"facecolor": SHADE, "zorder": 0.5})
@@ -311,8 +311,8 @@ def figure_swept(
     """
     picked = pick(runs, SWEPT, compared=False)
     name, unit = "", ""
-    gains: list[Mark] = []
-    distortions: list[Mark] = []
+    gains: list[PlotMark] = []
+    distortions: list[PlotMark] = []
     for run, look in picked.styled:
         found = swept_response(run.data, target or shaken_target(run.data), periods=periods)
         name, unit = str(found.attrs["target"]), str(found["gain"].attrs["units"])
@@ -327,12 +327,12 @@ def figure_swept(
             )
             own = {**look, "linestyle": line}
             label = run.legend if way == 1 or not (ways == 1).any() else ""
-            gains.append(Curve(label, frequency, gain, own))
-            distortions.append(Curve("", frequency, 100.0 * distortion, own))
+            gains.append(PlotCurve(label, frequency, gain, own))
+            distortions.append(PlotCurve("", frequency, 100.0 * distortion, own))
     if linear is not None:
         look = {"color": "#777777", "linewidth": 0.7, "zorder": 0.8}
         gain = np.abs(np.asarray(linear["response"].values[:, 0]))
-        gains.append(Curve("small motions", linear["frequency"].values, gain, look))
+        gains.append(PlotCurve("small motions", linear["frequency"].values, gain, look))
         name = name or str(linear["target"].values[0])
     unit = "" if unit == "(m/s^2)/(m/s^2)" else unit
     x = replace(_PLAIN, shared="frequency")
@@ -354,7 +354,7 @@ def figure_density(
 ) -> Sheet:
     """Return power spectral densities on a randomly shaken base, with 95 % confidence."""
     picked = pick(runs, RANDOM, compared=False)
-    marks: list[Mark] = []
+    marks: list[PlotMark] = []
     top, name, unit = 0.0, "", ""
     for k, run in enumerate(picked.drawn):
         one = quantity(run.data, target or shaken_target(run.data))
@@ -364,7 +364,7 @@ def figure_density(
         )
         colour = COLOURS[k % len(COLOURS)]
         marks.append(Band(frequency, low, high, {"color": colour, "alpha": 0.2}))
-        marks.append(Curve(run.legend, frequency, power, {"color": colour, "linewidth": 0.8}))
+        marks.append(PlotCurve(run.legend, frequency, power, {"color": colour, "linewidth": 0.8}))
         top, name, unit = max(top, float(high.max())), one.name, str(found["power"].attrs["units"])
     marks += _prescribed(picked.drawn[0])
     limits = top / 10.0**_DENSITY_DECADES, 2.0 * top
@@ -373,7 +373,7 @@ def figure_density(
     return Sheet([[Panel(name, marks, y, _PLAIN)]], width, 80.0, notes)
 
 
-def _prescribed(run: LabelledRun) -> list[Curve]:
+def _prescribed(run: LabelledRun) -> list[PlotCurve]:
     """Return the prescribed density of a run's base."""
     for one in shakes_of(run.data).values():
         about = one["shakes"]
@@ -381,7 +381,7 @@ def _prescribed(run: LabelledRun) -> list[Curve]:
             at, given = tuple(about["frequency"]), tuple(about["density"])
             frequency = np.geomspace(at[0], at[-1], 200)
             frequency[0], frequency[-1] = at[0], at[-1]
-            return [Curve("asked of the base", frequency, density_at(frequency, at, given), _GIVEN)]
+            return [PlotCurve("asked of the base", frequency, density_at(frequency, at, given), _GIVEN)]
     return []
 
 
@@ -402,7 +402,7 @@ def figure_shock(
     lines = []
     for label, one, look in every:
         found = shock_spectrum(one.time, one.values, quality=quality, units=one.units)
-        lines.append(Curve(label, found["frequency"].values, found["maximum"].values, look))
+        lines.append(PlotCurve(label, found["frequency"].values, found["maximum"].values, look))
     y = Axis(f"largest acceleration [{printed_unit(last.units)}]", scale="log", ticks=0)
     x = replace(_PLAIN, label="natural frequency [Hz]")
     panel = Panel(f"{last.name}, Q = {quality:g}", lines, y, x)
@@ -422,15 +422,15 @@ def figure_response(response: xr.Dataset, *, width: Width = "page") -> Sheet:
     ends = float(frequency[0]), float(frequency[-1])
     marks = sorted({float(f) for f in response.attrs["resonances"] if ends[0] <= f <= ends[1]})
     thin = {"color": "#BBBBBB", "linewidth": 0.5, "zorder": 0.6}
-    rules: list[Mark] = [Rule(mark, thin, "x") for mark in marks]
+    rules: list[PlotMark] = [Rule(mark, thin, "x") for mark in marks]
     x = replace(_PLAIN, limits=ends, shared="frequency")
-    of_unit: dict[str, list[Curve]] = {}
+    of_unit: dict[str, list[PlotCurve]] = {}
     phases = []
     for k, name in enumerate(str(name) for name in response["target"].values):
         values, look = response["response"].values[:, k], {"color": f"C{k}"}
         unit = str(response["unit"].values[k])
-        of_unit.setdefault(unit, []).append(Curve(name, frequency, np.abs(values), look))
-        phases.append(Curve(name, frequency, np.degrees(_wrapped(values)), look))
+        of_unit.setdefault(unit, []).append(PlotCurve(name, frequency, np.abs(values), look))
+        phases.append(PlotCurve(name, frequency, np.degrees(_wrapped(values)), look))
     panels = []
     for unit, lines in of_unit.items():
         largest = max(float(one.y.max(initial=0.0)) for one in lines)

@@ -29,10 +29,10 @@ from antenna_pin.show.plot._style import COLOURS, PEAK, SEQUENTIAL, Array, Width
 from antenna_pin.show.plot.grammar import (
     Axis,
     ByHand,
-    Curve,
     DatasetFigure,
-    Mark,
     Panel,
+    PlotCurve,
+    PlotMark,
     Scale,
     Sheet,
     colour_bar,
@@ -60,7 +60,7 @@ _MOST_TICKS = 7
 
 
 @dataclass(frozen=True, slots=True)
-class Quantity:
+class StudyQuantity:
     """Parameter or response of all runs, in a unit that suits it.
 
     Attributes:
@@ -84,7 +84,7 @@ def names_of(study: xr.Dataset, what: str) -> list[str]:
     return [str(name) for name in json.loads(study.attrs[what])]
 
 
-def quantity_of(study: xr.Dataset, name: str) -> Quantity:
+def quantity_of(study: xr.Dataset, name: str) -> StudyQuantity:
     """Return a parameter or response, one value for each run, (runs,)."""
     known = [*names_of(study, "parameters"), *names_of(study, "responses")]
     if name not in known:
@@ -96,7 +96,7 @@ def quantity_of(study: xr.Dataset, name: str) -> Quantity:
     if found.dtype.kind not in "fi":
         words = [str(value) for value in found.values]
         numbers = xr.DataArray(np.arange(len(words), dtype=float), dims=found.dims)
-        return Quantity(name, text, _of_runs(numbers, like), tuple(words))
+        return StudyQuantity(name, text, _of_runs(numbers, like), tuple(words))
     values = _of_runs(found, like).astype(float)
     sizes = np.abs(values[np.isfinite(values)])
     chosen = name in names_of(study, "parameters")
@@ -107,7 +107,7 @@ def quantity_of(study: xr.Dataset, name: str) -> Quantity:
     label = f"{text} [{unit}]" if unit not in ("", "-", "1") else text
     own = np.unique(factor * values[np.isfinite(values)])
     ticks = tuple(own.tolist()) if chosen and own.size <= _MOST_TICKS else ()
-    return Quantity(name, label, factor * values, ticks=ticks, logarithmic=by_factors)
+    return StudyQuantity(name, label, factor * values, ticks=ticks, logarithmic=by_factors)
 
 
 def _of_runs(values: xr.DataArray, like: xr.DataArray) -> Array:
@@ -135,7 +135,7 @@ def cell_edges(values: Array, logarithmic: bool) -> Array:
     return found
 
 
-def left_out(*quantities: Quantity) -> tuple[Any, str]:
+def left_out(*quantities: StudyQuantity) -> tuple[Any, str]:
     """Return a mask of runs with all numbers, and a note on the others."""
     there = np.logical_and.reduce([np.isfinite(one.values) for one in quantities])
     missing = int(np.count_nonzero(~there))
@@ -153,7 +153,7 @@ def _broken(label: str, length: int = 32) -> str:
     return "\n".join(textwrap.wrap(label, length))
 
 
-def _axis(quantity: Quantity, ticks: int = 0) -> Axis:
+def _axis(quantity: StudyQuantity, ticks: int = 0) -> Axis:
     """Return the axis of a quantity, with words or few values as ticks."""
     named = {value: f"{value:.4g}" for value in quantity.ticks}
     named |= {float(k): literal(text) for k, text in enumerate(quantity.texts)}
@@ -170,7 +170,7 @@ def study_response(study: xr.Dataset, response: str, parameter: str, *, width: W
     lines = _lines(study, [str(dim) for dim in others])
     if lines is None:
         dots = {"linestyle": "none", "marker": ".", "markersize": 3.0, "alpha": 0.7}
-        marks = [Curve("", x.values[there], y.values[there], dots)]
+        marks = [PlotCurve("", x.values[there], y.values[there], dots)]
     else:
         marks = []
         for k, (label, mine) in enumerate(lines):
@@ -180,7 +180,7 @@ def study_response(study: xr.Dataset, response: str, parameter: str, *, width: W
             colour = SEQUENTIAL(_LIGHTEST * k / max(len(lines) - 1, 1)) if several else COLOURS[0]
             look = {"marker": "o", "markersize": 3.0, "color": colour}
             points = x.values[chosen][order], y.values[chosen][order]
-            marks.append(Curve(label if several else "", *points, look))
+            marks.append(PlotCurve(label if several else "", *points, look))
     few = not x.texts and not x.ticks
     panel = Panel("", marks, _axis(y, 5 if few else 0), _axis(x, 6 if few else 0), margins=(0.03, 0.05))
     return Sheet([[panel]], width, 66.0, (said,))
@@ -292,7 +292,7 @@ def study_scatter(study: xr.Dataset, names: Sequence[str]) -> Sheet:
 
 
 def _against(
-    x: Quantity, y: Quantity, there: Any, dots: dict[str, Any], place: tuple[int, int, int]
+    x: StudyQuantity, y: StudyQuantity, there: Any, dots: dict[str, Any], place: tuple[int, int, int]
 ) -> Panel:
     """Return a quantity against another, of one alone its histogram."""
     row, column, count = place
@@ -306,7 +306,7 @@ def _against(
                 axis.set_major_locator(MaxNLocator(ticks))
             axis.label.set_fontsize(6.0)
 
-    mark: Mark = Curve("", x.values[there], y.values[there], dots)
+    mark: PlotMark = PlotCurve("", x.values[there], y.values[there], dots)
     if row == column:
         mark = ByHand(lambda axes, *_: axes.hist(x.values[there], bins=20, color="#A9CCE3"))
     across = Axis(_broken(x.label, 15), labelled=row == count - 1, ticks=0, shared=f"{column}")

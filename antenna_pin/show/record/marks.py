@@ -75,7 +75,7 @@ class Label:
 
 
 @dataclass(frozen=True, slots=True)
-class Mark:
+class SceneMark:
     """Group of things in the scene with common visibility.
 
     Attributes:
@@ -119,7 +119,7 @@ _PIN = (0.0025, 0.07)
 _BALL = 0.007
 
 
-def mark_joints(marking: Marking) -> Mark | None:
+def mark_joints(marking: Marking) -> SceneMark | None:
     """Draw a pin on each moving joint, or a ball, over all else."""
     places = json.loads(marking.run.data.attrs.get("clearance_joints", "{}"))
     found, labels = [], []
@@ -136,7 +136,7 @@ def mark_joints(marking: Marking) -> Mark | None:
     if not found:
         return None
     words = "joints, their axes (red: with play)" if places else "joints, their axes"
-    return Mark(words, JOINT, tuple(found), shown=False, labels=tuple(labels))
+    return SceneMark(words, JOINT, tuple(found), shown=False, labels=tuple(labels))
 
 
 # --- stops and latches --------------------------------------------------------------------------------------
@@ -158,7 +158,7 @@ _LATCH_PIN = (0.006, 0.03)
 _HELD_MODE = 2  # of a latch
 
 
-def mark_stops(marking: Marking) -> Mark | None:
+def mark_stops(marking: Marking) -> SceneMark | None:
     """Draw marks at joints with stops or latches."""
     run = marking.run
     found: list[str] = []
@@ -182,7 +182,7 @@ def mark_stops(marking: Marking) -> Mark | None:
     if not found:
         return None
     words = "stops (orange: touched) and latches (green: holding)"
-    return Mark(words, STOP, tuple(found), tuple(tracks))
+    return SceneMark(words, STOP, tuple(found), tuple(tracks))
 
 
 def _modal_parts(
@@ -270,7 +270,7 @@ class _Joint(NamedTuple):
     slides: bool
 
 
-def mark_gears(marking: Marking) -> Mark | None:
+def mark_gears(marking: Marking) -> SceneMark | None:
     """Draw marks at joints with gears, belts or cables."""
     run, samples, scene, size = marking.run, marking.samples, marking.scene, marking.size
     every = {place: one for place, one in elements_of(run.data).items() if place.startswith("gears.")}
@@ -297,7 +297,7 @@ def mark_gears(marking: Marking) -> Mark | None:
                     found.append(path)
                     tracks.append(motion)
     words = "gears (in ratio, up to 10 : 1; orange: meshing), pulleys and strands (pale: slack)"
-    return Mark(words, APART, tuple(found), tuple(tracks))
+    return SceneMark(words, APART, tuple(found), tuple(tracks))
 
 
 def _joint(marking: Marking, name: str, k: int, one: Mapping[str, Any]) -> _Joint:

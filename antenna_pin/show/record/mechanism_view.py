@@ -17,13 +17,13 @@ from antenna_pin.mechanism import Mechanism, Urdf, frame_aligning_z
 from antenna_pin.show.record.bending import bending_note, check_bending, drawn_poses
 from antenna_pin.show.record.contact_arrows import applied_arrows, contact_arrows, force_scale, placement_of
 from antenna_pin.show.record.key_frames import Impacts, KeyFrames
-from antenna_pin.show.record.marks import Label, Mark, Marking, mark_gears, mark_joints, mark_stops, rgb
+from antenna_pin.show.record.marks import Label, Marking, SceneMark, mark_gears, mark_joints, mark_stops, rgb
 from antenna_pin.show.record.scene import Scene, camera, clearest, packed_doubles, packed_floats, track, triad
 from antenna_pin.show.record.shapes import (
+    BodyShape,
     Cylinder,
     Geometry,
     Mesh,
-    Shape,
     Sphere,
     corners,
     grid,
@@ -49,7 +49,7 @@ _TURNS, _STEPS, _SIDES = 4, 24, 6  # of a coil; of each of its turns; of the wir
 _NO_SPRINGS = ("friction",)  # kinds that stand among the springs of a scenario
 
 
-def mark_springs(marking: Marking) -> Mark | None:
+def mark_springs(marking: Marking) -> SceneMark | None:
     """Draw the springs of the run's scenario; systems built in Python have none."""
     springs: dict[str, Any] = getattr(marking.run.scenario, "springs", None) or {}
     size = marking.size
@@ -75,7 +75,7 @@ def mark_springs(marking: Marking) -> Mark | None:
         labels.append(Label(name, found[-1], (0.0, 0.0, 0.5)))
     if not found:
         return None
-    return Mark("springs", SPRING, tuple(found), tuple(tracks), labels=tuple(labels))
+    return SceneMark("springs", SPRING, tuple(found), tuple(tracks), labels=tuple(labels))
 
 
 def _places(marking: Marking, side: Any) -> Array | None:
@@ -125,7 +125,7 @@ _AXES = (("x", "#A02338", [0, 90, 0]), ("y", "#1B7837", [-90, 0, 0]), ("z", "#2F
 _AXIS = (0.0016, 0.06)  # radius and length, as shares of the mechanism's size
 
 
-def mark_frames(marking: Marking) -> Mark | None:
+def mark_frames(marking: Marking) -> SceneMark | None:
     """Draw the axes of each link; hidden at first."""
     radius, length = (share * marking.size for share in _AXIS)
     found = []
@@ -137,7 +137,7 @@ def mark_frames(marking: Marking) -> Mark | None:
             place[:3, 3] = 0.5 * length * place[:3, 2]
             axis, looks = Cylinder(radius, length), {"unlit": True, "depthTest": False}
             marking.scene.add(f"{path}/frame/{name}", axis, rgb(colour), place, **looks)
-    return Mark("frames of links: x red, y green, z blue", "#2F5FA8", tuple(found), shown=False)
+    return SceneMark("frames of links: x red, y green, z blue", "#2F5FA8", tuple(found), shown=False)
 
 
 # --- where loops are closed, drawn as small marks on the links: a pin along the axis, or a ball ---
@@ -149,7 +149,7 @@ _PIN = (0.003, 0.06)
 _BALL = 0.006
 
 
-def mark_closures(marking: Marking) -> Mark | None:
+def mark_closures(marking: Marking) -> SceneMark | None:
     """Draw a mark on each closure of a loop.
 
     A mark moves with the second side's link, or with the first where that is the world; both sides coincide.
@@ -172,11 +172,11 @@ def mark_closures(marking: Marking) -> Mark | None:
     if not found:
         return None
     words = "closure of a loop" if len(found) == 1 else f"{len(found)} closures of loops"
-    return Mark(words, CLOSURE, tuple(found), labels=tuple(labels))
+    return SceneMark(words, CLOSURE, tuple(found), labels=tuple(labels))
 
 
 #: Marks beside a mechanism's bodies in the order of a page; each function returns None without its kind.
-MARKS: tuple[Callable[[Marking], Mark | None], ...] = (
+MARKS: tuple[Callable[[Marking], SceneMark | None], ...] = (
     mark_closures,
     mark_stops,
     mark_gears,
@@ -331,7 +331,7 @@ class _Body:
         span = np.ptp(self.extent, axis=0)
         self.size = float(np.linalg.norm(span)) or 1.0
 
-    def _draw(self, k: int, shape: Shape) -> None:
+    def _draw(self, k: int, shape: BodyShape) -> None:
         path = f"{self.paths[shape.body]}/{k}"
         # Pushed back a little, so that the ghost does not show where it coincides with the body itself.
         back = {"polygonOffset": True, "polygonOffsetFactor": 1.0, "polygonOffsetUnits": 1.0}

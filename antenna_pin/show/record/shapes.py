@@ -66,7 +66,7 @@ Geometry: TypeAlias = Box | Cylinder | Sphere | Mesh
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Shape:
+class BodyShape:
     """Shape on a body: placement in the link's frame, (4, 4), and colour with opacity."""
 
     body: str
@@ -75,7 +75,7 @@ class Shape:
     colour: tuple[float, float, float, float]
 
 
-def visual_shapes(urdf: Urdf) -> tuple[list[Shape], list[str]]:
+def visual_shapes(urdf: Urdf) -> tuple[list[BodyShape], list[str]]:
     """Return the visual shapes of all links, and a line for each failure.
 
     Links without a colour of their own get a distinct one.
@@ -90,7 +90,7 @@ def visual_shapes(urdf: Urdf) -> tuple[list[Shape], list[str]]:
         for visual in link.visuals:
             if visual.material is not None and visual.material.name and visual.material.color is not None:
                 colours.setdefault(visual.material.name, tuple(map(float, visual.material.color.rgba)))
-    shapes: list[Shape] = []
+    shapes: list[BodyShape] = []
     warnings = [f"{link}: {problem}; not drawn" for link, problem in urdf.undrawn]
     missing: list[str] = []
     bare = 0
@@ -108,7 +108,7 @@ def visual_shapes(urdf: Urdf) -> tuple[list[Shape], list[str]]:
                 continue
             placement = np.eye(4) if visual.origin is None else np.array(visual.origin, dtype=float)
             colour = _colour(visual.material, colours) or own
-            shapes.append(Shape(link.name, geometry, placement, colour))
+            shapes.append(BodyShape(link.name, geometry, placement, colour))
     if len(missing) > 1:  # one line of all
         missing = [f"{len(missing)} mesh files are missing and not drawn, such as that of {missing[0]}"]
     return shapes, missing + warnings

@@ -36,7 +36,7 @@ class Row:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Table:
+class PageTable:
     """Table."""
 
     columns: tuple[str, ...]  # headings, that of the rows' names first
@@ -99,7 +99,7 @@ class Embedded:
 class PicturedTable:
     """Table with pictures and recordings beside it on a wide screen."""
 
-    table: Table
+    table: PageTable
     seen: tuple[Embedded | Picture, ...] = ()
     kind: str = field(default="beside", init=False)
 
@@ -109,14 +109,14 @@ class Details:
     """Folded tables or text."""
 
     title: str
-    tables: tuple[Table, ...] = ()
+    tables: tuple[PageTable, ...] = ()
     text: str = ""  # set as code
     notes: tuple[str, ...] = ()  # meaning of the numbers
     key: str = ""  # identifier in the page
     kind: str = field(default="details", init=False)
 
 
-Item: TypeAlias = Table | Picture | Embedded | PicturedTable | Details
+Item: TypeAlias = PageTable | Picture | Embedded | PicturedTable | Details
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -186,7 +186,7 @@ def quantity(
     return Cell(readable(value, unit, digits), value)
 
 
-def said_of_zeros(tables: Iterable[Table]) -> tuple[str, ...]:
+def said_of_zeros(tables: Iterable[PageTable]) -> tuple[str, ...]:
     """Return the note on the sign of zero, if a table has one."""
     cells = (cell for table in tables for row in table.rows for cell in row.cells)
     return (f"{ROUND_OFF_WORDS}.",) if any(cell.text == ZERO for cell in cells) else ()
@@ -219,7 +219,7 @@ _FEW = 2
 _SPACE = "\N{NO-BREAK SPACE}"
 
 
-def turned(table: Table) -> Table:
+def turned(table: PageTable) -> PageTable:
     """Return a table of many groups with one line for each thing and run.
 
     A table of few groups, or of groups of different rows, stays as it is. Quantities that are zero or missing
@@ -249,7 +249,7 @@ def turned(table: Table) -> Table:
         for name, rows in groups
         for j, run in enumerate(runs)
     ]
-    return Table(columns=("", *heads), rows=tuple(lines), caption=table.caption, key=table.key)
+    return PageTable(columns=("", *heads), rows=tuple(lines), caption=table.caption, key=table.key)
 
 
 def _groups(rows: Sequence[Row]) -> list[tuple[str, list[Row]]]:

@@ -17,9 +17,9 @@ from antenna_pin.errors import FileFormatError, InvalidParameterError
 from antenna_pin.scenario import Scenario, scenario_toml
 from antenna_pin.show.report._page import (
     Details,
+    PageTable,
     Row,
     Statement,
-    Table,
     counts,
     quantities,
     shares_row,
@@ -135,9 +135,9 @@ def ideal_of(runs: Sequence[ReportedRun]) -> ReportedRun | None:
     return ideals[0] if ideals and len(runs) > 1 else None
 
 
-def run_table(runs: Sequence[ReportedRun], rows: Iterable[Row], caption: str, key: str) -> Table:
+def run_table(runs: Sequence[ReportedRun], rows: Iterable[Row], caption: str, key: str) -> PageTable:
     """Return a table with a column for each run."""
-    return Table(columns=("", *labels_of(runs)), rows=tuple(rows), caption=caption, key=key)
+    return PageTable(columns=("", *labels_of(runs)), rows=tuple(rows), caption=caption, key=key)
 
 
 def labels_of(runs: Sequence[ReportedRun]) -> tuple[str, ...]:

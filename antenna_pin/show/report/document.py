@@ -33,7 +33,15 @@ from antenna_pin.show.report import (
     results,
     words,
 )
-from antenna_pin.show.report._page import Details, Embedded, Picture, PicturedTable, Section, Status, Table
+from antenna_pin.show.report._page import (
+    Details,
+    Embedded,
+    PageTable,
+    Picture,
+    PicturedTable,
+    Section,
+    Status,
+)
 from antenna_pin.show.report._runs import Finding, Reported, ReportedRun, every, origin, parted, reported
 from antenna_pin.show.report.figures import DrawnFigure, FigureNumbers, drawn, glance
 from antenna_pin.show.report.joints import hardest_joint, joint_key
@@ -271,7 +279,7 @@ def _of_runs(
 
 def _megabytes(section: Section) -> float:
     """Return about what the tables and texts of a section take in the page [MB]."""
-    tables = [item for item in section.items if isinstance(item, Table)]
+    tables = [item for item in section.items if isinstance(item, PageTable)]
     tables += [item.table for item in section.items if isinstance(item, PicturedTable)]
     folded = [item for item in section.items if isinstance(item, Details)]
     tables += [table for item in folded for table in item.tables]

@@ -19,11 +19,11 @@ from antenna_pin.analysis import (
 )
 from antenna_pin.show.report._page import (
     Details,
+    PageTable,
     Picture,
     Row,
     Section,
     Statement,
-    Table,
     said_of_zeros,
     turned,
 )
@@ -313,7 +313,7 @@ def _telling(rows: Sequence[Row]) -> tuple[Row, ...]:
 
 def _table(
     runs: Sequence[ReportedRun], rows: tuple[Row, ...], caption: str, key: str, turn: bool = True
-) -> tuple[Table, ...]:
+) -> tuple[PageTable, ...]:
     if not any(row.cells for row in rows):
         return ()
     table = run_table(runs, rows, caption, key)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.readable import number, readable
 from antenna_pin.show.plot import correlations, table_figures
-from antenna_pin.show.report._page import Cell, Picture, Row, Section, Status, Table, statement
+from antenna_pin.show.report._page import Cell, PageTable, Picture, Row, Section, Status, statement
 from antenna_pin.show.report._runs import Finding
 from antenna_pin.show.report.figures import picture
 from antenna_pin.studies.fit.confidence_bands import BEYOND_CHANCE
@@ -50,13 +50,13 @@ def fit(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]:
     chi2, freedoms = float(table.attrs["chi2"]), float(table.attrs["freedoms"])
     rows = list(_values(table))
     profile = ("interval of its profile",) if "profile_end" in table else ()
-    parameters = Table(
+    parameters = PageTable(
         columns=("", "value", "standard error", "interval", *profile, "start"),
         rows=tuple(rows),
         caption=f"Parameters, with intervals of {_percent(table)}",
         key=f"{key}-parameters",
     )
-    records = Table(
+    records = PageTable(
         columns=("", "numbers", "residuals' rms [sd]", "correlation of a residual with the next"),
         rows=tuple(_curves(table)),
         caption="Records",
@@ -174,7 +174,7 @@ def identifiability(finding: Finding, key: str, figures: bool) -> tuple[Section,
             Cell(number(inflation, 3) if math.isfinite(inflation) else "–"),
         )
         rows.append(Row(str(one["title"].item()), cells))
-    numbers = Table(
+    numbers = PageTable(
         columns=("", "value", "interval to expect, ±", "if all others were known, ±", "times wider"),
         rows=tuple(rows),
         caption=f"What the test can tell, intervals of {_percent(table)}",
@@ -225,7 +225,7 @@ def experiments(finding: Finding, key: str, figures: bool) -> tuple[Section, Sta
     wanted, criterion = str(table.attrs["wanted"]), str(table.attrs["criterion"])
     total = int(table.attrs["total"])
     often = (f"of {total} more",) if plan else ()
-    numbers = Table(
+    numbers = PageTable(
         columns=("", *(f"{title}, ±" for title in titles), *criteria, *often),
         rows=tuple(rows),
         caption=f"Intervals of {_percent(table)} to expect after each experiment, the best first",

@@ -13,11 +13,11 @@ from antenna_pin.base.readable import number, readable
 from antenna_pin.show.report._page import (
     Details,
     Embedded,
+    PageTable,
     Picture,
     PicturedTable,
     Row,
     Section,
-    Table,
     counts,
     quantities,
     said_of_zeros,
@@ -81,7 +81,7 @@ _ROWS = (
 )
 
 
-def _impact_summary(runs: Sequence[ReportedRun], tables: Sequence[xr.Dataset], joint: str) -> Table:
+def _impact_summary(runs: Sequence[ReportedRun], tables: Sequence[xr.Dataset], joint: str) -> PageTable:
     def column(name: str, of: Callable[[np.ndarray], float]) -> list[float | None]:
         known = (table[name].values[np.isfinite(table[name].values)] for table in tables)
         return [float(of(values)) if values.size else None for values in known]
@@ -102,12 +102,12 @@ def _impact_summary(runs: Sequence[ReportedRun], tables: Sequence[xr.Dataset], j
     return run_table(runs, rows, "Impacts in numbers", f"impact-summary-{joint}")
 
 
-def _impact_table(table: xr.Dataset, caption: str, key: str, dense: bool = False) -> Table:
+def _impact_table(table: xr.Dataset, caption: str, key: str, dense: bool = False) -> PageTable:
     columns = [row_of(one, table[one.name].values.tolist()) for one in _IMPACTS]
     heads = (f"{c.name} [{c.unit}]" if c.unit else c.name for c in columns)
     cells = zip(*(c.cells for c in columns), strict=True)
     rows = tuple(Row(str(name), line) for name, line in zip(table["contact"].values, cells, strict=True))
-    return Table(columns=("contact", *heads), rows=rows, caption=caption, key=key, dense=dense)
+    return PageTable(columns=("contact", *heads), rows=rows, caption=caption, key=key, dense=dense)
 
 
 # --- loads ---
@@ -115,7 +115,7 @@ def _impact_table(table: xr.Dataset, caption: str, key: str, dense: bool = False
 
 def _loads(
     runs: Sequence[ReportedRun], joint: str, scales: Mapping[str, float]
-) -> tuple[tuple[Table, ...], tuple[str, ...]]:
+) -> tuple[tuple[PageTable, ...], tuple[str, ...]]:
     """Return statistics of a joint's forces: of the whole, and of each contact."""
     found = [load_statistics(run.data, joint) for run in runs]
     contacts = dict.fromkeys(str(name) for one in found for name in one["contact"].values)
@@ -159,7 +159,7 @@ def _load_rows(
 # --- settling ---
 
 
-def _settlings(runs: Sequence[ReportedRun], joint: str) -> tuple[tuple[Table, ...], tuple[str, ...]]:
+def _settlings(runs: Sequence[ReportedRun], joint: str) -> tuple[tuple[PageTable, ...], tuple[str, ...]]:
     """Return when impacts in a joint turned into lasting contact."""
     found = [next(iter(settling(run.data, joint)), None) for run in runs]
     known = [one for one in found if one is not None]

@@ -27,10 +27,10 @@ from antenna_pin.errors import AntennaPinError
 from antenna_pin.show.report._page import (
     Cell,
     Details,
+    PageTable,
     Picture,
     Row,
     Section,
-    Table,
     quantities,
     quantity,
     words,
@@ -66,7 +66,7 @@ def deviations(runs: Sequence[ReportedRun]) -> Section:
     joints = [of for of in measured if not of.startswith("base ")]
     bases = [of for of in measured if of.startswith("base ")]
     scales = round_off_scales(*(run.data for run in runs))
-    items: list[Table | Details] = []
+    items: list[PageTable | Details] = []
     if joints:
         caption = f"Motion of the joints less that of {ideal.label}"
         first = [of for of in joints if of.endswith((" angle", " position"))]
@@ -88,7 +88,7 @@ def deviations(runs: Sequence[ReportedRun]) -> Section:
 
 
 def _section(
-    items: tuple[Table | Details, ...] = (), notes: tuple[str, ...] = (), meaning: tuple[str, ...] = ()
+    items: tuple[PageTable | Details, ...] = (), notes: tuple[str, ...] = (), meaning: tuple[str, ...] = ()
 ) -> Section:
     title = "Deviation from the ideal run"
     return Section(key="deviation", title=title, items=items, notes=notes, meaning=meaning)
@@ -100,7 +100,7 @@ def _deviation_table(
     caption: str,
     key: str,
     scales: Mapping[str, float],
-) -> Table:
+) -> PageTable:
     """Return a table with a row per quantity, and per run of several."""
     rows: list[Row] = []
     for of in quantities:
@@ -111,7 +111,7 @@ def _deviation_table(
                 _measures(run.label if len(deviations) > 1 else of, m, scales) for m in one if m.of == of
             ]
     columns = ("", "largest", "at", "root mean square", "at the end", "growth")
-    return Table(columns=columns, rows=tuple(rows), caption=caption, key=key)
+    return PageTable(columns=columns, rows=tuple(rows), caption=caption, key=key)
 
 
 def _measures(name: str, of: DeviationMeasures, scales: Mapping[str, float]) -> Row:
@@ -277,7 +277,7 @@ def pointing(runs: Sequence[ReportedRun], window: float | None, pictures: Sequen
     if not found:
         return Section(key="pointing", title="Pointing", items=tuple(pictures), notes=tuple(notes))
     lead = tuple(f"{', '.join(labels)}: {what}." for what, labels in against.items())
-    table = Table(
+    table = PageTable(
         columns=("", *(run.label for run, _ in found)),
         rows=tuple(_rows([indices for _, indices in found])),
         caption="Pointing error indices of ECSS-E-ST-60-10C",

@@ -21,7 +21,16 @@ from antenna_pin.show.plot import (
     figure_section,
     figure_sensitivity,
 )
-from antenna_pin.show.report._page import Cell, Picture, Row, Section, Status, Table, quantities, statement
+from antenna_pin.show.report._page import (
+    Cell,
+    PageTable,
+    Picture,
+    Row,
+    Section,
+    Status,
+    quantities,
+    statement,
+)
 from antenna_pin.show.report._runs import Finding
 from antenna_pin.show.report.figures import picture
 
@@ -55,7 +64,7 @@ def orbit(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]:
     for k, pair in enumerate(zip(real, imaginary, strict=True)):
         numbers = (_plain(float(one[k])) for one in (sizes, table["exponent"].values))
         rows.append(Row(str(k + 1), (_multiplier(complex(*pair)), *numbers)))
-    multipliers = Table(
+    multipliers = PageTable(
         columns=("", "multiplier", "size", "exponent [1/s]"),
         rows=tuple(rows),
         caption=f"Floquet multipliers, known to {number(doubt, 1)}",
@@ -91,8 +100,10 @@ def branch(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]:
         count = Cell(str(one.orbits), float(one.orbits))
         rows.append(Row(one.stability, (*ends, count, *map(_multiplier, one.largest))))
     columns = ("", "from", "to", "orbits", "largest multiplier, of least size", "of greatest")
-    items: list[Table | Picture] = [
-        Table(columns=columns, rows=tuple(rows), caption=f"Orbits over {parameter}", key=f"{key}-stability")
+    items: list[PageTable | Picture] = [
+        PageTable(
+            columns=columns, rows=tuple(rows), caption=f"Orbits over {parameter}", key=f"{key}-stability"
+        )
     ]
     bifurcations = []
     for kind, at, doubt in zip(*(table[name].values for name in ("kind", "at", "at_doubt")), strict=True):
@@ -100,7 +111,7 @@ def branch(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]:
         bifurcations.append(Row(str(kind), tuple(cells)))
     if bifurcations:
         items.append(
-            Table(
+            PageTable(
                 columns=("", f"at {parameter}", "known to"),
                 rows=tuple(bifurcations),
                 caption="What happens to them",
@@ -141,7 +152,7 @@ def exponents(finding: Finding, key: str, figures: bool) -> tuple[Section, Statu
         Row(str(k + 1), (_plain(value), _plain(error, 2), _plain(value * interval)))
         for k, (value, error) in enumerate(zip(values.tolist(), errors.tolist(), strict=True))
     )
-    numbers = Table(
+    numbers = PageTable(
         columns=("", "exponent [1/s]", "standard error [1/s]", f"per {readable(interval, 's', 6)}"),
         rows=rows,
         caption="Lyapunov exponents",
@@ -176,7 +187,7 @@ def sensitivity(finding: Finding, key: str, figures: bool) -> tuple[Section, Sta
         cells = (_change(0.01 * change, 0.01 * doubt) for change, doubt in pairs)
         value = float(one["value"])
         rows.append(Row(str(one["result"].item()), (Cell(readable(value, unit or "1"), value), *cells)))
-    numbers = Table(
+    numbers = PageTable(
         columns=("", "is", *(f"per 1 % of {name}" for name in names)),
         rows=tuple(rows),
         caption="What changes most, per 1 % of each number, in SI units",
@@ -221,9 +232,9 @@ def _statistics(name: str, values: np.ndarray, unit: str) -> Row:
     )
 
 
-def _ranges(rows: list[Row], key: str, of: str) -> Table:
+def _ranges(rows: list[Row], key: str, of: str) -> PageTable:
     columns = ("", "least", "largest", "mean", "last")
-    return Table(columns=columns, rows=tuple(rows), caption=f"Range of the {of}", key=f"{key}-range")
+    return PageTable(columns=columns, rows=tuple(rows), caption=f"Range of the {of}", key=f"{key}-range")
 
 
 def portrait(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]:
@@ -234,7 +245,7 @@ def portrait(finding: Finding, key: str, figures: bool) -> tuple[Section, Status
     names = ", ".join(every) if len(every) > 2 else f"{every[1]} over {every[0]}"
     end = readable(float(found.time[-1]), "s")
     said = f"{names}, of {found.run} {found.rule}: {len(found.time)} samples to {end}"
-    items: tuple[Table | Picture, ...] = (
+    items: tuple[PageTable | Picture, ...] = (
         *_picture(lambda: figure_phase(found, width="column"), f"Phase portrait: {names}", key, figures),
         _ranges(rows, key, "quantities"),
     )
@@ -258,7 +269,7 @@ def section(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]
     if table.attrs["outcome"] != "COMPLETED":
         lead.append(f"The run ended early: {table.attrs['message']}.")
     rows = [_statistics(name, table[name].values, str(table[name].attrs["units"])) for name in names]
-    items: tuple[Table | Picture, ...] = (
+    items: tuple[PageTable | Picture, ...] = (
         *_picture(
             lambda: figure_section(table, width="column"), f"Section, {table.attrs['section']}", key, figures
         ),
@@ -299,14 +310,14 @@ def diagram(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]
     ends = f"{readable(values[0], unit or '1')} to {readable(values[-1], unit or '1')}"
     said = f"{parameter}, {len(values)} values from {ends}, {' and '.join(branches)}"
     tally = ", ".join(f"{short} at {count}" for short, count in counted.most_common())
-    items: tuple[Table | Picture, ...] = (
+    items: tuple[PageTable | Picture, ...] = (
         *_picture(
             lambda: figure_bifurcation(table, width="column"),
             f"Bifurcation diagram over {parameter}",
             key,
             figures,
         ),
-        Table(
+        PageTable(
             columns=(parameter, *branches),
             rows=rows,
             caption="What the points of each value come to",

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.scenario import Scenario, list_scenarios, scenario_toml
-from antenna_pin.show.report._page import Details, Section, Statement, Table, statement, words
+from antenna_pin.show.report._page import Details, PageTable, Section, Statement, statement, words
 from antenna_pin.show.report._runs import ReportedRun, labels_of
 from antenna_pin.trajectory import library_versions
 
@@ -49,11 +49,11 @@ def provenance(
 _NO_COMMAND = "a system built in Python: run its script again"
 
 
-def _versions(runs: Sequence[ReportedRun]) -> Table:
+def _versions(runs: Sequence[ReportedRun]) -> PageTable:
     found = [json.loads(run.data.attrs.get("versions", "{}")) for run in runs]
     here = library_versions()
     names = dict.fromkeys(name for one in (*found, here) for name in one)
-    return Table(
+    return PageTable(
         columns=("", *labels_of(runs), "this report"),
         rows=tuple(words(name, (str(one.get(name, "")) for one in (*found, here))) for name in names),
         caption="Versions of what made the runs and this report",

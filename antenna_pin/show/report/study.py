@@ -13,7 +13,7 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number, prefixed, readable
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.show import plot
-from antenna_pin.show.report._page import Cell, Details, Picture, Row, Section, Status, Table, statement
+from antenna_pin.show.report._page import Cell, Details, PageTable, Picture, Row, Section, Status, statement
 from antenna_pin.show.report.document import Report, page
 from antenna_pin.show.report.figures import picture
 from antenna_pin.studies.sweep.sensitivity import sensitivities
@@ -97,8 +97,8 @@ def _responses(study: xr.Dataset) -> Section:
         factor, unit = prefixed(str(study[name].attrs.get("units", "")), [float(one) for one in numbers])
         cells = [Cell(number(factor * float(one)), float(one)) for one in numbers]
         rows.append(Row(name, (*cells, Cell(str(values.size), float(values.size))), unit))
-    table = Table(columns=head, rows=tuple(rows), caption="Responses over all runs", key="responses")
-    items: list[Table | Details] = [table]
+    table = PageTable(columns=head, rows=tuple(rows), caption="Responses over all runs", key="responses")
+    items: list[PageTable | Details] = [table]
     if study.attrs["method"] != "grid":
         items.append(_intervals(study))
     meaning = tuple(
@@ -107,7 +107,7 @@ def _responses(study: xr.Dataset) -> Section:
     return Section(key="responses", title="Responses", statements=meaning, items=tuple(items))
 
 
-def _intervals(study: xr.Dataset) -> Table:
+def _intervals(study: xr.Dataset) -> PageTable:
     rows = []
     for name in _names(study, "responses"):
         found = quantiles(study, name, plot.QUANTILES)
@@ -120,7 +120,7 @@ def _intervals(study: xr.Dataset) -> Table:
         rows.append(Row(name, tuple(cells), unit))
     columns = ("", *(f"{100.0 * share:g} %" for share in plot.QUANTILES))
     caption = "Intervals of these quantiles, 95 % confidence, by order of the runs; a dash: too few runs"
-    return Table(columns=columns, rows=tuple(rows), caption=caption, key="intervals")
+    return PageTable(columns=columns, rows=tuple(rows), caption=caption, key="intervals")
 
 
 def _figures(study: xr.Dataset) -> Section:
@@ -140,7 +140,7 @@ def _figures(study: xr.Dataset) -> Section:
 
 
 def _sensitivities(study: xr.Dataset, figures: bool) -> Section:
-    items: list[Table | Picture] = []
+    items: list[PageTable | Picture] = []
     notes = []
     for name in _names(study, "responses"):
         try:
@@ -155,7 +155,7 @@ def _sensitivities(study: xr.Dataset, figures: bool) -> Section:
             rows.append(Row(str(factor), tuple(Cell(readable(*one)) for one in values)))
         words = tuple(f"{c}: {found[c].attrs['long_name']}" for c in columns if not c.endswith("_conf"))
         caption, key = f"{name} ({'; '.join(words)})", f"sensitivity-{name}"
-        items.append(Table(columns=("", *columns), rows=tuple(rows), caption=caption, key=key))
+        items.append(PageTable(columns=("", *columns), rows=tuple(rows), caption=caption, key=key))
         if figures:
             shown = plot.study_sensitivities(found, name)
             items.append(picture(shown, f"Sensitivities of {name}", key))
@@ -174,7 +174,7 @@ def _parameters(study: xr.Dataset) -> Section:
             ends = ", ".join(map(str, values))
         key, count = Cell(str(found.attrs.get("key", ""))), Cell(str(values.size), float(values.size))
         rows.append(Row(name, (key, Cell(ends), count)))
-    table = Table(
+    table = PageTable(
         columns=("", "key of the scenario", "values", "number"),
         rows=tuple(rows),
         caption="What was varied",
@@ -185,7 +185,7 @@ def _parameters(study: xr.Dataset) -> Section:
 
 def _failures(study: xr.Dataset) -> Section:
     rows = list(_failed(study))
-    table = Table(
+    table = PageTable(
         columns=("run", "parameters", "outcome", "why"),
         rows=tuple(rows[:_MOST_FAILURES]),
         caption=f"Runs that are not whole: {_counted(study)}",

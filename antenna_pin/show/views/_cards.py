@@ -140,23 +140,23 @@ def _look(good: bool | None) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Number:
+class RoundedNumber:
     """Rounded number with its unit, and all its digits as title."""
 
     value: float
     text: str
 
 
-def number_cell(value: float | None, unit: str = "1", digits: int = 4) -> Number | str:
+def number_cell(value: float | None, unit: str = "1", digits: int = 4) -> RoundedNumber | str:
     """Return a cell of a rounded number, with all its digits as title."""
     if value is None or value != value:
         return readable(None)
-    return Number(float(value), readable(float(value), unit, digits))
+    return RoundedNumber(float(value), readable(float(value), unit, digits))
 
 
 def table(rows: Sequence[Sequence[Any]], head: Sequence[str] = ()) -> str:
     """Return rows of texts and numbers (:func:`measured`) as HTML."""
-    columns = [any(isinstance(one, Number) for one in column) for column in zip(*rows, strict=True)]
+    columns = [any(isinstance(one, RoundedNumber) for one in column) for column in zip(*rows, strict=True)]
     right = ['class="n"' if numbers else "" for numbers in columns] or [""] * len(head)
     cells = (_element("th", look, escape(one)) for look, one in zip(right, head, strict=False))
     top = f"<tr>{''.join(cells)}</tr>" if head else ""
@@ -165,7 +165,7 @@ def table(rows: Sequence[Sequence[Any]], head: Sequence[str] = ()) -> str:
 
 
 def _cell(look: str, one: Any) -> str:
-    if isinstance(one, Number):
+    if isinstance(one, RoundedNumber):
         return _element("td", f'{look} title="{one.value!r}"', escape(one.text))
     return _element("td", look, escape(str(one)))
 

@@ -69,24 +69,24 @@ def _sure(fit: Fit) -> tuple[ResidualFunctions, Sure]:
 
 @takes()
 def profiles_of(
-    found: Fit, names: Sequence[str] | None = None, progress: Callable[[str, float], None] | None = None
+    fit: Fit, names: Sequence[str] | None = None, progress: Callable[[str, float], None] | None = None
 ) -> tuple[Profile, ...]:
     """Return the profiles of a fit's parameters, in search coordinates.
 
     Args:
-        found: The fit.
+        fit: The fit.
         names: Names of the parameters; all but those at a bound by default.
         progress: Called with the parameter and the signed root of each point.
     """
-    plan = found.problem.plan
-    if found.bands.absence:
-        raise InvalidParameterError("fit", "profiles", "left out of a fit without bands", found.bands.absence)
-    searched, known = _sure(found)
+    plan = fit.problem.plan
+    if fit.bands.absence:
+        raise InvalidParameterError("fit", "profiles", "left out of a fit without bands", fit.bands.absence)
+    searched, known = _sure(fit)
     for name in names or ():
-        if name not in found.names:
-            raise UnknownNameError("fit", "parameter", name, found.names)
+        if name not in fit.names:
+            raise UnknownNameError("fit", "parameter", name, fit.names)
     held = dict(zip(known.names, known.held, strict=True))
-    wanted = [name for name in (found.names if names is None else names) if not held[name]]
+    wanted = [name for name in (fit.names if names is None else names) if not held[name]]
     return profiles(searched, known, wanted, loss=plan.loss, loss_scale=plan.loss_scale, progress=progress)
 
 
@@ -212,12 +212,12 @@ def _texts(words: Sequence[str]) -> np.ndarray:
 
 @takes()
 def identifiability_table(
-    found: Identifiable, units: Sequence[str], titles: Sequence[str], scenario: Scenario | None = None
+    identifiable: Identifiable, units: Sequence[str], titles: Sequence[str], scenario: Scenario | None = None
 ) -> xr.Dataset:
     """Return identifiability as a dataset, for :func:`antenna_pin.trajectory.save_table`.
 
     Args:
-        found: Identifiability of the parameters.
+        identifiable: Identifiability of the parameters.
         units: SI units of the parameters, "" for a pure number.
         titles: Titles of the parameters in figures.
         scenario: Scenario of the test; None for a model without one.
@@ -229,52 +229,52 @@ def identifiability_table(
         ``combination``: ``null``, of each parameter over its scale [-], ``said``, as text, and ``hold``, the
         parameter to hold. Attributes ``level`` and ``quantile``, half widths over errors [-].
     """
-    count = len(found.names)
+    count = len(identifiable.names)
     over = ("parameter",)
     columns = {
-        "value": (over, found.values, {"long_name": "value at which it is told"}),
-        "scale": (over, found.scale, {"long_name": "typical size"}),
-        "error": (over, found.error, {"long_name": "standard error to expect"}),
-        "half": (over, found.half, {"long_name": "half width of the interval to expect"}),
-        "alone": (over, found.alone, {"long_name": "standard error if all others were known"}),
-        "inflation": (over, found.inflation, {"units": "1", "long_name": "error over that"}),
+        "value": (over, identifiable.values, {"long_name": "value at which it is told"}),
+        "scale": (over, identifiable.scale, {"long_name": "typical size"}),
+        "error": (over, identifiable.error, {"long_name": "standard error to expect"}),
+        "half": (over, identifiable.half, {"long_name": "half width of the interval to expect"}),
+        "alone": (over, identifiable.alone, {"long_name": "standard error if all others were known"}),
+        "inflation": (over, identifiable.inflation, {"units": "1", "long_name": "error over that"}),
         "felt": (
             over,
-            found.rank.influential.astype(np.int8),
+            identifiable.rank.influential.astype(np.int8),
             {"units": "1", "long_name": "whether it is felt"},
         ),
         "determined": (
             over,
-            found.rank.determined.astype(np.int8),
+            identifiable.rank.determined.astype(np.int8),
             {"units": "1", "long_name": "whether it can be told"},
         ),
         "units": (over, _texts(units), {"long_name": "SI unit of the parameter"}),
         "title": (over, _texts(titles), {"long_name": "what it is called"}),
-        "singular": (("direction",), found.singular, {"units": "1", "long_name": "singular value"}),
+        "singular": (("direction",), identifiable.singular, {"units": "1", "long_name": "singular value"}),
         "part": (
             ("direction", "parameter"),
-            found.directions,
+            identifiable.directions,
             {"units": "1", "long_name": "part of each parameter over its scale"},
         ),
         "null": (
             ("combination", "parameter"),
-            found.rank.null,
+            identifiable.rank.null,
             {"units": "1", "long_name": "what changes nothing, over scales"},
         ),
-        "said": (("combination",), _texts(found.together), {"long_name": "the same in words"}),
-        "hold": (("combination",), _texts(found.hold), {"long_name": "the parameter to hold"}),
+        "said": (("combination",), _texts(identifiable.together), {"long_name": "the same in words"}),
+        "hold": (("combination",), _texts(identifiable.hold), {"long_name": "the parameter to hold"}),
     }
     return xr.Dataset(
         columns,
-        coords={"parameter": np.array(found.names, dtype=str), "direction": np.arange(1, count + 1)},
+        coords={"parameter": np.array(identifiable.names, dtype=str), "direction": np.arange(1, count + 1)},
         attrs=table_attributes("identifiability", scenario)
-        | {"level": found.level, "quantile": found.quantile},
+        | {"level": identifiable.level, "quantile": identifiable.quantile},
     )
 
 
 @takes()
 def experiments_table(
-    found: Design,
+    design: Design,
     plan: Plan | None,
     values: Sequence[float],
     units: Sequence[str],
@@ -285,7 +285,7 @@ def experiments_table(
     """Return a comparison of experiments as a dataset, for :func:`save_table`.
 
     Args:
-        found: Comparison of the experiments.
+        design: Comparison of the experiments.
         plan: Plan of repetitions, or None.
         values: Values of the parameters, (p,).
         units: SI units of the parameters, "" for a pure number.
@@ -302,35 +302,35 @@ def experiments_table(
     """
     over, each = ("parameter",), ("experiment",)
     columns = {
-        "half": (("experiment", "parameter"), found.half, {"long_name": "half width of the interval"}),
-        "before": (over, found.before, {"long_name": "the same before any of them"}),
+        "half": (("experiment", "parameter"), design.half, {"long_name": "half width of the interval"}),
+        "before": (over, design.before, {"long_name": "the same before any of them"}),
         "value": (over, np.asarray(values, dtype=float), {"long_name": "value at which this holds"}),
-        "scale": (over, found.scale, {"long_name": "typical size"}),
+        "scale": (over, design.scale, {"long_name": "typical size"}),
         "units": (over, _texts(units), {"long_name": "SI unit of the parameter"}),
         "title": (over, _texts(titles), {"long_name": "what it is called"}),
         "what": (
             each,
-            _texts([(words or {}).get(name, "") for name in found.experiments]),
+            _texts([(words or {}).get(name, "") for name in design.experiments]),
             {"long_name": "what is done"},
         ),
     }
     about = {"D": "volume", "c": "the wanted one's error", "A": "sum of variances", "E": "longest axis"}
-    for name, lengths in found.criteria.items():
+    for name, lengths in design.criteria.items():
         columns[name] = (each, lengths, {"units": "1", "long_name": f"{about[name]}, as a length in scales"})
     total = 0
     if plan is not None:
-        order = [plan.experiments.index(name) for name in found.experiments]
+        order = [plan.experiments.index(name) for name in design.experiments]
         total = int(plan.counts.sum())
         columns["share"] = (each, plan.weights[order], {"units": "1", "long_name": "share of the best plan"})
         columns["count"] = (each, plan.counts[order], {"units": "1", "long_name": "times in that plan"})
     return xr.Dataset(
         columns,
         coords={
-            "parameter": np.array(found.names, dtype=str),
-            "experiment": np.array(found.experiments, dtype=str),
+            "parameter": np.array(design.names, dtype=str),
+            "experiment": np.array(design.experiments, dtype=str),
         },
         attrs=table_attributes("experiments", scenario)
-        | {"criterion": found.chosen, "wanted": found.wanted, "level": found.level, "total": total},
+        | {"criterion": design.chosen, "wanted": design.wanted, "level": design.level, "total": total},
     )
 
 

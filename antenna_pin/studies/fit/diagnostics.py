@@ -213,7 +213,7 @@ class DifferenceGrowth(NamedTuple):
         return _FOLDS * self.fold
 
     def words(self, record: str, parameter: str, step: float) -> str:
-        """Return a line on the record, for runs perturbed by a relative step of a parameter."""
+        """Return a line on the record's sensitivity to a relative step of a parameter."""
         since, fold, length = (_time(one) for one in (self.since, self.fold, self.length))
         return (
             f"note: records.{record}: one run does not hold it: from {since} on the effect of {step:g} of "

@@ -25,7 +25,7 @@ from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
 from antenna_pin.scenario.merge import merge
 from antenna_pin.scenario.runs_file import nested
 from antenna_pin.scenario.shipped import read_toml
-from antenna_pin.scenario.spec import Count, Place, Quantity, Spec, dotted, explained, refuse
+from antenna_pin.scenario.spec import Count, QuantityRule, Spec, ValuePlace, dotted, explained, refuse
 from antenna_pin.studies.fit.identifiability import Criterion
 from antenna_pin.studies.fit.plan import FitPlan, RecordSpec, record_place
 from antenna_pin.studies.fit.problem import Problem
@@ -49,8 +49,8 @@ class _TimesSpec(Spec):
         rate: Samples per second [Hz].
     """
 
-    until: Annotated[float, Quantity("s", "positive")]
-    rate: Annotated[float, Quantity("Hz", "positive")]
+    until: Annotated[float, QuantityRule("s", "positive")]
+    rate: Annotated[float, QuantityRule("Hz", "positive")]
 
     @model_validator(mode="after")
     def _check_count(self) -> Self:
@@ -154,7 +154,7 @@ def load_experiments(path: str | os.PathLike[str]) -> Experiments:
     try:
         return Experiments.validated(read_toml(found, label))
     except ValidationError as error:
-        raise explained(error, lambda location: Place(f"{label}: {dotted(location)}".strip())) from None
+        raise explained(error, lambda location: ValuePlace(f"{label}: {dotted(location)}".strip())) from None
 
 
 class Trial:

@@ -19,7 +19,7 @@ from antenna_pin.base.units import shown
 from antenna_pin.errors import OutputError
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.runs_file import RunsFile, laid_over, nested
-from antenna_pin.scenario.spec import Count, Folder, Quantity, Spec, refuse, refuse_name
+from antenna_pin.scenario.spec import Count, Folder, QuantityRule, Spec, refuse, refuse_name
 from antenna_pin.studies.fit.specs import (
     ColumnSpec,
     DerivedSpec,
@@ -65,8 +65,8 @@ class _PiecesSpec(Spec):
             the larger, the closer to one continuous motion [-].
     """
 
-    length: Annotated[float, Quantity("s", "positive")]
-    weight: Annotated[float, Quantity("1", "positive")] = 1e4
+    length: Annotated[float, QuantityRule("s", "positive")]
+    weight: Annotated[float, QuantityRule("1", "positive")] = 1e4
 
 
 class RecordSpec(LayoutSpec):
@@ -84,8 +84,8 @@ class RecordSpec(LayoutSpec):
     """
 
     file: str
-    clock_shift: Annotated[float, Quantity("s")] = 0.0
-    window: tuple[Annotated[float, Quantity("s")], Annotated[float, Quantity("s")]] | None = None
+    clock_shift: Annotated[float, QuantityRule("s")] = 0.0
+    window: tuple[Annotated[float, QuantityRule("s")], Annotated[float, QuantityRule("s")]] | None = None
     gaps: Literal["refuse", "skip"] = "refuse"
     case: str | None = None
     set: dict[str, Any] = Field(default_factory=dict)
@@ -144,7 +144,7 @@ class SurfaceSpec(Spec):
     """
 
     runs: Annotated[int, BeforeValidator(Count(16, 1_000_000).read)] = 64
-    width: Annotated[float, Quantity("1", "positive")] = 0.3
+    width: Annotated[float, QuantityRule("1", "positive")] = 0.3
     rounds: Annotated[int, BeforeValidator(Count(1, 1000).read)] = 8
     seed: Annotated[int, BeforeValidator(Count(0, 2**62).read)] = 0
 
@@ -189,10 +189,10 @@ class FitPlan(RunsFile):
     validation: dict[str, RecordSpec] = Field(default_factory=dict)
     noise: Noise = "given"
     loss: Loss = "linear"
-    loss_scale: Annotated[float, Quantity("1", "positive")] = 1.0
+    loss_scale: Annotated[float, QuantityRule("1", "positive")] = 1.0
     jacobian: _Jacobian = "differences"
-    difference_step: Annotated[float, Quantity("1", "between 0 and 1")] = 1e-4
-    tolerance: Annotated[float, Quantity("1", "between 0 and 1")] = 1e-8
+    difference_step: Annotated[float, QuantityRule("1", "between 0 and 1")] = 1e-4
+    tolerance: Annotated[float, QuantityRule("1", "between 0 and 1")] = 1e-8
     most: Annotated[int, BeforeValidator(Count(1, 100_000).read)] = 100
     starts: _StartsSpec | None = None
     surface: SurfaceSpec | None = None

@@ -14,7 +14,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from antenna_pin.base.units import any_quantity, shown
-from antenna_pin.scenario.spec import Count, Quantity, Spec, refuse
+from antenna_pin.scenario.spec import Count, QuantityRule, Spec, refuse
 from antenna_pin.studies.sweep.parameters import AnyQuantity, KeysSpec
 
 __all__ = [
@@ -32,8 +32,8 @@ __all__ = [
 # --- columns of a record ------------------------------------------------------------------------------------
 
 
-_PositiveFrequency = Annotated[float, Quantity("Hz", "positive")]
-_PositiveSpan = Annotated[float, Quantity("s", "positive")]
+_PositiveFrequency = Annotated[float, QuantityRule("Hz", "positive")]
+_PositiveSpan = Annotated[float, QuantityRule("s", "positive")]
 _Triple = tuple[float, float, float]
 
 
@@ -153,7 +153,7 @@ class ColumnSpec(Spec):
     spectrum: SpectrumSpec | None = None
     blows: BlowsSpec | None = None
     sd: AnyQuantity = None
-    weight: Annotated[float, Quantity("1", "positive")] = 1.0
+    weight: Annotated[float, QuantityRule("1", "positive")] = 1.0
 
     @model_validator(mode="after")
     def _check_sensor(self) -> Self:
@@ -224,7 +224,7 @@ class LayoutSpec(Spec):
     time: str = "time"
     time_unit: str | None = None
     time_format: str | None = None
-    rate: Annotated[float, Quantity("Hz", "positive")] | None = None
+    rate: Annotated[float, QuantityRule("Hz", "positive")] | None = None
 
     @model_validator(mode="after")
     def _check_layout(self) -> Self:

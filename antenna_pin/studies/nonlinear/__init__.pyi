@@ -10,7 +10,7 @@ from antenna_pin.studies.nonlinear.diagram_plan import DiagramPlan as DiagramPla
 from antenna_pin.studies.nonlinear.diagram_plan import list_plans as list_plans
 from antenna_pin.studies.nonlinear.diagram_plan import load_plan as load_plan
 from antenna_pin.studies.nonlinear.diagram_plan import values_of as values_of
-from antenna_pin.studies.nonlinear.diagrams import Made as Made
+from antenna_pin.studies.nonlinear.diagrams import DiagramProgress as DiagramProgress
 from antenna_pin.studies.nonlinear.diagrams import bifurcation as bifurcation
 from antenna_pin.studies.nonlinear.diagrams import open_diagram as open_diagram
 from antenna_pin.studies.nonlinear.flow import Flow as Flow

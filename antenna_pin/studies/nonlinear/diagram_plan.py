@@ -87,7 +87,7 @@ class DiagramPlan(RunsFile):
     name: str = "diagram"
     folder: Path = Path()
 
-    def given(self) -> list[float | str]:
+    def argument_values(self) -> list[float | str]:
         """Return the values, as arguments of :func:`antenna_pin.studies.nonlinear.bifurcation`."""
         return values_of(self.values) if isinstance(self.values, str) else list(self.values)
 

@@ -41,7 +41,7 @@ from antenna_pin.studies.nonlinear.sections import Crossing, Section, Stroboscop
 from antenna_pin.studies.sweep.journal import Journal, open_journal
 from antenna_pin.trajectory import library_versions, open_table, save_table, table_attributes
 
-__all__ = ["Branch", "Made", "bifurcation", "open_diagram", "interrupting"]
+__all__ = ["Branch", "DiagramProgress", "bifurcation", "open_diagram", "interrupting"]
 
 
 # --- one value of a diagram ---------------------------------------------------------------------------------
@@ -282,7 +282,7 @@ def _identity(settings: _Settings, values: Sequence[Any], branches: Sequence[str
 
 
 @dataclass(frozen=True, slots=True)
-class Made:
+class DiagramProgress:
     """Progress of a diagram.
 
     Attributes:
@@ -311,7 +311,7 @@ def bifurcation(
     tolerance: float = 1e-4,
     out: str | os.PathLike[str] | None = None,
     workers: int | None = None,
-    progress: Callable[[Made], None] | None = None,
+    progress: Callable[[DiagramProgress], None] | None = None,
 ) -> xr.Dataset:
     """Return the points of a section over a parameter of a scenario.
 
@@ -419,7 +419,7 @@ class _Driver:
         branches: tuple[Branch, ...],
         parts: _EntryStore,
         workers: int | None,
-        progress: Callable[[Made], None] | None,
+        progress: Callable[[DiagramProgress], None] | None,
     ) -> None:
         self.asked, self.values, self.branches, self.parts = settings, values, branches, parts
         self.width = workers or len(os.sched_getaffinity(0))
@@ -503,4 +503,6 @@ class _Driver:
         if self.progress is not None:
             entries = self.parts.entries.values()
             unsettled = sum(not entry["settled"] for entry in entries)
-            self.progress(Made(len(self.parts.entries), len(self.branches) * len(self.values), unsettled))
+            self.progress(
+                DiagramProgress(len(self.parts.entries), len(self.branches) * len(self.values), unsettled)
+            )

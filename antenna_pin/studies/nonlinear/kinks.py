@@ -31,7 +31,7 @@ from antenna_pin.integrate import NODES, Propagated, Propagator, Stepper, method
 from antenna_pin.run.simulation.loop import Run
 from antenna_pin.run.simulation.steps import stepper_of
 from antenna_pin.studies.nonlinear.coordinates import Frame, configuration_difference
-from antenna_pin.studies.nonlinear.saltation import Tangents
+from antenna_pin.studies.nonlinear.saltation import RunTangents
 from antenna_pin.studies.nonlinear.vector_field import VectorField
 
 __all__ = ["JacobianPropagation", "KinkDefects", "StepPart", "CutStep", "StepStates", "coincidence"]
@@ -215,31 +215,31 @@ class KinkDefects:
         """Column of the flow; zero where the flow is not propagated."""
         return self._count + 1
 
-    def without_defects(self, tangents: Tangents) -> Tangents:
+    def without_defects(self, tangents: RunTangents) -> RunTangents:
         """Return the tangents alone."""
         return tangents.mapped(lambda columns: columns[:, : self._count])
 
-    def run_error(self, tangents: Tangents) -> Array:
+    def run_error(self, tangents: RunTangents) -> Array:
         """Return the error of the run as a perturbation, (size,)."""
         return np.asarray(tangents.matrix[:, self._count])
 
-    def with_run_error(self, tangents: Tangents, more: Array) -> Tangents:
+    def with_run_error(self, tangents: RunTangents, more: Array) -> RunTangents:
         """Return tangents with a further error of the run, (size,)."""
         both = tangents.matrix.copy(), tangents.other.copy()
         for one in both:
             one[:, self._count] += more
-        return Tangents(*both, tangents.frame, tangents.integrals)
+        return RunTangents(*both, tangents.frame, tangents.integrals)
 
-    def with_kink(self, kink: _Kink, error: Array, tangents: Tangents) -> Tangents:
+    def with_kink(self, kink: _Kink, error: Array, tangents: RunTangents) -> RunTangents:
         """Return tangents with their defect at a kink that a run with an error passes."""
         size = float(np.linalg.norm(kink.passing))
         late = kink.later * (abs(float(kink.passing @ error)) + size * self._least)
         self._parts.append(np.abs(kink.passing @ tangents.matrix[:, : self._count]) * late)
         column = kink.force[:, None]
         matrix, other = (np.hstack([one, column]) for one in tangents[:2])
-        return Tangents(matrix, other, tangents.frame, np.pad(tangents.integrals, ((0, 0), (0, 1))))
+        return RunTangents(matrix, other, tangents.frame, np.pad(tangents.integrals, ((0, 0), (0, 1))))
 
-    def merge(self, tangents: Tangents) -> Tangents:
+    def merge(self, tangents: RunTangents) -> RunTangents:
         """Return tangents with the two oldest defects merged where there are too many."""
         while len(self._parts) > _MOST_DEFECTS:
             first = self._count + 2
@@ -252,7 +252,7 @@ class KinkDefects:
             tangents = tangents.mapped(lambda columns, lost=lost: np.delete(columns, lost, axis=1))  # type: ignore[misc]
         return tangents
 
-    def sizes(self, tangents: Tangents) -> Array:
+    def sizes(self, tangents: RunTangents) -> Array:
         """Return the size of each tangent's defects, (count,)."""
         matrix = tangents.matrix
         error = float(np.linalg.norm(self.run_error(tangents)))
@@ -460,7 +460,7 @@ class JacobianPropagation:
             self._way = frame, up @ unit, unit
         return self._way[1:]
 
-    def over(self, part: StepPart, tangents: Tangents) -> Tangents:
+    def over(self, part: StepPart, tangents: RunTangents) -> RunTangents:
         """Return tangents behind a part of the step."""
         self.made += 1
         frame, (way, unit) = tangents.frame, self._along(tangents.frame)
@@ -505,9 +505,9 @@ class JacobianPropagation:
         self.left_over += off
         other = step.other + self._propagator.change(length, fourth - sixth)
         booked = tangents.integrals + self._propagator.integral(length, books) @ tangents.matrix
-        return Tangents(step.matrix @ tangents.matrix, other @ tangents.other, frame, booked)
+        return RunTangents(step.matrix @ tangents.matrix, other @ tangents.other, frame, booked)
 
-    def _pass(self, theta: float, kink: _Kink, tangents: Tangents) -> Tangents:
+    def _pass(self, theta: float, kink: _Kink, tangents: RunTangents) -> RunTangents:
         """Add the defect of tangents at a kink at a fraction of the step."""
         time, y = self._states.time + theta * self._states.size, self._states.at(theta)
         self._cut_step.to(time)
@@ -517,7 +517,7 @@ class JacobianPropagation:
 
 
 def _relative_error(
-    part: StepPart, step: Propagated, tangents: Tangents, flow: int, opening: Array | None
+    part: StepPart, step: Propagated, tangents: RunTangents, flow: int, opening: Array | None
 ) -> float:
     """Return the error of a step of a part, over its size [-].
 

@@ -326,12 +326,20 @@ def exponents_table(found: Exponents, scenario: Scenario | None = None) -> xr.Da
             "value": ("exponent", found.values, rate | {"long_name": "Lyapunov exponent"}),
             "error": ("exponent", found.errors, rate | {"long_name": "one standard error of it"}),
             "length": ("interval", found.lengths, {"units": "s", "long_name": "length of an interval"}),
-            "growth": (over, found.growth, none | {"long_name": "logarithm of the growth in an interval"}),
+            "growth": (
+                over,
+                found.growth,
+                none | {"long_name": "logarithm of the growth in an interval"},
+            ),
             "running": (over, found.running, rate | {"long_name": "exponent after each interval"}),
         },
         coords={
             "exponent": ("exponent", np.arange(1, count + 1), {"long_name": "the largest first"}),
-            "time": ("interval", np.cumsum(found.lengths), {"units": "s", "long_name": "end of an interval"}),
+            "time": (
+                "interval",
+                np.cumsum(found.lengths),
+                {"units": "s", "long_name": "end of an interval"},
+            ),
         },
         attrs={
             **table_attributes("exponents", scenario),

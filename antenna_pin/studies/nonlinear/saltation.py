@@ -28,7 +28,7 @@ from antenna_pin.studies.nonlinear.perturbed_system import ParameterShift, State
 from antenna_pin.studies.nonlinear.vector_field import VectorField
 
 __all__ = [
-    "Tangents",
+    "RunTangents",
     "ElementTransition",
     "EventShift",
     "ElementReplay",
@@ -42,7 +42,7 @@ Array = NDArray[np.float64]
 # --- tangents at equal times, and at the perturbed times of an event ----------------------------------------
 
 
-class Tangents(NamedTuple):
+class RunTangents(NamedTuple):
     """Tangents along a run, in coordinates along axes in the present state."""
 
     matrix: Array  # tangents, (size, k)
@@ -50,21 +50,21 @@ class Tangents(NamedTuple):
     frame: Frame  # axes of the coordinates
     integrals: Array  # tangents of integrals of the run, (nx, k)
 
-    def mapped(self, function: Callable[[Array], Array]) -> Tangents:
+    def mapped(self, function: Callable[[Array], Array]) -> RunTangents:
         """Return the tangents with a function applied to the columns of all arrays."""
-        return Tangents(function(self.matrix), function(self.other), self.frame, function(self.integrals))
+        return RunTangents(function(self.matrix), function(self.other), self.frame, function(self.integrals))
 
 
-def with_time(tangents: Tangents) -> Tangents:
+def with_time(tangents: RunTangents) -> RunTangents:
     """Return tangents with time as a coordinate, from tangents at equal times."""
     frame = tangents.frame
     if frame.clock:
         return tangents
     matrix, other = (np.insert(one, 2 * frame.positions, 0.0, axis=0) for one in tangents[:2])
-    return Tangents(matrix, other, frame._replace(clock=True), tangents.integrals)
+    return RunTangents(matrix, other, frame._replace(clock=True), tangents.integrals)
 
 
-def at_equal_times(field: VectorField, tangents: Tangents, time: float, y: Array) -> Tangents:
+def at_equal_times(field: VectorField, tangents: RunTangents, time: float, y: Array) -> RunTangents:
     """Return tangents at equal times, without time as a coordinate."""
     if not tangents.frame.clock:
         return tangents
@@ -72,7 +72,7 @@ def at_equal_times(field: VectorField, tangents: Tangents, time: float, y: Array
     late = up[field.parts[-1].start]
     back = field.lift(frame, time, y).down @ (up - np.outer(field.flow(time, y), late))
     books = tangents.integrals - np.outer(field.integrands(time, y), late @ tangents.matrix)
-    return Tangents(back @ tangents.matrix, back @ tangents.other, frame, books)
+    return RunTangents(back @ tangents.matrix, back @ tangents.other, frame, books)
 
 
 # --- actions of elements, repeated on perturbed states ------------------------------------------------------
@@ -232,7 +232,7 @@ class Saltation:
         """Return the times of events and mode changes since the last call [s]."""
         return {one.time for one in self._passages}
 
-    def across_events(self, tangents: Tangents, time: float, y: Array) -> Tangents:
+    def across_events(self, tangents: RunTangents, time: float, y: Array) -> RunTangents:
         """Return tangents behind the events since the last call.
 
         The state y, before the events, is brought behind them in place.
@@ -248,7 +248,7 @@ class Saltation:
 
     # --- events ---------------------------------------------------------------------------------------------
 
-    def _event(self, one: EventEffect, tangents: Tangents, time: float, y: Array) -> Tangents:
+    def _event(self, one: EventEffect, tangents: RunTangents, time: float, y: Array) -> RunTangents:
         """Return tangents behind an event."""
         event = one.event
         if not one.acts or not event.has(Set, Jump, Switch):
@@ -314,7 +314,7 @@ class Saltation:
         y[:nq], y[nq : nq + nv] = places, rates
         return _Crossing(moved, late, going, booked)
 
-    def _carry(self, passage: _Crossing, tangents: Tangents, time: float, y: Array) -> Tangents:
+    def _carry(self, passage: _Crossing, tangents: RunTangents, time: float, y: Array) -> RunTangents:
         """Return tangents behind a crossing, with the field's contacts, program and state after it."""
         field = self._field
         frame = field.frame(y, tangents.frame.clock)
@@ -326,7 +326,7 @@ class Saltation:
         if (change := passage.integrands - field.integrands(time, y)).any():
             books = books + np.outer(change, passage.late @ tangents.matrix)
         self._lose(through, tangents.matrix[:, : self.count])
-        return Tangents(through @ tangents.matrix, through @ tangents.other, frame, books)
+        return RunTangents(through @ tangents.matrix, through @ tangents.other, frame, books)
 
     def _lose(self, through: Array, displacements: Array) -> None:
         """Update the rank of the tangents, which a crossing may reduce."""
@@ -337,7 +337,9 @@ class Saltation:
 
     # --- contacts -------------------------------------------------------------------------------------------
 
-    def onset(self, c: int, memory: NDArray[Any], tangents: Tangents, time: float, y: Array) -> Tangents:
+    def onset(
+        self, c: int, memory: NDArray[Any], tangents: RunTangents, time: float, y: Array
+    ) -> RunTangents:
         """Return tangents at the perturbed onsets of a contact, which acts from now on.
 
         There its depth is the same in all of them; what they remember is of their own times, and bristles
@@ -363,14 +365,14 @@ class Saltation:
             one[tangents.frame.first_bristle + field.contact_bristles(c)] = 0.0
         frame = self._let(c, memory, y)
         turn = field.lift(frame, time, y).down @ lift.up
-        found = Tangents(turn @ ways[0], turn @ ways[1], frame, books)
+        found = RunTangents(turn @ ways[0], turn @ ways[1], frame, books)
         for k, (contact, column) in enumerate(frame.contact_memory, len(turn) - len(frame.contact_memory)):
             if contact == c and column in slopes:
                 for each, slope, one in zip(found[:2], slopes[column], ways, strict=True):
                     each[k] = slope @ one
         return found
 
-    def release(self, c: int, flow: int, tangents: Tangents, time: float, y: Array) -> Tangents:
+    def release(self, c: int, flow: int, tangents: RunTangents, time: float, y: Array) -> RunTangents:
         """Return tangents at the perturbed releases of a contact, which no longer acts.
 
         Where a force begins and ends with its depth the derivative of the rates is unbounded. The propagation
@@ -393,7 +395,7 @@ class Saltation:
         self._note("release", str(c), time, lift.up[field.parts[-1].start] @ ways[0])
         frame = self._let(c, np.zeros(1, MEMORY)[0], y)
         turn = field.lift(frame, time, y).down @ lift.up
-        return Tangents(turn @ ways[0], turn @ ways[1], frame, books)
+        return RunTangents(turn @ ways[0], turn @ ways[1], frame, books)
 
     def _let(self, c: int, memory: Any, y: Array) -> Frame:
         """Set the memory of a contact, and return the axes then, with time."""

@@ -46,7 +46,13 @@ from antenna_pin.studies.nonlinear.kinks import (
     coincidence,
 )
 from antenna_pin.studies.nonlinear.perturbed_system import ParameterSlopes
-from antenna_pin.studies.nonlinear.saltation import EventShift, Saltation, Tangents, at_equal_times, with_time
+from antenna_pin.studies.nonlinear.saltation import (
+    EventShift,
+    RunTangents,
+    Saltation,
+    at_equal_times,
+    with_time,
+)
 from antenna_pin.studies.nonlinear.vector_field import VectorField
 
 __all__ = ["TangentPropagation"]
@@ -98,8 +104,13 @@ class _StagePropagation:
         return time if known else self.since
 
     def over(
-        self, part: StepPart, start: tuple[float, float, Array], lift: Lift, tangents: Tangents, good: float
-    ) -> Tangents | None:
+        self,
+        part: StepPart,
+        start: tuple[float, float, Array],
+        lift: Lift,
+        tangents: RunTangents,
+        good: float,
+    ) -> RunTangents | None:
         """Return tangents behind a part of a step, or None where they are too inaccurate.
 
         ``start`` is the step's time [s], its size [s] and the state at the part's beginning. Errors of the
@@ -130,20 +141,20 @@ class _StagePropagation:
         rests[:, there] += down[:, self._moving] @ (_OVER_KINKS * found.errors + found.rough)
         books = tangents.integrals.copy()
         books[:, there] += found.books
-        return Tangents(ends, ends + rests, tangents.frame, books)
+        return RunTangents(ends, ends + rests, tangents.frame, books)
 
     def in_halves(
         self,
         part: StepPart,
         states: StepStates,
         lift: Callable[[Frame, float, Array], Lift],
-        tangents: Tangents,
+        tangents: RunTangents,
         good: float,
-    ) -> Tangents | None:
+    ) -> RunTangents | None:
         """Return tangents behind a part of a step, halved where necessary, or None."""
         tries = _TRIES
 
-        def along(part: StepPart, tangents: Tangents) -> Tangents | None:
+        def along(part: StepPart, tangents: RunTangents) -> RunTangents | None:
             nonlocal tries
             if all(part.known) or tries == 0:
                 return None
@@ -160,8 +171,8 @@ class _StagePropagation:
         return along(part, tangents)
 
     def over_steps(
-        self, steps: Sequence[_TangentStep], lift: Lift, tangents: Tangents, good: float, until: float
-    ) -> tuple[int, Tangents]:
+        self, steps: Sequence[_TangentStep], lift: Lift, tangents: RunTangents, good: float, until: float
+    ) -> tuple[int, RunTangents]:
         """Return the number of steps with accurate tangents, and the tangents behind them."""
         matrix, off = tangents.matrix, tangents.other - tangents.matrix
         there = np.flatnonzero((matrix != 0.0).any(axis=0) | (off != 0.0).any(axis=0))
@@ -182,7 +193,7 @@ class _StagePropagation:
         ends, rests, books = np.zeros_like(matrix), np.zeros_like(matrix), tangents.integrals.copy()
         ends[:, there], rests[:, there] = lift.down @ ways, lift.down @ rest
         books[:, there] += booked
-        return done, Tangents(ends, ends + rests, tangents.frame, books)
+        return done, RunTangents(ends, ends + rests, tangents.frame, books)
 
 
 # Relative difference of work and gross work without reversal; samples of a step for the sign of a power.
@@ -297,10 +308,12 @@ class TangentPropagation:
         self._matrices = JacobianPropagation(self.field, states, self._cut_step, self._defects, self._good)
         self._matrices.begin(self._time, self._y, True)
         start = self._defects.begin(start)
-        self._all = Tangents(start, start.copy(), frame, np.zeros((run.system.manifold.nx, start.shape[1])))
+        self._all = RunTangents(
+            start, start.copy(), frame, np.zeros((run.system.manifold.nx, start.shape[1]))
+        )
 
     @property
-    def tangents(self) -> Tangents:
+    def tangents(self) -> RunTangents:
         """Tangents in the present state, at equal times."""
         self._go_along()
         return self._defects.without_defects(at_equal_times(self.field, self._all, *self._here))
@@ -504,7 +517,7 @@ class TangentPropagation:
             self._all = at_equal_times(self.field, self._all, *self._here)
         field, old = self.field, self._all
         turn = field.lift(frame, self._time, self._y).down @ field.lift(old.frame, self._time, self._y).up
-        self._all = Tangents(turn @ old.matrix, turn @ old.other, frame, old.integrals)
+        self._all = RunTangents(turn @ old.matrix, turn @ old.other, frame, old.integrals)
 
     def _piece(self, part: StepPart) -> None:
         """Propagate tangents over a part of the step, by the run's own stages where possible."""

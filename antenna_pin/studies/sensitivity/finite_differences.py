@@ -32,7 +32,7 @@ from antenna_pin.trajectory import Column, Trajectory, columns_of
 
 __all__ = [
     "FiniteDifferences",
-    "Slopes",
+    "VariableDerivatives",
 ]
 
 Array = NDArray[np.float64]
@@ -133,7 +133,7 @@ _LOCATED = 3e-8
 _ULPS = 4.0
 
 
-class Slopes(NamedTuple):
+class VariableDerivatives(NamedTuple):
     """Derivatives over one parameter, by variable."""
 
     values: dict[str, Array]
@@ -243,7 +243,7 @@ class FiniteDifferences:
             raise SensitivityError(f"sensitivities: {what} has no whole result: {run.message}")
         return run
 
-    def derivatives(self, parameters: Sequence[Parameter]) -> list[Slopes]:
+    def derivatives(self, parameters: Sequence[Parameter]) -> list[VariableDerivatives]:
         """Return the derivatives over each of some parameters.
 
         Raises:
@@ -252,7 +252,7 @@ class FiniteDifferences:
         """
         return [self._over(one) for one in parameters]
 
-    def _over(self, parameter: Parameter) -> Slopes:
+    def _over(self, parameter: Parameter) -> VariableDerivatives:
         """Return derivatives by the best step for each number, with few steps.
 
         The first step is the largest one with unchanged events of the last parameter's perturbed runs. Finer
@@ -291,7 +291,9 @@ class FiniteDifferences:
             if not better:
                 break
             self._first -= 1
-        return Slopes({k: one.value for k, one in best.items()}, {k: one.doubt for k, one in best.items()})
+        return VariableDerivatives(
+            {k: one.value for k, one in best.items()}, {k: one.doubt for k, one in best.items()}
+        )
 
     def _poor(self, one: _Difference) -> bool:
         """Return whether a number is inaccurate."""

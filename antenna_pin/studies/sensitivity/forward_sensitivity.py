@@ -34,7 +34,7 @@ from antenna_pin.studies.nonlinear.chart import Chart, StatePerturbation
 from antenna_pin.studies.nonlinear.coordinates import Lift
 from antenna_pin.studies.nonlinear.perturbed_system import ParameterSlopes, PerturbedParameters
 from antenna_pin.studies.nonlinear.variational import TangentPropagation
-from antenna_pin.studies.sensitivity.finite_differences import Slopes
+from antenna_pin.studies.sensitivity.finite_differences import VariableDerivatives
 from antenna_pin.studies.sensitivity.parameters import (
     GrazeError,
     Parameter,
@@ -360,7 +360,7 @@ def named_derivatives(
     here: xr.Dataset,
     run: xr.Dataset,
     parameters: tuple[Parameter, ...],
-) -> list[Slopes]:
+) -> list[VariableDerivatives]:
     """Return derivatives over each parameter, by the result's names; NaN where unknown.
 
     Args:
@@ -398,7 +398,7 @@ def named_derivatives(
     if at is not None:
         found |= _largest_values(along, series, in_time, run, peaks, (here["time"].values, scales))
     return [
-        Slopes(
+        VariableDerivatives(
             {name: v[..., k] for name, (v, _) in found.items()}, {n: d[..., k] for n, (_, d) in found.items()}
         )
         for k in range(len(parameters))

@@ -20,7 +20,7 @@ from antenna_pin.run.simulation.inputs import check_without_controllers, events_
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.assemble import build_system, initial_angles, initial_state
 from antenna_pin.studies.nonlinear import Flow
-from antenna_pin.studies.sensitivity.finite_differences import FiniteDifferences, Slopes
+from antenna_pin.studies.sensitivity.finite_differences import FiniteDifferences, VariableDerivatives
 from antenna_pin.studies.sensitivity.forward_sensitivity import (
     ForwardSensitivity,
     maximum_times,
@@ -209,7 +209,7 @@ def _by_equation(
     at: np.ndarray,
     span: float,
     parameters: tuple[Parameter, ...],
-) -> list[Slopes]:
+) -> list[VariableDerivatives]:
     """Return the derivatives over each parameter by the variational equation."""
     data = runs.run.data
     along = equation.run(at, span, maximum_times(data))
@@ -219,11 +219,11 @@ def _by_equation(
 
 
 def _checked_by_runs(
-    runs: list[Slopes],
-    equation: list[Slopes],
+    runs: list[VariableDerivatives],
+    equation: list[VariableDerivatives],
     differences: FiniteDifferences,
     parameters: tuple[Parameter, ...],
-) -> list[Slopes]:
+) -> list[VariableDerivatives]:
     """Return derivatives of the equation, or refuse them where runs contradict.
 
     The deviation of both adds to the error estimate. Where the motion is right and another number is not (the
@@ -248,11 +248,11 @@ def _checked_by_runs(
             if contradict:
                 values[name] = np.where(off > _APART * size, math.nan, value)
             doubts[name] = np.fmax(ours.doubts[name], np.abs(values[name] - theirs.values[name]))
-        held.append(Slopes(values, doubts))
+        held.append(VariableDerivatives(values, doubts))
     return held
 
 
-def _relative_uncertainty(slopes: Slopes) -> float:
+def _relative_uncertainty(slopes: VariableDerivatives) -> float:
     """Return the relative error of the motion's largest derivative, at most 1.
 
     Later perturbations follow that derivative, and share its relative error, whatever a difference gives for

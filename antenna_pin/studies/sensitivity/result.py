@@ -256,13 +256,13 @@ class Changed(NamedTuple):
 
 
 @takes()
-def results_of(found: Sensitivities) -> list[Changed]:
+def results_of(sensitivities: Sensitivities) -> list[Changed]:
     """Return the numbers of a result that change significantly, the largest changes first.
 
     Contacts are combined: the largest force and depth, all impulses and losses, the last onset; events and
     changes of mode likewise, of all of one name. Series are left out.
     """
-    rows = [row for row in _rows(found) if bool((np.abs(row.slopes) > row.doubts).any())]
+    rows = [row for row in _rows(sensitivities) if bool((np.abs(row.slopes) > row.doubts).any())]
     return sorted(rows, key=lambda row: -row.most)
 
 
@@ -318,11 +318,11 @@ def _labels(here: xr.DataArray, index: tuple[int, ...], without: str = "") -> st
 
 
 @takes()
-def sensitivity_table(found: Sensitivities, scenario: Scenario | None = None) -> xr.Dataset:
+def sensitivity_table(sensitivities: Sensitivities, scenario: Scenario | None = None) -> xr.Dataset:
     """Return sensitivities as a dataset, which :func:`antenna_pin.studies.nonlinear.save_table` writes.
 
     Args:
-        found: The sensitivities.
+        sensitivities: The sensitivities.
         scenario: Scenario of the run.
 
     Returns:
@@ -332,18 +332,25 @@ def sensitivity_table(found: Sensitivities, scenario: Scenario | None = None) ->
         ``time``, ``curve`` and ``parameter``: ``curve_change`` and ``curve_doubt``, of motions.
         The attribute ``refused`` lists pieces without derivatives.
     """
-    rows, growth, names = results_of(found), found.growth(), [one.key for one in found.parameters]
+    rows, growth, names = (
+        results_of(sensitivities),
+        sensitivities.growth(),
+        [one.key for one in sensitivities.parameters],
+    )
     nothing = np.zeros((0, len(names)))
-    curves, labels, units = _curves(found)
+    curves, labels, units = _curves(sensitivities)
     return xr.Dataset(
         {
             "value": ("result", np.array([row.value for row in rows], dtype=float)),
             "unit": ("result", np.array([row.unit for row in rows], dtype=object)),
             "change": (("result", "parameter"), np.array([row.slopes for row in rows]) if rows else nothing),
             "doubt": (("result", "parameter"), np.array([row.doubts for row in rows]) if rows else nothing),
-            "at": ("parameter", np.array([one.value for one in found.parameters])),
-            "scale": ("parameter", np.array([one.scale for one in found.parameters])),
-            "parameter_unit": ("parameter", np.array([one.unit for one in found.parameters], dtype=object)),
+            "at": ("parameter", np.array([one.value for one in sensitivities.parameters])),
+            "scale": ("parameter", np.array([one.scale for one in sensitivities.parameters])),
+            "parameter_unit": (
+                "parameter",
+                np.array([one.unit for one in sensitivities.parameters], dtype=object),
+            ),
             "exponent": ("parameter", np.array([one.exponent for one in growth])),
             "believed": ("parameter", np.array([one.believed for one in growth])),
             "curve_unit": ("curve", np.array(units, dtype=object)),
@@ -354,11 +361,11 @@ def sensitivity_table(found: Sensitivities, scenario: Scenario | None = None) ->
             "result": ("result", np.array([row.result for row in rows], dtype=object)),
             "parameter": ("parameter", np.array(names, dtype=object)),
             "curve": ("curve", np.array(labels, dtype=object)),
-            "time": ("time", found.data["time"].values, {"units": "s"}),
+            "time": ("time", sensitivities.data["time"].values, {"units": "s"}),
         },
         attrs={
             **table_attributes("sensitivity", scenario),
-            "refused": str(found.data.attrs.get("refused", "[]")),
+            "refused": str(sensitivities.data.attrs.get("refused", "[]")),
         },
     )
 
@@ -394,9 +401,9 @@ def _unit(run: xr.Dataset, unit: str, label: str) -> str:
 
 
 @takes()
-def growth_said(found: Sensitivities, share: float = 0.01) -> str:
+def growth_said(sensitivities: Sensitivities, share: float = 0.01) -> str:
     """Return one line on the validity of derivatives, up to a relative error [-]."""
-    every = [one for one in found.growth(share) if one.largest > 0.0]
+    every = [one for one in sensitivities.growth(share) if one.largest > 0.0]
     if not every:
         return "no velocity changes with these"
     fastest = max(every, key=lambda one: -math.inf if math.isnan(one.exponent) else one.exponent)
@@ -406,7 +413,7 @@ def growth_said(found: Sensitivities, share: float = 0.01) -> str:
         if math.isnan(fastest.exponent)
         else (f"derivatives of velocities go like exp({fastest.exponent:.3g}/s t) (over {fastest.key}), ")
     )
-    if first.believed <= float(found.data["time"].values[0]):
+    if first.believed <= float(sensitivities.data["time"].values[0]):
         return f"{grown}not known to {share:.0%} at all (over {first.key}): all may be in doubt"
     if first.believed == math.inf:
         return f"{grown}known to {share:.0%} to the end"
@@ -414,9 +421,9 @@ def growth_said(found: Sensitivities, share: float = 0.01) -> str:
 
 
 @takes()
-def refused_in(found: Sensitivities) -> list[dict[str, float | str]]:
+def refused_in(sensitivities: Sensitivities) -> list[dict[str, float | str]]:
     """Return the pieces without derivatives: begin, end and reason."""
-    told: list[dict[str, float | str]] = json.loads(str(found.data.attrs.get("refused", "[]")))
+    told: list[dict[str, float | str]] = json.loads(str(sensitivities.data.attrs.get("refused", "[]")))
     return told
 
 

@@ -19,7 +19,7 @@ from antenna_pin.scenario.merge import key_parts
 from antenna_pin.studies.sweep.parameters import Settings
 from antenna_pin.studies.sweep.study import SamplingSpec, Study
 
-__all__ = ["Column", "Design", "design_of", "put_value"]
+__all__ = ["ParameterColumn", "Design", "design_of", "put_value"]
 
 SAMPLE = "sample"
 _LONGEST = 60  # characters of a value in a message
@@ -27,7 +27,7 @@ _INDEXED = re.compile(r"(.*)\[([0-9]{1,9})\]")
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class ParameterColumn:
     """Values of one parameter along a dimension of the design."""
 
     name: str  # of the parameter
@@ -50,7 +50,7 @@ class Design:
     """
 
     sizes: dict[str, int]
-    columns: tuple[Column, ...]
+    columns: tuple[ParameterColumn, ...]
     probability: NDArray[np.float64] | None
     factors: tuple[str, ...]
     seeds: NDArray[np.int64]
@@ -127,7 +127,7 @@ def design_of(study: Study) -> Design:
     """
     _check_count(study)
     sizes: dict[str, int] = {}
-    columns: list[Column] = []
+    columns: list[ParameterColumn] = []
     sampled = {name: one for name, one in study.parameters.items() if one.sampled}
     probability = None
     if sampled:
@@ -148,7 +148,7 @@ def design_of(study: Study) -> Design:
         else:
             settings, dim = parameter.settings(), parameter.zip or name
             sizes[dim] = len(settings.values)
-        columns.append(Column(name, parameter.keys_set, dim, settings, parameter.title or name))
+        columns.append(ParameterColumn(name, parameter.keys_set, dim, settings, parameter.title or name))
     if probability is not None:
         sizes[SAMPLE] = len(probability)
     count = math.prod(sizes.values())

@@ -16,7 +16,7 @@ import xarray as xr
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import OutputError, ScenarioError
 from antenna_pin.studies.sweep.executor import Executor, Here, Lost
-from antenna_pin.studies.sweep.jobs import Done, Job, check_jobs, do_jobs, failed_entry
+from antenna_pin.studies.sweep.jobs import FinishedRun, Job, check_jobs, do_jobs, failed_entry
 from antenna_pin.studies.sweep.preparation import Prepared, prepare, trial
 from antenna_pin.studies.sweep.store import LOST, SUFFIX, Store, identity_of, open_study
 from antenna_pin.studies.sweep.study import Study
@@ -99,7 +99,7 @@ def run_study(
     with closing(store):
         store.begin()
         try:
-            _Driver(prepared, store, by, seconds, progress).run(missing)
+            _StudyDriver(prepared, store, by, seconds, progress).run(missing)
         finally:
             store.write_table()
     return open_study(store.path)
@@ -146,7 +146,7 @@ def _job(plan: Prepared, run: int) -> Job:
         raise ScenarioError(f"{plan.place}: {plan.design.label(run)}: {error}") from None
 
 
-class _Driver:
+class _StudyDriver:
     """Share of a study for one command."""
 
     def __init__(
@@ -189,7 +189,7 @@ class _Driver:
             taken = [self.waiting.popleft() for _ in range(min(size, len(self.waiting)))]
             yield [self.prepared.job(run) for run in taken]
 
-    def _keep(self, done: Done) -> None:
+    def _keep(self, done: FinishedRun) -> None:
         entry = done.entry
         if entry["outcome"] == "INTERRUPTED":  # by Ctrl-C, in this process
             raise KeyboardInterrupt
@@ -205,7 +205,7 @@ class _Driver:
                 self.again.append(job)
                 continue
             entry = {"run": job.run, "seed": job.seed, "values": {}, "wall_time": 0.0, "worker": ""}
-            self._keep(Done(entry | failed_entry(LOST, f"{reason}, {tries} times")))
+            self._keep(FinishedRun(entry | failed_entry(LOST, f"{reason}, {tries} times")))
 
     def _tell(self) -> None:
         if self.progress is not None:

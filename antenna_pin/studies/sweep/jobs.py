@@ -23,7 +23,7 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.studies.sweep.responses import ResponseSpec, evaluate
 from antenna_pin.trajectory import Trajectory, library_versions
 
-__all__ = ["Done", "Job", "Work", "check_jobs", "do_jobs", "failed_entry"]
+__all__ = ["FinishedRun", "Job", "Work", "check_jobs", "do_jobs", "failed_entry"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,7 +50,7 @@ class Work:
 
 
 @dataclass(frozen=True, slots=True)
-class Done:
+class FinishedRun:
     """Finished run of a study."""
 
     entry: dict[str, Any]  # line of the journal, as JSON types
@@ -98,13 +98,13 @@ def _check_versions(work: Work) -> None:
             )
 
 
-def do_jobs(work: Work, jobs: Sequence[Job]) -> list[Done]:
+def do_jobs(work: Work, jobs: Sequence[Job]) -> list[FinishedRun]:
     """Make runs, one after the other; refuse versions other than the study's."""
     _check_versions(work)
     return [_do(work, job) for job in jobs]
 
 
-def _do(work: Work, job: Job) -> Done:
+def _do(work: Work, job: Job) -> FinishedRun:
     began, busy = time.perf_counter(), time.thread_time()
     entry: dict[str, Any] = {"run": job.run, "seed": job.seed, "values": {}}
     reference: Trajectory | None = None
@@ -149,8 +149,10 @@ def _do(work: Work, job: Job) -> Done:
         if keep:
             with tempfile.TemporaryDirectory() as folder:
                 result = run.save(Path(folder, "run.nc")).read_bytes()
-        return Done(entry | {"wall_time": time.perf_counter() - began, "worker": platform.node()}, result)
-    return Done(entry | {"wall_time": time.perf_counter() - began, "worker": platform.node()})
+        return FinishedRun(
+            entry | {"wall_time": time.perf_counter() - began, "worker": platform.node()}, result
+        )
+    return FinishedRun(entry | {"wall_time": time.perf_counter() - began, "worker": platform.node()})
 
 
 @contextlib.contextmanager

@@ -17,7 +17,7 @@ from antenna_pin.trajectory import Trajectory, blow_numbers, contact_joints, nam
 from antenna_pin.trajectory.columns import Variable
 from antenna_pin.trajectory.quantities import CONTACTS, RUN, SUMMARIES, reduced
 
-__all__ = ["MEASURES", "MeasureArguments", "Measure"]
+__all__ = ["MEASURES", "MeasureArguments", "MeasureDefinition"]
 
 Array = NDArray[np.float64]
 
@@ -40,7 +40,7 @@ Found = Callable[[Trajectory, Any, Trajectory | None], float]
 
 
 @dataclass(frozen=True, slots=True)
-class Measure:
+class MeasureDefinition:
     """Definition of a number of a run."""
 
     name: str
@@ -165,17 +165,21 @@ def _base_turn(run: Trajectory, spec: MeasureArguments, _: Trajectory | None) ->
     return float((attitude[0].inv() * attitude).magnitude().max())
 
 
-def _all() -> dict[str, Measure]:
-    found = [Measure(one.name, one.units, one.meaning, "contact", _of_episodes(one)) for one in CONTACTS]
+def _all() -> dict[str, MeasureDefinition]:
+    found = [
+        MeasureDefinition(one.name, one.units, one.meaning, "contact", _of_episodes(one)) for one in CONTACTS
+    ]
     found += [
-        Measure(one.name, one.units, one.meaning, "", _conserved(one.name))
+        MeasureDefinition(one.name, one.units, one.meaning, "", _conserved(one.name))
         for one in RUN.values()
         if one.source == "conservation"
     ]
     found += [
-        Measure("blows", "1", "number of blows, overlapping contacts being one", "contact", _blows),
-        Measure("base_turn", "rad", "largest turn of the base from its start", "", _base_turn, series=True),
-        Measure(
+        MeasureDefinition("blows", "1", "number of blows, overlapping contacts being one", "contact", _blows),
+        MeasureDefinition(
+            "base_turn", "rad", "largest turn of the base from its start", "", _base_turn, series=True
+        ),
+        MeasureDefinition(
             "pointing",
             "rad",
             "index of the pointing error (index, component, value, window, ...)",
@@ -187,7 +191,7 @@ def _all() -> dict[str, Measure]:
     ]
     for which, words in (("maximum", "largest"), ("rms", "root mean square"), ("end", "last")):
         found.append(
-            Measure(
+            MeasureDefinition(
                 f"deviation_{which}",
                 "",
                 f"{words} deviation from the reference, of a joint's quantity as 'elevation angle'",
@@ -201,9 +205,11 @@ def _all() -> dict[str, Measure]:
         if len(one.dims) == 1:
             (dim,) = one.dims
             find = _of_labels(one.name, dim)
-            found.append(Measure(one.name, one.units, one.meaning, dim, find, sliding=bool(one.sliding)))
+            found.append(
+                MeasureDefinition(one.name, one.units, one.meaning, dim, find, sliding=bool(one.sliding))
+            )
     return {measure.name: measure for measure in found}
 
 
 #: Every measure, by name.
-MEASURES: dict[str, Measure] = _all()
+MEASURES: dict[str, MeasureDefinition] = _all()

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, model_validator
 
 from antenna_pin.analysis import own_number, own_source
-from antenna_pin.scenario.spec import PositiveTime, Quantity, Spec, refuse, refuse_name
+from antenna_pin.scenario.spec import PositiveTime, QuantityRule, Spec, refuse, refuse_name
 from antenna_pin.studies.sweep.measures import MEASURES
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ __all__ = ["ResponseSpec", "evaluate", "source_of"]
 
 
 def _share(value: object) -> float:
-    number = Quantity("1").read(value)
+    number = QuantityRule("1").read(value)
     if not 0.0 < number <= 1.0:
         refuse(f"must be above 0 and at most 1, got {value}", value=value)
     return number

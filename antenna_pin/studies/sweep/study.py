@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import brief
-from antenna_pin.base.views import StudyFigures, StudyReporter, View, as_html
+from antenna_pin.base.views import StudyFiguresView, StudyReporter, View, as_html
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.merge import merge
 from antenna_pin.scenario.runs_file import RunsFile, nested
@@ -19,7 +19,7 @@ from antenna_pin.scenario.spec import Count, Folder, Spec, refuse, refuse_name
 from antenna_pin.studies.sweep.parameters import ParameterSpec
 from antenna_pin.studies.sweep.responses import ResponseSpec
 
-__all__ = ["ReferenceSpec", "SamplingSpec", "Study", "list_studies", "load_study"]
+__all__ = ["ComparisonSpec", "SamplingSpec", "Study", "list_studies", "load_study"]
 
 #: Names that the dataset of a study has for itself.
 RESERVED = (
@@ -67,7 +67,7 @@ class SamplingSpec(Spec):
         return self
 
 
-class ReferenceSpec(Spec):
+class ComparisonSpec(Spec):
     """Reference of comparisons, mostly the mechanism with ideal joints.
 
     Attributes:
@@ -100,7 +100,7 @@ class Study(RunsFile):
 
     __repr__ = __str__ = brief
 
-    plot: ClassVar[View[StudyFigures]] = View()
+    plot: ClassVar[View[StudyFiguresView]] = View()
     report: ClassVar[View[StudyReporter]] = View()
 
     suffix: ClassVar[str] = ".study.toml"
@@ -109,7 +109,7 @@ class Study(RunsFile):
     seed: Annotated[int, BeforeValidator(Count(0, 2**62).read)] = 0
     parameters: dict[str, ParameterSpec]
     sampling: SamplingSpec | None = None
-    reference: ReferenceSpec | None = None
+    reference: ComparisonSpec | None = None
     responses: dict[str, ResponseSpec]
     results: Literal["none", "failed", "all"] = "none"
     name: str = "study"

@@ -19,7 +19,7 @@ from antenna_pin.base.units import QuantityError, quantity
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, law_parameters
 from antenna_pin.scenario._class_tables import OneOf
 from antenna_pin.scenario.laws import LawChange, LawSpec
-from antenna_pin.scenario.spec import Count, Quantity, Spec, Vector
+from antenna_pin.scenario.spec import Count, QuantityRule, Spec, Vector
 from fuzzing.odd import Raw, odd_value
 
 Names = Mapping[str, Sequence[str]]
@@ -245,7 +245,7 @@ def _shapes(hint: Any, field: FieldInfo | None, key: str, doc: str) -> Iterator[
         match getattr(getattr(item, "func", None), "__self__", item):
             case OneOf() as one:
                 yield Table(tuple(one.tables.values()))
-            case Quantity() as one:
+            case QuantityRule() as one:
                 yield Number(one.unit if isinstance(one.unit, tuple) else (one.unit,), one.rule)
             case Vector() as one:
                 yield Numbers(Number((one.unit,), one.rule), one.sizes)
