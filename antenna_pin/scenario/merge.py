@@ -153,7 +153,7 @@ def key_of(parts: Sequence[str]) -> str:
 
 
 def key_parts(dotted: str) -> list[str]:
-    """Return the parts of a key with dots, of which those with other characters stand in quotes.
+    """Return the parts of a dotted key; parts with other characters are quoted.
 
     Raises:
         ScenarioError: The text is no such key.

@@ -88,7 +88,7 @@ def with_number(scenario: Scenario, key: str, value: float) -> Scenario:
 
 
 def _other_numbers(scenario: Scenario, parts: list[str]) -> dict[str, float]:
-    """Return the other numbers of a law's table, by their keys, if the parts are a key of one."""
+    """Return the other numbers of a law's table by key; none for other keys."""
     if len(parts) != 4 or parts[0] != "clearance" or parts[1] not in scenario.clearance:
         return {}
     *table, own = parts

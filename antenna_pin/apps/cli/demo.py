@@ -21,7 +21,7 @@ def demo(
     ),
     duration: DurationOption = "5 s",
 ) -> None:
-    """Run the shipped antenna with an ideal joint and with play; save results, figures, a report."""
+    """Run the shipped antenna without and with play; save results, figures, a report."""
     figure_folder(out)
     load("bai2020", _CASES[0], (), duration=duration)  # refused before there is a folder
     out.mkdir(parents=True, exist_ok=True)
