@@ -29,17 +29,17 @@ def kernel(function: _Function) -> _Function:
     are not counted, which would take as long as all the arithmetic.
     """
     # Left unsaid, Numba takes over what the caller says for which it is compiled.
-    return _later(function, kept=True, alone=True, forceinline=False)
+    return _later(function, cached=True, alone=True, forceinline=False)
 
 
 def released(function: _Function) -> _Function:
     """Compile as a kernel a function that lets other threads run while it does."""
-    return _later(function, kept=True, forceinline=False, nogil=True)
+    return _later(function, cached=True, forceinline=False, nogil=True)
 
 
 def inlined(function: _Function) -> _Function:
     """Compile a small function that is always inlined into its callers."""
-    return _later(function, kept=True, forceinline=True)
+    return _later(function, cached=True, forceinline=True)
 
 
 def composed(function: _Function) -> _Function:
@@ -47,7 +47,7 @@ def composed(function: _Function) -> _Function:
 
     Nothing of it is kept: its callers' machine code holds it; what it is made from stands under the stamp.
     """
-    return _later(function, kept=False, forceinline=True)
+    return _later(function, cached=False, forceinline=True)
 
 
 def composed_later(make: Callable[[], Any]) -> Any:
