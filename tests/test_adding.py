@@ -254,8 +254,8 @@ def test_a_figure_of_a_variable_that_is_new_and_an_event_of_ones_own(copy):
     insert(
         copy,
         "trajectory/schema.py",
-        '*_rows("state: time configuration"',
-        '    *_rows("audit: time", ("twice_the_energy", "J", "kinetic energy, twice")),',
+        '"state: time configuration",',
+        '    "audit: time", ("twice_the_energy", "J", "kinetic energy, twice"),',
     )
     insert(
         copy,
