@@ -140,7 +140,7 @@ def _explored_call(chance: Random) -> Calls:
         def call(one: Explored) -> None:
             knob = one.knobs[int(at * len(one.knobs))]
             one.turn(knob.place, value(knob))
-            knob.told(one.value(knob))
+            knob.display_text(one.value(knob))
             one.scenario()
 
         return call
