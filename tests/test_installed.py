@@ -64,7 +64,7 @@ def run(site, folder, *calls):
     )
     assert done.returncode == 0, done.stderr
     where, *lines = done.stdout.splitlines()
-    assert where == str(site / "antenna_pin" / "cli" / "__init__.py")
+    assert where == str(site / "antenna_pin" / "apps" / "cli" / "__init__.py")
     return [json.loads(line).splitlines() for line in lines]
 
 
