@@ -49,9 +49,8 @@ class Growth(NamedTuple):
         largest: Largest change of velocities per scale of it [m/s] ([rad/s]).
         when: Time of the largest change [s].
         exponent: Rate of growth as exp(exponent t), by a straight line through the logarithm over all
-            samples: the exponent of this motion over this span, not of an attractor. NaN for fewer than five
-                samples
-            [1/s].
+            samples: the exponent of this motion over this span, not of an attractor [1/s]. NaN for fewer
+            than five samples.
         believed: Time from which on, to the end, the error estimate exceeds the given share of the largest
             derivative so far; infinity if it does not at the end [s].
     """
