@@ -104,9 +104,8 @@ def __getattr__(name: str) -> Any:
         place = f"antenna_pin.{_MOVED[name]}"
         warnings.warn(f"antenna_pin.{name} is {place}.{name} now", DeprecationWarning, stacklevel=2)
         return getattr(importlib.import_module(place), name)
-    if name in _FORMER:
-        return importlib.import_module(f"antenna_pin.{_FORMER[name]}.{name}")
     path = Path(__file__).with_name(name)
-    if not name.startswith("_") and (path.is_dir() or path.with_suffix(".py").is_file()):
+    is_own = not name.startswith("_") and (path.is_dir() or path.with_suffix(".py").is_file())
+    if is_own or name in _FORMER:
         return importlib.import_module(f"antenna_pin.{name}")
     raise AttributeError(f"module 'antenna_pin' has no attribute {name!r}")

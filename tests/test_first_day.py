@@ -1,5 +1,7 @@
 """What a first script writes: names and paths for scenarios, text for times, quantities by name."""
 
+import importlib
+import pkgutil
 import tomllib
 from pathlib import Path
 
@@ -65,6 +67,18 @@ def test_what_completion_finds_is_the_scenarios_own_and_messages_are_one_line():
 
 def test_an_underscore_is_a_hyphen_in_the_name_of_a_component():
     assert ResponseSpec(measure="pointing", component="half_cone").component == "half-cone"
+
+
+@pytest.mark.parametrize("name", antenna_pin._FORMER)
+def test_packages_are_found_by_their_former_places(name):
+    """The same modules, files within them too: a class would else be two, and no instance of the other."""
+    own = importlib.import_module(f"antenna_pin.{antenna_pin._FORMER[name]}.{name}")
+    assert importlib.import_module(f"antenna_pin.{name}") is own is getattr(antenna_pin, name)
+    assert own.__spec__.name == own.__name__
+    for found in pkgutil.iter_modules(own.__path__):
+        if found.name != "__main__":
+            former = importlib.import_module(f"antenna_pin.{name}.{found.name}")
+            assert former is importlib.import_module(f"{own.__name__}.{found.name}")
 
 
 def test_names_that_moved_are_found_with_their_new_place():

@@ -7,6 +7,7 @@ import pickle
 import subprocess
 import sys
 import warnings
+from types import SimpleNamespace
 
 import numba
 import pytest
@@ -328,3 +329,15 @@ def test_a_text_that_follows_from_files_is_made_once(source):
     for path in files(source, ".nbc"):
         path.write_bytes(path.read_bytes()[:-1])
     assert _kernel_cache.remembered(function, "new", make) == "text" and len(made) == 3
+
+
+def test_code_of_the_family_is_looked_for_behind_that_of_the_processor(source, monkeypatch):
+    """As installed code is, where a script has had Numba compile for the processor at hand."""
+    own = SimpleNamespace(magic_tuple=lambda: ("x86_64-linux", "znver4", "+avx512f"))
+    cache = compiled(source)._cache
+    for runs, targets in (
+        (True, [("znver4", "+avx512f"), ("x86-64-v3", "")]),
+        (False, [("znver4", "+avx512f")]),
+    ):
+        monkeypatch.setattr(_kernel_cache, "baseline_runs", lambda runs=runs: runs)
+        assert [key[1] for key in cache._keys((), own)] == [("x86_64-linux", *one) for one in targets]
