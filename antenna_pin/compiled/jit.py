@@ -2,15 +2,15 @@
 
 Numba caches a compiled function by the age of the file it stands in, and does not see that a function it
 calls in another file has changed. The kernels call one another across rooms, so here every cache entry is
-tied to the code of all kernel files: a change in any of them compiles all of them anew, other than of
-docstrings, comments and annotations of functions.
+tied to the code of the kernel file it is in and of all kernel files which that imports, directly or not: a
+change in one of them compiles these anew, other than of docstrings, comments and annotations of functions.
 """
 
 from __future__ import annotations
 
 import ast
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -23,14 +23,18 @@ from antenna_pin.compiled.kernel_cache import FORMAT, keep, remembered
 from antenna_pin.compiled.stand_alone import stand_alone
 from antenna_pin.compiled.target import aim_at_baseline
 
-__all__ = ["code_of", "dispatcher", "stamped_files"]
+__all__ = ["code_of", "dispatcher", "stamp_of", "stamped_files"]
 
 
 aim_at_baseline()
 
+_ROOMS_OF_KINDS = ("elements", "contact", "joints")  # where a kind's kernels stand beside its class
+_DECORATORS = b"antenna_pin.compiled.decorators import"
+_REGISTRY = "elements/registry.py"  # names files that are compiled into the chains of kinds
+
 
 def stamped_files() -> tuple[Path, ...]:
-    """Return the files whose contents define the stamp of compiled code."""
+    """Return the files whose contents define the stamps of compiled code."""
     folder = Path(__file__).parents[1]
     names = (
         "**/*kernels.py",
@@ -42,30 +46,81 @@ def stamped_files() -> tuple[Path, ...]:
         "compiled/intrinsics.py",
         "compiled/lanes.py",
         "compiled/record.py",
-        "elements/registry.py",
+        _REGISTRY,
     )
-    return tuple(sorted(path for name in names for path in folder.glob(name)))
+    kinds = (path for room in _ROOMS_OF_KINDS for path in (folder / room).glob("*.py"))
+    found = {path for name in names for path in folder.glob(name)}
+    return tuple(sorted(found | {path for path in kinds if _DECORATORS in path.read_bytes()}))
+
+
+def stamp_of(path: str | Path) -> str:
+    """Return the stamp of kernels in a file: a digest of its code and of all stamped files it imports.
+
+    A file outside the package is tied to all of them.
+    """
+    stamps = _stamps()
+    return stamps.get(str(Path(path).resolve()), stamps[""])
 
 
 @cache
-def _stamp() -> str:
-    """Return a digest of the code of all kernel files and of Numba's version."""
-    texts = [path.read_bytes() for path in (Path(__file__), *stamped_files())]
+def _stamps() -> dict[str, str]:
+    """Return the stamps of all kernel files by their paths, and of all of them together by an empty one."""
+    files = stamped_files()
+    texts = [path.read_bytes() for path in (Path(__file__), *files)]
     contents = hashlib.sha256(f"{numba.__version__} {FORMAT}".encode())
     for text in texts:
         contents.update(text)
 
     def of_code() -> str:
-        digest = hashlib.sha256(f"{numba.__version__} {FORMAT}".encode())
-        for text in texts:
-            digest.update(code_of(text).encode())
-        return digest.hexdigest()
+        return " ".join(_digests(texts[0], dict(zip(files, texts[1:], strict=True))))
 
-    return remembered(dispatcher, contents.hexdigest(), of_code)
+    *each, whole = remembered(dispatcher, contents.hexdigest(), of_code).split()
+    return {"": whole} | {str(path.resolve()): one for path, one in zip(files, each, strict=True)}
 
 
-def code_of(text: bytes | str) -> str:
-    """Return the syntax tree of a module, as text, without docstrings and annotations of functions."""
+def _digests(own: bytes, texts: Mapping[Path, bytes]) -> list[str]:
+    """Return the stamps of files, then that of all, from their texts and that of this file."""
+    room = Path(__file__).parent
+    codes = {path: code_of(text, with_methods=path.parent == room) for path, text in texts.items()}
+    imports = {path: _imports(path, text, codes) for path, text in texts.items()}
+    base = f"{numba.__version__} {FORMAT} {code_of(own)}"
+
+    def digest(paths: Iterable[Path]) -> str:
+        return hashlib.sha256(
+            "\0".join([base, *(codes[path] for path in sorted(paths))]).encode()
+        ).hexdigest()
+
+    everywhere = {path for path in codes if path.parent == room}
+    stamps = []
+    for path in codes:
+        reached, left = set(everywhere), [path]
+        while left:
+            one = left.pop()
+            reached.add(one)
+            left += imports[one] - reached
+        stamps.append(digest(reached))
+    return [*stamps, digest(codes)]
+
+
+def _imports(path: Path, text: bytes, stamped: Collection[Path]) -> set[Path]:
+    """Return the stamped files that a file imports; of the registry, all files of its room."""
+    folder = Path(__file__).parents[1]
+    if path == folder / _REGISTRY:
+        return {one for one in stamped if one.parent == path.parent}
+    found = set()
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(folder.name):
+            source = folder.joinpath(*str(node.module).split(".")[1:])
+            found |= {source.with_suffix(".py"), *(source / f"{name.name}.py" for name in node.names)}
+    return found & set(stamped)
+
+
+def code_of(text: bytes | str, with_methods: bool = False) -> str:
+    """Return the syntax tree of a module, as text, without what kernels cannot depend on.
+
+    That are docstrings, annotations of functions, and of classes the methods and the declarations of fields
+    but for names and types.
+    """
     tree = ast.parse(text)
     for node in ast.walk(tree):
         if isinstance(node, ast.FunctionDef):
@@ -77,6 +132,11 @@ def code_of(text: bytes | str) -> str:
             first = node.body[0] if node.body else None
             if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
                 del node.body[0]
+        if isinstance(node, ast.ClassDef) and not with_methods:
+            node.body = [one for one in node.body if not isinstance(one, ast.FunctionDef)]
+            for one in node.body:
+                if isinstance(one, ast.AnnAssign) and isinstance(one.value, ast.Call):
+                    one.value = None
     return ast.dump(tree)
 
 
@@ -92,7 +152,7 @@ def dispatcher(function: Callable[..., Any], cached: bool, alone: bool = False, 
     compiled = _njit(function, **options)
     if cached:
         _take_constants_as_numbers(compiled)
-        keep(compiled, _stamp())
+        keep(compiled, stamp_of(function.__code__.co_filename))
     if alone:
         stand_alone(compiled)
     return compiled

@@ -22,6 +22,7 @@ import pickle
 import threading
 import warnings
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 from antenna_pin.compiled.machine_code import Kept, KernelCode, called, kept_of, link
@@ -38,7 +39,7 @@ except ImportError:  # none of it is promised by Numba
 
 __all__ = ["FORMAT", "KernelCacheWarning", "keep", "remembered", "told_of_compiling"]
 
-FORMAT = 5  # of what is kept
+FORMAT = 6  # of what is kept
 
 _DIGEST = hashlib.sha256().digest_size
 
@@ -183,10 +184,10 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
         """Keep what an entry needs; OSError where it cannot be."""
         self._write(self._pack_path(key), content)
 
-    def sweep(self) -> None:
-        """Delete machine code of other stamps beside the index."""
+    def sweep(self, source: Path) -> None:
+        """Delete machine code of a module's other stamps beside the index."""
         if self.closed:
-            sweep(self._index_path, self._read, (self._version, self._source_stamp))
+            sweep(self._index_path, self._read, (self._version, self._source_stamp), source)
 
     def _pack_path(self, key: Any) -> str:
         return pack_of(self._index_path, key)
@@ -230,6 +231,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
     def __init__(self, function: Any, stamp: str, turn: Turn) -> None:
         super().__init__(function)
         self._turn = turn
+        self._source = Path(function.__code__.co_filename)
         base, source = self._impl.filename_base, function.__code__.co_filename
         if "<" not in function.__qualname__:  # there is one of this name, wherever in the file it stands
             base = base.replace(f"-{function.__code__.co_firstlineno}.", ".")
@@ -313,7 +315,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
                 if self._cache_file.closed and kept is not None:
                     key = self._index_key(sig, data.codegen)
                     self._cache_file.save(key, kept)
-                    self._cache_file.sweep()
+                    self._cache_file.sweep(self._source)
                     self._note(key, kept)
         except OSError as error:  # full, or no longer to be written
             _tell(f"{self._cache_path}: {error.strerror or error}")

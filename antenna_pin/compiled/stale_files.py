@@ -11,8 +11,8 @@ from typing import Any
 
 __all__ = ["pack_of", "sweep"]
 
-#: Folders that this process has swept: once is enough, for it knows one stamp.
-_swept: set[Path] = set()
+#: Modules, by folder of machine code and name, that this process has swept: once is enough.
+_swept: set[tuple[Path, str]] = set()
 
 
 def pack_of(index: str, key: Any) -> str:
@@ -21,28 +21,44 @@ def pack_of(index: str, key: Any) -> str:
     return f"{index.removesuffix('.nbi')}.{digest[:16]}.nbp"
 
 
-def sweep(index: str, read: Callable[[str], Any], stamp: tuple[Any, Any]) -> None:
-    """Delete what an index's folder holds of other stamps, of the same version of Python.
+def sweep(index: str, read: Callable[[str], Any], stamp: tuple[Any, Any], source: Path) -> None:
+    """Delete what a folder holds of a module's other stamps, and of modules that are gone.
 
-    A process that was about to read some of it finds nothing, and compiles. What cannot be read is left: it
-    may be somebody else's.
+    All of the same version of Python. A process that was about to read some of it finds nothing, and
+    compiles. What cannot be read is left: it may be somebody else's.
+
+    Args:
+        index: Path of the index of a function of the module.
+        read: Reads an index.
+        stamp: Version of Numba and stamp of the module's machine code.
+        source: File of the module.
     """
     folder = Path(index).parent
-    if folder in _swept:
+    if (folder, source.stem) in _swept:
         return
-    _swept.add(folder)
+    _swept.add((folder, source.stem))
     tag = index.removesuffix(".nbi").rpartition(".")[2]
     # Looked for before indexes are read: what is written meanwhile stands in its index before it is there.
-    found = {path for kind in ("nbi", "*.nbc", "*.nbp") for path in folder.glob(f"*.{tag}.{kind}")}
-    for path in folder.glob(f"*.{tag}.nbi"):
+    found = {
+        path
+        for kind in ("nbi", "*.nbc", "*.nbp")
+        for path in folder.glob(f"*.{tag}.{kind}")
+        if _module(path) == source.stem or not source.with_name(f"{_module(path)}.py").exists()
+    }
+    for path in [path for path in found if path.suffix == ".nbi"]:
         try:
             *own, names = read(str(path))
         except Exception:  # pickle promises no certain ones
             found.difference_update(folder.glob(f"{glob.escape(path.stem)}.*"))
             continue
-        if tuple(own) == stamp:
+        if tuple(own) == stamp and _module(path) == source.stem:
             packs = (pack_of(str(path), key) for key in names)
             found.difference_update([path, *map(Path, packs), *(folder / name for name in names.values())])
     for path in found:
         with contextlib.suppress(OSError):
             path.unlink()
+
+
+def _module(path: Path) -> str:
+    """Return the name of the module whose machine code a file holds."""
+    return path.name.partition(".")[0]

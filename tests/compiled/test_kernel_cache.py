@@ -253,7 +253,7 @@ def test_a_pack_of_another_stamp_is_not_linked(source, monkeypatch):
 
 
 def test_what_is_kept_under_other_stamps_goes_when_something_is_kept(source, monkeypatch):
-    """Of other functions too, but for what cannot be read, and for other versions of Python."""
+    """Of the module's other functions and of modules that are gone, but for what cannot be read."""
     monkeypatch.setattr(_sweep, "_swept", set())
     compiled(source, "old")(2)
     folder = source.parent / "__pycache__"
@@ -263,6 +263,10 @@ def test_what_is_kept_under_other_stamps_goes_when_something_is_kept(source, mon
         path.with_name(path.name.replace("twice-1.", "twice-9.")).write_bytes(path.read_bytes())
         other = path.name.replace("twice-1.", "twice-9.").replace(".py3", ".py2")
         path.with_name(other).write_bytes(path.read_bytes())
+    for path in old:
+        path.with_name(path.name.replace("kernels.", "gone.", 1)).write_bytes(path.read_bytes())
+        path.with_name(path.name.replace("kernels.", "beside.", 1)).write_bytes(path.read_bytes())
+    (source.parent / "beside.py").touch()  # another module, with a stamp of its own
     (folder / index.name.replace("twice-1.", "twice-8.").replace(".nbi", ".0123.nbp")).write_bytes(b"left")
     strange = [folder / index.name.replace("twice-1.", "strange-1.")]
     strange.append(strange[0].with_name(strange[0].name.replace(".nbi", ".1.nbc")))
@@ -273,7 +277,8 @@ def test_what_is_kept_under_other_stamps_goes_when_something_is_kept(source, mon
     left = {path.name for path in [*files(source, ".nbi"), *files(source, ".nbc"), *files(source, ".nbp")]}
     mine = {path.name for path in old}
     elsewhere = {name.replace("twice-1.", "twice-9.").replace(".py3", ".py2") for name in mine}
-    assert left == mine | elsewhere | {path.name for path in strange}
+    beside = {name.replace("kernels.", "beside.", 1) for name in mine}
+    assert left == mine | beside | elsewhere | {path.name for path in strange}
     again = compiled(source, "new")
     assert (again(2), hits(again)) == (4, 1)
 
@@ -314,6 +319,39 @@ def test_words_and_places_are_not_what_code_is_tied_to(source):
     source.write_text(worded)
     again = compiled(source)
     assert (again(2), hits(again)) == (4, 1)
+
+
+def test_a_kernel_is_tied_to_what_its_file_imports_and_no_more(tmp_path, monkeypatch):
+    """Of a kind's file only to its kernels and fields, and through the registry to all files of its room."""
+    compiled_room, kinds = tmp_path / "compiled", tmp_path / "elements"
+    texts = {
+        compiled_room / "jit.py": "",
+        compiled_room / "lanes.py": "width = 4\n",
+        kinds / "registry.py": "kinds = {'spring': 'spring.Spring'}\n",
+        kinds
+        / "spring.py": "class Spring:\n    k: float = parameter('N/m')\ndef force(x):\n    return 2 * x\n",
+        kinds / "kernels.py": f"from {tmp_path.name}.elements import registry\n",
+        tmp_path / "step_kernels.py": f"from {tmp_path.name}.elements.kernels import chain\n",
+        tmp_path / "other_kernels.py": "one = 1\n",
+    }
+    monkeypatch.setattr(jit, "__file__", str(compiled_room / "jit.py"))
+
+    def stamps(path=None, old="", new=""):
+        changed = {one: text.replace(old, new) if one == path else text for one, text in texts.items()}
+        assert changed != texts or path is None
+        bytes_of = {one: text.encode() for one, text in list(changed.items())[1:]}
+        return dict(zip([*(one.name for one in bytes_of), "all"], jit._digests(b"", bytes_of), strict=True))
+
+    def differ(*change):
+        return {name for name, stamp in stamps(*change).items() if stamp != before[name]}
+
+    before = stamps()
+    assert differ(tmp_path / "other_kernels.py", "1", "2") == {"other_kernels.py", "all"}
+    kept = differ(kinds / "spring.py", "2 * x", "3 * x")
+    assert kept == {"spring.py", "registry.py", "kernels.py", "step_kernels.py", "all"}
+    assert kept == differ(kinds / "spring.py", "k: float", "c: float")
+    assert differ(kinds / "spring.py", "'N/m'", "'N/mm'") == set()
+    assert differ(compiled_room / "lanes.py", "4", "8") == set(before)
 
 
 def test_a_text_that_follows_from_files_is_made_once(source):
