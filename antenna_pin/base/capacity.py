@@ -7,12 +7,12 @@ the system after minutes, with no word of what to make less.
 from __future__ import annotations
 
 import contextlib
-import resource
+import os
 from pathlib import Path
 
 from antenna_pin.errors import InvalidParameterError, TooLargeError
 
-__all__ = ["MOST", "check_count", "check_fits", "free_memory"]
+__all__ = ["MOST", "check_count", "check_fits", "cores", "free_memory"]
 
 #: Most of what is counted: samples and points of a run, intervals, runs of a study, values of a parameter.
 MOST = 10_000_000
@@ -54,6 +54,12 @@ def check_fits(place: str, what: str, size: float, way_out: str) -> None:
         )
 
 
+def cores() -> int:
+    """Return the number of processor cores that this process may use."""
+    usable = getattr(os, "sched_getaffinity", None)  # of Linux
+    return len(usable(0)) if usable else os.cpu_count() or 1
+
+
 def free_memory() -> float | None:
     """Return the memory that this process may still allocate [bytes]; None if unknown."""
     found = []
@@ -63,7 +69,9 @@ def free_memory() -> float | None:
     with contextlib.suppress(OSError, ValueError):  # of a container; "max" is none
         most = int((_CGROUP / "memory.max").read_text())
         found.append(float(most - int((_CGROUP / "memory.current").read_text())))
-    with contextlib.suppress(OSError, ValueError, IndexError):
+    with contextlib.suppress(OSError, ValueError, IndexError, ImportError):
+        import resource  # not on Windows
+
         most, _ = resource.getrlimit(resource.RLIMIT_AS)
         pages = int(Path("/proc/self/statm").read_text().split()[0])
         if most != resource.RLIM_INFINITY:

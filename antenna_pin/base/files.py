@@ -156,7 +156,7 @@ def _partial_in(folder: Path) -> Iterator[tuple[Path, int]]:
     while True:
         # Short whatever the file is called, and another one in each thread.
         partial = folder / f"{_PREFIX}{os.getpid()}-{secrets.token_hex(6)}{_SUFFIX}"
-        descriptor = os.open(partial, os.O_CREAT | os.O_EXCL | os.O_RDWR | os.O_CLOEXEC, 0o666)
+        descriptor = os.open(partial, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o666)
         if _locked(descriptor) and is_there(partial, descriptor):
             break
         os.close(descriptor)  # another process swept it away before it was locked
@@ -181,7 +181,7 @@ def _sweep(folder: Path) -> None:
         return
     for path in left:
         with contextlib.suppress(OSError):
-            descriptor = os.open(path, os.O_RDWR | os.O_CLOEXEC | os.O_NOFOLLOW)
+            descriptor = os.open(path, os.O_RDWR | os.O_NOFOLLOW)
             try:
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 os.unlink(path)
@@ -208,7 +208,7 @@ def is_there(path: Path, descriptor: int) -> bool:
 
 def _flush(path: Path) -> None:
     """Write a file's buffers to the disk, which may be full."""
-    descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+    descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)
     finally:
@@ -294,7 +294,7 @@ class PatientFile(io.RawIOBase):
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         """Open the file."""
-        self._descriptor = os.open(path, os.O_CREAT | os.O_TRUNC | os.O_RDWR | os.O_CLOEXEC, 0o666)
+        self._descriptor = os.open(path, os.O_CREAT | os.O_TRUNC | os.O_RDWR, 0o666)
         self._place = 0
         self._kept: list[tuple[int, bytes]] = []
         self._error: OSError | None = None

@@ -20,7 +20,7 @@ from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Generic, TypeVar
 
-from antenna_pin.base.capacity import free_memory
+from antenna_pin.base.capacity import cores, free_memory
 
 __all__ = ["cores_for", "end_with_parent", "side_by_side"]
 
@@ -33,9 +33,8 @@ R = TypeVar("R")
 
 def cores_for(memory: float) -> int:
     """Return the number of processes for which free cores and memory [bytes] suffice."""
-    cores = len(os.sched_getaffinity(0))
     free = free_memory()
-    return max(1, cores if free is None else min(cores, int(free / memory)))
+    return max(1, cores() if free is None else min(cores(), int(free / memory)))
 
 
 def side_by_side(work: Callable[[T], R], pieces: Sequence[T], processes: int = 1) -> Generator[R, None, None]:

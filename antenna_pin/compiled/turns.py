@@ -38,7 +38,7 @@ class Turn:
         if self.is_held:
             return
         end = time.monotonic() + _LONGEST
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError, AttributeError):  # Windows has no lockf
             file = _file_in(folder)
             while time.monotonic() < end:
                 try:
@@ -62,7 +62,7 @@ class Turn:
 @lru_cache
 def _file_in(folder: str) -> int:
     """Return the open lock file of a folder; closing it releases all turns."""
-    return os.open(os.path.join(folder, "kernels.turns"), os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+    return os.open(os.path.join(folder, "kernels.turns"), os.O_RDWR | os.O_CREAT, 0o644)
 
 
 def _move(file: int, byte: int) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-import os
 import signal
 import threading
 import warnings
@@ -16,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from antenna_pin.apps.cli._common import complain, not_interrupted, save_result, stem
 from antenna_pin.apps.cli._progress import diagram_bar, progress_bar, study_bar
+from antenna_pin.base.capacity import cores
 from antenna_pin.base.interruption import Ended, ended_by
 from antenna_pin.errors import FileFormatError
 
@@ -153,7 +153,7 @@ class AttractorStore:
         ending, done = threading.Event(), itertools.count(1)
         with (
             study_bar(figure.over.label, self.progress) as report,
-            ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool,
+            ThreadPoolExecutor(cores()) as pool,
         ):
             futures = {
                 pool.submit(self._attractor, figure.over, value, label, noted, ending): value

@@ -250,7 +250,7 @@ class SampleFiles:
             return
         try:
             self.folder.mkdir(exist_ok=True)
-            self._lock = os.open(self.folder, os.O_RDONLY | os.O_CLOEXEC)
+            self._lock = os.open(self.folder, os.O_RDONLY)
         except OSError as error:
             raise OutputError(f"{self.folder}: cannot be written: {error.strerror}") from error
         try:

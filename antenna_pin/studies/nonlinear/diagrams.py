@@ -27,6 +27,7 @@ import xarray as xr
 
 from antenna_pin.analysis.transients import RULE
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.capacity import cores
 from antenna_pin.base.files import check_writable
 from antenna_pin.base.interruption import sheltered_processes
 from antenna_pin.base.side_by_side import end_with_parent
@@ -422,7 +423,7 @@ class _Driver:
         progress: Callable[[DiagramProgress], None] | None,
     ) -> None:
         self.asked, self.values, self.branches, self.parts = settings, values, branches, parts
-        self.width = workers or len(os.sched_getaffinity(0))
+        self.width = workers or cores()
         self.progress = progress
         self.ending = threading.Event()
 

@@ -90,7 +90,7 @@ class Journal:
         # The lock is on a file of its own: the journal may be replaced.
         lock = path.with_name(".lock")
         try:
-            self._lock = os.open(lock, os.O_CREAT | os.O_RDWR | os.O_CLOEXEC, 0o666)
+            self._lock = os.open(lock, os.O_CREAT | os.O_RDWR, 0o666)
             try:
                 fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except OSError as error:
@@ -103,7 +103,7 @@ class Journal:
             if keep is not None:
                 with replacing(path) as partial:
                     partial.write_bytes(b"".join(_line(key, entry) for entry in keep))
-            self._file = os.open(path, os.O_CREAT | os.O_RDWR | os.O_APPEND | os.O_CLOEXEC, 0o666)
+            self._file = os.open(path, os.O_CREAT | os.O_RDWR | os.O_APPEND, 0o666)
             self._end = os.fstat(self._file).st_size
         except OutputError:
             raise
