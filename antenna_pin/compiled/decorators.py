@@ -115,31 +115,40 @@ _MAKING = threading.RLock()
 
 
 class _LazyKernel:
-    """A function that is compiled by Numba at its first use."""
+    """A function that is compiled by Numba at its first use.
+
+    What other kernels call has no way in from Python: for a run's arrays that is more machine code than the
+    arithmetic, and most kernels are called by kernels only. What Python calls is compiled apart.
+    """
 
     __wrapped__: Callable[..., Any]
-    _made: Any  # Numba's, once it is needed
+    _made: Any  # Numba's, for kernels
+    _entry: Any  # Numba's, for Python
 
     def __init__(self, function: Callable[..., Any], options: dict[str, bool]) -> None:
         functools.update_wrapper(self, function)
         self._options = options
 
     def __call__(self, *arguments: Any) -> Any:
-        return self._made(*arguments)
+        return self._entry(*arguments)
 
     def __getattr__(self, name: str) -> Any:
         # What looks at any object asks for such names; of Numba's begins one with a single underscore.
         if name.startswith("__"):
             raise AttributeError(name)
-        if name != "_made":
+        if name not in ("_made", "_entry"):
             return getattr(self._made, name)
         with _MAKING:
-            if "_made" not in vars(self):
-                from antenna_pin.compiled.jit import dispatcher
+            if name not in vars(self):
+                setattr(self, name, self._compiled(name == "_entry"))
+        return vars(self)[name]
 
-                sys.setrecursionlimit(max(sys.getrecursionlimit(), _DEEP))
-                self._made = dispatcher(self.__wrapped__, **self._options)
-        return self._made
+    def _compiled(self, entry: bool) -> Any:
+        """Return the function as Numba compiles it, for Python or for kernels."""
+        from antenna_pin.compiled.jit import dispatcher
+
+        sys.setrecursionlimit(max(sys.getrecursionlimit(), _DEEP))
+        return dispatcher(self.__wrapped__, entry=entry, **self._options)
 
     def __reduce__(self) -> str:
         return self.__wrapped__.__qualname__  # pickled by its name, as a function
@@ -151,10 +160,5 @@ class _Composed(_LazyKernel):
     def __init__(self, make: Callable[[], _LazyKernel]) -> None:
         self._make = make
 
-    def __getattr__(self, name: str) -> Any:
-        if name == "_made":
-            with _MAKING:
-                if "_made" not in vars(self):
-                    self._made = self._make()._made
-            return self._made
-        return super().__getattr__(name)
+    def _compiled(self, entry: bool) -> Any:
+        return self._make()._entry if entry else self._make()._made

@@ -140,20 +140,23 @@ def code_of(text: bytes | str, with_methods: bool = False) -> str:
     return ast.dump(tree)
 
 
-def dispatcher(function: Callable[..., Any], cached: bool, alone: bool = False, **options: bool) -> Any:
+def dispatcher(
+    function: Callable[..., Any], cached: bool, alone: bool = False, entry: bool = False, **options: bool
+) -> Any:
     """Return a function as Numba compiles it; the function itself where nothing is compiled.
 
     Args:
         function: In Python.
         cached: Whether its machine code is kept, and a plain constant counts as the number it is.
         alone: Whether its callers call it by name (:func:`antenna_pin.compiled.stand_alone.stand_alone`).
+        entry: Whether it is for Python to call, not for kernels.
         **options: Numba's.
     """
-    compiled = _njit(function, **options)
+    compiled = _njit(function, no_cpython_wrapper=not entry, **options)
     if cached:
         _take_constants_as_numbers(compiled)
-        keep(compiled, stamp_of(function.__code__.co_filename))
-    if alone:
+        keep(compiled, stamp_of(function.__code__.co_filename), entry)
+    if alone and not entry:
         stand_alone(compiled)
     return compiled
 

@@ -39,7 +39,7 @@ except ImportError:  # none of it is promised by Numba
 
 __all__ = ["FORMAT", "KernelCacheWarning", "keep", "remembered", "told_of_compiling"]
 
-FORMAT = 6  # of what is kept
+FORMAT = 7  # of what is kept
 
 _DIGEST = hashlib.sha256().digest_size
 
@@ -48,8 +48,10 @@ class KernelCacheWarning(RuntimeWarning):
     """Compiled kernels cannot be stored, so that every process compiles them anew."""
 
 
-def keep(dispatcher: Any, stamp: str) -> None:
+def keep(dispatcher: Any, stamp: str, entry: bool = False) -> None:
     """Store a compiled function in the first writable folder, under a stamp.
+
+    One for Python to call has files of its own beside those of the same function for kernels.
 
     These are NUMBA_CACHE_DIR, the sources' ``__pycache__`` and the user's cache, in this order. If there is
     none, a :class:`KernelCacheWarning` says so once, when something has been compiled.
@@ -57,7 +59,7 @@ def keep(dispatcher: Any, stamp: str) -> None:
     function = getattr(dispatcher, "py_func", None)
     if function is None:  # NUMBA_DISABLE_JIT=1
         return
-    cache = dispatcher._cache = _LazyCache(function, stamp)
+    cache = dispatcher._cache = _LazyCache(function, stamp, entry)
     compile_or_load = dispatcher.compile
 
     def compiled(signature: Any) -> Any:
@@ -86,8 +88,8 @@ _nested = _Nested()
 class _LazyCache:
     """Cache of a function, opened at the function's first call."""
 
-    def __init__(self, function: Any, stamp: str) -> None:
-        self._given = function, stamp
+    def __init__(self, function: Any, stamp: str, entry: bool) -> None:
+        self._given = function, stamp, entry
         self.turn = Turn(f"{function.__module__}:{function.__qualname__}")
 
     @functools.cached_property
@@ -228,13 +230,16 @@ def remembered(function: Any, contents: str, make: Callable[[], str]) -> str:
 class _KernelCache(FunctionCache):  # type: ignore[misc]
     """Cache of a function's machine code."""
 
-    def __init__(self, function: Any, stamp: str, turn: Turn) -> None:
+    def __init__(self, function: Any, stamp: str, entry: bool, turn: Turn) -> None:
         super().__init__(function)
-        self._turn = turn
+        self._turn, self._is_entry = turn, entry
         self._source = Path(function.__code__.co_filename)
         base, source = self._impl.filename_base, function.__code__.co_filename
         if "<" not in function.__qualname__:  # there is one of this name, wherever in the file it stands
             base = base.replace(f"-{function.__code__.co_firstlineno}.", ".")
+        if entry:
+            name, _, tag = base.rpartition(".")
+            base = f"{name}.entry.{tag}"
         owner = os.stat(source).st_uid  # who is trusted with the sources is with what they are compiled to
         # Beside the sources may stand what who installed them has compiled, for others to read.
         beside = InTreeCacheLocator(function, source).get_cache_path()
@@ -287,7 +292,8 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
 
     def _note(self, key: Any, stored: Kept) -> None:
         """Record the parts of a pack: of this function, or of its caller."""
-        noted(self._turn.kernel, stored)
+        if not self._is_entry:
+            noted(self._turn.kernel, stored)
         self._unpacked = key, symbols_of(stored)
 
     def _pack(self, key: Any) -> tuple[KernelCode, ...]:
