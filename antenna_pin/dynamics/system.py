@@ -33,7 +33,7 @@ from antenna_pin.dynamics.blocks import (
     turning,
     with_preloads_placed,
 )
-from antenna_pin.dynamics.constraints import Closure, Coupling, DrivenJoint, Plan, make_plan
+from antenna_pin.dynamics.constraints import Closure, ConstraintPlan, Coupling, DrivenJoint, make_plan
 from antenna_pin.dynamics.coordinates import coordinate_names
 from antenna_pin.dynamics.coupled import couplings_of, fit_turns, put_followers
 from antenna_pin.dynamics.links import ForcePlace, OnLinksInPython, books_in_x, place_on_links
@@ -306,7 +306,7 @@ class System:
         self.force_places: list[ForcePlace] = []
         points = place_on_links(self, blocks)
         #: Its constraints in numbers; None of a tree that nothing holds.
-        self.plan: Plan | None = None
+        self.plan: ConstraintPlan | None = None
         #: Where in x the energy stands that corrections of position and velocity put in, if there are any.
         self.projection_x = np.zeros(0, dtype=int)
         if self.closures or self.motions or self.couplings or self.holds:

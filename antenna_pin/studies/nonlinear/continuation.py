@@ -36,7 +36,13 @@ from antenna_pin.studies.nonlinear.bifurcation_points import (
 )
 from antenna_pin.studies.nonlinear.chart import Chart
 from antenna_pin.studies.nonlinear.orbits import NoOrbitError, default_tolerance
-from antenna_pin.studies.nonlinear.pseudo_arclength import BranchStepper, Family, Node, Point, in_first_period
+from antenna_pin.studies.nonlinear.pseudo_arclength import (
+    BranchStepper,
+    Node,
+    Point,
+    SolutionFamily,
+    in_first_period,
+)
 
 __all__ = ["Bifurcation", "BifurcationKind", "Branch", "check_steps", "continued"]
 
@@ -190,7 +196,7 @@ def check_steps(values: tuple[float, float], arc: float, most: int) -> None:
 
 @takes()
 def continued(
-    family: Family,
+    family: SolutionFamily,
     guess: State,
     values: tuple[float, float],
     *,

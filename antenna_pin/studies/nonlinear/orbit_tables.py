@@ -21,7 +21,7 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.studies.nonlinear.continuation import Branch
 from antenna_pin.studies.nonlinear.flow import Flow, flow_of
 from antenna_pin.studies.nonlinear.orbits import Orbit
-from antenna_pin.studies.nonlinear.pseudo_arclength import Family
+from antenna_pin.studies.nonlinear.pseudo_arclength import SolutionFamily
 from antenna_pin.studies.nonlinear.sections import Section, Stroboscope, drive_period
 from antenna_pin.trajectory import open_table, table_attributes
 
@@ -51,7 +51,7 @@ def family_of(
     period: float | None = None,
     multiple: int = 1,
     rtol: float | None = None,
-) -> Family:
+) -> SolutionFamily:
     """Return flow and period of a scenario's orbits for every value of a key.
 
     Args:
@@ -75,7 +75,9 @@ def family_of(
 
 
 @takes()
-def amplitudes(branch: Branch, family: Family, quantities: Sequence[str]) -> dict[str, tuple[Array, str]]:
+def amplitudes(
+    branch: Branch, family: SolutionFamily, quantities: Sequence[str]
+) -> dict[str, tuple[Array, str]]:
     """Return half the range of quantities over a period of each orbit, and their units.
 
     Each orbit is run once more; between 400 even samples, and those at changes and peaks of contact, nothing
