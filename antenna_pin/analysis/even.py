@@ -91,7 +91,9 @@ def _single(time: Array, values: Array) -> tuple[Array, Array]:
 
 def _check_finite(values: Array) -> None:
     if not np.isfinite(values).all():
-        raise InvalidParameterError("spectrum", "values", "finite; cut off what is not", "NaN or infinity")
+        raise InvalidParameterError(
+            "spectrum", "values", "finite; remove the samples that are not", "NaN or infinity"
+        )
 
 
 def _grid(time: Array, rate: float | None) -> tuple[float, int]:

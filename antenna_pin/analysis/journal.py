@@ -53,7 +53,7 @@ def clearance_shapes(run: RunLike) -> dict[str, dict[str, Any]]:
         return {}
     if "clearance_joints" not in data.attrs:
         raise FileFormatError(
-            "run: it must carry its joints' dimensions, got data without the attribute clearance_joints"
+            "run: must contain its joints' dimensions, got data without the attribute clearance_joints"
         )
     return dict(json.loads(data.attrs["clearance_joints"]))
 
@@ -203,7 +203,7 @@ def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> Arra
     """
     data = data_of(run)
     if "mechanism" not in data.attrs:
-        raise FileFormatError("run: it must carry its gravity, got data without the attribute mechanism")
+        raise FileFormatError("run: must contain its gravity, got data without the attribute mechanism")
     gravity = np.asarray(json.loads(data.attrs["mechanism"])["gravity"], dtype=float)
     shapes = clearance_shapes(data)
     place = shapes[choose("bearing_up", "clearance joint", joint, list(shapes))[0]]

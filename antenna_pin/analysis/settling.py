@@ -156,7 +156,7 @@ def _settling(
     elif long.size and long[-1, 1] == end:
         settled, note = None, f"it is apart for {1e3 * (end - long[-1, 0]):.3g} ms when the run ends"
     elif settled is not None and end - settled < least:
-        left = f"only {1e3 * (end - settled):.3g} ms of {1e3 * least:.3g} ms to tell"
+        left = f"only {1e3 * (end - settled):.3g} ms of {1e3 * least:.3g} ms needed to decide"
         settled, note = None, f"{left} remain after {settled:.4g} s"
     table = impacts(data, joint)
     table = table.isel(impact=np.flatnonzero(np.isin(table["contact"].values, contacts)))

@@ -106,7 +106,7 @@ def _check_steps(t: Array, fastest: float) -> None:
     longest = float(np.diff(t).max())
     if longest * fastest * _LOOKS > _MOST_LOOKS:
         fast = _MOST_LOOKS / _LOOKS / longest
-        rule = f"at most {fast:.4g} Hz, of which the longest step between samples tells"
+        rule = f"at most {fast:.4g} Hz, the Nyquist frequency of the longest step between samples"
         raise InvalidParameterError("shock_spectrum", "frequencies", rule, said=f"{fastest:g} Hz")
 
 

@@ -59,7 +59,7 @@ class Settled:
     def words(self) -> str:
         """Verdict as text."""
         if self.points < LEAST:
-            return f"too short to say ({self.points} points, {LEAST} are needed)"
+            return f"too short to decide ({self.points} points, {LEAST} are needed)"
         if self.start is None:
             return (
                 f"not settled: its statistics drift by {self.drift:.2g} of their scale over the second half"

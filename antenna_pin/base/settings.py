@@ -133,7 +133,7 @@ class RunSettings:
         if not isinstance(self.scales, ErrorScales):
             raise InvalidParameterError(self, "scales", "an ErrorScales", type(self.scales).__name__)
         if self.rtol < _LEAST_RTOL:
-            rule = f"{_LEAST_RTOL:g} or more, since what is less drowns in round-off"
+            rule = f"{_LEAST_RTOL:g} or more, because a lower value is below round-off"
             raise InvalidParameterError(self, "rtol", rule, said=f"{self.rtol:g}")
         for k in np.flatnonzero(np.diff(self.output_times) <= 0.0)[:1].tolist():
             said = f"{self.output_times[k + 1]:g} s after {self.output_times[k]:g} s"
@@ -155,7 +155,7 @@ class RunSettings:
         for name, chosen in zip(("method", "rtol"), choice_for(accuracy), strict=True):
             given = getattr(self, name)
             if given not in (chosen, type(self).__dataclass_fields__[name].default):
-                rule = f"left out beside accuracy = {accuracy:g}, which chooses it"
+                rule = f"left out with accuracy = {accuracy:g}, which chooses it"
                 raise InvalidParameterError(self, name, rule, given)
             object.__setattr__(self, name, chosen)
 

@@ -319,7 +319,7 @@ def _place(name: str, header: Sequence[str], wanted: Sequence[str], line: int) -
         if key in names:
             places = [str(k + 1) for k, one in enumerate(names) if one == key]
             rule = f"{name} must be the name of one column, got it of columns {' and '.join(places)}"
-            raise BadTableError(f"line {line}: {rule}; give each a name of its own")
+            raise BadTableError(f"line {line}: {rule}; give each column its own name")
     raise UnknownColumnError(wanted, name, header, line)
 
 

@@ -126,7 +126,7 @@ def _closed(folder: str, owner: int) -> bool:
     """Return whether only trusted users may write to a folder; warn once where others may."""
     found = stranger_of(folder, owner)
     if found:
-        _tell(f"{folder} is not safe, for {found}", "keep others from writing there")
+        _tell(f"{folder} is not safe, for {found}", "remove the others' write permission")
     return not found
 
 
@@ -345,7 +345,7 @@ def _tell(reason: str, way_out: str = "") -> None:
     if not _told:
         _told.append(reason)
         warnings.warn(
-            f"compiled kernels cannot be kept ({reason}), so that each process compiles them anew, for a "
+            f"compiled kernels cannot be cached ({reason}), so each process compiles them again, for a "
             f"minute or two; {way_out and f'{way_out}, or '}set NUMBA_CACHE_DIR to a folder of your own "
             "that can be written",
             KernelCacheWarning,

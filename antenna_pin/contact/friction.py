@@ -110,7 +110,7 @@ def check_at_rest(place: str, coefficient: Callable[[float], float]) -> None:
     if first > 0.5 * max(further):
         rule = (
             "a function that tends to 0 with the speed, since force and slip are opposed and the force would "
-            "jump where the slip turns round; multiply it by tanh(speed / 1e-4), or take a law that sticks, "
+            "jump where the slip turns round; multiply it by tanh(speed / 1e-4), or use a law that sticks, "
             "such as LuGre"
         )
         raise InvalidParameterError(place, "coefficient", rule, said=f"{first:g} at {_REST:g} m/s")

@@ -163,7 +163,7 @@ class Adjustments:
         if hasattr(source, _ON):
             keys.append(_ON)
         elif key == _ON:
-            rule = "left alone: a prescribed motion holds all the time; have a pd drive follow it"
+            rule = "left alone: a prescribed motion holds all the time; use a pd drive instead"
             raise InvalidParameterError("Set", place, rule, value)
         keys += source.own_keys()
         block = self._blocks[element]

@@ -182,7 +182,7 @@ def _pushing(
     # A joint that others hold stays where it is, if that is no way into the stop.
     if np.any(needed[~moves] - least[~moves] / lengths[~moves] > _ROUND_OFF * size):
         raise MechanismError(
-            "impulse: what is held drives a joint into its rigid stop; take one of both away"
+            "impulse: a constraint drives a joint into its rigid stop; remove one of the two"
         )
     some = np.flatnonzero(moves)
     most = float(needed[some].max(initial=0.0))
@@ -194,7 +194,7 @@ def _pushing(
     left = 1.0 - float(table[-1] @ found)
     if left <= _ROUND_OFF:
         raise MechanismError(
-            "impulse: what is held admits no velocity with which joints stay out of their rigid stops"
+            "impulse: the constraints admit no velocity that keeps joints out of their rigid stops"
         )
     return [
         (int(k), float(one) * most / left / lengths[k])
@@ -379,8 +379,8 @@ def check_restraint(
     if motions:
         drives = f"drive{'s' if len(motions) > 1 else ''} {', '.join(map(repr, motions))}"
         raise NotFollowedError(
-            f"{one.label}: its joint {joint!r} is held to a motion by {drives}; take one of them away, have "
-            "a pd drive follow the reference, or take an element that gives way"
+            f"{one.label}: its joint {joint!r} is held to a motion by {drives}; remove one of them, follow "
+            f"the reference with a pd drive, or use a compliant element"
         )
 
 

@@ -323,7 +323,7 @@ def said_of_idle(model: Any, idle: Idle, moved: Mapping[str, RigidGroup], base: 
     if not any(link.inertial is not None for link in body.links):
         has = "it has no <inertial>"
     if idle.joint in list(model.parents)[1:]:
-        has += ", and what it carries lets go of it"
+        has += ", and no locked joint attaches other bodies to it"
     way = "turn" if idle.turns else "shift"
     what, out = f"joint {name!r}", f'lock the joint (mechanism.joints.{name}.kind = "locked")'
     if name == base:

@@ -191,7 +191,7 @@ class Mechanism:
         if idle is not None:
             moved = _moved(self.urdf, rigid_groups(self.urdf.robot))
             said = said_of_idle(self.model, idle, moved, _ROOT_JOINT)
-            raise MechanismError(f"{where}: in this pose {said}; or take another pose")
+            raise MechanismError(f"{where}: in this pose {said}; or choose another pose")
 
     @property
     def base_q(self) -> slice:

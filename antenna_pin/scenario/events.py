@@ -83,7 +83,7 @@ class _Event(Spec):
             given = getattr(self, name)
             if (given is None) == wanted:
                 rule = "is missing; give it" if given is None else "must be left out"
-                beside = "beside a table in set" if sets and table else f'where action is "{said}"'
+                beside = "with a table in set" if sets and table else f'where action is "{said}"'
                 refuse(f"{rule} {beside}", name, value=given)
         if table and not self.set:
             refuse("must be the numbers to set, got an empty table", "set")

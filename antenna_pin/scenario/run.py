@@ -137,7 +137,7 @@ class IntegratorSpec(MadeSpec):
         chosen = dict(zip(("method", "rtol"), choice_for(given), strict=True))
         for name, value in chosen.items():
             if data.get(name, value) != value:
-                rule = f"must be left out beside accuracy = {given:g}, which chooses it"
+                rule = f"must be left out with accuracy = {given:g}, which chooses it"
                 refuse(f"{rule}, got {shown(data[name])}; leave out one of them", name)
         return {**data, **chosen}
 

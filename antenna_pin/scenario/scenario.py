@@ -310,7 +310,7 @@ def _at_its_joint(place: str, name: str, table: object) -> object:
     if is_between_points(place, table.get("kind")):
         if "joint" in table:
             refuse(
-                f"must be left out beside first and second; a {FAMILIES[place].word} is at a joint or "
+                f"must be left out with first and second; a {FAMILIES[place].word} is at a joint or "
                 "between points",
                 place,
                 name,

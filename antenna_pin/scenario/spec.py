@@ -278,7 +278,7 @@ class Spec(BaseModel):
     def __setattr__(self, name: str, value: Any) -> None:
         """Refuse any change in place."""
         made = "with_overrides({...})" if hasattr(self, "with_overrides") else "a table with other values"
-        rule = f"left as it is: a table does not change once it is read; make {made}"
+        rule = f"left as it is: a table is immutable; create a new one with {made}"
         raise InvalidParameterError(type(self).__name__, name, rule, said=shown(value))
 
     def __delattr__(self, name: str) -> None:

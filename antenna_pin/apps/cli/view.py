@@ -77,7 +77,7 @@ def view(
     out: Annotated[
         Path | None,
         typer.Option(
-            metavar="NAME.html", help="The page; if left out, beside the result, or in a temporary folder."
+            metavar="NAME.html", help="The page; by default in the result's folder, or in a temporary folder."
         ),
     ] = None,
     package_path: PackagePathOption = None,

@@ -103,7 +103,7 @@ def check_order(couplings: Mapping[str, Coupling]) -> None:
             circle = [*path[path.index(joint) :], joint]
             raise MechanismError(
                 f"couplings: a joint must not follow itself, got {' follows '.join(map(repr, circle))}; "
-                "take one of these couplings away"
+                "remove one of these couplings"
             )
         if joint not in done:
             for leader in leaders.get(joint, ()):

@@ -83,7 +83,7 @@ class CoalRevolute:
         self._answers = work[kernels.ANSWERS_AT :].view(kernels.FLANGE_ANSWER)
         flange = self._large_flange if self._covers else self._small_flange
         rows = (self._end(0), self._end(1), flange(0), flange(1))
-        # By the bits of what is asked: looked up, not decided, for each evaluation asks.
+        # By the bits of the specified value: looked up, not decided, for each evaluation asks.
         self._questions = [
             tuple(question for k, question in enumerate(rows) if bits >> k & 1)
             for bits in range(1 << len(rows))

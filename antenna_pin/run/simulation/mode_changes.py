@@ -142,8 +142,8 @@ class ImpactSolver:
         found = push_apart(self._workspace, t, y, pushes, free)
         if not found.met:
             raise MechanismError(
-                "impulse: motions, closures, couplings and locks ask for rates that exclude each other; "
-                "take one of them away"
+                "impulse: motions, closures, couplings and locks prescribe contradictory rates; remove one "
+                "of them"
             )
         nq, nv = self._workspace.model.nq, self._workspace.model.nv
         y[nq : nq + nv] = found.velocity

@@ -112,7 +112,7 @@ def simulate(
     if previous is not None:
         for name, begun in (("start", start), ("q", q), ("v", v), ("angles", angles)):
             if begun is not None:
-                rule = "left out beside resume, which goes on from a checkpoint"
+                rule = "left out with resume, which continues from a checkpoint"
                 raise InvalidParameterError("simulate", name, rule, said=type(begun).__name__)
         start, duration = previous.start, previous.about["span"] if duration is None else duration
     origin, begin = RunStart(q, v, angles, start), None if previous is None else previous.begin
@@ -238,6 +238,7 @@ def _streamed(
             write_blocks(recording.blocks(), dataset_of, recording.count, partial)
     except OutputError as error:
         raise OutputError(
-            f"{error}; what the run has recorded is in {str(store.parts.folder)!r}: make room and resume it"
+            f"{error}; what the run has recorded is in {str(store.parts.folder)!r}: free disk space and "
+            f"resume it"
         ) from error
     return Trajectory.load(target)

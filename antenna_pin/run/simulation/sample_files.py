@@ -295,8 +295,8 @@ class SampleFiles:
         numbers = read_sealed(path, _PART)
         if str(numbers.get("run")) != self.identity or len(numbers["times"]) != self.rows[number]:
             raise FileFormatError(
-                f"{path}: must be of the run of the checkpoint beside it, got a part of another; "
-                "run the scenario again from its start"
+                f"{path}: must belong to the same run as its checkpoint, got a part of another run; run the "
+                f"scenario again from the start"
             )
         return chunk_of(numbers, self._base)
 

@@ -114,7 +114,7 @@ def certain(
     table, said = found.data(), []
     if found.problem.plan.surface is not None:
         if profile or draws:
-            rule = "left out beside a surface, whose single runs scatter"
+            rule = "left out with a surface, whose single runs scatter"
             raise InvalidParameterError("fit", "profile" if profile else "draws", rule, profile or draws)
         return table, ()
     if found.bands.absence:

@@ -101,7 +101,10 @@ def profiles(
         UnknownNameError: A parameter is unknown.
     """
     if not found.factor > 0.0:
-        rule = "given where the model meets the record exactly, as nothing is left that says how large it is"
+        rule = (
+            "given where the model meets the record exactly, because there are no "
+            "residuals from which it follows"
+        )
         raise InvalidParameterError("fit", "noise", rule, found.noise)
     wanted = [name for name, held in zip(found.names, found.held, strict=True) if not held]
     for name in names or ():

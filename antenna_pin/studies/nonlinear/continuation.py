@@ -331,7 +331,7 @@ def _follow(
             look = step = min(look, _FARTHER * left) if left > 0.0 else made
         elif point.orbit.iterations <= 3:
             step = min(2.0 * step, 4.0 * arc)
-    return f"{most} points were made"
+    return f"{most} points computed"
 
 
 def _graze(

@@ -267,7 +267,7 @@ def _identity(settings: _Settings, values: Sequence[Any], branches: Sequence[str
         isinstance(section.when, Angle | Rate | Gap | Force) or section.name
     ):
         raise InvalidParameterError(
-            "bifurcation", "section", "given a name, by which a diagram on the disk tells its function", ""
+            "bifurcation", "section", "given a name, by which a saved diagram identifies its function", ""
         )
     return {
         "scenario": scenario,

@@ -98,7 +98,7 @@ def _independent(matrix: Array, rank: int, time: float) -> NDArray[Any]:
     return np.sort(order[:rank])
 
 
-Verdict = Literal["chaotic", "neutral", "contracting", "too short to say"]
+Verdict = Literal["chaotic", "neutral", "contracting", "too short to decide"]
 """What a largest exponent says: perturbed states part, keep their distance, come together; or nothing yet."""
 
 # Distance of a perturbed state in error scales; largest, beyond which growth is no longer that of a tangent;
@@ -144,10 +144,10 @@ class Exponents:
         """Classification of the largest exponent, at three standard errors."""
         value, error = float(self.values[0]), float(self.errors[0])
         if len(self.growth) < _FEWEST or not math.isfinite(error):
-            return "too short to say"
+            return "too short to decide"
         if abs(value) > _SIGMAS * error and abs(value) * self.interval > 1e-9:
             return "chaotic" if value > 0.0 else "contracting"
-        return "neutral" if _SIGMAS * error * self.interval < _NEUTRAL else "too short to say"
+        return "neutral" if _SIGMAS * error * self.interval < _NEUTRAL else "too short to decide"
 
 
 def _exponents(growth: Array, lengths: Array, interval: float, start: State, end: State) -> Exponents:

@@ -133,8 +133,8 @@ class Journal:
         except OSError as error:
             os.ftruncate(self._file, self._end)
             raise OutputError(
-                f"{self.path}: cannot be written: {error.strerror or error}; the runs before are kept: make "
-                "room and give the same command again"
+                f"{self.path}: cannot be written: {error.strerror or error}; earlier runs are saved; free "
+                f"disk space and repeat the command"
             ) from error
         self._end += len(line)
 

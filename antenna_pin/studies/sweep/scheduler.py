@@ -44,7 +44,7 @@ def check_address(address: str, tls: dict[str, str]) -> None:
     if not whole:
         raise ClusterLostError(
             f"scheduler {address!r}: must be an address tcp://HOST:PORT or tls://HOST:PORT, as Dask's "
-            "scheduler says it at its start"
+            f"scheduler prints at its start"
         )
     secure = address.startswith("tls://")
     if secure and len(tls) < 3:
