@@ -83,7 +83,7 @@ def test_a_mass_without_moments_is_said_by_all(folder):
     code, lines, error = said("info", folder / "scenario.toml")
     assert (
         code == 0
-        and "arm.urdf: no <inertia> beside the <mass> of links, which are point masses: base, arm" in error
+        and "arm.urdf: a <mass> without <inertia> in links, which become point masses: base, arm" in error
     )
     assert "  point masses, without moments of inertia in the URDF: base, arm" in lines
     assert json.loads(said("info", folder / "scenario.toml", "--json")[1][0])["points"] == ["base", "arm"]

@@ -419,12 +419,12 @@ def test_an_override_may_give_a_frame_its_inertial(crooked):
         ),
         (
             {"joints": {"slide": "planar"}},
-            "crooked.urdf: joint 'slide' is prismatic; only a revolute or continuous joint can be made "
+            "crooked.urdf: joint 'slide' is prismatic; only a revolute or continuous joint can become "
             "planar",
         ),
         (
             {"joints": {"weld": "planar"}},
-            "crooked.urdf: joint 'weld' is fixed; only a revolute or continuous joint can be made planar",
+            "crooked.urdf: joint 'weld' is fixed; only a revolute or continuous joint can become planar",
         ),
         (
             {"links": {"arms": LinkChange(mass=1.0)}},

@@ -147,7 +147,7 @@ def test_one_driver_at_a_time(write, tmp_path, fake):
     folder = tmp_path / "busy.study"
     folder.mkdir()
     other = Journal(folder / "journal", b"k")
-    with pytest.raises(OutputError, match=r"must not be in use|nothing in it"):
+    with pytest.raises(OutputError, match=r"must not be in use|nothing of this study"):
         run_study(write(), folder, executor=fake())
     other.close()
 
