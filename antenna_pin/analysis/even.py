@@ -1,7 +1,7 @@
 r"""A signal on an even grid, without folding.
 
-:mod:`antenna_pin.analysis.spectrum` says why. Of a signal that is too long for memory any stretch of the grid
-can be had by itself (:class:`EvenSignal`).
+:mod:`antenna_pin.analysis.spectrum` gives the reason. Of a signal that is too long for memory any stretch of
+the grid can be had by itself (:class:`EvenSignal`).
 """
 
 from __future__ import annotations
@@ -316,7 +316,7 @@ def long_amplitudes(
 
     Args:
         even: The signal, of one component.
-        trend: What is taken off first.
+        trend: What is removed first.
 
     Returns:
         Magnitudes, (n // 2 + 1,); of how many points of the grid, n: the most of which transforms are cheap;

@@ -6,8 +6,8 @@ At a place on the bearing's axis the journal's axis pierces the bearing's cross 
 
 with the journal's centre p and axis z in bearing axes: the eccentricity there. The circle of radius
 :math:`C_r = R_i - R_j` is what rigid parts leave it. The gap at that end of the bore is C_r less the
-eccentricity but for terms of :math:`R_i \theta^2 / 2` in the tilt (0.3 um of 200 at the largest tilt of the
-antenna's joint).
+eccentricity except for terms of :math:`R_i \theta^2 / 2` in the tilt (0.3 um of 200 at the largest tilt of
+the antenna's joint).
 """
 
 from __future__ import annotations

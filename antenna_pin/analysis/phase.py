@@ -153,7 +153,7 @@ def portrait_table(portrait: PhasePortrait, run: RunLike) -> xr.Dataset:
 
     Args:
         portrait: The portrait.
-        run: What it is of: its scenario and the versions that made it come along.
+        run: Run, whose scenario and versions are copied.
 
     Returns:
         Over ``sample``: ``time`` [s] and each quantity in its unit; attributes ``quantities`` (JSON, in the

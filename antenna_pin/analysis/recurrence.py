@@ -216,7 +216,7 @@ def recurrence(
         points: Of a settled motion (:func:`antenna_pin.analysis.settled`), in order of time, (n,) or (n, d).
         scale: Size of each coordinate, () or (d,), in its unit, such as the range of the quantity over the
             run; the largest size among the points if left out, which is of no use for a coordinate
-            that is zero but for round-off (below 1e-9 of the largest coordinate it is left out).
+            that is zero except for round-off (below 1e-9 of the largest coordinate it is left out).
         tolerance: Distance of points that are the same, as a share of the scale [-]: above the error of the
             run and of its settling, far below what motions differ by.
         longest: Longest period to look for; a quarter of the points at most.
@@ -385,7 +385,7 @@ def diagram_verdicts(
 
     Args:
         diagram: As :func:`antenna_pin.studies.nonlinear.bifurcation` returns it.
-        quantities: Which of its quantities are looked at; all if left out.
+        quantities: Which of its quantities are examined; all if left out.
         branch: Which of its branches; the first if left out.
         vector: Whether the quantities are components of one vector, whose largest amount counts for all.
         tolerance: Above what the accuracy of the runs leaves [-].

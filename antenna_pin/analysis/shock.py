@@ -7,7 +7,7 @@ it by
 
 and its absolute acceleration is :math:`-(2 \zeta \omega \dot z + \omega^2 z)`. The signal is taken as the
 polygon through its samples, uneven as they are, for which each step is exact; oscillators that are fast for
-the steps are looked at between them too. On an even grid that is what the ramp-invariant filter does
+the steps are examined between them too. On an even grid that is what the ramp-invariant filter does
 (Smallwood 1981, Shock and Vibration Bulletin 51, 279).
 """
 

@@ -171,7 +171,7 @@ class RunSettings:
 
         Args:
             place: Whose it is, for the refusal.
-            name: What it is called.
+            name: Its name.
             span: [s].
             time: From when on [s].
         """

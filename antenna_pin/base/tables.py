@@ -2,7 +2,7 @@
 
 Detected unless given: the delimiter (``;``, tabulators, commas, else blanks), a decimal comma, the line of
 names, units in it (``time [s]``, ``time (ms)``, ``Time/s``) or in a line beneath. Columns go by name,
-capitals or not, whatever stands beside them. What could be read in two ways is refused, and nothing is
+capitals or not, whatever accompanies them. What could be read in two ways is refused, and nothing is
 evaluated.
 """
 

@@ -2,7 +2,7 @@
 
 Numba trusts its files: one that was cut off ends in an error of pickle, one with a flipped bit is called.
 Here every file starts with the digest of the rest and names what it was compiled for; one that does not hold
-counts as not there, so that it is compiled and written anew. They are pickles, which run code as they are
+counts as not there, so that it is compiled and written again. They are pickles, which run code as they are
 read: a folder that somebody else may write (:mod:`antenna_pin.compiled.ownership`) is neither read nor
 written.
 
@@ -52,7 +52,7 @@ def keep(dispatcher: Any, stamp: str) -> None:
     """Store a compiled function in the first writable folder, under a stamp.
 
     These are NUMBA_CACHE_DIR, the sources' ``__pycache__`` and the user's cache, in this order. If there is
-    none, a :class:`KernelCacheWarning` says so once, when something has been compiled.
+    none, a :class:`KernelCacheWarning` states this once, when something has been compiled.
     """
     function = getattr(dispatcher, "py_func", None)
     if function is None:  # NUMBA_DISABLE_JIT=1

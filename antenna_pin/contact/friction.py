@@ -188,7 +188,7 @@ class Coulomb(CompiledFrictionLaw):
 
     .. math:: \mu(|v|) = \mu\, \frac{|v|}{\sqrt{v^2 + v_r^2}}
 
-    Infinitely differentiable in the slip velocity. It tends to Coulomb's law as v_r tends to zero, but for
+    Infinitely differentiable in the slip velocity. It tends to Coulomb's law as v_r tends to zero, except for
     its sticking: :math:`\mu` is approached as :math:`1 - v_r^2 / (2 v^2)`.
 
     Attributes:
@@ -418,8 +418,8 @@ class BrownMcPhee(CompiledFrictionLaw):
               + \frac{(\mu_s - \mu_d)\, v / v_t}{\left[\tfrac14 (v / v_t)^2 + \tfrac34\right]^2}\right]
               + \mu_v\, v \tanh\frac{4 F_n}{F_{nt}}
 
-    Infinitely differentiable. The peak, mu_s but for :math:`\mu_d (1 - \tanh 4) = 0.0007 \mu_d`, is at v_t.
-    The viscous part does not grow with the load, but fades in with it.
+    Infinitely differentiable. The peak, mu_s except for :math:`\mu_d (1 - \tanh 4) = 0.0007 \mu_d`, is at
+    v_t. The viscous part does not grow with the load, but fades in with it.
 
     Attributes:
         static: mu_s, at the peak; at least ``dynamic`` [-].

@@ -269,7 +269,7 @@ def modes_in_another(
         adjusted: Their modes before (:func:`modes_kept`).
 
     Raises:
-        InvalidParameterError: An element cannot go on there.
+        InvalidParameterError: An element cannot continue there.
     """
     found = Adjustments(system, system.program.copy())
     for place, value in adjusted:

@@ -157,8 +157,8 @@ def assembled(
 ) -> tuple[Array, Array]:
     """Return a nearby configuration and velocity that close loops and follow motions.
 
-    Journals stay where they are in their bearings, and as fast, but for what their joints leave free. A free
-    base stays if no closure holds it to the world, and as fast if it can. Velocities of joints that no
+    Journals stay where they are in their bearings, and as fast, except for what their joints leave free. A
+    free base stays if no closure holds it to the world, and as fast if it can. Velocities of joints that no
     equation connects to a held or prescribed rate stay; followers follow their leaders; in loops the velocity
     is the nearest in kinetic energy.
 
@@ -315,7 +315,7 @@ def check_closed(system: System, y: Array) -> None:
 def check_motions(system: System, y: Array, begin: float, end: float) -> None:
     """Refuse motions that exceed joint limits, jump, or conflict with the loops.
 
-    That they can is looked at only where nothing else is free to move.
+    That they can is examined only where nothing else is free to move.
 
     Args:
         system: The system.

@@ -135,7 +135,7 @@ def fit_turns(
 ) -> None:
     """Set the whole turns of unlimited joints by couplings in a state, in place.
 
-    Turned angles of y, at ``turn_x``, are correct but for whole turns, which ``given_joints`` joints keep.
+    Turned angles of y, at ``turn_x``, are correct except for whole turns, which ``given_joints`` joints keep.
     """
     x = y[mechanism.model.nq + mechanism.model.nv :]
 

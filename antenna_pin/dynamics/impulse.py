@@ -13,7 +13,7 @@ p their impulses they obey Newton's law in Moreau's form,
 .. math:: 0 \le p_i \quad \perp \quad u_i^+ - b_i \ge 0, \qquad b_i = e_i\, |u_i^-|, \quad u_i^- \le 0
 
 a complementarity problem whose velocity is the nearest one that the inequalities admit: it is unique, and
-hangs on no order. Its impulses are found by the finite method of Lawson and Hanson for least distances. As
+depends on no order. Its impulses are found by the finite method of Lawson and Hanson for least distances. As
 no row that pushes was leaving its stop, stops take
 
 .. math:: -\tfrac12 \sum_i p_i (u_i^+ + u_i^-) = \tfrac12 \sum_i p_i (1 - e_i) |u_i^-| \ge 0

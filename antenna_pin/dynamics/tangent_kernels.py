@@ -116,7 +116,7 @@ def _differentiate(
 ) -> None:
     """Write the derivatives of an element's action, or of its law, over one number.
 
-    ``about``: over what, of which joint, which of these, and whether what it does is looked at as a whole.
+    ``about``: over what, of which joint, which of these, and whether what it does is examined as a whole.
     """
     kind, s, n, whole = about
     trial, looked, points = room.trial, room.looked, room.weights.shape[1]

@@ -119,7 +119,7 @@ class Impossible(NamedTuple):
     """A body whose principal moments of inertia are not those of any body.
 
     Attributes:
-        said: What it is and why not, in words.
+        said: What it is and why not, as text.
         negative: Whether one of them is negative: its joints may then move without inertia.
     """
 
@@ -295,7 +295,7 @@ def check_regular(
         moved: The links that each joint moves as one body, by the joint's name.
         base: Name of the joint of a free base.
         ties: What couplings tie rates by, ties v = 0, (k, nv).
-        negative: What has a negative moment, in words; all of these poses must do then, not one by chance.
+        negative: What has a negative moment, as text; all of these poses must do then, not one by chance.
     """
     idle: Idle | None = None
     for q in _poses(model):

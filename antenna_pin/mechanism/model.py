@@ -76,9 +76,9 @@ _ROOT_JOINT = "root_joint"
 class JointSlot:
     """Place of a moving joint in the state, and direction of its axis.
 
-    Two frames are told apart. The *URDF frame* is the joint's frame in the ideal URDF; the *joint frame* is
-    Pinocchio's, which ``q``, ``v`` and ``tau`` refer to. They differ by ``frame_rotation`` at a planar joint
-    and are the same at others.
+    Two frames are distinguished. The *URDF frame* is the joint's frame in the ideal URDF; the *joint frame*
+    is Pinocchio's, which ``q``, ``v`` and ``tau`` refer to. They differ by ``frame_rotation`` at a planar
+    joint and are the same at others.
 
     Attributes:
         name: The URDF joint.
@@ -124,7 +124,7 @@ class Mechanism:
         base_body: Name of the body that is the base.
         bodies: Names of the moving bodies in the model's order, so body ``i`` is moved by joint ``i + 1``; a
             free base comes first. A body bears the name of its first link that has an inertial.
-        impossible: What no body can have of the inertia of those that act, in words, a line a body.
+        impossible: Impossible moments of inertia of acting bodies, one line of text a body.
         negative: The first of them with a negative moment, or "".
         regular_everywhere: Whether every body has inertia of its own, so that no pose has to be tried.
     """

@@ -40,7 +40,7 @@ class Urdf:
     construction it refuses XML that is not well-formed; missing, repeated or unknown names; loops and several
     roots; negative masses; inertias that no body can have, of links that fixed joints make one body
     together; axes of no length. What moves without inertia
-    :func:`antenna_pin.mechanism.build_mechanism` refuses, for it hangs on the base and on all joints. What
+    :func:`antenna_pin.mechanism.build_mechanism` refuses, for it depends on the base and on all joints. What
     means nothing to the mechanics is not judged (:class:`antenna_pin.mechanism.WrittenUrdf` counts it).
 
     A planar joint moves in the plane normal to its axis. Where that is not z of its frame, the frame is
@@ -56,7 +56,7 @@ class Urdf:
         folder: Where relative mesh file names start; None if that is unknown.
         package_path: Where packages of ``package://`` are looked for first.
         allow_impossible_inertia: Links whose body's inertia may break the triangle rule.
-        robot: What counts of it in numbers, to be read only; how its links look is read when asked for.
+        robot: What counts of it in numbers, to be read only; how its links look is read when requested.
         simulated: What of it Pinocchio's parser is given: bodies and joints.
         unbounded: Revolute and prismatic joints without bounds, because they have no ``<limit>`` or because
             it leaves none.

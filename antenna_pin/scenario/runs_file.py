@@ -69,7 +69,7 @@ class RunsFile(Spec):
         """Return a file, complete and checked; its scenario is not read yet.
 
         Args:
-            place: Who asks, for the message.
+            place: Name of the caller, for messages.
             path: Of the file, or the name of a shipped one.
             settings: What takes the place of the file's keys.
 

@@ -83,10 +83,10 @@ class Trajectory(_UnlabelledSlot):
     Attributes:
         data: Labelled by time, contact, axis and more; units and long names on each (docs/trajectory.md).
         outcome: Why the run ended.
-        message: The outcome in words, with the place and what to try.
+        message: The outcome as text, with the place and what to try.
         counts: Steps, evaluations, wall time.
         scenario: What it came from, enough to repeat it; None for a system built in Python.
-        end: The state that it left, to go on from: ``simulate(scenario, start=run.end)``.
+        end: The state that it left, to continue from: ``simulate(scenario, start=run.end)``.
     """
 
     data: xr.Dataset

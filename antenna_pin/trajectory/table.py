@@ -361,7 +361,7 @@ def table_attributes(kind: TableKind, scenario: Scenario | None) -> dict[str, An
     """Return the attributes of kind and provenance of a dataset.
 
     Args:
-        kind: What it is of.
+        kind: Kind of the source.
         scenario: What was run; None for a system built in Python.
     """
     return {

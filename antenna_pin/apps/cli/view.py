@@ -37,7 +37,7 @@ def browser_for_pages(command: str, way_out: str) -> webbrowser.BaseBrowser:
     """Return the browser.
 
     Args:
-        command: Who asks, for the message.
+        command: Name of the caller, for messages.
         way_out: What to do where there is none.
 
     Raises:

@@ -118,7 +118,7 @@ def spread(couplings: Collection[Coupling], known: Collection[str]) -> Iterator[
     """Yield couplings in an order in which each determines further joints.
 
     Where nothing is known of joints that hang together, the first leader counts as known. A second leader
-    is told of by no coupling of its own: it counts as known where nothing else tells of it.
+    has no coupling of its own: it counts as known where nothing else determines it.
 
     Args:
         couplings: Without circles.

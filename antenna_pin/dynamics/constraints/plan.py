@@ -309,7 +309,7 @@ def on_body(mechanism: Mechanism, place: str, side: Anchor) -> tuple[int, Array]
     """Return the body of a side, -1 for the world, and the frame, (4, 4).
 
     Raises:
-        UnknownNameError: There is no such link; ``place`` says where it was asked for.
+        UnknownNameError: There is no such link; ``place`` says where it was requested.
     """
     frame = np.eye(4)
     frame[:3, :3], frame[:3, 3] = side.rotation, side.origin

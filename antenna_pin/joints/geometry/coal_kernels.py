@@ -1,10 +1,10 @@
 """Arithmetic of the revolute joint's coal backend around its queries, compiled.
 
-Who asks calls :func:`coal_set_out` with a pose, has coal fill in the answers of the rows that are still
+The caller calls :func:`coal_set_out` with a pose, has coal fill in the answers of the rows that are still
 ``asked``, and calls :func:`coal_take_in`, again and again until nothing is asked any more: nearly always
 once, since the search on a bore's end circle starts where the closed form has its deepest point, and there
 the gap is stationary. What is taken is coal's own gap and normal; where they do not agree that the point is
-the deepest one, the search goes on from there.
+the deepest one, the search continues from there.
 
 The journal frame J used here has its z axis along the journal and an arbitrary rotation about it.
 """

@@ -110,7 +110,7 @@ class CoalRevolute:
     def _end(self, k: int) -> _Question:
         """Return the query of coal for the point of END k.
 
-        What it needs is looked at once; coal's normal is read where it stands.
+        What it needs is examined once; coal's normal is read where it stands.
         """
         point, answers, direction = (
             self._ends["in_journal"][k],

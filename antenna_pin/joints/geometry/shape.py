@@ -62,7 +62,7 @@ class Distances(Protocol):
             pose: :data:`antenna_pin.base.records.POSE` of the journal, (1,).
             table: :data:`antenna_pin.base.records.CONTACT`, (rows,).
             row: The joint's first row.
-            wanted: Which of its contacts to ask for (nonzero); all if not given. The others' rows need not be
+            wanted: Contacts to query (nonzero); all if not given. The others' rows need not be
                 valid.
         """
 

@@ -39,7 +39,7 @@ def split(kind: FlexibleKind, name: str, link: MassProperties, where: str) -> Sp
     """Return a link as a hub with elastic parts.
 
     Raises:
-        MechanismError: No body can be what is left; it says which part asks too much.
+        MechanismError: No body can be what is left; it names which part asks too much.
     """
     if not link.mass > 0.0:
         raise MechanismError(

@@ -375,8 +375,8 @@ class ModeChanges:
         """Carry out all coincident changes; y is changed in place.
 
         In rounds: all captures; else all impulses, as one problem; else all other changes; else sticking and
-        slipping. After each round all functions are evaluated anew, so that the result does not depend on the
-        order of elements.
+        slipping. After each round all functions are evaluated again, so that the result does not depend on
+        the order of elements.
 
         Args:
             located: Functions located at this time.

@@ -1,7 +1,7 @@
 """Samples on the disk: sealed files beside the result; all samples block by block.
 
 ``NAME.nc.parts`` has parts of samples, written once each, and one checkpoint, which is replaced. A part that
-no checkpoint lists yet is written anew after a kill.
+no checkpoint lists yet is written again after a kill.
 """
 
 from __future__ import annotations

@@ -102,7 +102,7 @@ class Frictions(NamedTuple):
         smooth: That which is rounded off at rest, by name.
         sticking: That which sticks, by name.
         left_out: Lines on what is not simulated.
-        assumed: Lines on what is rounded off though nothing says so.
+        assumed: Lines on friction that is rounded off by default.
     """
 
     smooth: dict[str, JointFriction]

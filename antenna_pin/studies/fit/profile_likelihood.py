@@ -62,7 +62,7 @@ class Profile:
         high: Upper end, likewise.
         ends: Kinds of both ends.
         threshold: Size of tau at the ends [-].
-        better: Values of a lower loss than that of the fit, (p,), from which to fit anew, or None.
+        better: Values of a lower loss than that of the fit, (p,), from which to fit again, or None.
     """
 
     name: str

@@ -409,7 +409,7 @@ def modes(
             would set it moving is held in balance.
 
     Raises:
-        AntennaPinError: What is called makes no sense; one line that says why.
+        AntennaPinError: What is called makes no sense; one line that gives the reason.
     """
     model = scenario_named(model)
     if isinstance(model, Trajectory):

@@ -345,8 +345,8 @@ def _graze(
 ) -> tuple[float, float] | None:
     """Return the value of a graze that ends a branch, with its error, or None.
 
-    That is where there are orbits up to as near as is asked for, or far nearer than a step and this one says
-    of it what the one before did; nothing is said of what is beyond the range.
+    That is where there are orbits up to as near as is requested, or far nearer than a step and this one says
+    of it what the one before did; nothing is stated about what is beyond the range.
     """
     if not (ahead.value - values[0]) * (values[1] - ahead.value) >= 0.0:
         return None

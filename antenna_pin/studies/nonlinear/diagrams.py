@@ -322,13 +322,13 @@ def bifurcation(
     and the next is begun in the state before it.
 
     With ``out`` every value is kept on the disk as it is made, in the folder ``OUT.parts``: what was killed
-    goes on with the same call, and comes to the same diagram bit for bit.
+    continues with the same call, and comes to the same diagram bit for bit.
 
     Args:
         scenario: What is run.
         parameter: Key of the scenario, with dots, as in ``--set``.
         values: Of it, in order: numbers in SI units, or text with a unit.
-        section: Where the motion is looked at.
+        section: Where the motion is examined.
         quantities: What is noted there, by the names that :func:`antenna_pin.analysis.quantity` knows.
         branches: Any of ``fresh``, ``forward``, ``backward``.
         count: Points of each value, at least 32 [-].

@@ -189,7 +189,7 @@ def largest_exponent(
 ) -> Exponents:
     """Return the largest exponent by two trajectories with renormalisation (Benettin and others 1976).
 
-    The perturbed trajectory locates its own contacts and events, and has its own approach speeds, but for
+    The perturbed trajectory locates its own contacts and events, and has its own approach speeds, except for
     contacts that last to the end: these are constant, and shared, as those of an orbit
     (:func:`antenna_pin.studies.nonlinear.coordinates.own_coordinates`). Where different contacts touch at the
     end of an interval, both trajectories continue until the same do.
@@ -315,7 +315,7 @@ def exponents_table(found: Exponents, scenario: Scenario | None = None) -> xr.Da
         Over ``exponent``, from 1 on: ``value`` and ``error`` [1/s]. Over ``interval``: ``length`` [s], and
         ``time``, when it ends, from the end of the transient on [s]. Over both: ``growth`` [-] and
         ``running`` [1/s], the exponents as they were after each interval. Attributes ``verdict``,
-        ``interval`` [s], and ``start`` and ``end``, states to go on from
+        ``interval`` [s], and ``start`` and ``end``, states to continue from
         (:meth:`antenna_pin.base.state.State.from_json`).
     """
     over = ("interval", "exponent")

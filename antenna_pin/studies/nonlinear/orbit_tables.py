@@ -190,7 +190,7 @@ def orbit_table(orbit: Orbit, system: System, scenario: Scenario | None = None) 
     Returns:
         ``period`` [s], ``residual`` and ``doubt`` [-], ``neutral``, how many multipliers are 1 for what
         lasting contacts remember and are not among the others, ``stability`` (stable, unstable, neutral),
-        ``onsets`` and ``events`` in a period [-], ``start`` [s] and ``state``, to go on from
+        ``onsets`` and ``events`` in a period [-], ``start`` [s] and ``state``, to continue from
         (:meth:`antenna_pin.base.state.State.from_json`); ``q`` over ``configuration`` and ``v`` over
         ``coordinate``, in that state; over ``multiplier``: ``multiplier_real``, ``multiplier_imaginary`` [-]
         and ``exponent`` [1/s]; ``tangent`` [-] over ``to`` and ``from``, names of its coordinates. Attributes
@@ -302,7 +302,7 @@ _SAME = 1e-9
 def orbits_in_section(branch: xr.Dataset, section: Section, quantities: Sequence[str]) -> xr.Dataset:
     """Return a branch of periodic solutions with its points in a section.
 
-    Each orbit goes on from its start to the times of the stroboscope within its period: one of n periods
+    Each orbit continues from its start to the times of the stroboscope within its period: one of n periods
     of the drive has n points.
 
     Args:

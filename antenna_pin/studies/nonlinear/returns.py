@@ -61,9 +61,9 @@ class SectionRun:
         progress: Called about ten times a second while it runs.
 
     Attributes:
-        state: To go on from; None before anything was run.
+        state: To continue from; None before anything was run.
         outcome: How the last stretch of the run ended.
-        message: That in words.
+        message: That as text.
         units: Of each quantity.
         titles: What each quantity is.
         period: Of the stroboscope [s]; NaN of a surface.
@@ -310,8 +310,8 @@ def poincare(
         Over ``point``: ``time`` [s] and each quantity. ``settled`` says whether they have settled,
         ``transient`` how many points were cut before them, ``drift`` [-] how far their statistics
         went; attributes ``rule``, ``section``, ``period`` [s], ``outcome``, ``message``,
-        ``scenario`` (JSON) and ``state``, to go on from (:meth:`antenna_pin.base.state.State.from_json`); it
-        is that to which the run got, behind the last point, and of a surface behind later ones too. A run
+        ``scenario`` (JSON) and ``state``, to continue from (:meth:`antenna_pin.base.state.State.from_json`);
+        it is that to which the run got, behind the last point, and of a surface behind later ones too. A run
         that ended early has fewer points, and has not settled.
 
     Raises:

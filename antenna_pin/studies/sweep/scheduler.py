@@ -90,7 +90,7 @@ def own_security() -> Any:
     """Return Dask's security for local processes: a certificate of this run's own.
 
     A port of the loopback is open to every user of the machine, and a worker executes what is sent to it. The
-    certificate is made anew each time, and is stored in a file only while it is loaded from there.
+    certificate is made again each time, and is stored in a file only while it is loaded from there.
 
     Raises:
         MissingToolError: The library that makes certificates is not installed.
