@@ -44,8 +44,8 @@ class Orbit:
 
     .. math:: R_{WO}(t) = \exp(\omega t\, [n]_\times)\, R_{WO}(0)
 
-    The world's axes do not turn. The motion itself knows of the orbit by ``[forces.NAME]``'s gravity gradient
-    only.
+    The world's axes do not turn. The motion itself depends on the orbit by ``[forces.NAME]``'s gravity
+    gradient only.
 
     Attributes:
         rate: Orbital rate [rad/s].

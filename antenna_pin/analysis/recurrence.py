@@ -219,7 +219,7 @@ def recurrence(
             that is zero except for round-off (below 1e-9 of the largest coordinate it is left out).
         tolerance: Distance of points that are the same, as a share of the scale [-]: above the error of the
             run and of its settling, far below what motions differ by.
-        longest: Longest period to look for; a quarter of the points at most.
+        longest: Longest period in the search; a quarter of the points at most.
 
     Raises:
         InvalidParameterError: A value is not finite, or a scale is not positive.

@@ -121,7 +121,7 @@ def scenario_shares(run: RunLike) -> xr.DataArray:
     Returns:
         Shares [-], (clearance_joint, radial, axial), labelled by the scenarios' names in lower case; they sum
         to 1 for each joint. No joint, no row, if the run has no clearance joint. A joint without flanges
-        knows "none" and "one_point" in the bore and no axial contact; that of a slider is any contact.
+        has "none" and "one_point" in the bore and no axial contact; that of a slider is any contact.
     """
     data = series(data_of(run), "scenario_shares")
     radial, axial = ([kind.name.lower() for kind in kinds] for kinds in (RadialScenario, AxialScenario))

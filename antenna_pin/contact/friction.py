@@ -54,7 +54,7 @@ class CompiledFrictionLaw(Law):
     """The shared face of the laws whose arithmetic is a compiled kernel.
 
     Attributes:
-        kind: One of those that the kernels know, whose record has the names of the law's attributes.
+        kind: A kind of the kernels, whose record has the names of the law's attributes.
     """
 
     __slots__ = ()
@@ -100,7 +100,7 @@ def check_at_rest(place: str, coefficient: Callable[[float], float]) -> None:
     A function that is none of a float is left to what calls it.
 
     Args:
-        place: Whose it is, for the refusal.
+        place: Owner, for the message.
         coefficient: ``speed [m/s] -> mu [-]``.
     """
     try:

@@ -397,7 +397,7 @@ class MarhefkaOrinDamping(Dissipation):
     .. math:: f = f_e(\delta) \left(1 + \tfrac32 \alpha\, \dot\delta\right)
 
     which requires :math:`c_r = 1 - \alpha v_0`, as metals have it at moderate speeds. The damping does not
-    know the approach speed, so that the law has no memory; :math:`\chi` is :math:`\tfrac32 \alpha v_0`.
+    depend on the approach speed, so the law has no memory; :math:`\chi` is :math:`\tfrac32 \alpha v_0`.
 
     Attributes:
         slope: alpha, loss of restitution over impact speed [s/m].

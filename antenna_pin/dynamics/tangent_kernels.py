@@ -204,7 +204,7 @@ def _differentiate_law(
     """Write the derivatives of a law over displaced inputs; return their count.
 
     Those over its power go to ``room.column``. ``room.over``: which number of a displacement each is over, or
-    below zero what is asked.
+    below zero the argument.
     """
     p, b, nv, over, found = room.numbers.program, part.block, room.tau.shape[0], room.over, room.of_law
     e, shifts, count = element_at(p, b), room.shifts, 0

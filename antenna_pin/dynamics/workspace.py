@@ -235,7 +235,7 @@ class Workspace:
     def derivative(self, t: float, y: Array, rates: Array) -> None:
         """Write [acceleration (nv), rate of x (nx)] at t [s] and y into rates.
 
-        For people and for what is asked now and then; the steps of a run have the same compiled
+        For occasional calls; the steps of a run have the same compiled
         (:mod:`antenna_pin.run.engine`).
         """
         self.apply_elements(t, y, rates)

@@ -294,7 +294,7 @@ def check_regular(
         where: Name of the file, for messages.
         moved: The links that each joint moves as one body, by the joint's name.
         base: Name of the joint of a free base.
-        ties: What couplings tie rates by, ties v = 0, (k, nv).
+        ties: Rows of couplings, ties v = 0, (k, nv).
         negative: What has a negative moment, as text; all of these poses must do then, not one by chance.
     """
     idle: Idle | None = None

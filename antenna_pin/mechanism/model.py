@@ -110,12 +110,12 @@ class JointSlot:
 class Mechanism:
     """A Pinocchio model of a URDF variant.
 
-    The model is not to be altered; each run makes its own ``pin.Data``. Links joined by fixed joints are one
+    Do not alter the model; each run has its own ``pin.Data``. Links joined by fixed joints are one
     body, whose inertia Pinocchio sums up at the joint that moves it; every link keeps a frame of its own (see
     :meth:`frame`).
 
     Attributes:
-        name: Of the URDF's robot.
+        name: Name of the URDF's robot.
         model: ``pin.Model``, gravity set.
         urdf: The variant it was built from.
         base: ``free`` (six degrees of freedom first in ``q`` and ``v``, named root_joint in the model) or
@@ -162,7 +162,7 @@ class Mechanism:
         """Refuse a mechanism with a joint that can move without any inertia in every pose.
 
         Args:
-            ties: What couplings tie rates by, ties v = 0, (k, nv).
+            ties: Rows of couplings, ties v = 0, (k, nv).
 
         Raises:
             MechanismError: It names the joint.
@@ -175,12 +175,12 @@ class Mechanism:
     def check_pose(self, q: NDArray[np.float64], where: str, ties: NDArray[np.float64] | None = None) -> None:
         """Refuse a configuration in which a joint can move without any inertia.
 
-        There is one where a body that is a point, a rod or a mere frame is carried by several joints.
+        This concerns bodies without full inertia (a point, a rod, a frame) on several joints.
 
         Args:
             q: Configuration (nq,).
-            where: What a message begins with.
-            ties: What couplings tie rates by, ties v = 0, (k, nv); None for those of the URDF.
+            where: Beginning of messages.
+            ties: Rows of couplings, ties v = 0, (k, nv); None for those of the URDF.
 
         Raises:
             MechanismError: It names the joint.
@@ -222,9 +222,9 @@ def build_mechanism(
         base: ``free`` lets the root link float in the world, ``fixed`` holds it there.
         gravity: (3,) in world axes [m/s^2].
         armature: Moment of inertia that a joint feels by its rate alone [kg*m^2], by the names of revolute
-            and continuous joints: ratio^2 times that of a motor's rotor. Nothing reacts on what carries it.
+            and continuous joints: ratio^2 times that of a motor's rotor. Its carrier takes no reaction.
         regular: Whether a joint that can move without any inertia in every pose is refused here; where
-            couplings are added to those of the URDF, :meth:`Mechanism.check_regular` knows them.
+            couplings are added to those of the URDF, use :meth:`Mechanism.check_regular`.
     """
     if base not in ("free", "fixed"):
         raise InvalidParameterError("build_mechanism", "base", "'free' or 'fixed'", base)

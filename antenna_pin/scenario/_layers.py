@@ -82,7 +82,7 @@ class Source:
         case: Name of the case, or None.
         case_table: What the case lays over the file.
         overrides: What is laid over both.
-        note: What is to be said after a message about a value of the file.
+        note: Text after a message about a value of the file.
         below: The cases that the case builds on, with what they lay over the file, the lowest first.
     """
 

@@ -24,7 +24,7 @@ class RunsFile(Spec):
 
     Attributes:
         format: Version of the format of such files.
-        title: In a few words.
+        title: Short title.
         scenario: Name of a shipped scenario, or path of a scenario file, from this file's folder.
         case: Of the scenario; its default one if left out.
         set: What is set over scenario and case for all runs: dotted keys, or tables.

@@ -386,8 +386,8 @@ class ValuePlace(NamedTuple):
 
     Attributes:
         text: File and dotted place, such as ``my.toml: integrator.rtol``.
-        note: What is to be said of its origin after the message, or "".
-        stale: What is to be said, too, of a key that its table does not have, or "".
+        note: Text on its origin after the message, or "".
+        stale: Further text on a key that its table does not have, or "".
     """
 
     text: str

@@ -3,7 +3,7 @@
 A NetCDF 4 file is an HDF5 file in which every dimension is a *scale*, a dataset that others name as their
 axis. Nothing is compressed: of doubles at their full length that saves a quarter of the file and takes four
 times as long as all the rest. Behind HDF5's own end stands a digest of the whole file, so that a damaged one
-is not read; every variable has a checksum too, which other readers know.
+is not read; every variable also has a checksum for other readers.
 """
 
 from __future__ import annotations

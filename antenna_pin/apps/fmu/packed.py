@@ -36,7 +36,7 @@ class Packed:
             numbers.
         outputs: What is read by name, as a session is.
         parameters: Places of the scenario's numbers that may be set before the start.
-        token: By which a model description and what it describes know each other.
+        token: Token that connects a model description with its unit.
     """
 
     scenario: Scenario

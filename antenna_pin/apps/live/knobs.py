@@ -52,7 +52,7 @@ class Knob:
         logarithmic: Whether the slider goes by factors.
         start: What stands at the place is ``start + factor * value``: a journal's radius, for a play [unit].
         factor: Likewise [-].
-        beside: What else has to be said with it, by place.
+        beside: Further values to set with it, by place.
     """
 
     group: str

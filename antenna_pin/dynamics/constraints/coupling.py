@@ -25,7 +25,7 @@ class Coupling:
 
     Attributes:
         follower: Name of the joint that follows: revolute, continuous or prismatic, without play.
-        leader: Name of the joint that it follows; of the same kinds, or one that does not move, at zero.
+        leader: Name of the leading joint; of the same kinds, or a fixed one, at zero.
         multiplier: m [-]; of a sliding follower of a turning leader [m/rad], the other way round [rad/m].
         offset: phi_0, the follower's position where those of the leaders are zero [rad] ([m]).
         second: Name of a second joint that it follows, of the kinds of the leader; None for none.

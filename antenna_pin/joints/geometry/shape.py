@@ -50,7 +50,7 @@ class Distances(Protocol):
     """Backend: measures gaps in a run in place of the compiled closed form.
 
     It must answer equal questions equally, to a billionth of the play: it may search from its last answer on,
-    but a gap that depends on what was asked before (wear, chance) ends the run as ``FUNCTION_WITH_MEMORY``.
+    but a gap that depends on earlier calls (wear, chance) ends the run as ``FUNCTION_WITH_MEMORY``.
     """
 
     def query(

@@ -457,7 +457,7 @@ class CheckpointStore:
         system: The system.
         about: Identity of the run, for its checkpoints.
         interval: Wall time from one checkpoint to the next [s], and at least nine times what the last one
-            took, which is said at the end; infinity for none but at an interruption.
+            took, as the run reports at its end; infinity for checkpoints at interruptions only.
         checkpoint: Checkpoint from which the run continues.
 
     Attributes:

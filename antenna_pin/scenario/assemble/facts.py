@@ -29,7 +29,7 @@ _TOLD = np.radians(10.0)
 def scenario_facts(scenario: Scenario) -> dict[str, Any]:
     """Return what a case is: ``base``, ``joints``, ``closures``, ``couplings``, ``drives``, ``constraints``.
 
-    Joints and drives are said as text; a closure has its ``kind``, its ``links`` and how many ``equations``
+    Joints and drives are text; a closure has its ``kind``, its ``links`` and how many ``equations``
     it is, a coupling what a result tells of it; ``constraints`` is what
     :func:`antenna_pin.dynamics.constraint_counts` finds at the start, and ``residuals`` is how well loops and
     couplings are closed there [m], [rad]. Where a start is found, ``start`` has the angles or positions of

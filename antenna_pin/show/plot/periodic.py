@@ -150,7 +150,7 @@ def _parameter(data: xr.Dataset, **more: Any) -> Axis:
 
 @figure(
     branch="Of :func:`antenna_pin.studies.nonlinear.branch_table`.",
-    coordinate="Number of the state that orbits are told by to draw, such as ``v[hinge]``; if left out the "
+    coordinate="Number of the state that is drawn, such as ``v[hinge]``; if left out the "
     "amplitudes that the branch has, or else the first velocity.",
 )
 def figure_branch(branch: xr.Dataset, coordinate: str | None = None, *, width: Width = "page") -> Sheet:

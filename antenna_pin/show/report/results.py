@@ -27,7 +27,7 @@ def status(run: ReportedRun) -> Status:
     reached = f"{readable(run.end, 's')} in {run.samples} sample{'s' if run.samples != 1 else ''}"
     wanted = run.run.scenario.duration if run.run.scenario is not None else None
     if not run.run.completed and wanted is not None:
-        reached += f", of {readable(wanted, 's')} asked for"
+        reached += f", of {readable(wanted, 's')} requested"
     said = _answered(run) if run.run.completed else f"{run.run.message} ({reached})"
     return Status(run.label, run.run.completed, run.run.outcome.name, said)
 

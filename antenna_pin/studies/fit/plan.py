@@ -108,7 +108,7 @@ class RecordSpec(LayoutSpec):
         if self.pieces is not None:
             for name, column in self.columns.items():
                 if column.compare != "curve" or column.filter is not None:
-                    rule = "must be a curve without a filter in a record of pieces, which start anew"
+                    rule = "must be a curve without a filter in a record of pieces, which restart"
                     refuse(rule, "columns", name)
         return self
 
@@ -211,7 +211,7 @@ class FitPlan(RunsFile):
         every = [(name, *pair) for name, one in self.records.items() for pair in one.columns.items()]
         for name, column, spec in every if self.jacobian == "equation" else ():
             if spec.compare == "blows":
-                rule = 'must be "differences" where blows are compared, which are found anew in each run'
+                rule = 'must be "differences" where blows are compared, which each run detects again'
                 refuse(f"{rule}, as records.{name}.columns.{column} does", "jacobian")
         return self
 

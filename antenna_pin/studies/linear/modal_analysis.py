@@ -423,7 +423,7 @@ def modes(
             )
         at, model = model, model.scenario
     if at is not None and (q is not None or v is not None):
-        raise InvalidParameterError("modes", "q" if q is not None else "v", "left out beside at", "both")
+        raise InvalidParameterError("modes", "q" if q is not None else "v", "left out with at", "both")
     scenario = model if isinstance(model, Scenario) else None
     if not isinstance(model, Scenario | System):
         raise InvalidParameterError(

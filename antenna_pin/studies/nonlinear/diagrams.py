@@ -329,7 +329,7 @@ def bifurcation(
         parameter: Key of the scenario, with dots, as in ``--set``.
         values: Of it, in order: numbers in SI units, or text with a unit.
         section: Where the motion is examined.
-        quantities: What is noted there, by the names that :func:`antenna_pin.analysis.quantity` knows.
+        quantities: Quantities recorded there, by the names of :func:`antenna_pin.analysis.quantity`.
         branches: Any of ``fresh``, ``forward``, ``backward``.
         count: Points of each value, at least 32 [-].
         transient: Points cut before them; None to cut until what follows has settled [-].

@@ -115,7 +115,7 @@ class Exponents:
 
     Attributes:
         values: The largest first, (n,) [1/s].
-        errors: One standard error of each, from blocks of intervals so long that they know little of one
+        errors: One standard error of each, from blocks of intervals so long that they depend little on one
             another, (n,) [1/s].
         interval: Between two renormalisations, a period of the section if there is one [s].
         growth: Logarithm of what each has grown by in each interval, (intervals, n) [-].

@@ -86,7 +86,7 @@ def amplitudes(
     Args:
         branch: The branch.
         family: That it is of.
-        quantities: By the names that :func:`antenna_pin.analysis.quantity` knows.
+        quantities: By the names of :func:`antenna_pin.analysis.quantity`.
 
     Returns:
         By name: (points,) in the unit beside it.
@@ -308,7 +308,7 @@ def orbits_in_section(branch: xr.Dataset, section: Section, quantities: Sequence
     Args:
         branch: Of :func:`antenna_pin.studies.nonlinear.branch_table`, of a scenario.
         section: The stroboscope of the diagram.
-        quantities: By the names that :func:`antenna_pin.analysis.quantity` knows.
+        quantities: By the names of :func:`antenna_pin.analysis.quantity`.
 
     Returns:
         The branch, and each quantity over ``point`` and ``pass``, with its unit; attribute ``quantities``.

@@ -44,7 +44,7 @@ class Stroboscope:
         if self.period is not None and not 0.0 < self.period < math.inf:
             raise InvalidParameterError(self, "period", "positive and finite [s]", self.period)
         if self.period is not None and self.drive is not None:
-            raise InvalidParameterError(self, "drive", "left out beside a period", self.drive)
+            raise InvalidParameterError(self, "drive", "left out with a period", self.drive)
         if not 0.0 <= self.phase < 1.0:
             raise InvalidParameterError(self, "phase", "from 0 to below 1, a part of the period", self.phase)
 
@@ -94,7 +94,7 @@ class Crossing:
 
 
 Section = Stroboscope | Crossing
-"""Where a motion is looked at."""
+"""Condition at which a motion is sampled."""
 
 
 def _words_of(when: Callable[[Moment], float]) -> str:

@@ -175,7 +175,7 @@ def open_journal(
         folder.mkdir(exist_ok=True)
         there = json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
     except (OSError, ValueError) as error:
-        raise OutputError(f"{path}: cannot be read: {error}; remove its folder to begin anew") from error
+        raise OutputError(f"{path}: cannot be read: {error}; remove its folder to restart") from error
     if there is None:
         if any(one.name != ".lock" for one in folder.iterdir()):
             raise OutputError(

@@ -342,7 +342,7 @@ def open_study(path: str | os.PathLike[str]) -> xr.Dataset:
         ``seed``; ``run``, the number of each.
 
     Raises:
-        FileFormatError: The folder is no store of a study, or damaged.
+        FileFormatError: The folder is not a store of a study, or is damaged.
     """
     folder = Path(path)
     target = folder / _TABLE
