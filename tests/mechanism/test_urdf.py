@@ -419,8 +419,7 @@ def test_an_override_may_give_a_frame_its_inertial(crooked):
         ),
         (
             {"joints": {"slide": "planar"}},
-            "crooked.urdf: joint 'slide' is prismatic; only a revolute or continuous joint can become "
-            "planar",
+            "crooked.urdf: joint 'slide' is prismatic; only a revolute or continuous joint can become planar",
         ),
         (
             {"joints": {"weld": "planar"}},
