@@ -47,7 +47,7 @@ class InitialJointSpec(JointTable):
         journal_tilt: Rotation vector of the journal's tilt, in bearing axes [rad].
         journal_velocity: Of the journal's centre in bearing axes [m/s].
         journal_angular_velocity: Of the journal relative to the bearing, in bearing axes [rad/s].
-        guess: Whether, in loops, what is given is where a search begins rather than held.
+        guess: Whether, in loops, the given values are a first guess instead of held.
     """
 
     position: Annotated[float, QuantityRule(("rad", "m"))] | None = None
