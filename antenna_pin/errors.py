@@ -116,7 +116,7 @@ class FunctionError(AntennaPinError, RuntimeError):
 
     Args:
         name: Whose it is and what it is called.
-        question: What it was asked, in words.
+        question: Arguments of the call, as text.
         rule: What it must give, as it reads after "must give".
         got: What it gave instead.
     """

@@ -138,7 +138,7 @@ def test_nohup_keeps_a_run_alive(tmp_path, endless):
 def test_ctrl_c_while_modules_are_imported_is_no_traceback(tmp_path):
     """Sent at times spread over the imports; on a fast machine the run has begun when it is heard."""
     ready = _ENTRY.replace("import sys;", "import gc, sys; gc.set_threshold = lambda *_: print(flush=True);")
-    kept = r"(.* s/s step .*\n)?antenna-pin: bai2020-case3: at t = .* what was computed is kept .*\n"
+    kept = r"(.* s/s step .*\n)?antenna-pin: bai2020-case3: at t = .* the results so far are saved .*\n"
     for delay in (0.0, 0.05, 0.2):
         process = subprocess.Popen(
             [sys.executable, "-c", ready, "run", "bai2020"],

@@ -117,7 +117,7 @@ def mechanism_of(run: RunLike) -> Mechanism:
     data = data_of(run)
     if "urdf" not in data.attrs:
         raise FileFormatError(
-            "run: it must carry its mechanism to tell where bodies are, got data without the attribute urdf"
+            "run: must contain its mechanism to locate bodies, got data without the attribute urdf"
         )
     about = json.loads(data.attrs["mechanism"])
     urdf = Urdf.from_text(

@@ -74,8 +74,8 @@ def said_of_singular(counts: Mapping[str, Any]) -> str:
     times = ", ".join(readable(one["time"], "s", 4) for one in found[:_NAMED])
     more = f" and {len(found) - _NAMED} more" if len(found) > _NAMED else ""
     return (
-        f"passed {_many(len(found), 'singular position')}, at {times}{more}: loops could go on in more ways "
-        "than one there"
+        f"passed {_many(len(found), 'singular position')}, at {times}{more}: where the motion of the loops "
+        f"is not unique"
     )
 
 

@@ -291,7 +291,7 @@ def deviation_measures(
 ) -> tuple[DeviationMeasures, ...]:
     """Return the ``measures`` of :func:`deviation`, for runs of any length.
 
-    Long runs are looked at part by part. Arguments and errors are those of :func:`deviation`.
+    Long runs are examined part by part. Arguments and errors are those of :func:`deviation`.
     """
     pair = _Pair(data_of(run), data_of(ideal), joint)
     return _measures(pair.at, lambda: (pair.apart(part) for part in blocks(pair.data)))

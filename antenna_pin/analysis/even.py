@@ -1,7 +1,7 @@
 r"""A signal on an even grid, without folding.
 
-:mod:`antenna_pin.analysis.spectrum` says why. Of a signal that is too long for memory any stretch of the grid
-can be had by itself (:class:`EvenSignal`).
+:mod:`antenna_pin.analysis.spectrum` gives the reason. Of a signal that is too long for memory any stretch of
+the grid can be had by itself (:class:`EvenSignal`).
 """
 
 from __future__ import annotations
@@ -91,7 +91,9 @@ def _single(time: Array, values: Array) -> tuple[Array, Array]:
 
 def _check_finite(values: Array) -> None:
     if not np.isfinite(values).all():
-        raise InvalidParameterError("spectrum", "values", "finite; cut off what is not", "NaN or infinity")
+        raise InvalidParameterError(
+            "spectrum", "values", "finite; remove the samples that are not", "NaN or infinity"
+        )
 
 
 def _grid(time: Array, rate: float | None) -> tuple[float, int]:
@@ -314,7 +316,7 @@ def long_amplitudes(
 
     Args:
         even: The signal, of one component.
-        trend: What is taken off first.
+        trend: What is removed first.
 
     Returns:
         Magnitudes, (n // 2 + 1,); of how many points of the grid, n: the most of which transforms are cheap;

@@ -6,8 +6,8 @@ At a place on the bearing's axis the journal's axis pierces the bearing's cross 
 
 with the journal's centre p and axis z in bearing axes: the eccentricity there. The circle of radius
 :math:`C_r = R_i - R_j` is what rigid parts leave it. The gap at that end of the bore is C_r less the
-eccentricity but for terms of :math:`R_i \theta^2 / 2` in the tilt (0.3 um of 200 at the largest tilt of the
-antenna's joint).
+eccentricity except for terms of :math:`R_i \theta^2 / 2` in the tilt (0.3 um of 200 at the largest tilt of
+the antenna's joint).
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def clearance_shapes(run: RunLike) -> dict[str, dict[str, Any]]:
         return {}
     if "clearance_joints" not in data.attrs:
         raise FileFormatError(
-            "run: it must carry its joints' dimensions, got data without the attribute clearance_joints"
+            "run: must contain its joints' dimensions, got data without the attribute clearance_joints"
         )
     return dict(json.loads(data.attrs["clearance_joints"]))
 
@@ -203,7 +203,7 @@ def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> Arra
     """
     data = data_of(run)
     if "mechanism" not in data.attrs:
-        raise FileFormatError("run: it must carry its gravity, got data without the attribute mechanism")
+        raise FileFormatError("run: must contain its gravity, got data without the attribute mechanism")
     gravity = np.asarray(json.loads(data.attrs["mechanism"])["gravity"], dtype=float)
     shapes = clearance_shapes(data)
     place = shapes[choose("bearing_up", "clearance joint", joint, list(shapes))[0]]

@@ -25,8 +25,8 @@ def said_of_limits(run: RunLike) -> tuple[str, ...]:
     """Return a line for each joint beyond a ``<limit>`` of the URDF.
 
     By how much at most, and since when, are those of samples. A joint with play has no limits, for it is free
-    in the URDF that is simulated; one with an end stop is held by that. A lean result knows where its joints
-    end only: of a limit that was passed on the way nothing is said there, nor of a result without a URDF.
+    in the URDF that is simulated; one with an end stop is held by that. A lean result has joint positions at
+    the end only, so a limit passed during the run is not reported, nor any in a result without a URDF.
     """
     data = data_of(run)
     urdf = str(data.attrs.get("urdf", ""))

@@ -44,8 +44,8 @@ class Orbit:
 
     .. math:: R_{WO}(t) = \exp(\omega t\, [n]_\times)\, R_{WO}(0)
 
-    The world's axes do not turn. The motion itself knows of the orbit by ``[forces.NAME]``'s gravity gradient
-    only.
+    The world's axes do not turn. The motion itself depends on the orbit by ``[forces.NAME]``'s gravity
+    gradient only.
 
     Attributes:
         rate: Orbital rate [rad/s].
@@ -124,7 +124,7 @@ def orbit_angles(run: RunLike, body: str | None = None, orbit: Orbit | None = No
     time = sample_times(data, "orbit_angles")
     found = orbit if orbit is not None else orbit_of(data)
     if found is None:
-        rule = "given, for no gravity gradient in the run tells it"
+        rule = "given, because the run has no gravity gradient from which it follows"
         raise InvalidParameterError("orbit_angles", "orbit", rule, said="none")
     poses = body_poses(data, bodies=None if body is None else [body])
     attitude = Rotation.from_quat(poses["attitude"].isel(body=0).values)

@@ -154,8 +154,8 @@ def _value(name: str, source: str, place: str, run: RunLike, seed: int) -> Any:
         if "ssignment destination" not in str(error):  # as NumPy and xarray begin
             raise
         raise ScenarioError(
-            f"{name} must leave the run as it is, for other responses are of it too; let it "
-            "change a copy, run.data.copy(deep=True)"
+            f"{name} must not change the run, which other responses read too; change a copy instead, "
+            f"run.data.copy(deep=True)"
         ) from None
 
 

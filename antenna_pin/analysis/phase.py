@@ -67,7 +67,7 @@ def phase_portrait(
 ) -> PhasePortrait:
     """Return two or three quantities of a run for a portrait, without its transient.
 
-    The judge (:func:`antenna_pin.analysis.settled`) looks at 4096 even samples of the quantities. It
+    The test (:func:`antenna_pin.analysis.settled`) uses 4096 even samples of the quantities. It
     needs a run of many oscillations: where half a run is transient, each of its blocks is a sixteenth of it.
 
     Args:
@@ -153,7 +153,7 @@ def portrait_table(portrait: PhasePortrait, run: RunLike) -> xr.Dataset:
 
     Args:
         portrait: The portrait.
-        run: What it is of: its scenario and the versions that made it come along.
+        run: Run, whose scenario and versions are copied.
 
     Returns:
         Over ``sample``: ``time`` [s] and each quantity in its unit; attributes ``quantities`` (JSON, in the

@@ -114,8 +114,8 @@ class Antenna:
         spec = pointing_spec(run)
         if spec is None:
             raise FileFormatError(
-                f"{label_of(data_of(run))}: its scenario must have a table [pointing] that says what looks "
-                "where, got none; add it and run again, or name the body and its boresight"
+                f"{label_of(data_of(run))}: its scenario must have a table [pointing], got none; add it and "
+                f"run again, or name the body and its boresight"
             )
         return cls(body=spec.body, boresight=spec.boresight, up=spec.up)
 
@@ -250,8 +250,8 @@ def pointing_error(
             )
     if ideal is None and command is None:
         raise FileFormatError(
-            "run: there must be something to compare with, got neither an ideal run nor a commanded "
-            "direction; give an ideal run, or set pointing.commanded and pointing.direction"
+            "run: a reference is needed, got neither an ideal run nor a commanded direction; pass an ideal "
+            "run, or set pointing.commanded and pointing.direction"
         )
     for one in (run, ideal):
         if one is not None:

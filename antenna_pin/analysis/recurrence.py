@@ -14,8 +14,8 @@ of their sizes over frequencies, 1 for white noise: below 0.1 the motion is quas
 Where the points go round m bands in turn, the means of the bands are taken off first.
 
 Where the tests are at odds, the points too few for them, or not settled
-(:mod:`antenna_pin.analysis.transients`), the answer is "too short to say". Noise cannot be told from chaos by
-either.
+(:mod:`antenna_pin.analysis.transients`), the result is "too short to decide". Neither test separates noise
+from chaos.
 
 **Confidence** is the share of seven windows of half the length, evenly spaced along the series, in which the
 same rules come to the same kind and period. A verdict that less than half of them share is not given.
@@ -78,7 +78,7 @@ class Chaos(Enum):
 
     REGULAR = "regular"
     CHAOTIC = "chaotic"
-    TOO_SHORT = "too short to say"
+    TOO_SHORT = "too short to decide"
 
 
 class ChaosTest(NamedTuple):
@@ -98,7 +98,7 @@ def chaos_test(values: ArrayLike, *, angles: int = 100, noise: float = 0.0) -> C
 
     The series is of a map: points of a section, not the close samples of a smooth motion, for which the
     displacement grows at first whatever the motion is. The verdict is regular where the median K is below
-    0.25, chaotic where it is above 0.75, and "too short to say" between, with fewer than 200 points, or where
+    0.25, chaotic above 0.75, and "too short to decide" between, with fewer than 200 points, or where
     half the series lies on the other side. Noise counts as chaos.
 
     Args:
@@ -170,7 +170,7 @@ class RecurrenceKind(Enum):
     PERIODIC = "periodic"
     QUASI_PERIODIC = "quasi-periodic"
     CHAOTIC = "chaotic"
-    TOO_SHORT = "too short to say"
+    TOO_SHORT = "too short to decide"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -198,7 +198,7 @@ class Recurrence:
         if self.kind is RecurrenceKind.PERIODIC:
             return f"period {self.period}"
         if self.kind is RecurrenceKind.TOO_SHORT and self.longest:
-            return f"too short to say ({self.points} points); no period up to {self.longest}"
+            return f"too short to decide ({self.points} points); no period up to {self.longest}"
         return f"{self.kind.value}" + (f", {self.bands} bands" if self.bands > 1 else "")
 
 
@@ -216,10 +216,10 @@ def recurrence(
         points: Of a settled motion (:func:`antenna_pin.analysis.settled`), in order of time, (n,) or (n, d).
         scale: Size of each coordinate, () or (d,), in its unit, such as the range of the quantity over the
             run; the largest size among the points if left out, which is of no use for a coordinate
-            that is zero but for round-off (below 1e-9 of the largest coordinate it is left out).
+            that is zero except for round-off (below 1e-9 of the largest coordinate it is left out).
         tolerance: Distance of points that are the same, as a share of the scale [-]: above the error of the
             run and of its settling, far below what motions differ by.
-        longest: Longest period to look for; a quarter of the points at most.
+        longest: Longest period in the search; a quarter of the points at most.
 
     Raises:
         InvalidParameterError: A value is not finite, or a scale is not positive.
@@ -358,9 +358,10 @@ def section_lines(points: ArrayLike) -> tuple[Array, Array]:
 # --- diagrams -----------------------------------------------------------------------------------------------
 
 Verdict = str
-"""What a motion is: "period 1", "period 2" and so on, "quasi-periodic", "chaotic", or "too short to say"."""
+"""What a motion is: "period 1", "period 2" and so on, "quasi-periodic", "chaotic", or "too short to "
+"decide"."""
 
-#: What is not any of these is "too short to say": of few points only periods can be told.
+#: What is not any of these is "too short to decide": of few points only periods can be told.
 _UNDECIDED = RecurrenceKind.TOO_SHORT.value
 
 
@@ -384,7 +385,7 @@ def diagram_verdicts(
 
     Args:
         diagram: As :func:`antenna_pin.studies.nonlinear.bifurcation` returns it.
-        quantities: Which of its quantities are looked at; all if left out.
+        quantities: Which of its quantities are examined; all if left out.
         branch: Which of its branches; the first if left out.
         vector: Whether the quantities are components of one vector, whose largest amount counts for all.
         tolerance: Above what the accuracy of the runs leaves [-].

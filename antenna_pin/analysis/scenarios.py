@@ -2,9 +2,9 @@ r"""Contact scenarios of a revolute shape: the 16 pairs of radial and axial cont
 
 At a given tilt :math:`\theta` of the journal the bore's gaps depend on the two coordinates of the journal's
 axis across itself only, the flanges' gaps on the one coordinate along it only. So bore and flanges choose
-their scenarios independently of each other but for the tilt, and a pair is possible where the tilts of its
-two scenarios have a value in common. The tilts of each are intervals, whose ends are in closed form (but for
-one):
+their scenarios independently of each other except for the tilt, and a pair is possible where the tilts of its
+two scenarios have a value in common. The tilts of each are intervals, whose ends are in closed form (except
+for one):
 
 .. math::
     G(\theta) = R_i \cos\theta - \tfrac{L_i}{2} \sin\theta - R_j, \qquad

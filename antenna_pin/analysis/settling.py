@@ -3,8 +3,8 @@ r"""Transition of a joint from impacts to lasting contact.
 A joint has *settled* at the instant from which on its bore's contacts (a socket's, of a ball joint) are never
 all apart for longer than a given time: :math:`t_s` is the onset of contact that ends the last such interval
 longer than the longest gap allowed. It has not settled if one is still open when the run ends, or if what
-remains of the run after :math:`t_s` is too short to tell. Times are those of the located onsets and releases,
-not of samples.
+remains of the run after :math:`t_s` is too short to decide. Times are those of the located onsets and
+releases, not of samples.
 """
 
 from __future__ import annotations
@@ -156,7 +156,7 @@ def _settling(
     elif long.size and long[-1, 1] == end:
         settled, note = None, f"it is apart for {1e3 * (end - long[-1, 0]):.3g} ms when the run ends"
     elif settled is not None and end - settled < least:
-        left = f"only {1e3 * (end - settled):.3g} ms of {1e3 * least:.3g} ms to tell"
+        left = f"only {1e3 * (end - settled):.3g} ms of {1e3 * least:.3g} ms needed to decide"
         settled, note = None, f"{left} remain after {settled:.4g} s"
     table = impacts(data, joint)
     table = table.isel(impact=np.flatnonzero(np.isin(table["contact"].values, contacts)))

@@ -115,13 +115,13 @@ def scenario_shares(run: RunLike) -> xr.DataArray:
     Contacts begin and end at samples, and each has a sample between: the file has one at every change and at
     every largest force. So the time between two samples belongs to the scenario seen at its ends; half to
     each where they differ; and not to that of an end at which the joint's contacts of the kind have just
-    changed, where gaps are zero but for round-off. Where both ends are such, the number of touching contacts
-    tells none, one and two points.
+    changed, where gaps are zero except for round-off. Where both ends are such, the number of touching
+    contacts tells none, one and two points.
 
     Returns:
         Shares [-], (clearance_joint, radial, axial), labelled by the scenarios' names in lower case; they sum
         to 1 for each joint. No joint, no row, if the run has no clearance joint. A joint without flanges
-        knows "none" and "one_point" in the bore and no axial contact; that of a slider is any contact.
+        has "none" and "one_point" in the bore and no axial contact; that of a slider is any contact.
     """
     data = series(data_of(run), "scenario_shares")
     radial, axial = ([kind.name.lower() for kind in kinds] for kinds in (RadialScenario, AxialScenario))

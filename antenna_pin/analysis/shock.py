@@ -7,7 +7,7 @@ it by
 
 and its absolute acceleration is :math:`-(2 \zeta \omega \dot z + \omega^2 z)`. The signal is taken as the
 polygon through its samples, uneven as they are, for which each step is exact; oscillators that are fast for
-the steps are looked at between them too. On an even grid that is what the ramp-invariant filter does
+the steps are examined between them too. On an even grid that is what the ramp-invariant filter does
 (Smallwood 1981, Shock and Vibration Bulletin 51, 279).
 """
 
@@ -106,7 +106,7 @@ def _check_steps(t: Array, fastest: float) -> None:
     longest = float(np.diff(t).max())
     if longest * fastest * _LOOKS > _MOST_LOOKS:
         fast = _MOST_LOOKS / _LOOKS / longest
-        rule = f"at most {fast:.4g} Hz, of which the longest step between samples tells"
+        rule = f"at most {fast:.4g} Hz, the Nyquist frequency of the longest step between samples"
         raise InvalidParameterError("shock_spectrum", "frequencies", rule, said=f"{fastest:g} Hz")
 
 

@@ -103,7 +103,7 @@ def dominant_frequencies(
     .. math:: f = (k \pm \delta)/T, \quad \delta = \frac{2\alpha - 1}{1 + \alpha}, \qquad
               A = 2 |X_k| \frac{\pi\delta}{\sin\pi\delta} (1 - \delta^2),
 
-    exact for one sine in a long signal (Grandke 1983). Sines closer together than 4/T are not told apart,
+    exact for one sine in a long signal (Grandke 1983). Sines closer together than 4/T are not distinguished,
     below 2/T none is found (and below 3/T a frequency is off by up to 4 %), and an amplitude is a
     mean over the whole signal: a decaying one reads low. Of more than 100,000 samples the last few of the
     even grid are left out, so that their number is a product of small primes: another would take ten times
@@ -114,7 +114,7 @@ def dominant_frequencies(
         values: Samples, (n,), or a function that returns those from one number up to another.
         count: Most peaks to return.
         rate: Of the even grid [Hz]; see :func:`uniform`.
-        detrend: What is taken off first: the mean, or a straight line, which frees a drifting signal of its
+        detrend: What is removed first: the mean, or a straight line, which frees a drifting signal of its
             drift but also bends slow waves.
         units: Of the values.
         scale: Size of such quantities in the same run, where it is larger than this one's [units].

@@ -4,8 +4,8 @@ The rest of the points behind a candidate start is cut into eight blocks of equa
 coordinate four statistics are taken: the mean and the root mean square about the mean of all, both under Hann
 weights, so that it matters little how many oscillations fit into a block; the least and the largest value,
 which of a strange attractor scatter much less. A statistic drifts where the eight values rise or fall all
-the way, but for two neighbours at most (Kendall's S of 26 or more, of 28: by chance once in 2500). Means and
-root mean squares also do where they follow a straight line, or where the first block is further from the
+the way, except for two neighbours at most (Kendall's S of 26 or more, of 28: by chance once in 2500). Means
+and root mean squares also do where they follow a straight line, or where the first block is further from the
 others than they are from each other (Student's t, risk 1 % each). A drift smaller than a tolerance does not
 count.
 
@@ -59,7 +59,7 @@ class Settled:
     def words(self) -> str:
         """Verdict as text."""
         if self.points < LEAST:
-            return f"too short to say ({self.points} points, {LEAST} are needed)"
+            return f"too short to decide ({self.points} points, {LEAST} are needed)"
         if self.start is None:
             return (
                 f"not settled: its statistics drift by {self.drift:.2g} of their scale over the second half"
@@ -102,7 +102,7 @@ def scaled(place: str, points: ArrayLike, scale: ArrayLike | None, least: Array 
     """Return points (n, d) by their scale [-].
 
     Args:
-        place: Who asks, for messages.
+        place: Name of the caller, for messages.
         points: (n,) or (n, d).
         scale: () or (d,), half the range of the points if left out.
         least: Least scale, (d,), where none is given.

@@ -1,7 +1,7 @@
 """Arguments of public functions and classes: wrong types are refused in one line.
 
 :func:`takes` above a function, or above a class, checks each argument against its annotation before anything
-is done with it, and reads text with a unit where a number with a unit is asked for::
+is done with it, and reads text with a unit where a number with a unit is requested::
 
     @takes(duration="s")
     def simulate(model: Scenario | System, *, duration: float | str | None = None) -> Trajectory: ...

@@ -30,7 +30,7 @@ def direction(value: ArrayLike, place: object, name: str) -> NDArray[np.float64]
     Args:
         value: Of any length [-].
         place: Whose it is, an object or the name of a place, for the message.
-        name: What it is called there.
+        name: Its name.
 
     Raises:
         InvalidParameterError: It is zero, or not finite, or not three numbers.

@@ -1,8 +1,8 @@
 """Complete, sealed files, and checks of paths before any work.
 
 A file is written under a temporary name beside its place and moved there when it is whole and on the disk.
-The temporary one is locked while its process lives, so that what a killed process has left can be told and
-is removed by the next that writes into the folder.
+The temporary one is locked while its process lives, so that the file of a killed process can be recognised
+and is removed by the next that writes into the folder.
 """
 
 from __future__ import annotations
@@ -224,7 +224,7 @@ def _short(path: Path, most: int = 60) -> str:
 def seal(path: Path) -> None:
     """Append a digest of a file to it, for :func:`has_whole_seal`.
 
-    Readers of formats that know their own length, as HDF5, do not see it.
+    Readers of formats with their own length, as HDF5, ignore it.
     """
     with path.open("r+b") as file:
         digest = hashlib.file_digest(file, "sha256").hexdigest()

@@ -17,7 +17,7 @@ class Material:
         young: Young's modulus E [Pa].
         poisson: Poisson's ratio nu [-].
         density: Mass density [kg/m^3]; not needed for contact.
-        source: Where the numbers come from.
+        source: Source of the numbers.
     """
 
     young: float = parameter("Pa", rule="positive")

@@ -49,7 +49,7 @@ def choice_for(accuracy: float) -> tuple[Method, float]:
 class ErrorScales:
     """Error scales of each kind of quantity: step error below rtol (scale + ``|value|``).
 
-    A clearance of a fraction of a millimetre and a satellite of tonnes do not share a scale. At a clearance
+    Clearances of fractions of a millimetre and satellites of tonnes need different scales. At a clearance
     joint positions are measured in clearances. Scales of a free base are multiplied by ``base``; left out,
     that is the mass of the other bodies over the whole mass, so that errors weigh alike as momentum.
 
@@ -84,26 +84,26 @@ class RunSettings:
     """Settings of integration and sampling.
 
     Attributes:
-        engine: ``pinocchio``, or ``compiled``: all of a step in compiled code, where nothing happens in
+        engine: ``pinocchio``, or ``compiled``: whole steps in compiled code, for systems without functions in
             Python.
         method: A Runge-Kutta method; ``radau5`` is implicit, for stiff contact.
         rtol: Relative tolerance of a step of the adaptive methods [-].
-        accuracy: Wanted relative error of motion, impulses and largest forces, which chooses ``method`` and
+        accuracy: Relative error of motion, impulses and largest forces, which selects ``method`` and
             ``rtol`` [-]; None if they are given.
         step: Fixed step of ``rk4`` [s].
         max_step: Longest step [s].
-        min_step: A run whose step falls below this ends [s].
+        min_step: Least step, below which a run ends [s].
         first_step: First trial step [s]; None to choose it.
         max_steps: Trial steps in all after which a run ends; None for no limit [-].
         max_wall_time: Wall time after which a run ends [s]; None for no limit.
-        max_expected_steps: A run that at its pace would need more trial steps to its end, ends [-].
+        max_expected_steps: Largest number of trial steps expected to the end, above which a run ends [-].
         ledger_tolerance: Error of the energy balance, relative to the largest gross work, kinetic or stored
             energy, beyond which a run ends as ``LEDGER_OPEN``; that of a momentum that is kept likewise [-].
-            None for what ``rtol`` explains, 1e-3 with fixed steps.
+            None for the error explained by ``rtol``, 1e-3 with fixed steps.
         ledger_alarm: Whether a run whose ledger does not close ends as ``LEDGER_OPEN``.
-        scales: What the tolerance is relative to.
-        output_rate: Samples per time, beside those at events [Hz].
-        output_times: Samples at these times beside those, ascending [s].
+        scales: Scales to which the tolerance is relative.
+        output_rate: Sample rate, in addition to samples at events [Hz].
+        output_times: Times of further samples, ascending [s].
         output_form: ``full``, or ``lean`` without series: a result of numbers and contact episodes only.
     """
 
@@ -133,7 +133,7 @@ class RunSettings:
         if not isinstance(self.scales, ErrorScales):
             raise InvalidParameterError(self, "scales", "an ErrorScales", type(self.scales).__name__)
         if self.rtol < _LEAST_RTOL:
-            rule = f"{_LEAST_RTOL:g} or more, since what is less drowns in round-off"
+            rule = f"{_LEAST_RTOL:g} or more, because a lower value is below round-off"
             raise InvalidParameterError(self, "rtol", rule, said=f"{self.rtol:g}")
         for k in np.flatnonzero(np.diff(self.output_times) <= 0.0)[:1].tolist():
             said = f"{self.output_times[k + 1]:g} s after {self.output_times[k]:g} s"
@@ -155,14 +155,14 @@ class RunSettings:
         for name, chosen in zip(("method", "rtol"), choice_for(accuracy), strict=True):
             given = getattr(self, name)
             if given not in (chosen, type(self).__dataclass_fields__[name].default):
-                rule = f"left out beside accuracy = {accuracy:g}, which chooses it"
+                rule = f"left out with accuracy = {accuracy:g}, which chooses it"
                 raise InvalidParameterError(self, name, rule, given)
             object.__setattr__(self, name, chosen)
 
     def shortest_at(self, time: float) -> float:
         """Return the shortest span that steps can make from a time on [s].
 
-        A run over less would be a step of the floor, or of the round-off of its times.
+        A shorter run would consist of one least step, or of round-off.
         """
         return max(_FLOORS * self.min_step, _ULPS * math.ulp(time))
 
@@ -170,10 +170,10 @@ class RunSettings:
         """Refuse a span that steps cannot make.
 
         Args:
-            place: Whose it is, for the refusal.
-            name: What it is called.
+            place: Owner, for the message.
+            name: Its name.
             span: [s].
-            time: From when on [s].
+            time: Start of the span [s].
         """
         least = self.shortest_at(time)
         if not least <= span < math.inf:
@@ -187,8 +187,8 @@ class RunSettings:
         """Refuse steps and samples for which a run would never end, or outgrow memory.
 
         Args:
-            begin: Of the run [s].
-            end: Of the run [s].
+            begin: Start of the run [s].
+            end: End of the run [s].
         """
         span = end - begin
         self.check_long_enough(self, "duration", span, begin)

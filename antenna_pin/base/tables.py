@@ -2,7 +2,7 @@
 
 Detected unless given: the delimiter (``;``, tabulators, commas, else blanks), a decimal comma, the line of
 names, units in it (``time [s]``, ``time (ms)``, ``Time/s``) or in a line beneath. Columns go by name,
-capitals or not, whatever stands beside them. What could be read in two ways is refused, and nothing is
+capitals or not, whatever accompanies them. What could be read in two ways is refused, and nothing is
 evaluated.
 """
 
@@ -319,7 +319,7 @@ def _place(name: str, header: Sequence[str], wanted: Sequence[str], line: int) -
         if key in names:
             places = [str(k + 1) for k, one in enumerate(names) if one == key]
             rule = f"{name} must be the name of one column, got it of columns {' and '.join(places)}"
-            raise BadTableError(f"line {line}: {rule}; give each a name of its own")
+            raise BadTableError(f"line {line}: {rule}; give each column its own name")
     raise UnknownColumnError(wanted, name, header, line)
 
 

@@ -3,7 +3,7 @@
 ``quantity("0.2 mm", "m", place)`` is 0.0002. The dimension is checked, and so are angles: a frequency [Hz]
 and an angular rate [rad/s] have the same dimension but differ by 2 pi, so neither is taken for the other.
 Decimal text is converted exactly and rounded once: "9.8 mm" is the float 0.0098. Units may be those of data
-sheets: mNm, gcm², in-lb. Pounds and ounces are weights where a force or a torque is asked for; g is standard
+sheets: mNm, gcm², in-lb. Pounds and ounces are weights where a force or a torque is requested; g is standard
 gravity in what holds no mass.
 """
 
@@ -295,7 +295,7 @@ def quantity(value: object, unit: str | tuple[str, ...], place: str) -> float:
     Args:
         value: A number, taken to be SI, or text with a unit such as ``"0.2 mm"``. NaN, infinities, booleans,
             unknown units and units of another dimension are refused.
-        unit: The SI unit asked for, such as ``"N*m"``, ``"N/m**1.5"``, or ``"1"`` for a pure number; a tuple
+        unit: The SI unit, such as ``"N*m"``, ``"N/m**1.5"``, or ``"1"`` for a pure number; a tuple
             if any of several will do.
         place: Where the value stands, for the message.
 

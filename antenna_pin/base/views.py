@@ -2,7 +2,7 @@
 
 Readers stand above what they read, and are made of libraries that take a while to load. So a class of results
 names a reader of the room ``views`` by a :class:`View`, which fetches it when it is used; :data:`VIEWS` is
-the table of all of them, and the one place where what lies below knows the name of what lies above. The
+the table of all of them, and the only place where a lower layer names a higher one. The
 protocols say to editors and type checkers what comes of it.
 """
 

@@ -3,7 +3,7 @@
 Numba caches a compiled function by the age of the file it stands in, and does not see that a function it
 calls in another file has changed. The kernels call one another across rooms, so here every cache entry is
 tied to the code of the kernel file it is in and of all kernel files which that imports, directly or not: a
-change in one of them compiles these anew, other than of docstrings, comments and annotations of functions.
+change in one of them compiles these again, other than of docstrings, comments and annotations of functions.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ def code_of(text: bytes | str, with_methods: bool = False) -> str:
     """Return the syntax tree of a module, as text, without what kernels cannot depend on.
 
     That are docstrings, annotations of functions, and of classes the methods and the declarations of fields
-    but for names and types.
+    except for names and types.
     """
     tree = ast.parse(text)
     for node in ast.walk(tree):

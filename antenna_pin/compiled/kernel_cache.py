@@ -2,7 +2,7 @@
 
 Numba trusts its files: one that was cut off ends in an error of pickle, one with a flipped bit is called.
 Here every file starts with the digest of the rest and names what it was compiled for; one that does not hold
-counts as not there, so that it is compiled and written anew. They are pickles, which run code as they are
+counts as not there, so that it is compiled and written again. They are pickles, which run code as they are
 read: a folder that somebody else may write (:mod:`antenna_pin.compiled.ownership`) is neither read nor
 written.
 
@@ -54,7 +54,7 @@ def keep(dispatcher: Any, stamp: str, entry: bool = False) -> None:
     One for Python to call has files of its own beside those of the same function for kernels.
 
     These are NUMBA_CACHE_DIR, the sources' ``__pycache__`` and the user's cache, in this order. If there is
-    none, a :class:`KernelCacheWarning` says so once, when something has been compiled.
+    none, a :class:`KernelCacheWarning` states this once, when something has been compiled.
     """
     function = getattr(dispatcher, "py_func", None)
     if function is None:  # NUMBA_DISABLE_JIT=1
@@ -128,7 +128,7 @@ def _closed(folder: str, owner: int) -> bool:
     """Return whether only trusted users may write to a folder; warn once where others may."""
     found = stranger_of(folder, owner)
     if found:
-        _tell(f"{folder} is not safe, for {found}", "keep others from writing there")
+        _tell(f"{folder} is not safe, for {found}", "remove the others' write permission")
     return not found
 
 
@@ -351,7 +351,7 @@ def _tell(reason: str, way_out: str = "") -> None:
     if not _told:
         _told.append(reason)
         warnings.warn(
-            f"compiled kernels cannot be kept ({reason}), so that each process compiles them anew, for a "
+            f"compiled kernels cannot be cached ({reason}), so each process compiles them again, for a "
             f"minute or two; {way_out and f'{way_out}, or '}set NUMBA_CACHE_DIR to a folder of your own "
             "that can be written",
             KernelCacheWarning,

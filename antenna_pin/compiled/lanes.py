@@ -1,7 +1,7 @@
 """Four numbers at once in compiled code, in one register of the processor.
 
 Compilers make such code of sums only if they may change the order of additions, which changes results. Here
-each of the four goes its own way: what comes out are the numbers of as many loops, to the last bit. Lanes
+each of the four is independent: the results are the numbers of as many loops, to the last bit. Lanes
 add, subtract and multiply, with one another and with a number. Uncompiled they are arrays;
 compiled, what ``_intrinsics.py`` says.
 """

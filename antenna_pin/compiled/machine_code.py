@@ -2,8 +2,8 @@
 
 Numba reads a kept function as if it were to be compiled against: it loads its whole compiler, half a second
 of it, parses the function's LLVM code and looks through its symbols. To be called, a function needs none of
-that: its object file is given to LLVM's linker as it is. Its LLVM code, which callers that are compiled anew
-may want, is kept beside it and parsed for them only.
+that: its object file is given to LLVM's linker as it is. Its LLVM code, which callers that are compiled again
+may want, is stored with it and parsed for them only.
 """
 
 from __future__ import annotations

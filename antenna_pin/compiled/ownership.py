@@ -24,7 +24,7 @@ def stranger_of(folder: str | os.PathLike[str], trusted: int) -> str | None:
         trusted: Number of a user beside root and the present one who may, as the owner of the sources.
 
     Raises:
-        OSError: It cannot be looked at.
+        OSError: It cannot be examined.
     """
     whole = Path(folder).resolve(strict=True)
     for at in (whole, *whole.parents):

@@ -32,7 +32,8 @@ def baseline_runs() -> bool:
 def aim_at_baseline() -> None:
     """Have Numba make code for the baseline where it runs, unless a processor is named.
 
-    Where a script has had Numba compile something of its own before, that goes on for the processor at hand.
+    Where a script has had Numba compile something of its own before, that continues for the processor at
+    hand.
     """
     if baseline_runs() and getattr(numba.config, "CPU_NAME", "") is None:
         numba.config.CPU_NAME, numba.config.CPU_FEATURES = BASELINE, ""

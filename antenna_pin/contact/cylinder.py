@@ -230,8 +230,8 @@ class ESDU78035(LogarithmicLaw):
               \left[\ln\frac{4 L \Delta R}{F (\sigma_i + \sigma_j)} + 1\right], \qquad
               \sigma = \frac{1 - \nu^2}{\pi E}
 
-    Johnson's law but for the +1 where that has -1. A public multibody code (DyS) has another version, whose
-    units do not agree.
+    Johnson's law except for the +1 where that has -1. A public multibody code (DyS) has another version,
+    whose units do not agree.
 
     References:
         ESDU 78035 (1978), Contact phenomena I; the form after Pereira et al. (2011), Nonlinear Dyn. 63,
@@ -282,7 +282,7 @@ class BaiZhaoElastic(LineLaw):
               \sqrt{\frac{2 \delta\, [3 \Delta R + 2 \delta]^2}{(\Delta R + \delta)^3}}
 
     K_n is the tangent stiffness dF/d delta per length of :class:`LiuFoundation`, used as a secant: with n =
-    1, which the units ask for, the force is 1.5 times Liu's at small depth. With n = 3/2, as the paper
+    1, which the units require, the force is 1.5 times Liu's at small depth. With n = 3/2, as the paper
     suggests, the units do not agree; numbers are SI.
 
     Attributes:

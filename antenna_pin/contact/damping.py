@@ -165,7 +165,7 @@ class JankowskiDamping(_OfRestitution):
 
     References:
         Jankowski (2005), Earthq. Eng. Struct. Dyn. 34, 595-611, and (2006) 35, 517-524 for xi. Recalled, not
-        checked against the papers; xi has the slope at c_r = 1 that the exact relation asks for.
+        checked against the papers; xi has the slope at c_r = 1 that the exact relation requires.
     """
 
     @property

@@ -54,7 +54,7 @@ class CompiledFrictionLaw(Law):
     """The shared face of the laws whose arithmetic is a compiled kernel.
 
     Attributes:
-        kind: One of those that the kernels know, whose record has the names of the law's attributes.
+        kind: A kind of the kernels, whose record has the names of the law's attributes.
     """
 
     __slots__ = ()
@@ -100,7 +100,7 @@ def check_at_rest(place: str, coefficient: Callable[[float], float]) -> None:
     A function that is none of a float is left to what calls it.
 
     Args:
-        place: Whose it is, for the refusal.
+        place: Owner, for the message.
         coefficient: ``speed [m/s] -> mu [-]``.
     """
     try:
@@ -110,7 +110,7 @@ def check_at_rest(place: str, coefficient: Callable[[float], float]) -> None:
     if first > 0.5 * max(further):
         rule = (
             "a function that tends to 0 with the speed, since force and slip are opposed and the force would "
-            "jump where the slip turns round; multiply it by tanh(speed / 1e-4), or take a law that sticks, "
+            "jump where the slip turns round; multiply it by tanh(speed / 1e-4), or use a law that sticks, "
             "such as LuGre"
         )
         raise InvalidParameterError(place, "coefficient", rule, said=f"{first:g} at {_REST:g} m/s")
@@ -188,7 +188,7 @@ class Coulomb(CompiledFrictionLaw):
 
     .. math:: \mu(|v|) = \mu\, \frac{|v|}{\sqrt{v^2 + v_r^2}}
 
-    Infinitely differentiable in the slip velocity. It tends to Coulomb's law as v_r tends to zero, but for
+    Infinitely differentiable in the slip velocity. It tends to Coulomb's law as v_r tends to zero, except for
     its sticking: :math:`\mu` is approached as :math:`1 - v_r^2 / (2 v^2)`.
 
     Attributes:
@@ -418,8 +418,8 @@ class BrownMcPhee(CompiledFrictionLaw):
               + \frac{(\mu_s - \mu_d)\, v / v_t}{\left[\tfrac14 (v / v_t)^2 + \tfrac34\right]^2}\right]
               + \mu_v\, v \tanh\frac{4 F_n}{F_{nt}}
 
-    Infinitely differentiable. The peak, mu_s but for :math:`\mu_d (1 - \tanh 4) = 0.0007 \mu_d`, is at v_t.
-    The viscous part does not grow with the load, but fades in with it.
+    Infinitely differentiable. The peak, mu_s except for :math:`\mu_d (1 - \tanh 4) = 0.0007 \mu_d`, is at
+    v_t. The viscous part does not grow with the load, but fades in with it.
 
     Attributes:
         static: mu_s, at the peak; at least ``dynamic`` [-].

@@ -265,7 +265,7 @@ def _other_friction_ratio(law: Floats, kind: float, speed: float, force: float) 
 def friction_ratio(law: Floats, speed: float, force: float) -> float:
     """Friction coefficient over slip speed, ``mu(|v|) / |v|`` [s/m]; finite at rest for regular laws.
 
-    Only a law whose friction is not proportional to the normal force [N] looks at it.
+    Only laws whose friction is not proportional to the normal force [N] depend on it.
     """
     kind = record(law, FRICTION_LAW).kind
     if kind == VELOCITY_BASED:

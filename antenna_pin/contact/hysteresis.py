@@ -231,7 +231,7 @@ class FloresDamping(HysteresisDamping):
 class GharibHurmuzluDamping(HysteresisDamping):
     r""":math:`\chi = 1 / c_r`, for low restitution only.
 
-    It delivers 0.594 where 1 is asked for, 0.282 where 0.3; at 0.2 and below it is within 0.003.
+    It delivers 0.594 where 1 is requested, 0.282 where 0.3; at 0.2 and below it is within 0.003.
 
     References:
         Gharib and Hurmuzlu (2012), J. Appl. Mech. 79(6), 064506. Recalled, not checked against the paper; it
@@ -396,8 +396,8 @@ class MarhefkaOrinDamping(Dissipation):
 
     .. math:: f = f_e(\delta) \left(1 + \tfrac32 \alpha\, \dot\delta\right)
 
-    which asks for :math:`c_r = 1 - \alpha v_0`, as metals have it at moderate speeds. The damping does not
-    know the approach speed, so that the law has no memory; :math:`\chi` is :math:`\tfrac32 \alpha v_0`.
+    which requires :math:`c_r = 1 - \alpha v_0`, as metals have it at moderate speeds. The damping does not
+    depend on the approach speed, so the law has no memory; :math:`\chi` is :math:`\tfrac32 \alpha v_0`.
 
     Attributes:
         slope: alpha, loss of restitution over impact speed [s/m].

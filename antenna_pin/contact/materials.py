@@ -42,7 +42,7 @@ class MaterialPair:
         first: Name of a material.
         second: Name of a material.
         condition: Of the surfaces.
-        source: Where the numbers come from.
+        source: Source of the numbers.
         restitution: Coefficient of restitution [-].
         static: Coefficient of static friction [-].
         dynamic: Coefficient of dynamic friction [-].

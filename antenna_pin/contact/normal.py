@@ -84,7 +84,7 @@ class Law:
 class NormalLaw(Protocol):
     """Protocol of a normal law; :class:`CustomNormal` makes one from functions.
 
-    A law that does not hold at any depth says so by an attribute ``depth_limit`` [m].
+    A law that does not hold at any depth states this by an attribute ``depth_limit`` [m].
     """
 
     def force(self, depth: float, rate: float, approach_speed: float) -> float:

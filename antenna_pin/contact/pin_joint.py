@@ -52,8 +52,8 @@ class LiuConformal(LineLaw):
     .. math:: F = \tfrac43 E^* \delta^{3/2} \left(\frac{1}{R_j} - \frac{1}{R_i}\right)^{-1/2}
 
     Steuermann's formulas for bodies of revolution with n = 1, that is Hertz's law for *spheres*, with the
-    internal radius. It knows no length, which is checked and not used; the paper compares it with (6) per
-    millimetre. Its column in Table 1 has radii of 0.9 mm, or a slip in the units.
+    internal radius. It does not depend on the length, which is checked only; the paper compares it with (6)
+    per millimetre. Its column in Table 1 has radii of 0.9 mm, or a slip in the units.
 
     References:
         Liu, Zhang, Guo and Deng (2013), J. Aerosp. Technol. Manag. 5(3), 341-348, equation (14).

@@ -1,7 +1,7 @@
 r"""Laws of the literature as a whole: elastic law with its authors' dissipation.
 
 Each is short for a :class:`antenna_pin.contact.DampedContact` of the two, which a row of ``ALIASES`` names
-(:mod:`antenna_pin.contact.registry`); its parameters are theirs. It is made when it is first asked for. The
+(:mod:`antenna_pin.contact.registry`); its parameters are theirs. It is made when it is first requested. The
 docstring of the dissipation has the formula, where it holds, and the source.
 """
 

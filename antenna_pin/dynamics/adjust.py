@@ -163,7 +163,7 @@ class Adjustments:
         if hasattr(source, _ON):
             keys.append(_ON)
         elif key == _ON:
-            rule = "left alone: a prescribed motion holds all the time; have a pd drive follow it"
+            rule = "left alone: a prescribed motion holds all the time; use a pd drive instead"
             raise InvalidParameterError("Set", place, rule, value)
         keys += source.own_keys()
         block = self._blocks[element]
@@ -269,7 +269,7 @@ def modes_in_another(
         adjusted: Their modes before (:func:`modes_kept`).
 
     Raises:
-        InvalidParameterError: An element cannot go on there.
+        InvalidParameterError: An element cannot continue there.
     """
     found = Adjustments(system, system.program.copy())
     for place, value in adjusted:

@@ -121,7 +121,7 @@ def check_jumps(system: System, name: str, motion: Motion, begin: float, end: fl
         if not begin < one.time <= end or not (one.value or motion.rate_jumps == "refused"):
             continue
         what, size, way = (
-            ("position", f"{number(one.value)} {unit}", "have a pd drive follow it")
+            ("position", f"{number(one.value)} {unit}", "use a pd drive instead")
             if one.value
             else ("rate", f"{number(one.rate)} {unit}/s", "take rate_jumps = 'impulse'")
         )
@@ -157,8 +157,8 @@ def assembled(
 ) -> tuple[Array, Array]:
     """Return a nearby configuration and velocity that close loops and follow motions.
 
-    Journals stay where they are in their bearings, and as fast, but for what their joints leave free. A free
-    base stays if no closure holds it to the world, and as fast if it can. Velocities of joints that no
+    Journals stay where they are in their bearings, and as fast, except for what their joints leave free. A
+    free base stays if no closure holds it to the world, and as fast if it can. Velocities of joints that no
     equation connects to a held or prescribed rate stay; followers follow their leaders; in loops the velocity
     is the nearest in kinetic energy.
 
@@ -241,7 +241,7 @@ def _write_follower_rates(system: System, y: Array, held_joints: Collection[str]
 
 def _let_go(held_joints: Collection[str]) -> str:
     if not held_joints:
-        return "look at the closures' points and axes"
+        return "check the closures' points and axes"
     return f"let joints be found (guess = true) of those held: {', '.join(sorted(held_joints))}"
 
 
@@ -315,7 +315,7 @@ def check_closed(system: System, y: Array) -> None:
 def check_motions(system: System, y: Array, begin: float, end: float) -> None:
     """Refuse motions that exceed joint limits, jump, or conflict with the loops.
 
-    That they can is looked at only where nothing else is free to move.
+    That they can is examined only where nothing else is free to move.
 
     Args:
         system: The system.
@@ -387,14 +387,14 @@ def _check_singular(system: System, workspace: Workspace, y: Array) -> None:
         if there.closed_rank > here.closed_rank or there.rank > here.rank:
             raise MechanismError(
                 f"initial state: a singular position: {here.rank} of {here.closed + here.driven} equations "
-                f"of {held} and motions are independent here and {there.rank} beside it, so that the loops "
-                "could go on in more ways than one; start off it"
+                f"of {held} and motions are independent here and {there.rank} beside it, so the motion of "
+                f"the loops is not unique; start away from it"
             )
     if here.rank < here.closed_rank + here.driven:
         names = ", ".join(map(repr, constraints.plan.motions))
         places = held if constraints.plan.couplings else "closures' points and axes"
         raise MechanismError(
             f"motions {names}: the {held} leave {here.free} freedoms, and {here.driven} motions prescribe "
-            f"{here.rank - here.closed_rank} of them independently; take motions away, or check the "
+            f"{here.rank - here.closed_rank} of them independently; remove motions, or check the "
             f"{places}"
         )

@@ -311,15 +311,14 @@ def check_motion(
     if slot.kind not in ("revolute", "continuous", "prismatic") and motion.joint not in turning:
         raise MechanismError(
             f"{place}: joint {motion.joint!r} is {slot.kind} here, and only a revolute or continuous joint, "
-            "with play or without, or a prismatic one without can be made to follow a motion; "
-            "drive another joint"
+            "with play or without, or a prismatic one without can follow a motion; drive another joint"
         )
     for name, other in drives.items():
         if name != own and other.joint == motion.joint:
             what = "a motion" if isinstance(other, Motion) else "a drive"
             raise MechanismError(
-                f"{place}: joint {motion.joint!r} already has {what}, {name!r}; its motion is "
-                "prescribed, so take one of the two away"
+                f"{place}: joint {motion.joint!r} already has {what}, {name!r}; its motion is prescribed, "
+                f"so remove one of the two"
             )
 
 
@@ -368,8 +367,8 @@ def on_bearings(
         kind = mechanism.joint(joint).kind
         if joint in held_joints:
             raise MechanismError(
-                f"{place}: joint {joint!r} is held by constraint, and a bearing would carry nothing; take "
-                "the constraint or the bearing away"
+                f"{place}: joint {joint!r} is held by constraint, so a bearing would carry no load; remove "
+                f"the constraint or the bearing"
             )
         if joint not in with_play and not bearing.frees:
             rule = "one with play: a preload acts between a journal and its bearing"

@@ -35,7 +35,7 @@ def couplings_of(
     for name, numbers in mechanism.urdf.mimics.items():
         place = f"{where}: <mimic> of joint {name!r}"
         if numbers["leader"] == name:
-            raise MechanismError(f"{place}: must name another joint, got its own; take it out")
+            raise MechanismError(f"{place}: must name another joint, got its own; remove it")
         found[name] = Coupling(follower=name, **numbers)
         _check(
             mechanism, place, found[name], "take the <mimic> out by mimic = false in its [mechanism.joints]"
@@ -135,7 +135,7 @@ def fit_turns(
 ) -> None:
     """Set the whole turns of unlimited joints by couplings in a state, in place.
 
-    Turned angles of y, at ``turn_x``, are correct but for whole turns, which ``given_joints`` joints keep.
+    Turned angles of y, at ``turn_x``, are correct except for whole turns, which ``given_joints`` joints keep.
     """
     x = y[mechanism.model.nq + mechanism.model.nv :]
 

@@ -13,7 +13,7 @@ p their impulses they obey Newton's law in Moreau's form,
 .. math:: 0 \le p_i \quad \perp \quad u_i^+ - b_i \ge 0, \qquad b_i = e_i\, |u_i^-|, \quad u_i^- \le 0
 
 a complementarity problem whose velocity is the nearest one that the inequalities admit: it is unique, and
-hangs on no order. Its impulses are found by the finite method of Lawson and Hanson for least distances. As
+depends on no order. Its impulses are found by the finite method of Lawson and Hanson for least distances. As
 no row that pushes was leaving its stop, stops take
 
 .. math:: -\tfrac12 \sum_i p_i (u_i^+ + u_i^-) = \tfrac12 \sum_i p_i (1 - e_i) |u_i^-| \ge 0
@@ -182,7 +182,7 @@ def _pushing(
     # A joint that others hold stays where it is, if that is no way into the stop.
     if np.any(needed[~moves] - least[~moves] / lengths[~moves] > _ROUND_OFF * size):
         raise MechanismError(
-            "impulse: what is held drives a joint into its rigid stop; take one of both away"
+            "impulse: a constraint drives a joint into its rigid stop; remove one of the two"
         )
     some = np.flatnonzero(moves)
     most = float(needed[some].max(initial=0.0))
@@ -194,7 +194,7 @@ def _pushing(
     left = 1.0 - float(table[-1] @ found)
     if left <= _ROUND_OFF:
         raise MechanismError(
-            "impulse: what is held admits no velocity with which joints stay out of their rigid stops"
+            "impulse: the constraints admit no velocity that keeps joints out of their rigid stops"
         )
     return [
         (int(k), float(one) * most / left / lengths[k])
@@ -379,8 +379,8 @@ def check_restraint(
     if motions:
         drives = f"drive{'s' if len(motions) > 1 else ''} {', '.join(map(repr, motions))}"
         raise NotFollowedError(
-            f"{one.label}: its joint {joint!r} is held to a motion by {drives}; take one of them away, have "
-            "a pd drive follow the reference, or take an element that gives way"
+            f"{one.label}: its joint {joint!r} is held to a motion by {drives}; remove one of them, follow "
+            f"the reference with a pd drive, or use a compliant element"
         )
 
 

@@ -89,7 +89,7 @@ def fill_nodes(nodes: Floats, trial: TrialStep, from_last: bool, at_end: bool) -
 
     ``nodes`` is (NODE_SIZE, NODES + 1, contacts). Its ends are the states themselves, not those of the dense
     output: so a step may take over (``from_last``) what the last one has found at its end, if nothing has
-    changed since, and (``at_end``) what the derivative has found of touching contacts, if it was asked last
+    changed since, and (``at_end``) the derivative's touching contacts, if it was called last
     at this one's end.
     """
     table = trial.table

@@ -6,7 +6,7 @@ block begins with what it is and how long (:data:`antenna_pin.base.records.BLOCK
 :mod:`antenna_pin.elements`: ``ELEMENT``, then the record of its kind. Behind stand the elements on links
 (:mod:`antenna_pin.dynamics.link_kernels`), with a pass of their own.
 
-A configuration knows an angle only but for whole turns. Joints that turn without end (continuous ones and
+A configuration gives an angle up to whole turns. Joints that turn without end (continuous ones and
 those with play) have their *turned angle*, with all turns, in x: that at the last accepted state, to which
 angles of the step from there are the nearest (:func:`antenna_pin.mechanism.tree_kernels.unwrapped`).
 """

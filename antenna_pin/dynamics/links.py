@@ -53,8 +53,8 @@ def point_spring_block(mechanism: Mechanism, place: str, spring: BetweenPoints, 
         body = int(sides["body"][0])
         said = "the world" if body < 0 else f"body {mechanism.bodies[body]!r}"
         raise MechanismError(
-            f"{place}: its links {spring.first[0]!r} and {spring.second[0]!r} are one body, {said}, and it "
-            "would do nothing; name links between which a joint moves"
+            f"{place}: its links {spring.first[0]!r} and {spring.second[0]!r} are one body, {said}, so it "
+            f"would have no effect; name links between which a joint moves"
         )
     words = spring.words_of_kernel()
     block = np.concatenate([np.zeros(kernels.PARAMETERS), words, sides.view(np.float64)])
@@ -196,7 +196,7 @@ def _check_gravity(system: Any, place: str, other: str) -> None:
         rule = "none beside what differs of it on an orbit, where all fall alike; take mechanism.gravity away"
         raise InvalidParameterError(place, "gravity", rule, gravity.tolist())
     if other:
-        raise InvalidParameterError(place, "orbit", "the only one; take one of the two away", said=other)
+        raise InvalidParameterError(place, "orbit", "the only one; remove one of the two", said=other)
 
 
 def _places_of(system: Any, name: str, force: OnLinks) -> list[ForcePlace]:
@@ -247,12 +247,13 @@ def _block(system: Any, place: str, force: OnLinks, places: list[ForcePlace], x:
     if len(places) and not force.joints and np.all(links["body"] < 0):
         given = places[0].link
         raise MechanismError(
-            f"{place}: link {given!r} does not move: it is the world or fixed to it, where a force does "
-            "nothing; name a link that a joint moves"
+            f"{place}: link {given!r} does not move: it is the world or fixed to it, where a force has no "
+            f"effect; name a link that a joint moves"
         )
     if force.internal and np.all(links["body"] == links["body"][0]):
         raise MechanismError(
-            f"{place}: its links are all one body, and forces between them do nothing; name links between "
+            f"{place}: its links are all one body, and forces between them have no effect; name links "
+            f"between "
             "which a joint moves"
         )
     if force.everywhere:

@@ -1,8 +1,8 @@
 """Callbacks of compiled code through function pointers: Pinocchio, coal, functions in Python.
 
-Where an address is zero there is nothing to be asked: the kernel that is there answers. Questions and answers
-stand in arrays that both sides know. A question that could not be answered leaves its status in ``failed``:
-from there on nothing is asked, and what has been computed counts for nothing. Whoever made the step reads it.
+Where an address is zero the compiled kernel is called instead. Arguments and results
+are in shared arrays. A failed call leaves its status in ``failed``:
+afterwards nothing is called, and the step's results are invalid. The caller of the step reads it.
 """
 
 from __future__ import annotations

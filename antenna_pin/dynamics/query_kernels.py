@@ -2,7 +2,7 @@
 
 Behind the contact table, the work array of :func:`antenna_pin.dynamics.kernels.evaluate` has a stretch for
 each joint of which coal measures the gaps and nothing else is done in Python: where its block stands in the
-program, and what is asked and answered (:mod:`antenna_pin.joints.geometry.coal_kernels`).
+program, arguments and results (:mod:`antenna_pin.joints.geometry.coal_kernels`).
 """
 
 from __future__ import annotations

@@ -204,7 +204,7 @@ def journal_attitudes(
         system: The system.
         states: (n, nq + nv + nx).
         programs: Force elements at each: the same array from one to the next where nothing was changed.
-        before: The state before the first of these, and its attitudes, (joints, 4), whose signs go on.
+        before: The state before the first of these, and its attitudes, (joints, 4), whose signs continue.
 
     Returns:
         (n, joints, 4), xyzw.

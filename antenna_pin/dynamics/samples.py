@@ -113,7 +113,7 @@ class Observed:
         audit: Energies and momenta, with the names and units of :class:`antenna_pin.dynamics.Audit`, AUDIT,
             (n,).
         done: Of the elements of further families, in order, ``DONE``, (n, elements).
-        traced: Of the springs whose torque is told, likewise.
+        traced: Of the springs whose torque is reported, likewise.
         stretch: Of the springs between points ``length`` [m], ``tension`` that draws the points together [N]
             and ``force`` on the second one's link, world axes [N], ``STRETCH``, (n, springs).
         applied: Of the places at which forces act ``force`` [N], and ``torque`` about the place [N m], in
@@ -125,7 +125,7 @@ class Observed:
         coupling: Force [N] or torque [N m] of each coupling on its follower, (n, couplings).
         residual: Largest of closures, couplings and motions, of positions [m] and angles [rad] and of their
             rates [m/s], [rad/s], (n, 4).
-        failures: By which functions of a user's have no answer, by the number of the sample: what is asked of
+        failures: By which functions of a user's have no answer, by the number of the sample: calls of
             Python is not a number there.
     """
 

@@ -33,7 +33,7 @@ from antenna_pin.dynamics.blocks import (
     turning,
     with_preloads_placed,
 )
-from antenna_pin.dynamics.constraints import Closure, Coupling, DrivenJoint, Plan, make_plan
+from antenna_pin.dynamics.constraints import Closure, ConstraintPlan, Coupling, DrivenJoint, make_plan
 from antenna_pin.dynamics.coordinates import coordinate_names
 from antenna_pin.dynamics.coupled import couplings_of, fit_turns, put_followers
 from antenna_pin.dynamics.links import ForcePlace, OnLinksInPython, books_in_x, place_on_links
@@ -202,30 +202,30 @@ Array = NDArray[np.float64]
 class System:
     """A mechanism with its force elements, as data.
 
-    Nothing in it changes once it is made: runs share it, in threads too, and it can be pickled (with drives
-    in Python as far as those can). What a run works on is its :class:`antenna_pin.dynamics.Workspace`.
+    It is immutable: runs and threads share it, and it can be pickled (with drives
+    in Python as far as those can). The arrays of a run are in :class:`antenna_pin.dynamics.Workspace`.
 
     The state is ``y = [q, v, x]``: Pinocchio's configuration and velocity, and in x the turned angles of
-    joints that turn without end (see :meth:`turn_on`) and what the elements integrate (per contact impulse,
+    joints without limits (see :meth:`turn_on`) and integrals of the elements (per contact impulse,
     work lost in normal direction and to friction, bristles; per drive work and gross work; per spring the
-    work lost in its damper; what else an element's effort depends on).
+    work lost in its damper; internal states of other elements).
 
-    Beside it stands the contact memory, the contacts' discrete state, one record each
+    The contact memory, the contacts' discrete state, has one record each
     (:data:`antenna_pin.base.records.MEMORY`: touching, approach speed, effective mass). It is not part of
-    ``y``; whoever advances the system changes it, at located events only.
+    ``y`` and changes at located events only.
 
     Args:
         mechanism: Joints with play, held or on bearings must be floating there (planar for a planar play).
         clearances: Joints with play.
-        drives: Torques, and motions that joints are made to follow, by name.
-        springs: What stores and loses energy, by name: springs, dampers, friction, springs between points.
-        held: Floating joints of the tree that are held by constraint to what they are ideally, by name.
+        drives: Torques and prescribed motions, by name.
+        springs: Springs, dampers, friction and springs between points, by name.
+        held: Floating joints of the tree, held by constraint to their ideal kind, by name.
         closures: Joints that close loops, by name.
-        couplings: Joints that follow others, by name, beside those that the URDF couples (``<mimic>``).
+        couplings: Joints that follow others, by name, in addition to the URDF's ``<mimic>``.
         elements: Elements of further families, by the family's table and then by name: ``{"stops": {...}}``.
         elastic: Elastic parts of flexible links, by name, which is also that of their joint and their spring.
-        left_out: Lines on what of the URDF is passed over or not simulated, for results.
-        assumed: Lines on what is taken for granted, for results.
+        left_out: Lines on ignored or unsimulated parts of the URDF, for results.
+        assumed: Lines on assumptions, for results.
     """
 
     def __init__(
@@ -306,7 +306,7 @@ class System:
         self.force_places: list[ForcePlace] = []
         points = place_on_links(self, blocks)
         #: Its constraints in numbers; None of a tree that nothing holds.
-        self.plan: Plan | None = None
+        self.plan: ConstraintPlan | None = None
         #: Where in x the energy stands that corrections of position and velocity put in, if there are any.
         self.projection_x = np.zeros(0, dtype=int)
         if self.closures or self.motions or self.couplings or self.holds:
@@ -434,7 +434,7 @@ class System:
 
         Args:
             q: Configuration.
-            where: What a message begins with.
+            where: Beginning of messages.
 
         Raises:
             MechanismError: It names the joint.
@@ -475,8 +475,8 @@ class System:
             q: Configuration, (nq,). Its quaternions, and the cosine and sine of continuous and planar joints,
                 are made unit where they are so to 1e-6, and refused where they are not.
             v: Velocity, (nv,).
-            angles: Angles of joints that turn without end [rad]: q gives what is left of one without whole
-                turns, here are the turns. Others have those of couplings, or are in (-pi, pi].
+            angles: Angles of joints without limits [rad]: q gives the angle without whole
+                turns. Others follow from couplings, or are in (-pi, pi].
         """
         y = self.state_as_given(q, v, angles)
         self.turn_on(y)
@@ -498,7 +498,7 @@ class System:
     def turn_on(self, y: Array) -> float:
         """Update the turned angles in y, in place; return the fastest rate [rad/s].
 
-        To be called where a step is accepted: no joint may have turned by half a turn since then.
+        Call it at accepted steps: no joint may have turned by half a turn since the last call.
         """
         return float(turn_kernels.turn_on(self.program, self.turns, y))
 

@@ -116,7 +116,7 @@ def _differentiate(
 ) -> None:
     """Write the derivatives of an element's action, or of its law, over one number.
 
-    ``about``: over what, of which joint, which of these, and whether what it does is looked at as a whole.
+    ``about``: over what, of which joint, which of these, and whether what it does is examined as a whole.
     """
     kind, s, n, whole = about
     trial, looked, points = room.trial, room.looked, room.weights.shape[1]
@@ -204,7 +204,7 @@ def _differentiate_law(
     """Write the derivatives of a law over displaced inputs; return their count.
 
     Those over its power go to ``room.column``. ``room.over``: which number of a displacement each is over, or
-    below zero what is asked.
+    below zero the argument.
     """
     p, b, nv, over, found = room.numbers.program, part.block, room.tau.shape[0], room.over, room.of_law
     e, shifts, count = element_at(p, b), room.shifts, 0

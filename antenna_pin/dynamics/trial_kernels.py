@@ -161,7 +161,7 @@ def locate(
 def value_at(column: int, theta: float, c: int, trial: TrialStep) -> float:
     """Gap, depth rate or normal force of contact c at theta.
 
-    Of laws in Python forces are there only where they are asked for.
+    Of laws in Python forces are there only where they are requested.
     """
     program, table = trial.program, trial.table
     head = head_of(program)

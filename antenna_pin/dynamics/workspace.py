@@ -194,7 +194,7 @@ class Workspace:
     def measure(self, y: Array) -> None:
         """Update all rows of ``table`` for a state: gap, normal, point and rates.
 
-        The derivative itself updates the touching contacts only. Coal's gaps are asked for where it is the
+        The derivative itself updates the touching contacts only. Coal's gaps are requested where it is the
         backend.
         """
         trial_kernels.contacts_in(y, self.program, self._pose, self.table)
@@ -235,7 +235,7 @@ class Workspace:
     def derivative(self, t: float, y: Array, rates: Array) -> None:
         """Write [acceleration (nv), rate of x (nx)] at t [s] and y into rates.
 
-        For people and for what is asked now and then; the steps of a run have the same compiled
+        For occasional calls; the steps of a run have the same compiled
         (:mod:`antenna_pin.run.engine`).
         """
         self.apply_elements(t, y, rates)
@@ -258,7 +258,7 @@ class Workspace:
     def retract(self, y: Array, step: Array) -> None:
         """Move the configuration in y, in place, by a tangent step, (nv,).
 
-        Pinocchio's own divides by the turn what cancels but for that, where a joint moves in a plane: of a
+        Pinocchio's own divides by the turn what cancels except for that, where a joint moves in a plane: of a
         turn of 1e-13 rad a step keeps three digits.
         """
         there = pin.integrate(self.model, y[: self.model.nq], step)

@@ -6,6 +6,6 @@ from antenna_pin.integrate.methods import Method as Method
 from antenna_pin.integrate.methods import method_named as method_named
 from antenna_pin.integrate.methods import newton_of as newton_of
 from antenna_pin.integrate.stepper import KINDS as KINDS
+from antenna_pin.integrate.stepper import InitialValueProblem as InitialValueProblem
 from antenna_pin.integrate.stepper import Manifold as Manifold
-from antenna_pin.integrate.stepper import Problem as Problem
 from antenna_pin.integrate.stepper import Stepper as Stepper

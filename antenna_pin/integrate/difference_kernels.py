@@ -4,7 +4,7 @@ Who wants the derivative of something along one direction begins with :func:`cle
 spot and at each neighbour (:func:`add`, in the order of :func:`place_at`), and has its parts settled
 (:func:`settle`). A trial has a row for each kind of differences, the finest order first, one for how the
 function bends, and one for what it is on the spot. Where the farthest neighbours on both sides are that to
-the bit nothing changes, and the others need not be looked at.
+the bit nothing changes, and the others need not be examined.
 
 Where a kink is much nearer than their step, central differences of all orders agree on the middle of two
 derivatives: they part by as small a part of the jump as that distance is of the step, and by more the finer

@@ -1,10 +1,10 @@
 """Explicit steps and the stages of their dense output, compiled, by reverse communication.
 
-Who makes a step calls :func:`go_on` until it returns MADE. Each time before, it returns ASK with a state in
-the row STATE, and wants the derivative there at ``progress.t`` in the row RATES. With MADE the step's end is
-in STATE: it may be moved, as onto constraints, is evaluated too, and :func:`error_of` tells its error. So the
-one rule of the stages serves compiled steps and a derivative in Python alike; implicit steps keep to the same
-order (:mod:`antenna_pin.integrate.radau_kernels`).
+The caller makes a step by calling :func:`go_on` until it returns MADE. Each time before, it returns ASK with
+a state in the row STATE, and wants the derivative there at ``progress.t`` in the row RATES. With MADE the
+step's end is in STATE: it may be moved, as onto constraints, is evaluated too, and :func:`error_of` tells
+its error. So the one rule of the stages serves compiled steps and a derivative in Python alike; implicit
+steps keep to the same order (:mod:`antenna_pin.integrate.radau_kernels`).
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ too):
 
     (g/h - J) dW_0 = ...,   ((a + i b)/h - J) (dW_1 + i dW_2) = ...
 
-J is computed anew at each step's start, by differences, so that a step depends on its start alone; it serves
+J is computed again at each step's start, by differences, so that a step depends on its start alone; it serves
 all trials from there. Only components that the derivative depends on have a column, ``columns``; the others
 (integrals) follow from those.
 

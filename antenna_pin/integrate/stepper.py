@@ -19,7 +19,7 @@ from antenna_pin.integrate.methods import Method, newton_of
 __all__ = [
     "KINDS",
     "Manifold",
-    "Problem",
+    "InitialValueProblem",
     "Stepper",
     "tableau_of",
 ]
@@ -127,7 +127,7 @@ class Manifold:
 # --- steps --------------------------------------------------------------------------------------------------
 
 
-class Problem(Protocol):
+class InitialValueProblem(Protocol):
     """Protocol of the integrated system: a manifold and the derivative on it."""
 
     @property
@@ -169,7 +169,7 @@ class Stepper:
         rtol: Relative tolerance [-].
     """
 
-    def __init__(self, problem: Problem, method: Method, scales: Array, rtol: float) -> None:
+    def __init__(self, problem: InitialValueProblem, method: Method, scales: Array, rtol: float) -> None:
         """Allocate the work space once."""
         self.problem = problem
         self.method = method

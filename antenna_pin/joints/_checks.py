@@ -31,7 +31,8 @@ def _check_kinds(place: str, law: Any) -> None:
             raise InvalidParameterError(
                 f"{place}: {type(law).__name__}",
                 f"{what} kind",
-                f"one of {', '.join(f'{k:g}' for k in known)}, which the kernels know; or give it no code()",
+                f"one of {', '.join(f'{k:g}' for k in known)}, the codes of the kernels; or give it no "
+                f"code()",
                 float(kind),
             )
 

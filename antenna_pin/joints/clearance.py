@@ -45,21 +45,21 @@ class ClearanceJoint:
     """A joint with play: journal and bearing held together by contact alone.
 
     Attributes:
-        name: The URDF joint it stands for; made free (or planar) in the model.
+        name: The URDF joint it replaces; free (or planar) in the model.
         geometry: Shape of the joint, one of ``antenna_pin.joints.geometry``; a planar one keeps its plane and
             axis.
         radial: Normal law of the contacts, in the bore where there are flanges too.
         axial: Normal law of the contacts at the flanges, where there are any.
         friction: Friction law of all contacts.
-        backend: What measures the gaps: "coal" (distance queries), "closed-form", or an object of your own
+        backend: Method for the gaps: "coal" (distance queries), "closed-form", or your own object
             (:class:`antenna_pin.joints.geometry.Distances`).
         offset: Bearing centre from the URDF joint's origin, along the joint's axis [m].
         bearing_on: Which of the joint's links has the bearing (socket, guide): "parent", its journal then
             being on the child, or "child".
-        approach_speed_floor: Least approach speed that a contact remembers [m/s].
+        approach_speed_floor: Least approach speed stored at an onset [m/s].
         maximum_depth: Depth at which a run ends, because rigid bodies with contact stiffness no longer
             describe it [m]; a hundredth of the bearing radius if not given.
-        load: "point": each law acts as one force at its contact; "distributed": it is shared out evenly over
+        load: "point": each law acts as one force at its contact; "distributed": it is distributed evenly over
             the patch whose law it is, ``radial`` over each half of the bore, ``axial`` over each flange, and
             each share acts at its own depth, rate and slip.
         strips: Of the whole bore under distributed load, even: each has 2 / strips of ``radial`` [-].

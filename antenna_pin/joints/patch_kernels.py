@@ -79,11 +79,11 @@ def _tune_sectors(
 
     with the depth d of the deepest point and the part 2 a that the depth falls over the ring. Asked of the
     factor are V's two derivatives, dV/dd = sum F_k and dV/da = -2 sigma^2 sum F_k x_k^2; with F_k = W_k f_k,
-    b_n = sum F_k x_k^n and W' = W / (sigma (1 - sigma^2 x^2)) both ask for the same
+    b_n = sum F_k x_k^n and W' = W / (sigma (1 - sigma^2 x^2)) both require the same
 
         alpha b_0 + gamma b_2 = alpha b_2 + gamma b_4 = sum W_k U_k / (2 d (1 - sigma^2 x_k^2)) - b_2,
 
-    which is zero but for the error of the sums.
+    which is zero except for the error of the sums.
     """
     at = nodes_at(b)
     nodes = p[at : at + patches_at(p, b).sectors * NODE_WORDS].view(NODE)

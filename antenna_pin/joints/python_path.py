@@ -58,11 +58,11 @@ def coefficient_of(law: Any, place: str) -> AskedFunction:
 class LawInRun:
     """Normal law of a contact in a run, with its mass and beyond its range.
 
-    There a compiled law is continued by its kernel, and one in Python is asked at the end of its range.
+    There a compiled law is continued by its kernel, and one in Python is called at the end of its range.
 
     Args:
         law: The law.
-        place: Whose it is, for what is said of its functions.
+        place: Whose it is, for messages about its functions.
     """
 
     __slots__ = ("_code", "_elastic_energy", "_elastic_force", "_force", "_limit")
@@ -98,8 +98,8 @@ class PythonPath:
         table: Contact table of the system, :data:`antenna_pin.base.records.CONTACT`.
         nq: Size of the configuration: where the velocities start in a state.
         distances: What measures its gaps; None for the compiled closed form.
-        laws: Its normal laws, one for each contact, and whose each is, in words.
-        friction: Its friction law if laws are asked in Python, None if all are compiled; and whose it is.
+        laws: Its normal laws, one for each contact, and whose each is, as text.
+        friction: Its friction law if laws run in Python, None if all are compiled; and its owner.
         is_measured: Whether no closed form is known for what ``distances`` measures.
     """
 

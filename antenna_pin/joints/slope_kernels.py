@@ -1,6 +1,6 @@
 """Derivatives of contact laws over their arguments and parameters, compiled.
 
-Friction without bristles is along slip: it is asked with the size of that, and says what it is along it.
+Friction without bristles is along slip: its argument is the size of the slip, its result the force along it.
 All is put together in :mod:`antenna_pin.joints.tangent_kernels`.
 """
 
@@ -125,7 +125,7 @@ def _differentiate(
 ) -> None:
     """Write the derivatives of the laws' results over one number, (kinds, results).
 
-    ``about``: which of what they are asked with, or which of the program's words if that is none (-1).
+    ``about``: index of the argument, or of the program's number if none (-1).
     """
     i, word = about
     asked, values, trial, said = room.asked, room.said, room.trial, said_by(p, b)

@@ -1,8 +1,8 @@
 """Changes of the wrench of a joint with play with its state, compiled.
 
-A joint's contacts know its own twelve numbers only (six in a plane). Two things are between these and the
-wrench, each smooth on a scale of its own: geometry, on that of the play, and laws, on that of a depth, which
-may be a millionth of it. Geometry has closed forms, along any displacement
+A joint's contacts depend on its own twelve numbers only (six in a plane). Two things are between these and
+the wrench, each smooth on a scale of its own: geometry, on that of the play, and laws, on that of a depth,
+which may be a millionth of it. Geometry has closed forms, along any displacement
 (:mod:`antenna_pin.joints.motion_change_kernels`); laws are differentiated over *their* arguments: force and
 friction over gap, depth rate, slip, and what contacts remember. The rest is the chain rule. Nothing small is
 the difference of large numbers: a derivative of a force is good to round-off at any depth.

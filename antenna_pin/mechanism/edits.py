@@ -65,7 +65,7 @@ def change_joint(robot: Any, name: str, change: JointChange, where: str) -> None
     if change.mimic is not None:
         mimic = joint.find("mimic")
         if change.mimic or mimic is None:
-            rule = "must be false" if change.mimic else "must be left out, for there is none"
+            rule = "must be false" if change.mimic else "must be left out, because there is none"
             raise MechanismError(
                 f"{where}: joint {name!r}: mimic {rule}, got {str(change.mimic).lower()}; "
                 "couple joints by [couplings]"
@@ -130,15 +130,15 @@ def vary_joint(
     if variant == "ideal":
         if kind in ("floating", "planar"):
             raise MechanismError(
-                f"{where}: joint {name!r} is {kind} and has no ideal form to keep; "
-                "start from the URDF where it is a hinge"
+                f"{where}: joint {name!r} is {kind} and has no ideal form; start from a URDF where it is a "
+                f"hinge"
             )
         return
     allowed = {"planar": _HINGES, "free": (*_HINGES, "prismatic")}.get(variant)
     if allowed is not None and kind not in allowed:
         raise MechanismError(
-            f"{where}: joint {name!r} is {kind}; only a {alternatives(allowed)} joint can be made {variant}, "
-            "for its axis is the bearing's"
+            f"{where}: joint {name!r} is {kind}; only a {alternatives(allowed)} joint can become {variant}, "
+            f"because its axis is the bearing's"
         )
     tags = ("limit", "dynamics", "safety_controller", "calibration")
     for tag in (*tags, "mimic") if variant == "locked" else tags:

@@ -119,7 +119,7 @@ class Impossible(NamedTuple):
     """A body whose principal moments of inertia are not those of any body.
 
     Attributes:
-        said: What it is and why not, in words.
+        said: What it is and why not, as text.
         negative: Whether one of them is negative: its joints may then move without inertia.
     """
 
@@ -294,8 +294,8 @@ def check_regular(
         where: Name of the file, for messages.
         moved: The links that each joint moves as one body, by the joint's name.
         base: Name of the joint of a free base.
-        ties: What couplings tie rates by, ties v = 0, (k, nv).
-        negative: What has a negative moment, in words; all of these poses must do then, not one by chance.
+        ties: Rows of couplings, ties v = 0, (k, nv).
+        negative: What has a negative moment, as text; all of these poses must do then, not one by chance.
     """
     idle: Idle | None = None
     for q in _poses(model):
@@ -323,7 +323,7 @@ def said_of_idle(model: Any, idle: Idle, moved: Mapping[str, RigidGroup], base: 
     if not any(link.inertial is not None for link in body.links):
         has = "it has no <inertial>"
     if idle.joint in list(model.parents)[1:]:
-        has += ", and what it carries lets go of it"
+        has += ", and no locked joint attaches other bodies to it"
     way = "turn" if idle.turns else "shift"
     what, out = f"joint {name!r}", f'lock the joint (mechanism.joints.{name}.kind = "locked")'
     if name == base:

@@ -129,7 +129,7 @@ def copy_all(copies: dict[Path, Path]) -> None:
         try:
             target.parent.mkdir(parents=True, exist_ok=True)
         except OSError as error:
-            raise OutputError(f"{target}: its folder cannot be made: {error.strerror}") from error
+            raise OutputError(f"{target}: its folder cannot be created: {error.strerror}") from error
         with replacing(target) as partial:
             shutil.copyfile(source, partial)
 

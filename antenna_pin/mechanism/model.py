@@ -76,9 +76,9 @@ _ROOT_JOINT = "root_joint"
 class JointSlot:
     """Place of a moving joint in the state, and direction of its axis.
 
-    Two frames are told apart. The *URDF frame* is the joint's frame in the ideal URDF; the *joint frame* is
-    Pinocchio's, which ``q``, ``v`` and ``tau`` refer to. They differ by ``frame_rotation`` at a planar joint
-    and are the same at others.
+    Two frames are distinguished. The *URDF frame* is the joint's frame in the ideal URDF; the *joint frame*
+    is Pinocchio's, which ``q``, ``v`` and ``tau`` refer to. They differ by ``frame_rotation`` at a planar
+    joint and are the same at others.
 
     Attributes:
         name: The URDF joint.
@@ -110,12 +110,12 @@ class JointSlot:
 class Mechanism:
     """A Pinocchio model of a URDF variant.
 
-    The model is not to be altered; each run makes its own ``pin.Data``. Links joined by fixed joints are one
+    Do not alter the model; each run has its own ``pin.Data``. Links joined by fixed joints are one
     body, whose inertia Pinocchio sums up at the joint that moves it; every link keeps a frame of its own (see
     :meth:`frame`).
 
     Attributes:
-        name: Of the URDF's robot.
+        name: Name of the URDF's robot.
         model: ``pin.Model``, gravity set.
         urdf: The variant it was built from.
         base: ``free`` (six degrees of freedom first in ``q`` and ``v``, named root_joint in the model) or
@@ -124,7 +124,7 @@ class Mechanism:
         base_body: Name of the body that is the base.
         bodies: Names of the moving bodies in the model's order, so body ``i`` is moved by joint ``i + 1``; a
             free base comes first. A body bears the name of its first link that has an inertial.
-        impossible: What no body can have of the inertia of those that act, in words, a line a body.
+        impossible: Impossible moments of inertia of acting bodies, one line of text a body.
         negative: The first of them with a negative moment, or "".
         regular_everywhere: Whether every body has inertia of its own, so that no pose has to be tried.
     """
@@ -162,7 +162,7 @@ class Mechanism:
         """Refuse a mechanism with a joint that can move without any inertia in every pose.
 
         Args:
-            ties: What couplings tie rates by, ties v = 0, (k, nv).
+            ties: Rows of couplings, ties v = 0, (k, nv).
 
         Raises:
             MechanismError: It names the joint.
@@ -175,12 +175,12 @@ class Mechanism:
     def check_pose(self, q: NDArray[np.float64], where: str, ties: NDArray[np.float64] | None = None) -> None:
         """Refuse a configuration in which a joint can move without any inertia.
 
-        There is one where a body that is a point, a rod or a mere frame is carried by several joints.
+        This concerns bodies without full inertia (a point, a rod, a frame) on several joints.
 
         Args:
             q: Configuration (nq,).
-            where: What a message begins with.
-            ties: What couplings tie rates by, ties v = 0, (k, nv); None for those of the URDF.
+            where: Beginning of messages.
+            ties: Rows of couplings, ties v = 0, (k, nv); None for those of the URDF.
 
         Raises:
             MechanismError: It names the joint.
@@ -191,7 +191,7 @@ class Mechanism:
         if idle is not None:
             moved = _moved(self.urdf, rigid_groups(self.urdf.robot))
             said = said_of_idle(self.model, idle, moved, _ROOT_JOINT)
-            raise MechanismError(f"{where}: in this pose {said}; or take another pose")
+            raise MechanismError(f"{where}: in this pose {said}; or choose another pose")
 
     @property
     def base_q(self) -> slice:
@@ -222,9 +222,9 @@ def build_mechanism(
         base: ``free`` lets the root link float in the world, ``fixed`` holds it there.
         gravity: (3,) in world axes [m/s^2].
         armature: Moment of inertia that a joint feels by its rate alone [kg*m^2], by the names of revolute
-            and continuous joints: ratio^2 times that of a motor's rotor. Nothing reacts on what carries it.
+            and continuous joints: ratio^2 times that of a motor's rotor. Its carrier takes no reaction.
         regular: Whether a joint that can move without any inertia in every pose is refused here; where
-            couplings are added to those of the URDF, :meth:`Mechanism.check_regular` knows them.
+            couplings are added to those of the URDF, use :meth:`Mechanism.check_regular`.
     """
     if base not in ("free", "fixed"):
         raise InvalidParameterError("build_mechanism", "base", "'free' or 'fixed'", base)

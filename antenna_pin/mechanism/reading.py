@@ -374,7 +374,7 @@ def left_out(robot: Any, where: str) -> tuple[str, ...]:
     """Return a message per damping or friction of a joint without an axis."""
     return tuple(
         f"{where}: joint {joint.get('name')!r}: <dynamics> {name}={value:g} is not simulated, for the "
-        f"joint is {joint.get('type')} and has no axis; take it out"
+        f"joint is {joint.get('type')} and has no axis; remove it"
         for joint in robot.findall("joint")
         if joint.get("type") in ("floating", "planar")
         for name, value in _numbers(joint).items()

@@ -217,7 +217,7 @@ def factorize_tree(mass: Floats, below: Ints) -> None:
     """Factorize a tree's mass matrix in place: L^T D L, unit L below D.
 
     ``below``: the freedom next below each one, -1 at the root, (nv,); where a freedom is not below another
-    the matrix and L have zeros, which are not looked at.
+    the matrix and L have zeros, which are skipped.
     """
     for k in range(below.shape[0] - 1, -1, -1):
         i = below[k]

@@ -36,12 +36,12 @@ _Element = TypeVar("_Element", Link, Joint)
 class Urdf:
     """A URDF checked as a mechanism: one tree of possible bodies.
 
-    It is its text and nothing else, so writing it and reading it again gives the same mechanism. At
+    It consists of its text alone, so writing and reading it again gives the same mechanism. At
     construction it refuses XML that is not well-formed; missing, repeated or unknown names; loops and several
-    roots; negative masses; inertias that no body can have, of links that fixed joints make one body
-    together; axes of no length. What moves without inertia
-    :func:`antenna_pin.mechanism.build_mechanism` refuses, for it hangs on the base and on all joints. What
-    means nothing to the mechanics is not judged (:class:`antenna_pin.mechanism.WrittenUrdf` counts it).
+    roots; negative masses; impossible inertias, of links that fixed joints make one body
+    together; zero axes. Joints that move nothing with inertia are refused by
+    :func:`antenna_pin.mechanism.build_mechanism`, since that depends on the base and on all joints. Elements
+    without mechanical meaning are not checked (:class:`antenna_pin.mechanism.WrittenUrdf` counts them).
 
     A planar joint moves in the plane normal to its axis. Where that is not z of its frame, the frame is
     turned as that of a hinge made planar is (:meth:`variant`): in what is read of the text, and in what is
@@ -52,16 +52,16 @@ class Urdf:
 
     Attributes:
         text: The XML.
-        where: What messages call it, such as its file name.
+        where: Its name in messages, such as its file name.
         folder: Where relative mesh file names start; None if that is unknown.
         package_path: Where packages of ``package://`` are looked for first.
         allow_impossible_inertia: Links whose body's inertia may break the triangle rule.
-        robot: What counts of it in numbers, to be read only; how its links look is read when asked for.
-        simulated: What of it Pinocchio's parser is given: bodies and joints.
+        robot: Its numbers, read-only; visual shapes are read when requested.
+        simulated: Bodies and joints, the part passed to Pinocchio's parser.
         unbounded: Revolute and prismatic joints without bounds, because they have no ``<limit>`` or because
             it leaves none.
         rounding: By link with an inertia, how much of the triangle rule its written digits leave [kg m^2].
-        points: Links with a mass and no ``<inertia>``, which are taken as points at their inertial's origin.
+        points: Links with a mass and no ``<inertia>``, point masses at their inertial's origin.
         unlimited: Continuous joints whose ``<limit>`` states bounds, and those: they have none.
         undrawn: Link of each visual shape that cannot be drawn, and why.
     """
@@ -108,7 +108,7 @@ class Urdf:
         Args:
             path: The file.
             allow_impossible_inertia: Names of links whose inertia may break the triangle rule.
-            package_path: Folders to look for packages of ``package://`` in.
+            package_path: Folders with packages of ``package://``.
         """
         path = Path(path)
         return cls.from_text(
@@ -128,10 +128,10 @@ class Urdf:
 
         Args:
             text: The XML.
-            where: What messages call it.
+            where: Its name in messages.
             allow_impossible_inertia: Names of links whose inertia may break the triangle rule.
             folder: Where relative mesh file names start.
-            package_path: Folders to look for packages of ``package://`` in.
+            package_path: Folders with packages of ``package://``.
         """
         try:
             return cls(
@@ -234,14 +234,14 @@ class Urdf:
 
         - ``ideal`` keeps the joint as it is written.
         - ``free`` makes a hinge ``floating``, six degrees of freedom. Its ``<axis>`` stays, as the bearing's.
-        - ``locked`` makes it ``fixed``, at its zero position; what it mimics does not matter any more.
+        - ``locked`` makes it ``fixed``, at its zero position, without its ``<mimic>``.
         - ``planar`` lets a hinge move in the plane normal to its axis and turn about it. The joint frame is
           turned to have ``z`` along the axis, since Pinocchio takes no other; a massless link
           ``<joint>_plane`` and the fixed joint ``<joint>_plane_mount`` turn back, so the child link's frame
           does not change.
 
         Args:
-            joints: What to make of joints, by name.
+            joints: New kinds of joints, by name.
             links: New inertial properties and shapes, by link.
             origins: New places, axes and bounds of joints, applied before ``joints``.
         """
@@ -292,13 +292,13 @@ class Urdf:
     def write(self, path: str | Path, *, copy_meshes: bool = False) -> tuple[Path, ...]:
         """Write the XML to a file, complete or not at all.
 
-        Where the file goes to another folder, a mesh file that exists is named by its path relative to that
+        In another folder an existing mesh file is named by its path relative to that
         folder, so that other tools find it; or it is copied there, and the folder can be moved.
 
         Args:
             path: The file, replaced if it exists.
-            copy_meshes: Whether to copy the mesh files beside it, with the materials and images that
-                Wavefront files name. What stands there already must be the same.
+            copy_meshes: Whether to copy the mesh files into the folder, with the materials and images that
+                Wavefront files name. Existing files there must be identical.
 
         Returns:
             The files written: the URDF, then the copies.

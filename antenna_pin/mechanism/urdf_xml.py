@@ -224,7 +224,7 @@ def broken_numbers(robot: Any, where: str) -> tuple[str, ...]:
     """
     return tuple(
         f"{placed(element, where)}: <{element.tag}> {name}={element.get(name)!r} is no number and does not "
-        "count; mend it, or take it out"
+        "count; mend it, or remove it"
         for joint in robot.findall("joint")
         for element in joint
         if element.tag in _OF_JOINTS
@@ -345,10 +345,10 @@ _EXPAND = "expand it first: xacro in.xacro > out.urdf"
 
 # Roots of other formats, and of files that go with a URDF.
 _OTHERS = {
-    "mujoco": "MJCF, MuJoCo's format; convert it to URDF, or take the URDF that it was made from",
-    "mujocoinclude": "a part of an MJCF, MuJoCo's format; take the URDF that it was made from",
-    "sdf": "SDF, Gazebo's format; convert it to URDF, or take the URDF or xacro that it was made from",
-    "gazebo": "SDF, Gazebo's format; convert it to URDF, or take the URDF or xacro that it was made from",
+    "mujoco": "MJCF, MuJoCo's format; convert it to URDF, or use its original URDF",
+    "mujocoinclude": "a part of an MJCF, MuJoCo's format; use its original URDF",
+    "sdf": "SDF, Gazebo's format; convert it to URDF, or use its original URDF or xacro",
+    "gazebo": "SDF, Gazebo's format; convert it to URDF, or use its original URDF or xacro",
     "COLLADA": "COLLADA, a mesh; name the URDF that names it",
     "launch": "a launch file of ROS; name the URDF that it loads",
 }

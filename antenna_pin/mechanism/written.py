@@ -97,7 +97,7 @@ class WrittenUrdf:
 
     Attributes:
         text: The XML as it is in the file.
-        where: What messages call it, such as its file name.
+        where: Its name in messages, such as its file name.
         folder: Where relative mesh file names start; None if that is unknown.
         package_path: Where packages of ``package://`` are looked for first.
         allow_impossible_inertia: Links whose inertia may break the triangle rule.

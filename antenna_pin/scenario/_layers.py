@@ -82,7 +82,7 @@ class Source:
         case: Name of the case, or None.
         case_table: What the case lays over the file.
         overrides: What is laid over both.
-        note: What is to be said after a message about a value of the file.
+        note: Text after a message about a value of the file.
         below: The cases that the case builds on, with what they lay over the file, the lowest first.
     """
 
@@ -120,7 +120,7 @@ class Source:
         for layer, values in (("an override", self.overrides), *cases):
             for key in ("kind", "law"):
                 if _holds(values, (*table, key)):
-                    return f" ({layer} sets {key}: with replace = true beside it, the old keys go)"
+                    return f" ({layer} sets {key}: add replace = true to drop the old keys)"
         return ""
 
     def error(self, text: str, *location: str) -> ScenarioError:
@@ -253,7 +253,7 @@ def _read_file(
         around = path.parent
         names = [other.name for other in around.glob(f"*{path.suffix}")] if around.is_dir() else []
         guess = nearest(path.name, names)
-        hint = f"did you mean {guess}?" if guess else f"it is looked for in {around}"
+        hint = f"did you mean {guess}?" if guess else f"searched in {around}"
         raise source.error(f"must be an existing file, got {shown(name)}; {hint}", *location)
     try:
         return decode(path.read_bytes())

@@ -378,7 +378,7 @@ def said_of_assumed(joints: Mapping[str, Clearance]) -> Iterator[str]:
     """Yield a line of assumptions for each joint with play, by name."""
     for name, joint in joints.items():
         if words := words_of_assumed(joint):
-            yield f"{name}: assumed {words}; keys of [clearance.{name}] say otherwise"
+            yield f"{name}: assumed {words}; set keys of [clearance.{name}] to change this"
 
 
 def words_of_assumed(joint: Clearance) -> str:

@@ -35,7 +35,7 @@ class LinkPlaceSpec(Spec):
             got = "neither" if self.link is None else "both"
             refuse(f"must have exactly one of link and frame, got {got}")
         if self.frame is not None and self.point is not None:
-            refuse("must be left out beside frame, whose origin it is; or give link and point", "point")
+            refuse("must be left out with frame, whose origin is used; or give link and point", "point")
         return self
 
     def check_point(self, *place: str) -> None:

@@ -57,7 +57,7 @@ class PidSpec(MadeSpec):
     def _check_one_reference(self) -> Self:
         """Refuse a number to be held beside a course to be followed."""
         if self.follows is not None and "reference" in self.model_fields_set:
-            refuse("must be left out beside follows, which gives the reference", "reference")
+            refuse("must be left out with follows, which gives the reference", "reference")
         return self
 
     @model_validator(mode="before")
@@ -123,7 +123,7 @@ class AttitudeSpec(MadeSpec):
     def _check_one_share(self) -> Self:
         """Refuse a share to be held beside one to be followed."""
         if self.follows is not None and "share" in self.model_fields_set:
-            refuse("must be left out beside follows, which gives the share", "share")
+            refuse("must be left out with follows, which gives the share", "share")
         return self
 
 
@@ -155,7 +155,7 @@ def check_commands(controllers: Mapping[str, Any], families: Mapping[str, Mappin
             if command not in known:
                 said = ", ".join(names) if names else "none here: give a drive of kind constant"
                 refuse(
-                    f"must be of what takes commands ({said}), got {command!r}",
+                    f"must be an element that takes commands ({said}), got {command!r}",
                     "controllers",
                     name,
                     key,

@@ -52,7 +52,7 @@ class _Event(Spec):
         once: Whether it is done at that passage alone, else at each from it on.
         set: What is set: ``drives.NAME.KEY``, ``springs.NAME.KEY``, ...; the key ``on`` is the whole of it. A
             table of such keys sets several, ``{ "springs.a.on" = false, "drives.b.value" = "2 N*m" }``.
-        to: What it is set to; of ``on`` true or false; left out beside a table.
+        to: New value; of ``on`` true or false; left out with a table.
     """
 
     action: ActionName | tuple[ActionName, ...] = "mark"
@@ -83,7 +83,7 @@ class _Event(Spec):
             given = getattr(self, name)
             if (given is None) == wanted:
                 rule = "is missing; give it" if given is None else "must be left out"
-                beside = "beside a table in set" if sets and table else f'where action is "{said}"'
+                beside = "with a table in set" if sets and table else f'where action is "{said}"'
                 refuse(f"{rule} {beside}", name, value=given)
         if table and not self.set:
             refuse("must be the numbers to set, got an empty table", "set")

@@ -40,7 +40,7 @@ def number_of(scenario: Scenario, key: str, place: str) -> Number:
     Args:
         scenario: The scenario.
         key: With dots, as in ``--set``; ``mechanism.gravity[2]`` for one number of an array.
-        place: Who asks, for messages.
+        place: Name of the caller, for messages.
 
     Raises:
         UnknownNameError: There is no such key, or the scenario leaves it out.

@@ -47,7 +47,7 @@ class InitialJointSpec(JointTable):
         journal_tilt: Rotation vector of the journal's tilt, in bearing axes [rad].
         journal_velocity: Of the journal's centre in bearing axes [m/s].
         journal_angular_velocity: Of the journal relative to the bearing, in bearing axes [rad/s].
-        guess: Whether, in loops, what is given is where a search begins rather than held.
+        guess: Whether, in loops, the given values are a first guess instead of held.
     """
 
     position: Annotated[float, QuantityRule(("rad", "m"))] | None = None
@@ -137,7 +137,7 @@ class IntegratorSpec(MadeSpec):
         chosen = dict(zip(("method", "rtol"), choice_for(given), strict=True))
         for name, value in chosen.items():
             if data.get(name, value) != value:
-                rule = f"must be left out beside accuracy = {given:g}, which chooses it"
+                rule = f"must be left out with accuracy = {given:g}, which chooses it"
                 refuse(f"{rule}, got {shown(data[name])}; leave out one of them", name)
         return {**data, **chosen}
 

@@ -24,7 +24,7 @@ class RunsFile(Spec):
 
     Attributes:
         format: Version of the format of such files.
-        title: In a few words.
+        title: Short title.
         scenario: Name of a shipped scenario, or path of a scenario file, from this file's folder.
         case: Of the scenario; its default one if left out.
         set: What is set over scenario and case for all runs: dotted keys, or tables.
@@ -69,7 +69,7 @@ class RunsFile(Spec):
         """Return a file, complete and checked; its scenario is not read yet.
 
         Args:
-            place: Who asks, for the message.
+            place: Name of the caller, for messages.
             path: Of the file, or the name of a shipped one.
             settings: What takes the place of the file's keys.
 

@@ -61,35 +61,35 @@ __all__ = ["Scenario"]
 class Scenario(FamilyTables):
     """Mechanism, play in its joints, elements, and settings of a computation.
 
-    It is data: in SI units, validated, nothing computed. It goes through JSON unchanged
+    Validated data in SI units, nothing computed. JSON preserves it exactly
     (``model_dump_json``, ``model_validate_json``), with the texts and tables of the files it names.
 
     Attributes:
         format: Version of the format of scenario files.
-        title: In a few words.
-        source: Where the numbers come from.
+        title: Short title.
+        source: Source of the numbers.
         duration: Simulated time [s].
         mechanism: The mechanism.
-        materials: The scenario's own materials by name; :meth:`material` also knows the shipped ones.
+        materials: The scenario's own materials by name; :meth:`material` also finds the shipped ones.
         clearance: Joints with play, by the name of the joint.
-        flexible: Links that bend, by name.
+        flexible: Flexible links, by name.
         closures: Joints that close loops, by name.
-        couplings: Joints that follow others, by name, beside those that the URDF couples.
-        rotors: Of motors, by name.
+        couplings: Joints that follow others, by name, in addition to the URDF's.
+        rotors: Rotors of motors, by name.
         references: Courses over time that drives follow, by name.
-        drives: By name.
-        springs: By name.
-        events: What is looked for during the run, by name.
-        controllers: What measures and commands at instants of its own, by name.
+        drives: Drives, by name.
+        springs: Springs, by name.
+        events: Events of the run, by name.
+        controllers: Sampled controllers, by name.
         initial: The initial state.
-        integrator: How the motion is integrated.
-        output: What is recorded.
-        pointing: Where the antenna looks and should look; None where nothing does.
+        integrator: Settings of integration.
+        output: Settings of the record.
+        pointing: Actual and commanded pointing of the antenna; None without one.
         name: Name of the scenario: its folder's, or its file's.
         case: Name of the case, or None.
-        description: Of the case.
-        overrides: What was set over the file, as ``a.b=value``.
-        folder: Where the files are that it names.
+        description: Description of the case.
+        overrides: Overrides of the file, as ``a.b=value``.
+        folder: Folder of the files that it names.
         urdf_text: The text of the URDF.
     """
 
@@ -169,7 +169,7 @@ class Scenario(FamilyTables):
     def lasting(self, duration: float) -> Scenario:
         """Return the scenario with another duration [s], positive, as :meth:`with_overrides` would.
 
-        Nothing of it is read or judged again, as it is for each of a study's many short runs.
+        Nothing is read or checked again, which saves time in a study's short runs.
         """
         _, record = read_layer({"duration": duration})
         return self.model_copy(update={"duration": duration, "overrides": (*self.overrides, *record)})
@@ -310,7 +310,7 @@ def _at_its_joint(place: str, name: str, table: object) -> object:
     if is_between_points(place, table.get("kind")):
         if "joint" in table:
             refuse(
-                f"must be left out beside first and second; a {FAMILIES[place].word} is at a joint or "
+                f"must be left out with first and second; a {FAMILIES[place].word} is at a joint or "
                 "between points",
                 place,
                 name,

@@ -278,7 +278,7 @@ class Spec(BaseModel):
     def __setattr__(self, name: str, value: Any) -> None:
         """Refuse any change in place."""
         made = "with_overrides({...})" if hasattr(self, "with_overrides") else "a table with other values"
-        rule = f"left as it is: a table does not change once it is read; make {made}"
+        rule = f"left as it is: a table is immutable; create a new one with {made}"
         raise InvalidParameterError(type(self).__name__, name, rule, said=shown(value))
 
     def __delattr__(self, name: str) -> None:
@@ -386,8 +386,8 @@ class ValuePlace(NamedTuple):
 
     Attributes:
         text: File and dotted place, such as ``my.toml: integrator.rtol``.
-        note: What is to be said of its origin after the message, or "".
-        stale: What is to be said, too, of a key that its table does not have, or "".
+        note: Text on its origin after the message, or "".
+        stale: Further text on a key that its table does not have, or "".
     """
 
     text: str

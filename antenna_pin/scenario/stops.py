@@ -139,13 +139,16 @@ def _everywhere(
     for key in ("joint", *_SIDES):
         if key in table:
             refuse(
-                "must be left out: it is for each joint with limits in the URDF, at these", "stops", ALL, key
+                "must be left out: stops = true adds one at the limits of each joint in the URDF",
+                "stops",
+                ALL,
+                key,
             )
     if not limits:
-        said = "none of the URDF has a <limit> with bounds"
+        said = "no joint of the URDF has a <limit> with bounds"
         if around:
-            said += f"; continuous joints have none, whatever theirs states: {', '.join(around)}"
-            said += "; give these stops of their own, or make them revolute in the URDF"
+            said += f"; continuous joints have none, even if the file gives them: {', '.join(around)}"
+            said += "; give each a stop, or make them revolute in the URDF"
         refuse(f"must stand for a joint, but {said}", "stops", ALL)
     taken = {str(tables(one).get("joint", name)) for name, one in stops.items() if name != ALL} | stops.keys()
     taken |= moved if table.get("kind") == "rigid" else set()

@@ -3,7 +3,7 @@
 A NetCDF 4 file is an HDF5 file in which every dimension is a *scale*, a dataset that others name as their
 axis. Nothing is compressed: of doubles at their full length that saves a quarter of the file and takes four
 times as long as all the rest. Behind HDF5's own end stands a digest of the whole file, so that a damaged one
-is not read; every variable has a checksum too, which other readers know.
+is not read; every variable also has a checksum for other readers.
 """
 
 from __future__ import annotations
@@ -92,13 +92,13 @@ def _check_stored(dataset: Any, name: str, where: str) -> None:
     stored = dataset.id.get_storage_size()
     if dataset.nbytes > _DEFLATED * stored + _LITTLE:
         got = f"{dataset.nbytes:.3g} bytes of which {stored} are in the file"
-        raise FileFormatError(f"{where}: {name} must hold its own numbers, got {got}; ask for a whole copy")
+        raise FileFormatError(f"{where}: {name} must hold its own numbers, got {got}; get a complete copy")
 
 
 def _refusal(where: str, name: str, got: str) -> FileFormatError:
     return FileFormatError(
-        f"{where}: {name} must hold its own numbers, got {got}; a result never refers to another file: ask "
-        "who made this one for a whole copy"
+        f"{where}: {name} must hold its own numbers, got {got}; a result must not refer to another file; "
+        f"get a complete copy from its author"
     )
 
 
@@ -284,9 +284,7 @@ def read(source: Path) -> xr.Dataset:
         ) from None
     if not known:
         run = not isinstance(found, str) or found.startswith(FORMAT.rpartition(" ")[0])
-        way = (
-            "run the scenario again with this version" if run else "`antenna-pin report` shows what is no run"
-        )
+        way = "run the scenario again with this version" if run else "`antenna-pin report` shows other files"
         raise FileFormatError(f"{source}: the format must be {FORMAT!r}, got {found!r}; {way}")
     import xarray as xr
 

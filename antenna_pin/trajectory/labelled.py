@@ -105,7 +105,7 @@ class Unlabelled:
         """Return a dataset by the schema.
 
         Raises:
-            KeyError: The labels' dimensions ask for a variable that is not given.
+            KeyError: The labels' dimensions require a variable that is not given.
         """
         return self.content().dataset()
 

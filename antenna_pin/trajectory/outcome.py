@@ -13,37 +13,36 @@ class Outcome(Enum):
 
     COMPLETED = "reached the end of the time span"
     STOPPED = "stopped by an event that was to end it"
-    INTERRUPTED = "stopped by the user; what was computed is kept"
+    INTERRUPTED = "stopped by the user; the results so far are saved"
     STEP_TOO_SMALL = (
         "the step fell below its floor; take integrator.method = 'radau5', soften the contact, loosen rtol "
         "or lower integrator.min_step"
     )
     NO_PROGRESS = (
-        "the run makes no way; a force that jumps does that, or a law or a drive too stiff for an explicit "
-        "method: look at the last samples, take integrator.method = 'radau5', loosen rtol, or raise "
+        "the run makes no progress, because a force jumps, or a law or drive is too stiff for an explicit "
+        "method: inspect the last samples, use integrator.method = 'radau5', loosen rtol, or raise "
         "integrator.max_expected_steps"
     )
-    STEP_LIMIT = "made as many steps as integrator.max_steps allows; what was computed is kept"
-    TIME_LIMIT = "took as long as integrator.max_wall_time allows; what was computed is kept"
+    STEP_LIMIT = "made as many steps as integrator.max_steps allows; the results so far are saved"
+    TIME_LIMIT = "took as long as integrator.max_wall_time allows; the results so far are saved"
     NOT_FINITE = (
-        "numbers of the run stopped being finite; look at the drives and stiffnesses, or tighten the step"
+        "numbers of the run are no longer finite; check the drives and stiffnesses, or use a smaller step"
     )
     FUNCTION_FAILED = (
-        "a function given in Python has no answer there that can be used; what was computed before is kept: "
-        "let it answer with finite numbers of the kind it is asked for, at every state that the run comes to"
+        "a Python function failed or returned no usable value; the results so far are saved: make it return "
+        "finite numbers of the required type at every state that the run reaches"
     )
     FUNCTION_WITH_MEMORY = (
-        "a function given in Python answered one question in two ways, and what was computed means nothing; "
-        "a run asks out of order and back in time: give it no memory, chance or clock, and make a sampled "
-        "controller of pieces of runs, each with start=run.end"
+        "a Python function returned two values for one state, so the results are invalid; a run calls it "
+        "out of order and back in time: use no memory, randomness or clock in it, and write a sampled "
+        "controller instead"
     )
     NOT_CLOSED = (
         "the loops cannot be closed from here on, in a singular position or out of reach; change motions or "
         "dimensions"
     )
     REFUSED = (
-        "what an event sets, or a motion asks for, cannot be where the run is then; what was computed before "
-        "is kept"
+        "an event or a motion demands a state that is impossible at that time; the results so far are saved"
     )
     OUT_OF_LAW_RANGE = (
         "a contact left the range of its law; choose a law that reaches deeper, or lower the load"
@@ -54,9 +53,9 @@ class Outcome(Enum):
     )
 
     LEDGER_OPEN = (
-        "the run reached its end, but energy or momentum came from nowhere, or went there; look for a motion "
-        "that jumps, an element or function that misstates its energy, tighten integrator.rtol, or give "
-        "integrator.ledger_tolerance the error that is expected"
+        "the run reached its end, but energy or momentum is not conserved; check for a motion that jumps or "
+        "an element or function with a wrong energy, tighten integrator.rtol, or set "
+        "integrator.ledger_tolerance to the expected error"
     )
 
     @property

@@ -35,7 +35,7 @@ def series(data: xr.Dataset, place: str) -> xr.Dataset:
 
     Args:
         data: Of a run.
-        place: Who asks, for the message.
+        place: Name of the caller, for messages.
 
     Raises:
         FileFormatError: The result is a lean one.

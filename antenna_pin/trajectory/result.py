@@ -76,17 +76,17 @@ class _UnlabelledSlot:
 class Trajectory(_UnlabelledSlot):
     """Sampled result of a run.
 
-    It shows itself: ``run.plot("contact_forces")``, ``run.record("run.html")``,
+    Notebooks display it. Readers are methods: ``run.plot("contact_forces")``, ``run.record("run.html")``,
     ``run.report("report.html")``, ``run.analyse()`` (the readers of :mod:`antenna_pin.show.views`). A
     quantity over time is ``run["hinge.angle"]``, by the names of ``run.analyse.quantities()``.
 
     Attributes:
         data: Labelled by time, contact, axis and more; units and long names on each (docs/trajectory.md).
-        outcome: Why the run ended.
-        message: The outcome in words, with the place and what to try.
+        outcome: Reason why the run ended.
+        message: The outcome as text, with the place and what to try.
         counts: Steps, evaluations, wall time.
-        scenario: What it came from, enough to repeat it; None for a system built in Python.
-        end: The state that it left, to go on from: ``simulate(scenario, start=run.end)``.
+        scenario: Its scenario, enough to repeat it; None for a system built in Python.
+        end: Final state, to continue from: ``simulate(scenario, start=run.end)``.
     """
 
     data: xr.Dataset
@@ -106,7 +106,7 @@ class Trajectory(_UnlabelledSlot):
         """Return a result whose data are made on first access.
 
         Args:
-            unlabelled: What of.
+            unlabelled: Data without labels.
             **fields: The other fields.
         """
         made = cls(data=cast("xr.Dataset", None), **fields)
@@ -204,10 +204,10 @@ class Trajectory(_UnlabelledSlot):
 
         Args:
             path: The file.
-            scenario: Whether its scenario is read, which takes as long as all else.
+            scenario: Whether to read the scenario, which doubles the time.
 
         Raises:
-            FileFormatError: It is not such a file, or one of an unknown version of the format.
+            FileFormatError: Not a result file, or an unknown version of the format.
         """
         source = Path(path)
         data = read(source)
@@ -238,7 +238,7 @@ class Trajectory(_UnlabelledSlot):
     def summary(self) -> dict[str, Any]:
         """Return the run in plain numbers: how it ended, counts, peaks, impulses, conservation (SI units).
 
-        Of closed loops and prescribed motions also how many equations they are, how well they were held, and
+        With closed loops and prescribed motions also their number of equations, residuals and
         what they carried.
         """
         ended = {"outcome": self.outcome.name, "message": self.message, "counts": asdict(self.counts)}
@@ -258,7 +258,7 @@ def open_run(path: str | os.PathLike[str]) -> Trajectory:
     """Return a run that was saved, ``NAME.nc``.
 
     Raises:
-        FileFormatError: It is no whole result, or one of an unknown version of the format.
+        FileFormatError: Not a complete result, or an unknown version of the format.
     """
     return Trajectory.load(path)
 

@@ -22,7 +22,7 @@ DIMENSIONS: dict[str, str] = {
     "time": "samples",
     "axis": "x, y, z",
     "quaternion": "x, y, z, w",
-    "configuration": "numbers of `q`, in Pinocchio's order; named after the joint and what they are",
+    "configuration": "numbers of `q`, in Pinocchio's order; named after the joint and the coordinate",
     "coordinate": "numbers of `v` and `a`",
     "joint": "joints that turn about an axis: ideal ones, and clearance joints by their motion angle",
     "sliding_joint": "joints that slide along their axis",
@@ -48,7 +48,7 @@ DIMENSIONS: dict[str, str] = {
     "event": "events of the user's that happened, by name",
     "sampled": "sampled controllers, by name",
     "tick": "instants of these, in order of time",
-    "signal": "what they note and command, by controller and name",
+    "signal": "recorded signals and commands, by controller and name",
     "episode": "contacts from onset to release, in order of onset",
 }
 
@@ -177,7 +177,7 @@ _ENERGIES: tuple[Variable, ...] = rows(
     (
         "element_deflection",
         "rad|m",
-        "what it acts by: its joint's angle, a gear's deflection (a way [m])",
+        "argument of the force: its joint's angle, a gear's deflection (a displacement [m])",
     ),
     ("element_energy", "J", "energy stored"),
     ("element_mode", "1", "number of the mode"),

@@ -1,7 +1,7 @@
 """Files of tables: labelled datasets beside runs, sealed and identified by a format.
 
 A portrait, a section, a bifurcation diagram, an orbit, a branch of orbits, Lyapunov exponents, a fit, what
-a test can tell, experiments beside one another and sensitivities are a dataset each. Their attributes say
+a test can tell, a comparison of experiments and sensitivities are a dataset each. Their attributes say
 what they are and what they came from: ``format``; ``title``, ``name`` and ``case`` of the scenario, and the
 whole of it as JSON; the ``versions`` of what made them; and the ``command`` if it was one.
 """
@@ -351,8 +351,8 @@ KINDS: dict[TableKind, str] = {
     "branch": "a branch of periodic solutions",
     "exponents": "Lyapunov exponents",
     "fit": "a fit to measured records",
-    "identifiability": "what a test can tell",
-    "experiments": "experiments beside one another",
+    "identifiability": "an identifiability analysis",
+    "experiments": "a comparison of experiments",
     "sensitivity": "sensitivities",
 }
 
@@ -361,7 +361,7 @@ def table_attributes(kind: TableKind, scenario: Scenario | None) -> dict[str, An
     """Return the attributes of kind and provenance of a dataset.
 
     Args:
-        kind: What it is of.
+        kind: Kind of the source.
         scenario: What was run; None for a system built in Python.
     """
     return {
@@ -421,7 +421,7 @@ def open_table(path: str | os.PathLike[str], kind: TableKind) -> xr.Dataset:
     """
     file = Path(path)
     if not file.is_file():
-        raise FileFormatError(f"{file}: {absence(file)}; it must be {KINDS[kind]} that antenna-pin wrote")
+        raise FileFormatError(f"{file}: {absence(file)}; it must be {KINDS[kind]} written by antenna-pin")
     try:
         whole = has_whole_seal(file)
         table = load_dataset(file)

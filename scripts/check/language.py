@@ -13,6 +13,7 @@ Rules:
 - ``names``: modules, classes, functions and arguments named by a participle or an adverb alone.
 - ``shared``: class names that more than one class has.
 - ``british``: American spellings in docstrings, comments and pages.
+- ``idiom``: lines of messages and docstring bodies in which code is told, asked or looked at.
 - ``spelling``: words that codespell corrects.
 """
 
@@ -41,6 +42,11 @@ _PERSONS = re.compile(
     r"\b(is|are|be|was|were|been) (told|asked|shown|said|seen|looked at|met|minded|given up)\b"
     r"|\b(asks?|tells?|told|knows?|knew|minds?|looks? (at|for|from|like)|keeps?|kept|says?|said)\b"
 )
+_IDIOM = re.compile(
+    r"\b(is|are|be|was|were|been) (told|asked|said|looked at|minded|given up)\b|\b(asked|asks?) for\b"
+    r"|\bknows?\b|\b(goes|go|gone) on\b|\blooks? (at|for)\b|\bleft out beside\b|\banew\b"
+    r"|\b(told|tells?) apart\b|\bhangs? on\b"
+)
 _ALONE = frozenset(
     "told asked kept taken made found named seen held first now near beside within alike unlike hidden "
     "missed standing passages witness happened followed given measured prepared searched said".split()
@@ -51,6 +57,7 @@ _AMERICAN = re.compile(
     r"cancel(ed|ing)|modulus'es)\b"
 )
 _WORDS = 15
+_RULES = ("openings", "long", "persons", "names", "shared", "british", "idiom", "spelling")
 
 
 class Place(NamedTuple):
@@ -69,7 +76,7 @@ class Place(NamedTuple):
 
 def places() -> dict[str, list[Place]]:
     """Return the places where each rule is broken, by the name of the rule."""
-    found: dict[str, list[Place]] = {rule: [] for rule in ("openings", "long", "persons", "names", "shared")}
+    found: dict[str, list[Place]] = {rule: [] for rule in _RULES}
     classes: dict[str, list[Place]] = defaultdict(list)
     for path in sorted((ROOT / "antenna_pin").rglob("*.py")):
         file = str(path.relative_to(ROOT))
@@ -81,6 +88,7 @@ def places() -> dict[str, list[Place]]:
                 classes[node.name].append(Place(file, node.lineno, node.name))
             for rule, place in (*_of_summary(file, node), *_of_names(file, node)):
                 found[rule].append(place)
+        found["idiom"] += _idiom(file, tree)
     found["shared"] = [one for ones in classes.values() if len(ones) > 1 for one in ones]
     found["british"] = list(_american())
     found["spelling"] = list(_misspelt())
@@ -99,6 +107,22 @@ def _of_summary(file: str, node: ast.AST) -> Iterator[tuple[str, Place]]:
         yield "long", place
     if _PERSONS.search(summary):
         yield "persons", place
+
+
+def _idiom(file: str, tree: ast.Module) -> Iterator[Place]:
+    """Yield lines of docstring bodies and messages that have a banned phrase."""
+    bodies = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            if ast.get_docstring(node) is not None:
+                bodies.add(id(node.body[0].value))  # type: ignore[attr-defined]
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Constant) or not isinstance(node.value, str):
+            continue
+        text = node.value.partition("\n\n")[2] if id(node) in bodies else node.value
+        for line in text.split("\n") if " " in text else ():
+            if _IDIOM.search(re.sub(r"`[^`]*`", "", line)):
+                yield Place(file, node.lineno, line.strip())
 
 
 def _of_names(file: str, node: ast.AST) -> Iterator[tuple[str, Place]]:

@@ -431,7 +431,7 @@ def _run() -> list[Part]:
     return [
         Part(
             title="[initial.joints.JOINT]",
-            line="where a joint starts, and how fast; zero where nothing is said",
+            line="where a joint starts, and how fast; zero by default",
             rows=keys_of(InitialJointSpec, without=("motion",)),
         ),
         Part(

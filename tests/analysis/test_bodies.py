@@ -106,7 +106,7 @@ def test_a_picked_sample_is_the_same_sample(runs):
 def test_data_without_a_mechanism_is_refused(runs):
     data = runs["revolute"].data.copy()
     del data.attrs["urdf"]
-    with pytest.raises(FileFormatError, match="must carry its mechanism"):
+    with pytest.raises(FileFormatError, match="must contain its mechanism"):
         body_poses(data)
 
 

@@ -107,7 +107,7 @@ def test_noise_has_no_period(seed):
 
 def test_too_little_is_not_judged():
     found = recurrence(logistic(4.0, 60))
-    assert found.words == "too short to say (60 points); no period up to 15"
+    assert found.words == "too short to decide (60 points); no period up to 15"
     assert found.confidence == 0.0
     assert recurrence(np.array([1.0, 1.0, 1.0])).kind is RecurrenceKind.TOO_SHORT
     assert recurrence(np.empty(0)).kind is RecurrenceKind.TOO_SHORT
@@ -175,7 +175,7 @@ def test_what_does_not_settle_is_said():
     assert settled(1e-3 * k).start is None
     assert "not settled" in settled(np.cos(GOLDEN * k) + 1e-3 * k).words
     assert settled(np.cos(GOLDEN * k) * (1.0 + 1e-3 * k)).start is None
-    assert settled(k[:20]).words == "too short to say (20 points, 32 are needed)"
+    assert settled(k[:20]).words == "too short to decide (20 points, 32 are needed)"
 
 
 def test_stationary_series_are_settled_at_once():

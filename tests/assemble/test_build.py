@@ -46,7 +46,7 @@ REFUSALS = {
     **{
         f"{key} beside {journal}": (
             [f"initial.joints.elevation={{{key}=0, {journal}=[0, 0, 0.1]}}"],
-            [f"elevation.{key}: must be left out beside {journal}[2]", "got 0 and 0.1", f"leave out {key}"],
+            [f"elevation.{key}: must be left out with {journal}[2]", "got 0 and 0.1", f"leave out {key}"],
         )
         for key, journal in (
             ("rate", "journal_angular_velocity"),
@@ -270,7 +270,7 @@ def test_inertia_that_no_body_has_is_said_kept_and_refused_only_if_strict(tmp_pa
         build_system(load_scenario(path, overrides=["mechanism.strict=true"]))
     allowed = ["mechanism.strict=true", "mechanism.allow_impossible_inertia=['b']"]
     assert build_system(load_scenario(path, overrides=allowed)).mechanism.impossible == ()
-    with pytest.raises(AntennaPinError, match="continuous joints have none, whatever theirs states: j"):
+    with pytest.raises(AntennaPinError, match="continuous joints have none, even if the file gives them: j"):
         load_scenario(path, overrides=["stops=true"])
 
 

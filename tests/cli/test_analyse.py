@@ -77,7 +77,7 @@ def test_what_can_be_said_of_little(cli, results):
     assert float(row.split()[3]) == pytest.approx(1.0, abs=0.02)  # the drive's frequency [Hz]
     one = cli("analyse", results / "one.nc", "--ideal", results / "case1.nc")
     assert one.code == 0
-    assert "the run ended early: stopped by the user; what was computed is kept" in one.out
+    assert "the run ended early: stopped by the user; the results so far are saved" in one.out
     assert "one sample: no deviation, no frequencies" in one.out
     assert "elevation does not settle: one sample is no time to settle in" in one.out
 

@@ -490,7 +490,7 @@ def test_figures_of_a_closed_loop_are_made(cli, tmp_path, drawn_quickly):
     [
         ("chen2021 --figure 17", "--figure must be one of 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, got 17"),
         ("pendulum --figure 1", "it repeats no paper"),
-        ("chen2021 --figure 9 --case ideal", "left out beside --case"),
+        ("chen2021 --figure 9 --case ideal", "left out with --case"),
         ("chen2021 --figure 9 --set clearance.s2.friction.law=glue", "friction"),
         ("chen2021 --figure 9 --points 3", "32"),
         ("bai2021", "did you mean bai2020"),

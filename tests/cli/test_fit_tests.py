@@ -58,8 +58,8 @@ def files(cli):
 def test_what_a_test_cannot_tell_is_said_before_it_is_made(cli, files):
     said = cli("fit", "twin.fit.toml", "--identify", "--no-progress", "--out", "tells.nc")
     assert said.code == 0, said.err
-    assert "cannot be told" in said.out + said.err and "only together" in said.out + said.err
-    assert "and the others can be told" in said.out + said.err
+    assert "not identifiable" in said.out + said.err and "only in combination" in said.out + said.err
+    assert "and the others become identifiable" in said.out + said.err
     told = open_identifiability("tells.nc")
     assert told["determined"].values.tolist() == [0, 1, 0]
     drawn = cli("plot", "tells.nc", "--out", "pictures")
@@ -78,7 +78,7 @@ def test_the_next_test_is_told_best_first(cli, files):
 
 def test_what_does_not_go_together_is_refused_in_a_line(cli, refused, files):
     for given, words in (
-        (("--identify", "--next", "next.toml"), "--identify must be left out beside --next"),
+        (("--identify", "--next", "next.toml"), "--identify must be left out with --next"),
         (("--at", "swing.nc"), "--at must be given with --identify or --next"),
         (("--identify", "--profile"), "are of a fit; leave them out here"),
         (("--draws", "1"), "--draws must be 2 or more"),

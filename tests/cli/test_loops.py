@@ -193,7 +193,7 @@ def test_singular_positions_that_were_passed_are_named(cli, folder, singular, pr
     dataclasses.replace(run, data=data).save("passed.nc")
     last = printed(cli("info", "--all", "passed.nc")).splitlines()[-1]
     text = (
-        "passed: passed 2 singular positions, at 0.25 s, 0.5 s: loops could go on in more ways than one there"
+        "passed: passed 2 singular positions, at 0.25 s, 0.5 s: where the motion of the loops is not unique"
     )
     assert last.replace("\N{NO-BREAK SPACE}", " ") == text if singular else "mobility" in last
 

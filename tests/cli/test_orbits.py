@@ -55,7 +55,7 @@ def test_exponents_are_told_with_their_error(cli, tmp_path):
     said = cli("lyapunov", *PENDULUM, "--interval", "0.2 s", "--count", "40", "--csv", str(table))
     assert said.code == 0 and table.read_text().startswith("exponent [1/s],error [1/s]\n-")
     short = cli("lyapunov", *PENDULUM, "--interval", "0.2 s", "--count", "4")
-    assert short.out.startswith("too short to say, over 4 intervals")
+    assert short.out.startswith("too short to decide, over 4 intervals")
 
 
 def test_orbits_and_exponents_are_saved_and_drawn(cli, tmp_path):
@@ -171,7 +171,7 @@ def test_what_is_interrupted_is_kept(cli, monkeypatch):
         (("orbit", *PENDULUM, "--over", "drives.motor.amplitude"), "--values must be given with --over as"),
         (("orbit", *PENDULUM, *OVER, "1:2:3"), "--values must be given with --over as FIRST:LAST"),
         (("orbit", *PENDULUM, *OVER, "1 m:2 m"), "amplitude must be a torque [N*m] or a force [N]"),
-        (("orbit", *PENDULUM, *OVER, "1:2", "--free-period"), "--free-period must be left out beside --over"),
+        (("orbit", *PENDULUM, *OVER, "1:2", "--free-period"), "--free-period must be left out with --over"),
         (("orbit", *PENDULUM, *OVER, "1:2", "-q", "v[hing]"), "did you mean hinge"),
         (("orbit", *PENDULUM, *OVER, "1:1"), "values must be two different"),
         (("orbit", *PENDULUM, "--rtol", "1e-3"), "rtol must be above 0 and at most 1e-06"),

@@ -55,7 +55,7 @@ def test_a_motion_of_a_joint_whose_limit_has_no_bounds_runs_and_is_said(folder):
     assert run.data["motion_angle"].values[-1, 0] == pytest.approx(0.1, rel=1e-12)
     first, second = (str(one.message) for one in caught)
     assert "passed over 1 thing that means nothing to the mechanics (1 <gazebo>)" in first
-    assert second.endswith("no bounds in the <limit> of joints, which are taken as without: hinge")
+    assert second.endswith("no bounds in the <limit> of joints, which are unlimited: hinge")
 
 
 def test_bounds_of_the_scenario_are_those_that_a_motion_must_stay_in(folder):
@@ -83,11 +83,11 @@ def test_a_mass_without_moments_is_said_by_all(folder):
     code, lines, error = said("info", folder / "scenario.toml")
     assert (
         code == 0
-        and "arm.urdf: no <inertia> beside the <mass> of links, which are taken as points: base, arm" in error
+        and "arm.urdf: a <mass> without <inertia> in links, which become point masses: base, arm" in error
     )
-    assert "  taken as points, without moments in the URDF: base, arm" in lines
+    assert "  point masses, without moments of inertia in the URDF: base, arm" in lines
     assert json.loads(said("info", folder / "scenario.toml", "--json")[1][0])["points"] == ["base", "arm"]
-    assert f"{folder}/arm.urdf: taken as points: base, arm" in said("urdf", folder / "arm.urdf", "--check")[1]
+    assert f"{folder}/arm.urdf: point masses: base, arm" in said("urdf", folder / "arm.urdf", "--check")[1]
 
 
 def test_check_says_of_each_file_what_is_read_and_counts(folder):
@@ -106,7 +106,7 @@ def test_check_says_of_each_file_what_is_read_and_counts(folder):
         f"{folder}/below/slip.urdf: refused: slip.urdf, line 3: joint 'hinge': attribute xzy of <axis> is "
         "unknown; did you mean the attribute xyz?",
         f"{folder}/arm.sdf: refused: arm.sdf, line 1: the root of a URDF must be <robot>, got <sdf>: this is "
-        "SDF, Gazebo's format; convert it to URDF, or take the URDF or xacro that it was made from",
+        "SDF, Gazebo's format; convert it to URDF, or use its original URDF or xacro",
         f"{folder}/scenario.toml: loads: 1 freedom on a fixed base",
         f"{folder}/scenario.toml: passed over: 1 <gazebo>, line 5",
         f"{folder}/scenario.toml: without bounds: hinge",
@@ -135,4 +135,6 @@ def test_all_files_of_the_generator_load(tmp_path):
 
 def test_a_urdf_file_alone_is_not_written(folder):
     code, _, error = said("urdf", folder / "arm.urdf")
-    assert code == 2 and "must be given one SCENARIO to write its URDF" in error and "--check says" in error
+    assert (
+        code == 2 and "must be given one SCENARIO to write its URDF" in error and "--check reports" in error
+    )

@@ -145,7 +145,7 @@ def test_what_a_stranger_may_have_written_is_not_read(source, monkeypatch, whose
         opened.chmod(0o1777 if whose == "sticky folder" else 0o777)
     _kernel_cache._closed.cache_clear()
     said = pytest.warns(
-        KernelCacheWarning, match=r"is not safe, for .* keep others from writing there, or set"
+        KernelCacheWarning, match=r"is not safe, for .* remove the others' write permission, or set"
     )
     with warnings.catch_warnings() if whose == "file" else said:
         now = compiled(source)

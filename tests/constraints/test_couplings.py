@@ -227,7 +227,7 @@ def test_a_coupling_refuses_what_is_none():
         Coupling(follower="a", leader="a")
     with pytest.raises(InvalidParameterError, match="multiplier must be finite"):
         Coupling(follower="a", leader="b", multiplier=math.inf)
-    with pytest.raises(AntennaPinError, match="joint 'a': mimic must be left out, for there is none"):
+    with pytest.raises(AntennaPinError, match="joint 'a': mimic must be left out, because there is none"):
         urdf_of(("a", "revolute", "")).variant(origins={"a": JointChange(mimic=False)})
     with pytest.raises(
         AntennaPinError, match=r"line 1: joint 'a': <mimic> multiplier must be 1 finite number"

@@ -138,7 +138,7 @@ def test_what_docstrings_say_each_law_delivers():
 
 
 def test_gonthier_below_a_third_and_carvalho_martins_above_stay_close():
-    """Within 0.006 of what is asked for, from 0.05 on."""
+    """Within 0.006 of the specified value for, from 0.05 on."""
     for asked in np.linspace(0.05, 1.0, 96):
         cls = GonthierDamping if asked < 1.0 / 3.0 else DISSIPATIONS["carvalho-martins"]
         assert delivered_restitution(cls(restitution=asked).hysteresis) == pytest.approx(asked, abs=0.006)

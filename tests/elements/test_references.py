@@ -304,7 +304,7 @@ def test_a_sampled_controller_follows_it_at_its_instants(folder):
     assert (
         simulate(load_scenario(path), duration=0.647, start=half.end).end.q.tobytes() == run.end.q.tobytes()
     )
-    with pytest.raises(ScenarioError, match="must be left out beside follows"):
+    with pytest.raises(ScenarioError, match="must be left out with follows"):
         load_scenario(path, overrides=["controllers.pointing.reference=1"])
     with pytest.raises(AntennaPinError, match="reference 'slow' is unknown"):
         load_scenario(path, overrides=["controllers.pointing.follows=slow"])

@@ -165,7 +165,7 @@ def test_friction_brings_the_wheel_to_rest(wheel):
         ("springs.axle={kind='friction', stiffness=1}", "springs.axle.stiffness is unknown"),
         ("springs.axle={stiffness=1, on='maybe'}", "springs.axle.on must be true or false, got 'maybe'"),
         ("springs.axle={kind='spring', stiffness=1, first={link='world'}}", "springs.axle.first is unknown"),
-        ("springs.s={kind='between-points', stiffness=1, joint='axle'}", "must be left out beside first and"),
+        ("springs.s={kind='between-points', stiffness=1, joint='axle'}", "must be left out with first and"),
         ("drives.axle={kind='motion', rate=1, on=false}", "drives.axle.on is unknown"),
     ],
 )

@@ -161,7 +161,7 @@ def test_a_fit_is_saved_with_bands_and_profiles_and_shows_itself(write, asked, t
     assert names == ["fit", "correlation", "profiles", "identifiability", "experiments"]
     page = report([tmp_path / name for name in files])
     words = [section.title for section in page.sections]
-    assert words[:3] == ["Fit: swing", "What a test can tell: tells", "Which test next: next"]
+    assert words[:3] == ["Fit: swing", "Identifiability: tells", "Which test next: next"]
     assert "interval of its profile" in page.html
 
 

@@ -111,7 +111,7 @@ def test_a_parameter_without_effect_is_said_not_to_be_told(write):
         'set.mechanism.links.stand={mass = "1 kg", inertia = [1.0, 1.0, 1.0]}',
     ]  # fmt: skip
     fit = run_fit(load_fit(plan.folder / "fit.fit.toml", settings))
-    assert fit.lines()[0].endswith("no band: the records do not tell it")
+    assert fit.lines()[0].endswith("no band: not identifiable from the records")
 
 
 # --- runs that die ---
@@ -135,9 +135,9 @@ def test_a_run_that_dies_is_a_trial_that_cannot_be_made(write, monkeypatch):
     fit = run_fit(plan)
     assert abs(died[1] - 30.0) < 0.5 * abs(died[0] - 30.0)
     assert fit.values == pytest.approx(expected.values, rel=1e-4)
-    (note,) = (one for one in fit.notes if "could not be made" in one)
+    (note,) = (one for one in fit.notes if "runs failed" in one)
     assert note.endswith("the first: the run died of ValueError: f(a) and f(b) must have different signs")
-    assert note.startswith(f"note: 2 of {fit.runs} runs could not be made")
+    assert note.startswith(f"note: 2 of {fit.runs} runs failed")
 
 
 def test_a_first_run_that_dies_is_one_line(write, monkeypatch):

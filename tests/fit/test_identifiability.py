@@ -34,7 +34,7 @@ def test_mass_and_stiffness_of_free_motion_are_told_together_only(times):
     found = identifiable(oscillator(times, np.cos(5.0 * times), 0.02))
     assert not found.rank.determined.any() and np.isinf(found.half).all()
     assert found.together == (
-        "mass and stiffness: only together, the record stays as it is when they change, "
+        "mass and stiffness: only in combination: the record does not change when they change, "
         "mass by 1 %, stiffness by 1 %",
     )
     assert len(found.hold) == 1
@@ -59,7 +59,7 @@ def test_what_a_record_does_not_feel_and_what_it_tells_beside_it(times):
     found = identifiable(model)
     assert found.rank.determined.tolist() == [False, False, True, False]
     assert found.rank.influential.tolist() == [True, True, True, False]
-    assert found.together[-1] == "colour: not at all, the record stays as it is when it changes"
+    assert found.together[-1] == "colour: not at all: the record does not change with it"
     assert set(found.hold) == {"colour"} | ({"mass", "stiffness"} & set(found.hold))
     # Held as it says, the rest can be told.
     kept = [k for k, name in enumerate(model.names) if name not in found.hold]

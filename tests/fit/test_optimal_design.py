@@ -94,7 +94,9 @@ def test_a_plan_adds_to_what_is_known():
 
 
 def test_what_cannot_be_planned_is_refused():
-    with pytest.raises(InvalidParameterError, match="such that all of them together tell every parameter"):
+    with pytest.raises(
+        InvalidParameterError, match="such that all of them together determine every parameter"
+    ):
         planned({"same": np.array([[1.0, 1.0]])}, NAMES, ONES, 4)
     with pytest.raises(InvalidParameterError, match="wanted must be the parameter that c is of, got none"):
         design(_at(0.0), NAMES, ONES, criterion="c")

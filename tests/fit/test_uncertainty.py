@@ -160,6 +160,6 @@ def test_residuals_that_hang_together_count_for_less():
 def test_fewer_residuals_than_parameters_are_refused():
     model = line(np.array([0.0, 1.0]), np.array([1.0, 2.0]))
     with pytest.raises(
-        InvalidParameterError, match="residuals must be more than parameters that they tell, 2, got 2"
+        InvalidParameterError, match="residuals must be more than the identifiable parameters, 2, got 2"
     ):
         sure(model, np.ones(2))

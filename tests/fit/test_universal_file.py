@@ -88,7 +88,7 @@ def test_functions_of_time_are_columns_by_node_and_direction(tmp_path, binary, s
         (
             [function(3, 4, ANGLE, "m/s^2")],
             "3RX+",
-            "the file's unit must be that of an angle [rad], got 'm/s^2'; say by unit what it is",
+            "the file's unit must be that of an angle [rad], got 'm/s^2'; give its unit with the key unit",
         ),
     ],
 )

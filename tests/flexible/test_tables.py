@@ -178,7 +178,7 @@ def test_tables_are_read(text: str, damping: tuple[float, ...] | None):
         (PRINT.replace("1.181239E+02", "1.181260E+02"),
          "line 8: RADIANS of mode 2 must be the root of its EIGENVALUE, 118.12"),
         (PRINT.replace("        2         2      1.395", "        1         2      1.395"),
-         "line 8: mode 1 must stand once, got it again; keep one subcase"),
+         "line 8: mode 1 must appear once, got a second one; keep one subcase"),
         (PRINT.replace("2      1.395326E+04", "2     -1.395326E+04"),
          "line 15: frequency must be positive, got -18.8 Hz"),
         (PRINT[: PRINT.index("     MODAL PART")] + WITH_FREQUENCY.replace("18.8", "19.0"),

@@ -185,7 +185,7 @@ def test_in_contact_as_it_is_in_a_run():
         ({"hold": ["base"]}, "joint 'base' is unknown"),
         ({"hold": ["hole"]}, "something must be left free to move"),
         ({"at": -1.0}, "a time of zero or more"),
-        ({"at": 1.0, "q": [0, 0, 1, 0]}, "left out beside at"),
+        ({"at": 1.0, "q": [0, 0, 1, 0]}, "left out with at"),
     ],
 )
 def test_refusals_are_one_line(given: dict[str, Any], said: str):

@@ -26,7 +26,7 @@ def test_neighbours_of_a_damped_oscillator_come_together_at_half_its_damping(osc
     largest = largest_exponent(flow, start, period, 40)
     assert largest.values[0] == pytest.approx(-0.5 * c / m, abs=off)
     assert largest.verdict == spectrum.verdict == "contracting"
-    assert lyapunov_spectrum(flow, start, period, 5).verdict == "too short to say"
+    assert lyapunov_spectrum(flow, start, period, 5).verdict == "too short to decide"
 
 
 @njit

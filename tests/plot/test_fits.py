@@ -97,14 +97,14 @@ def test_correlations_are_those_of_the_covariance_and_strong_ones_bold():
     figure = figure_correlation(fit())
     texts = {text.get_text(): text.get_weight() for text in figure.axes[0].texts}
     assert texts == {"1.00": "normal", "0.99": "bold"}
-    assert "hardly told apart" in _said(figure)
+    assert "hardly distinguishable" in _said(figure)
 
 
 def test_what_is_not_told_has_no_correlation():
     lost = fit(covariance=((4.0, np.nan), (np.nan, np.inf)))
     found = correlations(lost)
     assert found[0, 0] == 1.0 and np.isnan(found[0, 1]) and np.isnan(found[1, 1])
-    assert "1 at a bound, or not told" in _said(figure_correlation(lost))
+    assert "1 at a bound, or not identifiable" in _said(figure_correlation(lost))
 
 
 def test_profiles_show_growth_ends_and_the_parabola():

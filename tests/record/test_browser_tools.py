@@ -98,7 +98,7 @@ def test_a_driver_that_does_not_answer_is_given_up(monkeypatch, tmp_path):
         script.write_text(f"#!/bin/sh\n{command}\n")
         script.chmod(0o755)
         programs = browser_tools.BrowserPrograms("/bin/true", str(script))
-        with pytest.raises(MissingToolError, match="must start and name its port"):
+        with pytest.raises(MissingToolError, match="must start and print its port"):
             with browser_tools.open_browser(programs):
                 pass
 

@@ -363,10 +363,12 @@ def test_a_mesh_with_a_vertex_too_far_away_is_named(clearance_run, tmp_path, rec
 
 def test_interrupted_one_sample_and_nothing_to_show(clearance_run, ideal_run):
     stopped = dataclasses.replace(
-        clearance_run, outcome=Outcome.INTERRUPTED, message="stopped by the user; what was computed is kept"
+        clearance_run,
+        outcome=Outcome.INTERRUPTED,
+        message="stopped by the user; the results so far are saved",
     )
     assert record(stopped).data["warnings"] == [
-        "the run ended early: stopped by the user; what was computed is kept"
+        "the run ended early: stopped by the user; the results so far are saved"
     ]
     single = dataclasses.replace(clearance_run, data=clearance_run.data.isel(time=slice(0, 1)))
     for view in ("mechanism", "joint"):

@@ -79,7 +79,7 @@ def single(play: Trajectory) -> Trajectory:
         play,
         data=start,
         outcome=Outcome.INTERRUPTED,
-        message="stopped by the user; what was computed is kept",
+        message="stopped by the user; the results so far are saved",
     )
 
 

@@ -263,7 +263,7 @@ def test_a_run_that_ended_early_is_flagged_on_top(ideal, play, shown):
     page = shown(report([ideal, ("cut", cut)], figures=False, recordings=False).html)
     (bad,) = page.tree.xpath("//p[contains(@class, 'bad')]")
     text = " ".join(bad.text_content().split())
-    assert "cut too deep" in text and message in text and "of 0.1 s asked for" in text
+    assert "cut too deep" in text and message in text and "of 0.1 s requested" in text
     # Above everything else.
     assert page.tree.xpath("//main/section")[0].get("id") == "outcome"
 

@@ -24,7 +24,7 @@ LONG = SHORT | {
 SAID = (
     "hinge: assumed law lankarani-nikravesh with restitution 0.9, steel on steel, "
     "axial play 50 um as the radial, "
-    "outer radius 15 mm, flanges of radius 15 mm; keys of [clearance.hinge] say otherwise"
+    "outer radius 15 mm, flanges of radius 15 mm; set keys of [clearance.hinge] to change this"
 )
 PANEL = Path(__file__).parents[2] / "scripts" / "examples" / "panel"
 

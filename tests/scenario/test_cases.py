@@ -38,7 +38,7 @@ def test_a_table_may_replace_the_one_below(folder):
     message = folder.refusal(changes, case="elastic")
     assert message == (
         "clearance.hinge.normal.restitution is unknown; law hertz takes stiffness, exponent "
-        "(case elastic sets law: with replace = true beside it, the old keys go)"
+        "(case elastic sets law: add replace = true to drop the old keys)"
     )
 
 

@@ -126,7 +126,7 @@ def test_what_an_override_sets_is_told_as_such(folder):
         (
             "drives.motor.kind=sine",
             "drives.motor.value is unknown; known here: kind, joint, axis, on, amplitude, frequency, phase "
-            "(an override sets kind: with replace = true beside it, the old keys go)",
+            "(an override sets kind: add replace = true to drop the old keys)",
         ),
         (
             "clearance.hing.geometry=coal",

@@ -48,12 +48,12 @@ def test_what_is_laid_over_takes_the_place_of_what_it_excludes():
     [
         (
             ["integrator.accuracy=1e-3", "integrator.rtol=1e-9"],
-            "integrator.rtol must be left out beside accuracy = 0.001, which chooses it, got 1e-09; "
+            "integrator.rtol must be left out with accuracy = 0.001, which chooses it, got 1e-09; "
             "leave out one of them",
         ),
         (
             ["integrator.accuracy=1e-3", "integrator.method=rk4"],
-            "integrator.method must be left out beside accuracy = 0.001, which chooses it, got 'rk4'; "
+            "integrator.method must be left out with accuracy = 0.001, which chooses it, got 'rk4'; "
             "leave out one of them",
         ),
         (["integrator.accuracy=2"], "integrator.accuracy must be between 0 and 1, got 2"),
@@ -70,7 +70,7 @@ def test_refusals(overrides, message):
 
 
 def test_settings_in_python_refuse_both():
-    with pytest.raises(InvalidParameterError, match="rtol must be left out beside accuracy = 0.001"):
+    with pytest.raises(InvalidParameterError, match="rtol must be left out with accuracy = 0.001"):
         RunSettings(accuracy=1e-3, rtol=1e-9)
 
 

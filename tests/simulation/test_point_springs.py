@@ -258,7 +258,7 @@ def test_a_scenario_says_where_its_springs_are(written):
 @pytest.mark.parametrize(
     ("override", "message"),
     [
-        ("springs.coil.joint=slide", "springs.coil.joint must be left out beside first and second; a spring"),
+        ("springs.coil.joint=slide", "springs.coil.joint must be left out with first and second; a spring"),
         (
             "springs.coil.stiffness=0",
             "springs.coil must have a stiffness or a damping above zero, got neither",

@@ -13,7 +13,7 @@ from antenna_pin import open_study, run_study
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.show import plot
 from antenna_pin.show.report import study_report
-from antenna_pin.studies.sweep import Trial, sensitivities
+from antenna_pin.studies.sweep import TrialRun, sensitivities
 from antenna_pin.studies.sweep.statistics import quantiles
 
 THREE = """
@@ -33,7 +33,7 @@ between = [0, 1]
 def sampled(write, tmp_path, fake, monkeypatch):
     """Return a function that makes a study whose response is a function of the unit cube."""
     monkeypatch.setattr("antenna_pin.studies.sweep.driver._check", lambda *_: None)
-    monkeypatch.setattr("antenna_pin.studies.sweep.driver.trial", lambda *_: Trial(1.0))
+    monkeypatch.setattr("antenna_pin.studies.sweep.driver.trial", lambda *_: TrialRun(1.0))
 
     def made(method, count, function):
         study = write(THREE, f'sampling = {{ method = "{method}", count = {count} }}')

@@ -101,7 +101,7 @@ def test_a_folder_of_something_else_is_left_alone(write, tmp_path, fake):
     folder = tmp_path / "mine.study"
     folder.mkdir()
     (folder / "thesis.txt").write_text("years")
-    with pytest.raises(OutputError, match="nothing in it is of this study"):
+    with pytest.raises(OutputError, match="contains nothing of this study"):
         run_study(write(), folder, executor=fake())
     assert [path.name for path in folder.iterdir()] == ["thesis.txt"]
 
@@ -147,7 +147,7 @@ def test_one_driver_at_a_time(write, tmp_path, fake):
     folder = tmp_path / "busy.study"
     folder.mkdir()
     other = Journal(folder / "journal", b"k")
-    with pytest.raises(OutputError, match=r"must not be in use|nothing in it"):
+    with pytest.raises(OutputError, match=r"must not be in use|nothing of this study"):
         run_study(write(), folder, executor=fake())
     other.close()
 

@@ -53,7 +53,7 @@ def test_a_result_does_not_pull_in_another_file(run, tmp_path, kind):
             del file["q"]
         change(file, run.parent, shape)
     seal(path)
-    said = f"{name} must hold its own numbers, got {got}; .* whole copy"
+    said = f"{name} must hold its own numbers, got {got}; .* complete copy"
     for read in (Trajectory.load, format_of, lambda at: open_table(at, "orbit"), open_hdf5):
         with pytest.raises(FileFormatError, match=said):
             read(path)

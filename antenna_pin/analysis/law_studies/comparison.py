@@ -29,7 +29,7 @@ def elastic_laws_of_joint(
 ) -> dict[str, ElasticLaw]:
     """Return every elastic law for a journal in a bore, by name.
 
-    Laws that do not hold for these dimensions are left out; :func:`laws_left_out` says why.
+    Laws that do not hold for these dimensions are left out; :func:`laws_left_out` gives the reason.
 
     Args:
         bearing_radius: R_i [m].

@@ -217,7 +217,7 @@ class RestitutionRow:
     """Restitution of a dissipation, beside its parameter."""
 
     dissipation: str  # its name
-    asked: float  # coefficient of restitution asked for [-]
+    asked: float  # coefficient of specified restitution [-]
     closed_form: float  # what it delivers by its closed form [-]
     on_wall: float  # what an integrated impact on a wall delivers [-]; NaN if none was made
     of_pair: float  # what an integrated impact of two free bodies delivers [-]; NaN if none was made

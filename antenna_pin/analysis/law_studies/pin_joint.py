@@ -235,7 +235,7 @@ class ReproducedTable:
 def reproduce_table() -> ReproducedTable:
     """Return both printed columns by their formulas.
 
-    A displacement that does not fit its load by (6) is mended: it becomes the one which that load asks for,
+    A displacement that does not fit its load by (6) is mended: it becomes the one which that load requires,
     at the precision of the table.
     """
     printed = [(point, point.depth) for point in LIU_2013]

@@ -204,7 +204,10 @@ SetOption = Annotated[
     ),
 ]
 FigureOutOption = Annotated[
-    Path | None, typer.Option(metavar="DIR", help="Folder for figures, made if missing; none if left out.")
+    Path | None,
+    typer.Option(
+        metavar="DIR", help="Folder for figures, created if missing; without it no figures are drawn."
+    ),
 ]
 FigureFormatOption = Annotated[
     str, typer.Option("--format", metavar="LIST", help="Any of png, pdf, svg, separated by commas.")
@@ -290,7 +293,7 @@ def save_elsewhere(trajectory: Trajectory, path: Path, error: OutputError) -> No
         with contextlib.suppress(OutputError):
             trajectory.save(elsewhere)
             refuse(f"{error}; the result is in {elsewhere} instead")
-    refuse(f"{error}; nor could the result be written to any other folder: make room and run again")
+    refuse(f"{error}; no other folder could be written either; free disk space and run again")
 
 
 def load_result(path: Path, scenario: bool = True) -> Trajectory:

@@ -163,7 +163,7 @@ def _refused_in_one_line() -> Iterator[None]:
     except (MemoryError, ImportError) as error:
         if not _is_of_memory(error):
             raise
-        complain("the memory has run out; ask for less: a shorter run, a lower rate of samples, fewer files")
+        complain("out of memory; use a shorter run, a lower sample rate or fewer files")
         raise typer.Exit(REFUSED) from None
     except Exception as error:
         # Typer brings a Click of its own, or not; NoArgsIsHelpError shows the help, which is many lines.

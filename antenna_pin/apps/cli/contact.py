@@ -105,11 +105,11 @@ def list_laws(as_json: JsonOption = False, csv: CsvOption = None) -> None:
     families = {
         title: {name: law for name, law in NORMAL_LAWS.items() if is_elastic(name) == elastic}
         for title, elastic in (
-            ("elastic laws: any dissipation can stand beside them", True),
-            ("whole laws: with the dissipation of their authors", False),
+            ("elastic laws: can be combined with any dissipation", True),
+            ("complete laws: include their authors' dissipation", False),
         )
     } | {
-        "dissipations: beside an elastic law": DISSIPATIONS,
+        "dissipations: combined with an elastic law": DISSIPATIONS,
         "friction laws": FRICTION_LAWS,
     }
     found = [
@@ -301,7 +301,9 @@ def restitution(
     ] = "0.05, 0.1, 0.3, 0.5, 0.7, 0.9, 1",
     mass: Annotated[str, typer.Option(help="Effective mass.")] = "1 kg",
     speed: Annotated[str, typer.Option(help="Approach speed.")] = "0.1 m/s",
-    simulate: Annotated[bool, typer.Option(help="Integrate impacts beside the closed forms.")] = True,
+    simulate: Annotated[
+        bool, typer.Option(help="Also integrate impacts, to compare with the closed forms.")
+    ] = True,
     out: FigureOutOption = None,
     formats: FigureFormatOption = "png",
     width: WidthOption = Width.PAGE,

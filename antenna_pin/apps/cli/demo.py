@@ -16,9 +16,9 @@ _CASES = ("case1", "case3")
 
 
 def demo(
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for everything; made if missing.")] = Path(
-        "demo"
-    ),
+    out: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder for all results; created if missing.")
+    ] = Path("demo"),
     duration: DurationOption = "5 s",
 ) -> None:
     """Run the shipped antenna without and with play; save results, figures, a report."""

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _FINDINGS = """
 Reproduced: equation (6) gives ten rows of the Hertz column to the rounding of the table, with one modulus of
 {modulus:.3f} GPa (206 GPa and a Poisson's ratio of {poisson:.4f}; 0.3 gives {excess:.2f} % more). Row
-{misprint} does not fit: its load by (6) asks for {mended:.3f}e-2 mm instead of the {printed:.3f}e-2 mm
+{misprint} does not fit: its load by (6) gives {mended:.3f}e-2 mm instead of the {printed:.3f}e-2 mm
 printed, and with that its load by (14) fits too: a misprint, mended in the columns reproduced. Equation (14)
 gives the conformal column with R_i R_j / play of {radii} mm for the three plays, that is with a bore of some
 {bore:.2f} mm radius, but for {odd}, which are off by what stands beside them.

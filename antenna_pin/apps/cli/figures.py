@@ -67,7 +67,7 @@ class FigureIndex:
         text += [f"Source: {self.source}.", ""] if self.source else []
         text += ["Made by", "", f"    {self.command}", ""]
         if store.cases:
-            text += ["| case | what it is | result | how it ended |", "|---|---|---|---|"]
+            text += ["| case | description | result | outcome |", "|---|---|---|---|"]
         for case, run in store.runs.items():
             what = store.scenarios[case].description or store.scenarios[case].title
             file = Path(os.path.relpath(store.files[case], self.folder)).as_posix()
@@ -109,7 +109,8 @@ def figures(
         Path | None,
         typer.Option(
             metavar="DIR",
-            help="Folder of results. Those of the same scenario are used again, others are made there."
+            help="Folder of results. Results of the same scenario are reused; others "
+            "are simulated and saved there."
             " OUT/runs if left out.",
         ),
     ] = None,
@@ -197,7 +198,7 @@ def _paper(
     every = PAPERS.get(name, ()), ATTRACTORS.get(name, ())
     if cases:
         if numbers:
-            refuse("figures: --figure must be left out beside --case, which draws the standard figures")
+            refuse("figures: --figure must be left out with --case, which draws the standard figures")
         return [], []
     known = [each.number for group in every for each in group]
     for number in numbers or ():

@@ -53,7 +53,7 @@ def _saved(table: xr.Dataset, target: Path | None, context: typer.Context) -> No
 
 
 def _error(value: float, unit: str) -> str:
-    return f"± {readable(value, unit or '1', 2)}" if math.isfinite(value) else "cannot be told"
+    return f"± {readable(value, unit or '1', 2)}" if math.isfinite(value) else "not identifiable"
 
 
 def identify_before(
@@ -90,13 +90,13 @@ def identify_before(
                     ]
                 )
             head = ["", "value", "to expect (95 %)", "others known", "times wider"]
-            print_rows("what the records can tell of it", head, rows)
+            print_rows("identifiability from the records", head, rows)
             for text in (*problem.notes, *found.together):
                 say(text)
             for name in found.poor:
                 say(f"{name}: to no better than its own size")
             if found.hold:
-                say(f"hold {', '.join(found.hold)}, and the others can be told")
+                say(f"hold {', '.join(found.hold)}, and the others become identifiable")
         _saved(table, target, context)
 
 
@@ -244,7 +244,7 @@ def fit(
     report: Annotated[
         bool, typer.Option("--report", help="Print lmfit's report, with correlations.")
     ] = False,
-    progress: Annotated[bool, typer.Option(help="Show how many runs are made.")] = True,
+    progress: Annotated[bool, typer.Option(help="Show the number of runs.")] = True,
     quiet: QuietOption = False,
 ) -> None:
     """Fit numbers of a scenario, such as play, stiffness, friction, to measured records.
@@ -267,7 +267,8 @@ def fit(
         writable_file(out, ".nc")
     if plan.surface is not None and (tests or profile or draws):
         refuse(
-            "fit: --identify, --next, --profile and --draws must be left out beside a surface: runs scatter"
+            "fit: --identify, --next, --profile and --draws must be left out with a surface, because its "
+            "runs scatter"
         )
     target = writable_file(Path(f"{plan.name}.nc") if out is None else out, ".nc")
     scenario = None if write_scenario is None else writable_file(write_scenario, ".toml")
@@ -330,10 +331,10 @@ def _asked_before(
 ) -> bool:
     """Return whether nothing is to be fitted; refuse options that exclude each other."""
     if identify and experiments is not None:
-        refuse("fit: --identify must be left out beside --next, which says it for each experiment")
+        refuse("fit: --identify must be left out with --next, which includes it for each experiment")
     before = identify or experiments is not None
     if at is not None and not before:
-        refuse("fit: --at must be given with --identify or --next, whose values it is")
+        refuse("fit: --at must be given with --identify or --next; it sets their parameter values")
     if before and any(of_a_fit):
         refuse("fit: --profile, --draws, --write-scenario and --report are of a fit; leave them out here")
     return before

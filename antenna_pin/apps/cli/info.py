@@ -196,7 +196,7 @@ def _of_file(facts: dict[str, Any]) -> Iterator[str]:
     if facts["unbounded"]:
         yield f"without bounds in the URDF: {', '.join(facts['unbounded'])}"
     if facts["points"]:
-        yield f"taken as points, without moments in the URDF: {', '.join(facts['points'])}"
+        yield f"point masses, without moments of inertia in the URDF: {', '.join(facts['points'])}"
     if facts["unlimited"]:
         yield f"continuous, whatever bounds the URDF states: {', '.join(facts['unlimited'])}"
     for line in facts["impossible"]:
@@ -238,7 +238,7 @@ def info(
         if len(files) > 1:
             refuse(f"{' '.join(files)}: give result files (NAME.nc), any number, or one scenario alone")
         if csv is not None:
-            refuse(f"--csv: is for results, and {files[0]} is a scenario; --json has what is said of it")
+            refuse(f"--csv: writes results, but {files[0]} is a scenario; use --json for its description")
         say_scenario(files[0], case, settings, as_json)
         return
     for option, given in (("--case", case), ("--set", settings)):
@@ -334,7 +334,7 @@ def _pair(radial: str, axial: str, many: bool) -> str:
 
 def plot(
     files: FilesArgument,
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the figures; made if missing.")],
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the figures; created if missing.")],
     formats: FigureFormatOption = "png",
     joint: Annotated[
         str | None, typer.Option(help="The one joint to draw; every joint with clearance if left out.")

@@ -200,7 +200,10 @@ def begun_from(name: str, at: int | None, settings: list[str] | None) -> tuple[S
         table = table.isel(point=at - 1)
         changes[str(table.attrs["parameter"])] = float(table["value"])
     if not table.attrs["scenario"]:
-        refuse(f"{name}: is of a system built in Python; go on there, from State.from_json of its state")
+        refuse(
+            f"{name}: comes from a system built in Python; continue in Python, with "
+            f"State.from_json of its state"
+        )
     known = Scenario.model_validate_json(table.attrs["scenario"])
     if changes:
         known = known.with_overrides(changes)
@@ -270,7 +273,7 @@ def orbit(
         if given and over is None:
             raise InvalidParameterError("orbit", name, "given with --over KEY", said=given)
     if free_period and over is not None:
-        raise InvalidParameterError("orbit", "--free-period", "left out beside --over", said="both")
+        raise InvalidParameterError("orbit", "--free-period", "left out with --over", said="both")
     from antenna_pin.show.plot import figure_multipliers
 
     if scenario.endswith(".nc"):
@@ -419,7 +422,7 @@ def _rows(orbit: Orbit) -> list[dict[str, Any]]:
 def _print(orbit: Orbit) -> None:
     from antenna_pin.analysis import said_of_multiplier
 
-    words = {True: "stable", False: "unstable", None: "neutral, as far as can be told"}[orbit.stable]
+    words = {True: "stable", False: "unstable", None: "neutral within the error estimate"}[orbit.stable]
     happens = [
         f"{count} {what}{'s' if count > 1 else ''}"
         for count, what in zip(orbit.onsets, ("contact", "event"), strict=True)
@@ -427,7 +430,7 @@ def _print(orbit: Orbit) -> None:
     ]
     rest = f"; {' and '.join(happens)} in a period" if happens else ""
     if orbit.neutral:
-        rest += "; what lasting contacts remember, and elements keep, stays as it began"
+        rest += "; the discrete state of lasting contacts and elements stays as at the start"
     typer.echo(f"orbit of {orbit.period:.9g} s, {words}{rest}")
     # Digits that are known: one multiplier does not say more than the doubt of all.
     digits = min(12, max(0, math.floor(-math.log10(max(orbit.doubt, 1e-12)))))

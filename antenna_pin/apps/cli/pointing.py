@@ -146,7 +146,10 @@ def _check_options(
     missing = [option for option, given in (("--body", body), ("--boresight", boresight)) if given is None]
     if known is None and missing:
         load_result(path)  # which tells a scenario that cannot be read from one without [pointing]
-        refuse(f"{path}: its scenario has no [pointing], what looks where; add {' and '.join(missing)}")
+        refuse(
+            f"{path}: its scenario has no [pointing] table with body and boresight; "
+            f"add {' and '.join(missing)}"
+        )
     commanded = known is not None and known.commanded != "ideal"
     if not commanded and all(given is None for given in against.values()):
         refuse(f"{path}: there is nothing to compare with; add --ideal FILE or --direction X,Y,Z")

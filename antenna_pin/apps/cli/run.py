@@ -133,15 +133,15 @@ def run(
         chosen, span = load(scenario, case, changes, geometry, duration), None
         path = writable_file(out or Path(f"{stem(chosen)}.nc"), ".nc")
         if _has_checkpoint(path):
-            complain(
-                f"note: a run to {path} was stopped; --resume {path} goes on with it, this one replaces it"
-            )
+            complain(f"note: a run to {path} was stopped; --resume {path} continues it, this run replaces it")
     else:
         given: dict[str, Any] = {"SCENARIO": scenario, "--case": case, "--out": out, "--geometry": geometry}
         given |= {"--set": settings, "--engine": engine, "--accuracy": accuracy, "--lean": lean, "--at": at}
         for name, value in given.items():
             if value:
-                refuse(f"run: {name} must be left out beside --resume, which goes on with what was begun")
+                refuse(
+                    f"run: {name} must be left out with --resume, which continues the run as it was started"
+                )
         chosen, path = _resumed(resume)
         chosen = chosen.with_overrides(changes) if changes else chosen
         span = None if duration is None else positive_quantity(duration, "s", "--duration", "run")
@@ -183,7 +183,7 @@ def run(
         if outcome == "LEDGER_OPEN":
             complain(f"{stem(chosen)}: {trajectory.message} (the result is in {path})", colour="red")
             raise typer.Exit(UNBALANCED)
-        way_on = f"; go on by --resume {path}" if trajectory.outcome.may_go_on else ""
+        way_on = f"; continue with --resume {path}" if trajectory.outcome.may_go_on else ""
         complain(f"{stem(chosen)}: {trajectory.message} (the result up to there is in {path}{way_on})")
     raise typer.Exit(SIGNALLED + ended_by() if outcome == "INTERRUPTED" else ENDED_EARLY)
 
@@ -206,5 +206,8 @@ def _resumed(file: Path) -> tuple[Scenario, Path]:
     path = file.with_suffix("") if file.suffix == ".parts" else file
     scenario = Checkpoint.load(path).scenario
     if scenario is None:
-        refuse(f"{path}: the run was of a system built in Python; go on there, by simulate(resume=True)")
+        refuse(
+            f"{path}: the run simulated a system built in Python; resume it in "
+            f"Python, with simulate(resume=True)"
+        )
     return scenario, writable_file(path, ".nc")

@@ -145,7 +145,7 @@ def value_text(value: xr.DataArray) -> str:
     return f"{float(value):.6g}{f' {units}' if units not in ('', '1') else ''}"
 
 
-app = command_group("study", "Studies made by sweep: tables, figures, a report.")
+app = command_group("study", "Results of sweep: tables, figures, a report.")
 
 StoreArgument = Annotated[Path, typer.Argument(metavar="STORE", help="Folder of a study, NAME.study.")]
 

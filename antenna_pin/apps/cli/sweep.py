@@ -57,7 +57,7 @@ def sweep(
     apart: Annotated[
         bool,
         typer.Option(
-            "--apart", help="If the store belongs to another study or version, make another beside it."
+            "--apart", help="If the store belongs to another study or version, create a second store."
         ),
     ] = False,
     progress: ProgressOption = True,
@@ -109,7 +109,7 @@ def _executor(workers: int | None, scheduler: str | None, tls: dict[str, Path | 
 
     given = {name: str(path) for name, path in tls.items() if path is not None}
     if scheduler is not None and workers is not None:
-        refuse("--workers: must be left out beside --scheduler, whose workers are its own")
+        refuse("--workers: must be left out with --scheduler, which has its own workers")
     if given and (scheduler is None or len(given) < 3):
         refuse("--tls-ca, --tls-cert, --tls-key: must be given together, with --scheduler tls://...")
     for name, path in given.items():

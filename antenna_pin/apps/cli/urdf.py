@@ -46,7 +46,9 @@ def urdf(
     ] = None,
     copy_meshes: Annotated[
         bool,
-        typer.Option("--copy-meshes", help="Copy its mesh files beside it, so that the folder can be moved."),
+        typer.Option(
+            "--copy-meshes", help="Copy the mesh files into its folder, so that the folder can be moved."
+        ),
     ] = False,
     package_path: PackagePathOption = None,
     settings: SetOption = None,
@@ -59,13 +61,13 @@ def urdf(
     roots = package_folders(package_path)
     if check:
         if copy_meshes:
-            refuse("urdf: --copy-meshes must be left out beside --check, which writes no URDF")
+            refuse("urdf: --copy-meshes must be left out with --check, which writes no URDF")
         _check(targets, case, settings, roots, out)
         return
     if len(targets) > 1 or _is_urdf(targets[0]):
         refuse(
             f"urdf: must be given one SCENARIO to write its URDF, got {' '.join(targets)}; "
-            "--check says of URDF files what is read of them"
+            "--check reports what is read from URDF files"
         )
     changes = list(settings or ())
     if roots:
@@ -170,7 +172,7 @@ def _verdict(
     if made.unbounded:
         details.append(f"without bounds: {', '.join(made.unbounded)}")
     if made.points:
-        details.append(f"taken as points: {', '.join(made.points)}")
+        details.append(f"point masses: {', '.join(made.points)}")
     if made.unlimited:
         joints = ", ".join(f"{name} ({bounds})" for name, bounds in made.unlimited)
         details.append(f"continuous, whatever bounds it states: {joints}")

@@ -37,7 +37,7 @@ def browser_for_pages(command: str, way_out: str) -> webbrowser.BaseBrowser:
     """Return the browser.
 
     Args:
-        command: Who asks, for the message.
+        command: Name of the caller, for messages.
         way_out: What to do where there is none.
 
     Raises:
@@ -77,7 +77,7 @@ def view(
     out: Annotated[
         Path | None,
         typer.Option(
-            metavar="NAME.html", help="The page; if left out, beside the result, or in a temporary folder."
+            metavar="NAME.html", help="The page; by default in the result's folder, or in a temporary folder."
         ),
     ] = None,
     package_path: PackagePathOption = None,

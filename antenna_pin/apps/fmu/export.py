@@ -22,7 +22,7 @@ from antenna_pin.run.session import start
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.assemble import urdf_variant
 
-_MODULE = '''"""{title}: one instance, as pythonfmu3 looks for it."""
+_MODULE = '''"""{title}: one instance, in the form that pythonfmu3 loads."""
 
 from pythonfmu3 import Fmi3Slave
 

@@ -36,7 +36,7 @@ class Packed:
             numbers.
         outputs: What is read by name, as a session is.
         parameters: Places of the scenario's numbers that may be set before the start.
-        token: By which a model description and what it describes know each other.
+        token: Token that connects a model description with its unit.
     """
 
     scenario: Scenario
@@ -139,8 +139,8 @@ def place_of(session: Session, name: str) -> str:
     element, _, key = name.rpartition(".")
     if key == "position" and any(element == f"drives.{one.name}" for one in session.system.motions):
         rule = (
-            "left out: an input is held over a step, and a motion's position cannot jump; take "
-            f"{element}.rate, with which the motion goes on from where it is, or a pd drive"
+            "left out: an input is held over a step, and a motion's position cannot jump; use "
+            f"{element}.rate, which continues the motion from its present position, or a pd drive"
         )
         raise InvalidParameterError("fmu", name, rule, said="a motion's position")
     return name

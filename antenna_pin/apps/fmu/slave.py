@@ -1,7 +1,7 @@
 """The FMU's inside: a session behind the functions of FMI, as pythonfmu3 calls them.
 
 A master sets parameters and inputs, steps, reads outputs. An input is held over a step; one that is set to
-what it was leaves the run alone. So what comes out are the numbers of one run in which events set what was
+what it was leaves the run alone. The results are the numbers of one run in which events set what was
 commanded at the communication points, bit for bit.
 """
 

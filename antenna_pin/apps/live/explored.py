@@ -46,7 +46,7 @@ class Curves:
     """Panels of a run: three.
 
     Attributes:
-        first: The journal's path across the bearing [m], at each place where it is looked at; of a joint
+        first: The journal's path across the bearing [m], at each place where it is examined; of a joint
             without play its angle.
         second: Normal forces summed over the contacts of each kind; of a joint without play its rate.
         third: The joint's acceleration.
@@ -64,11 +64,11 @@ class Explored:
 
     Args:
         scenario: Where it starts from.
-        joint: Which joint is looked at; the first with play, or the first that moves.
+        joint: Joint that is shown; the first with play, or the first that moves.
         span: How much of the run is made [s].
 
     Attributes:
-        joints: Which joints may be looked at.
+        joints: Joints that may be shown.
         joint: Which one is.
         values: What was turned, by place.
     """
@@ -149,7 +149,7 @@ class Explored:
         """Return the scenario as it is now.
 
         Raises:
-            AntennaPinError: It is none, with one line that says why.
+            AntennaPinError: Invalid, with the reason in one line.
         """
         return self._begun.with_overrides(self.settings) if self.values else self._begun
 

@@ -42,8 +42,8 @@ class Knob:
     """Adjustable number.
 
     Attributes:
-        group: What it belongs to, in words.
-        name: What it is, in words.
+        group: Name of its group.
+        name: Description.
         place: Where the scenario has it: ``clearance.elevation.radial_clearance``.
         unit: SI unit, as a scenario writes it.
         value: What the scenario has [unit].
@@ -52,7 +52,7 @@ class Knob:
         logarithmic: Whether the slider goes by factors.
         start: What stands at the place is ``start + factor * value``: a journal's radius, for a play [unit].
         factor: Likewise [-].
-        beside: What else has to be said with it, by place.
+        beside: Further values to set with it, by place.
     """
 
     group: str
@@ -136,7 +136,7 @@ def knobs_of(scenario: Scenario, joint: str | None = None, sliding: Collection[s
     Args:
         scenario: The scenario.
         joint: The joint; without one drives alone.
-        sliding: Joints that slide, where the scenario's units do not say so.
+        sliding: Joints that slide, where the scenario's units do not state this.
     """
     found = [*_of_play(scenario, joint), *_of_laws(scenario, joint)]
     for family, elements in scenario.families.items():

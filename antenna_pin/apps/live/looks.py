@@ -57,7 +57,7 @@ function dress() {
     }
     for (const {glyph} of figure.renderers) {
       const k = COLOURS.findIndex((pair) => pair.includes(glyph.line_color?.value));
-      // The server has another kind of value there, and need not know of it.
+      // The server needs no value of this kind.
       if (k >= 0) glyph.setv({ line_color: COLOURS[k][wish.matches ? 1 : 0] }, { sync: false });
     }
     for (const one of [...figure.center, ...figure.above]) {

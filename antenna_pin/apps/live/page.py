@@ -34,7 +34,7 @@ class ExplorerPage:
     Args:
         document: What it is written into.
         scenario: Where it starts from.
-        joint: Which joint is looked at first.
+        joint: Joint shown first.
         span: How much of the run is made [s].
         out: Where the scenario is saved: a file, or a folder for numbered ones.
         tell: Called with the stages of the first run.

@@ -52,7 +52,7 @@ def explore(
 
     Args:
         scenario: Where it starts from; or its name or path.
-        joint: Which joint is looked at first; the first with play, or the first that moves.
+        joint: Joint shown first; the first with play, or the first that moves.
         duration: How much of the run is made after each change [s].
         port: Where it listens; a free one if 0.
         out: Where "Save as scenario" writes: a file, or a folder for numbered ones; the working folder if

@@ -111,10 +111,10 @@ class Anchor:
 @takes()
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Closure:
-    """A joint between two links that are in the tree already.
+    """A joint between two links of the tree.
 
     Attributes:
-        kind: What it holds (:data:`CLOSURES`). The axis of each side's frame is its z; a universal closure
+        kind: Kind of joint (:data:`CLOSURES`). The axis of each side's frame is its z; a universal closure
             holds the two at right angles, others that have one hold them parallel.
         first: One side; forces are given in its frame's axes.
         second: The other; forces are those on its link.

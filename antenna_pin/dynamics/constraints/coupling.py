@@ -25,7 +25,7 @@ class Coupling:
 
     Attributes:
         follower: Name of the joint that follows: revolute, continuous or prismatic, without play.
-        leader: Name of the joint that it follows; of the same kinds, or one that does not move, at zero.
+        leader: Name of the leading joint; of the same kinds, or a fixed one, at zero.
         multiplier: m [-]; of a sliding follower of a turning leader [m/rad], the other way round [rad/m].
         offset: phi_0, the follower's position where those of the leaders are zero [rad] ([m]).
         second: Name of a second joint that it follows, of the kinds of the leader; None for none.
@@ -103,7 +103,7 @@ def check_order(couplings: Mapping[str, Coupling]) -> None:
             circle = [*path[path.index(joint) :], joint]
             raise MechanismError(
                 f"couplings: a joint must not follow itself, got {' follows '.join(map(repr, circle))}; "
-                "take one of these couplings away"
+                "remove one of these couplings"
             )
         if joint not in done:
             for leader in leaders.get(joint, ()):
@@ -118,7 +118,7 @@ def spread(couplings: Collection[Coupling], known: Collection[str]) -> Iterator[
     """Yield couplings in an order in which each determines further joints.
 
     Where nothing is known of joints that hang together, the first leader counts as known. A second leader
-    is told of by no coupling of its own: it counts as known where nothing else tells of it.
+    has no coupling of its own: it counts as known where nothing else determines it.
 
     Args:
         couplings: Without circles.

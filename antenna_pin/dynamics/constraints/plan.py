@@ -19,7 +19,7 @@ from antenna_pin.dynamics.constraints.coupling import Coupling
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.mechanism import WORLD, Mechanism, body_tree, frame_aligning_z
 
-__all__ = ["DrivenJoint", "Plan", "make_plan", "on_body"]
+__all__ = ["DrivenJoint", "ConstraintPlan", "make_plan", "on_body"]
 
 Array = NDArray[np.float64]
 
@@ -63,7 +63,7 @@ class PlanParts(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Plan:
+class ConstraintPlan:
     """Constraints in numbers.
 
     Attributes:
@@ -138,7 +138,7 @@ def make_plan(
     couplings: Mapping[str, Coupling] | None = None,
     turns: Mapping[str, int] | None = None,
     holding: Sequence[DrivenJoint] = (),
-) -> Plan:
+) -> ConstraintPlan:
     """Lay out the constraints of a mechanism.
 
     Args:
@@ -204,7 +204,7 @@ def make_plan(
     head["couplings"], head["holds"] = len(couplings), len(holding)
     head["rows"], head["nq"], head["nv"], head["length"] = row, model.nq, model.nv, length
     parts = [part.view(np.float64) for part in (head, tree, records, driven, coupled, own)]
-    return Plan(
+    return ConstraintPlan(
         words=np.concatenate(parts),
         size=size,
         closures=tuple(closures),
@@ -309,7 +309,7 @@ def on_body(mechanism: Mechanism, place: str, side: Anchor) -> tuple[int, Array]
     """Return the body of a side, -1 for the world, and the frame, (4, 4).
 
     Raises:
-        UnknownNameError: There is no such link; ``place`` says where it was asked for.
+        UnknownNameError: There is no such link; ``place`` says where it was requested.
     """
     frame = np.eye(4)
     frame[:3, :3], frame[:3, 3] = side.rotation, side.origin

@@ -1,6 +1,6 @@
 """The rows of all constraints in one state, compiled: J, what their accelerations lack, residuals.
 
-A row is one equation: ``J a = lack`` of accelerations, ``J v = 0`` of velocities but for a motion's rate,
+A row is one equation: ``J a = lack`` of accelerations, ``J v = 0`` of velocities except for a motion's rate,
 with residuals ``gap`` and ``speed``. Rows that hold turns are multiplied by the plan's length, so that all
 count in metres.
 

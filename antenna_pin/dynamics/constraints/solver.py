@@ -17,7 +17,7 @@ from antenna_pin.dynamics.constraints import (
     solve_kernels,
 )
 from antenna_pin.dynamics.constraints import layout_kernels as _layout
-from antenna_pin.dynamics.constraints.plan import Plan
+from antenna_pin.dynamics.constraints.plan import ConstraintPlan
 from antenna_pin.dynamics.constraints.solve_kernels import CLOSED, NEAR, OPEN, ROUNDS
 from antenna_pin.mechanism.inertia import mass_matrix
 
@@ -47,7 +47,7 @@ class Constraints:
         data: ``pin.Data`` of the run.
     """
 
-    def __init__(self, plan: Plan, model: Any, data: Any) -> None:
+    def __init__(self, plan: ConstraintPlan, model: Any, data: Any) -> None:
         """Allocate everything once."""
         self.plan = plan
         self.model = model

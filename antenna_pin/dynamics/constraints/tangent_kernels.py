@@ -16,7 +16,8 @@ As a sees it a displacement moves b by w, the sum of the ways of the joints from
     dU = dV_b + w x V_b - dV_a                p moves by w_p, z_b by its turn
     dU' = dA_b + w x A_b - dA_a - dV_a x U - V_a x dU
 
-where of each body d is what its own axes see. The wrench F on b rests in a but for its arm and the direction
+where of each body d is what its own axes see. The wrench F on b rests in a except for its arm and the
+direction
 e: ``dF = (0, w_p x f + de m)``; as b's own axes see it, less w x* F.
 
 A frame that moves on its body, s by a number of the system, goes farther than that: of a, all that it sees

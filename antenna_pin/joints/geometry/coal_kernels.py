@@ -1,10 +1,10 @@
 """Arithmetic of the revolute joint's coal backend around its queries, compiled.
 
-Who asks calls :func:`coal_set_out` with a pose, has coal fill in the answers of the rows that are still
-``asked``, and calls :func:`coal_take_in`, again and again until nothing is asked any more: nearly always
+The caller calls :func:`coal_set_out` with a pose, has coal fill in the answers of the rows that are still
+``asked``, and calls :func:`coal_take_in`, repeatedly until no queries are left: nearly always
 once, since the search on a bore's end circle starts where the closed form has its deepest point, and there
 the gap is stationary. What is taken is coal's own gap and normal; where they do not agree that the point is
-the deepest one, the search goes on from there.
+the deepest one, the search continues from there.
 
 The journal frame J used here has its z axis along the journal and an arbitrary rotation about it.
 """
@@ -125,7 +125,7 @@ def coal_set_out(work: Floats, pose: Records[Pose], wanted: int) -> None:
     """Place the bearing in the journal frame and list the queries of coal.
 
     Args:
-        work: Flat, WORDS; its QUERY, FRAME and the ENDs that are asked about are filled.
+        work: Flat, WORDS; its QUERY, FRAME and the queried ENDs are filled.
         pose: POSE, (1,).
         wanted: Rows, as bits.
     """
@@ -293,7 +293,7 @@ def coal_turn(work: Floats, k: int) -> bool:
 def coal_take_in(work: Floats, pose: Records[Pose], table: Records[Contact], row: int) -> bool:
     """Convert coal's results into the requested rows, in H; return whether they are final.
 
-    If not, coal is to be asked again.
+    If not, coal must be queried again.
     """
     query = query_in(work)
     query.asked &= ~FLANGES

@@ -6,7 +6,7 @@ coal's own normal. Axial: a flange's half-space against the bearing's cylinder, 
 against the half-space of the bearing's end face. All of these pairs are closed forms inside coal; pairs that
 go through GJK would be off by up to a micrometre.
 
-Functors are built once; a query only moves a transform. What is asked and answered stands in one array of
+Functors are built once; a query only moves a transform. Arguments and results are in one array of
 numbers (:mod:`antenna_pin.joints.geometry.coal_kernels`), so that compiled code can set out a pose, have coal
 asked (:meth:`CoalRevolute.answer`), and take the answers in.
 """
@@ -36,7 +36,7 @@ class CoalRevolute:
         dimensions: The joint's, as the kernels' record, (1,).
 
     Attributes:
-        work: What is asked and answered, (WORDS,).
+        work: Arguments and results, (WORDS,).
     """
 
     def __init__(self, dimensions: NDArray[Any]) -> None:
@@ -83,7 +83,7 @@ class CoalRevolute:
         self._answers = work[kernels.ANSWERS_AT :].view(kernels.FLANGE_ANSWER)
         flange = self._large_flange if self._covers else self._small_flange
         rows = (self._end(0), self._end(1), flange(0), flange(1))
-        # By the bits of what is asked: looked up, not decided, for each evaluation asks.
+        # By the bits of the specified value: looked up, not decided, for each evaluation asks.
         self._questions = [
             tuple(question for k, question in enumerate(rows) if bits >> k & 1)
             for bits in range(1 << len(rows))
@@ -110,7 +110,7 @@ class CoalRevolute:
     def _end(self, k: int) -> _Question:
         """Return the query of coal for the point of END k.
 
-        What it needs is looked at once; coal's normal is read where it stands.
+        What it needs is examined once; coal's normal is read where it stands.
         """
         point, answers, direction = (
             self._ends["in_journal"][k],
@@ -142,7 +142,7 @@ class CoalRevolute:
         """Fill the rows of the bore's strips, the flanges' sectors, and the patches.
 
         The strips are those that the closed form loads and their neighbours on the surface, the sectors those
-        of flanges that press; each is asked of coal.
+        of flanges that press; coal is queried for each.
 
         Args:
             pose: :data:`antenna_pin.base.records.POSE` of the journal, (1,).
@@ -209,7 +209,7 @@ class CoalRevolute:
         """Return the query of coal for a flange smaller than the bearing's end.
 
         Solid discs behind each flange face, asked against the half-spaces inside the bearing's end faces.
-        Both are asked in H, where the half-spaces stand, and the answers carried to J.
+        Both queries are in H, where the half-spaces are, and the results transformed to J.
         """
         answer, functor, rotation, origin = self._answers[k], self._axial[k], self._rotation, self._origin
         at_disc, identity, request = self._at_bearing, self._identity, self._request

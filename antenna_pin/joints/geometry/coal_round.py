@@ -1,6 +1,6 @@
 """Distances of round sections by coal's own primitives: planar journal, ball in a socket.
 
-Of the hollow part the point on the line of centres is asked, as a sphere of radius zero.
+The hollow part is queried at the point on the line of centres, as a sphere of radius zero.
 """
 
 from __future__ import annotations

@@ -107,8 +107,8 @@ class CylindricalClearance(RoundShape):
 
     Candidates ``radial+`` and ``radial-`` are the two ends of what of the slider is within the guide: the rim
     of the slider's end on the wall where it ends within, the mouth's edge on the slider's barrel where it
-    reaches out. Nothing stops the slider along the axis, and one that has left is free of the guide, but for
-    its block's face.
+    reaches out. Nothing stops the slider along the axis, and one that has left is free of the guide, except
+    for its block's face.
 
     A key on the slider, at its +x, goes in a keyway with play of its own: candidate ``key+y-z`` is its flank
     at +y, at the -z end.

@@ -9,7 +9,7 @@ altogether may meet the block's face.
 
 With ``apart`` the distance of the slider's end from the wall (to the centre of its rounding), ``inside`` how
 far it is within the mouth, and the flank leaning towards the wall by phi, the edge's distance from the flank
-is (apart - inside tan(phi)) cos(phi). Which of the two counts is told by the larger where the flank leans
+is (apart - inside tan(phi)) cos(phi). The larger of the two counts where the flank leans
 towards the wall, and by the smaller else: so the gap does not jump as an end passes the mouth.
 """
 

@@ -45,8 +45,8 @@ class Look(NamedTuple):
     """Readings of a kind of joint with play.
 
     Attributes:
-        held: What holds it together, in words.
-        dimensions: Its parts in words, from its dimensions.
+        held: What holds it together, as text.
+        dimensions: Description of its parts, from its dimensions.
         picture: Which close-up shows it.
         contacts: Kinds of its contacts.
         rows: What is drawn of its forces, row by row.

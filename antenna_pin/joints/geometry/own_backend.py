@@ -17,7 +17,7 @@ from antenna_pin.joints.geometry.shape import Distances
 
 __all__ = ["OwnBackend"]
 
-_RULE = "a finite gap and point, and a finite unit normal, of each contact asked for, and change nothing else"
+_RULE = "a finite gap and point, and a finite unit normal, of each queried contact, and change nothing else"
 _UNIT = 1e-6  # that a normal's length may be off by
 # What it fills in: the first numbers of a row (:data:`antenna_pin.base.records.CONTACT`).
 _GIVEN = ("gap", *(f"{name} {axis}" for name in ("normal", "point") for axis in "xyz"))

@@ -216,7 +216,7 @@ class PrismaticClearance(Shape):
     A guide that ends, of whichever length, touches what is within it: where the slider reaches out of a
     mouth, the candidate is no longer the corner there but the mouth's edge against the slider's flank, at the
     slider's own long edge. Nothing stops the slider along the axis, and one that has left is free of the
-    guide, but for its block's face.
+    guide, except for its block's face.
 
     Attributes:
         guide_width: Of the hollow, along the section's x [m].

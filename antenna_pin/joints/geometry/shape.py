@@ -50,7 +50,7 @@ class Distances(Protocol):
     """Backend: measures gaps in a run in place of the compiled closed form.
 
     It must answer equal questions equally, to a billionth of the play: it may search from its last answer on,
-    but a gap that depends on what was asked before (wear, chance) ends the run as ``FUNCTION_WITH_MEMORY``.
+    but a gap that depends on earlier calls (wear, chance) ends the run as ``FUNCTION_WITH_MEMORY``.
     """
 
     def query(
@@ -62,7 +62,7 @@ class Distances(Protocol):
             pose: :data:`antenna_pin.base.records.POSE` of the journal, (1,).
             table: :data:`antenna_pin.base.records.CONTACT`, (rows,).
             row: The joint's first row.
-            wanted: Which of its contacts to ask for (nonzero); all if not given. The others' rows need not be
+            wanted: Contacts to query (nonzero); all if not given. The others' rows need not be
                 valid.
         """
 

@@ -124,7 +124,7 @@ def realised(
     """Return the body on a joint that acts on its hub as a mode does.
 
     The mass sits where the mode's forces act. If that takes more than half of a moment of the link, or
-    ``least`` is asked for, it is the body that takes least of some hundreds between there and the link's mass
+    ``least`` is requested, it is the body that takes least of some hundreds between there and the link's mass
     centre, on hinges of several arms.
 
     Args:

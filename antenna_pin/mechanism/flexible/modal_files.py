@@ -302,7 +302,7 @@ def _new_mode(word: str, known: Container[int], place: str) -> int:
         raise BadModalTableError(f"{place}: MODE must be a whole number, got {shown(word)}")
     if mode in known:
         raise BadModalTableError(
-            f"{place}: mode {mode} must stand once, got it again; keep one subcase in the file"
+            f"{place}: mode {mode} must appear once, got a second one; keep one subcase in the file"
         )
     return mode
 

@@ -39,7 +39,7 @@ def split(kind: FlexibleKind, name: str, link: MassProperties, where: str) -> Sp
     """Return a link as a hub with elastic parts.
 
     Raises:
-        MechanismError: No body can be what is left; it says which part asks too much.
+        MechanismError: No body can be what is left; it names which part asks too much.
     """
     if not link.mass > 0.0:
         raise MechanismError(
@@ -72,16 +72,17 @@ def _too_much(
 ) -> str:
     """Refuse a part that needs more mass or inertia than the link has, by name."""
     part = parts[-1]
-    beside = "" if len(parts) == 1 else f" beside {', '.join(one.name for one in parts[:-1])}"
+    beside = "" if len(parts) == 1 else f" in addition to {', '.join(one.name for one in parts[:-1])}"
     asks = f"it takes {100.0 * share_taken(link, part.body):.3g} % of a moment of the link's mass"
     if left[3, 3] <= 0.0:
         return (
-            f"{part.name} asks for {part.body.mass:.6g} kg{beside}, of {before[3, 3]:.6g} kg left of the "
-            "link; give it less"
+            f"{part.name} needs {part.body.mass:.6g} kg{beside}, of {before[3, 3]:.6g} kg left of the "
+            "link; reduce it"
         )
     moments = np.linalg.eigvalsh(MassProperties.of_moments(left).inertia)
     said = ", ".join(f"{moment:.4g}" for moment in moments)
     return (
-        f"{part.name} asks for too much{beside}: the hub would be left with principal moments of inertia of "
-        f"{said} kg m^2, which no body has ({asks}); give it less, or nearer to the link's mass centre"
+        f"{part.name} takes too much inertia{beside}: the hub would have principal moments of inertia of "
+        f"{said} kg m^2, which is impossible for a body ({asks}); reduce it, or place it nearer to the "
+        "link's mass centre"
     )

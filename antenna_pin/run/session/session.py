@@ -124,7 +124,7 @@ class Exclusive:
             raise InUseError(
                 f"session: must be used by one thread at a time, got {name} of thread "
                 f"{threading.current_thread().name!r} during {self._user}; "
-                "wait for it, or give each thread a session of its own: copy()"
+                "wait for it, or give each thread its own session with copy()"
             )
         before = self._user
         try:
@@ -361,7 +361,9 @@ class Session(Exclusive):
         """Run to a time [s] or an event; return whether it was reached."""
         self._check_open()
         if self.outcome is not Outcome.COMPLETED:
-            raise EndedError(f"session: has ended {self.message}; reset() begins anew, state is what it left")
+            raise EndedError(
+                f"session: has ended {self.message}; reset() restarts it; state holds its last state"
+            )
         if not end > self.time:
             raise InvalidParameterError("step", "duration", "long enough to move the time on [s]", end)
         if end > self._checked:

@@ -288,8 +288,8 @@ class Checkpoint:
             raise _no_checkpoint(source, error) from None
         if found != FORMAT:
             raise FileFormatError(
-                f"{source}: the format must be {FORMAT!r}, got {found!r}; go on with the version that wrote "
-                "it, or run the scenario again"
+                f"{source}: the format must be {FORMAT!r}, got {found!r}; resume with the version that "
+                f"wrote it, or run the scenario again"
             )
         if not isinstance(of_scenario, dict):
             raise _no_checkpoint(source, ValueError(f"scenario {of_size(of_scenario)}"))
@@ -304,7 +304,7 @@ class Checkpoint:
             if about["versions"].get(name) != version:
                 raise FileFormatError(
                     f"{source}: must be of {name} {version}, got one of {about['versions'].get(name)}: its "
-                    "end would be another run's; go on with that version, or run the scenario again"
+                    f"result would differ; resume with that version, or run the scenario again"
                 )
         return cls(about, numbers)
 
@@ -396,7 +396,7 @@ def check_same(stood: Checkpoint, about: Mapping[str, Any]) -> None:
         FileFormatError: The runs differ.
     """
     was = stood.about
-    way_out = "give what it was begun with, or run it from its start"
+    way_out = "pass the inputs it was started with, or run it from the start"
     ours, theirs = (json.loads(one["scenario"] or "{}") for one in (about, was))
     for one in (ours, theirs):
         one["integrator"] = _of_any_patience(one.get("integrator"))
@@ -413,8 +413,8 @@ def check_same(stood: Checkpoint, about: Mapping[str, Any]) -> None:
         return
     if was["left"] is not None or was["outcome"] != Outcome.COMPLETED.name:
         raise FileFormatError(
-            f"simulate: duration must be {was['span']:g} s, to which the run's last steps are cut already, "
-            f"got {about['span']:g} s; let it come to its end and go on from there with start"
+            f"simulate: duration must be {was['span']:g} s, to which the run's last steps were already cut, "
+            f"got {about['span']:g} s; let it finish, then continue with start"
         )
     if not stood.begin + about["span"] > stood.start.time:
         raise FileFormatError(
@@ -457,7 +457,7 @@ class CheckpointStore:
         system: The system.
         about: Identity of the run, for its checkpoints.
         interval: Wall time from one checkpoint to the next [s], and at least nine times what the last one
-            took, which is said at the end; infinity for none but at an interruption.
+            took, as the run reports at its end; infinity for checkpoints at interruptions only.
         checkpoint: Checkpoint from which the run continues.
 
     Attributes:
@@ -518,7 +518,9 @@ class CheckpointStore:
         except OutputError as error:
             if self._wait == -math.inf:
                 warnings.warn(
-                    f"{error}; the run goes on and keeps it in memory", NotKeptWarning, stacklevel=2
+                    f"{error}; the run continues and keeps the checkpoint in memory",
+                    NotKeptWarning,
+                    stacklevel=2,
                 )
             self._wait = wall + _AGAIN
 
@@ -528,7 +530,7 @@ class CheckpointStore:
             try:
                 self.write(run)
             except OutputError as error:
-                warnings.warn(f"{error}; the run cannot be gone on with", NotKeptWarning, stacklevel=2)
+                warnings.warn(f"{error}; the run cannot be resumed", NotKeptWarning, stacklevel=2)
         if self._waited:
             warnings.warn(
                 f"checkpoints took up to {self._dearest:.2g} s each, and so waited for up to "

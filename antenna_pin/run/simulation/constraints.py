@@ -147,7 +147,7 @@ class Motions:
         jump, unit = after[0] - before[0], self._unit(motion)
         size = sum(float(np.abs(getattr(one, "amplitude", 0.0)).sum()) for one in (motion, changed))
         if key != "rate" and abs(jump) > _ROUND_OFF * size:
-            way = "set its rate, with which it goes on from where it is, or "
+            way = "set its rate, which continues from the present position, or "
             rule = (
                 f"left as it is: the motion would jump; {way if isinstance(motion, PrescribedMotion) else ''}"
                 "have a pd drive follow the course"
@@ -473,4 +473,4 @@ class Singularities:
         times = ", ".join(f"{found.time:.6g}" for found in self.found[:3])
         more = f" and {len(self.found) - 3} more" if len(self.found) > 3 else ""
         place = "a singular position" if len(self.found) == 1 else "singular positions"
-        return f"; passed {place} at t = {times}{more} s, where the loops could go on in more ways than one"
+        return f"; passed {place} at t = {times}{more} s, where the motion of the loops is not unique"

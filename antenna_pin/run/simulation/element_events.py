@@ -343,7 +343,7 @@ def met_at(workspace: Workspace, one: Acting, t: float, y: Array) -> Met:
 class CoincidentEvents:
     """Functions of elements that pass zero at one state.
 
-    Beside the functions that the search has located others pass by logic: a function that is zero but for
+    Beside the functions that the search has located others pass by logic: a function that is zero except for
     round-off if its rate is negative, or if that is zero too, by the next derivative; one of a load if it is
     negative.
     """
@@ -395,7 +395,7 @@ class CoincidentEvents:
         """Return whether a function near zero turns back, by its second derivative.
 
         The search finds zeros in the dense output, which is off by more than a step's end is. A function f
-        with rate f' < 0 and f'' > 0 comes down to f - f'^2 / (2 f''): where that is above zero but for
+        with rate f' < 0 and f'' > 0 comes down to f - f'^2 / (2 f''): where that is above zero except for
         round-off nothing passes.
         """
         value, slope = self.value(one)

@@ -142,8 +142,8 @@ class ImpactSolver:
         found = push_apart(self._workspace, t, y, pushes, free)
         if not found.met:
             raise MechanismError(
-                "impulse: motions, closures, couplings and locks ask for rates that exclude each other; "
-                "take one of them away"
+                "impulse: motions, closures, couplings and locks prescribe contradictory rates; remove one "
+                "of them"
             )
         nq, nv = self._workspace.model.nq, self._workspace.model.nv
         y[nq : nq + nv] = found.velocity
@@ -375,8 +375,8 @@ class ModeChanges:
         """Carry out all coincident changes; y is changed in place.
 
         In rounds: all captures; else all impulses, as one problem; else all other changes; else sticking and
-        slipping. After each round all functions are evaluated anew, so that the result does not depend on the
-        order of elements.
+        slipping. After each round all functions are evaluated again, so that the result does not depend on
+        the order of elements.
 
         Args:
             located: Functions located at this time.

@@ -165,10 +165,10 @@ def noise_text(run: Workspace, settings: RunSettings, t: float, y: Array, step: 
     if not shares[worst] > _NOISE:
         return ""
     return (
-        f"no step keeps its tolerance: the acceleration of {system.names_v[worst]} changes by "
+        f"no step meets its tolerance: the acceleration of {system.names_v[worst]} changes by "
         f"{number(float(apart[worst]), 2)} where time and state change by their last digits; largest is the "
-        f"velocity {system.names_v[fastest]} = {number(float(speeds[fastest]), 3)}: let the start be slower, "
-        "or make laws and drives smooth"
+        f"velocity {system.names_v[fastest]} = {number(float(speeds[fastest]), 3)}: start slower, or use "
+        f"smooth laws and drives"
     )
 
 
@@ -378,7 +378,7 @@ def _effort(system: System, place: _StiffState, block: int, y: Array) -> float:
 
 # Share of rejected steps, or of steps that end at an event, beyond which they explain a slow run.
 _MANY = 0.2
-_WAY_OUT = "; integrator.max_wall_time ends a run in time, and keeps what it has"
+_WAY_OUT = "; integrator.max_wall_time ends a run in time and saves its results"
 
 
 def _without_compiling(counts: StepCounts) -> StepCounts:
@@ -429,7 +429,7 @@ class Monitor:
         if self._estimate.update(t, _without_compiling(counts)):
             known = self._slow or self.advice
             why = self._why(t, y)
-            said = "what makes it slow was said" if why == known else why
+            said = "the cause was reported before" if why == known else why
             warnings.warn(f"{self._estimate.text(t)}: {said}{_WAY_OUT}", LongRunWarning, stacklevel=2)
         elif limit is Outcome.NO_PROGRESS:
             self._estimate.measure(t, _without_compiling(counts))

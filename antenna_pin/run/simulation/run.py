@@ -73,7 +73,7 @@ def simulate(
     With ``out`` the result is written there, and memory does not limit the run: a record that grows large
     goes to the disk in parts, in the folder ``OUT.parts``, and the trajectory that is returned reads from the
     file on demand. That folder also has checkpoints, of a run that was stopped and at an
-    interval: with ``resume`` the run continues from there, and ends bit for bit as if it had never stopped.
+    interval: with ``resume`` the run continues from there, bit for bit as if it had not stopped.
 
     Args:
         model: Scenario or system; or the name of a shipped scenario, or a path, whose default case is run.
@@ -82,7 +82,7 @@ def simulate(
         q: Initial configuration, (nq,); the scenario's, or neutral. Its quaternions must be of length 1 to
             1e-6 and are made so exactly.
         v: Initial velocity, (nv,); the scenario's, or zero.
-        angles: Beside q, angles of joints that turn without end, by name [rad]: their whole turns, which q
+        angles: Angles of joints without limits, by name [rad], for their whole turns, which q
             does not hold. Those not given are in (-pi, pi].
         start: State to continue from instead, the ``end`` of a run of the same system: the two runs together
             are bit for bit the one run. The state includes time, contacts and step sizes.
@@ -94,7 +94,7 @@ def simulate(
         out: File of the result, ``NAME.nc``, written at the end; its folder of parts is removed then, unless
             the run was interrupted.
         checkpoint: Wall time from one checkpoint to the next [s].
-        resume: Whether to continue the run whose checkpoint is beside ``out``; its other inputs, the
+        resume: Whether to continue the run whose checkpoint belongs to ``out``; its other inputs, the
             initial state excepted, are given again. ``duration`` is that run's if not given.
 
     Raises:
@@ -112,7 +112,7 @@ def simulate(
     if previous is not None:
         for name, begun in (("start", start), ("q", q), ("v", v), ("angles", angles)):
             if begun is not None:
-                rule = "left out beside resume, which goes on from a checkpoint"
+                rule = "left out with resume, which continues from a checkpoint"
                 raise InvalidParameterError("simulate", name, rule, said=type(begun).__name__)
         start, duration = previous.start, previous.about["span"] if duration is None else duration
     origin, begin = RunStart(q, v, angles, start), None if previous is None else previous.begin
@@ -238,6 +238,7 @@ def _streamed(
             write_blocks(recording.blocks(), dataset_of, recording.count, partial)
     except OutputError as error:
         raise OutputError(
-            f"{error}; what the run has recorded is in {str(store.parts.folder)!r}: make room and resume it"
+            f"{error}; what the run has recorded is in {str(store.parts.folder)!r}: free disk space and "
+            f"resume it"
         ) from error
     return Trajectory.load(target)

@@ -1,7 +1,7 @@
 """Samples on the disk: sealed files beside the result; all samples block by block.
 
 ``NAME.nc.parts`` has parts of samples, written once each, and one checkpoint, which is replaced. A part that
-no checkpoint lists yet is written anew after a kill.
+no checkpoint lists yet is written again after a kill.
 """
 
 from __future__ import annotations
@@ -295,8 +295,8 @@ class SampleFiles:
         numbers = read_sealed(path, _PART)
         if str(numbers.get("run")) != self.identity or len(numbers["times"]) != self.rows[number]:
             raise FileFormatError(
-                f"{path}: must be of the run of the checkpoint beside it, got a part of another; "
-                "run the scenario again from its start"
+                f"{path}: must belong to the same run as its checkpoint, got a part of another run; run the "
+                f"scenario again from the start"
             )
         return chunk_of(numbers, self._base)
 

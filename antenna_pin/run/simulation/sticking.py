@@ -352,7 +352,7 @@ class RestingJoints:
     def _errs(self, place: str, y: Array, loads: Array, let_go: set[str]) -> bool:
         """Return whether a sticking joint is overloaded, or a slipping one moves backward.
 
-        Friction that lets go at a located time carries its full grip and does not move, but for round-off.
+        Friction that lets go at a located time carries its full grip and does not move, except for round-off.
         """
         element = self._element(place)
         if element.mode == STUCK:

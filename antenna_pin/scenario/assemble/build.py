@@ -102,7 +102,7 @@ class Frictions(NamedTuple):
         smooth: That which is rounded off at rest, by name.
         sticking: That which sticks, by name.
         left_out: Lines on what is not simulated.
-        assumed: Lines on what is rounded off though nothing says so.
+        assumed: Lines on friction that is rounded off by default.
     """
 
     smooth: dict[str, JointFriction]
@@ -155,7 +155,8 @@ def frictions_of(scenario: Scenario, mechanism: Mechanism, others: Collection[st
             check_motion(scenario, slot, scenario.mechanism.joints[name].motion, "mechanism", "joints", name)
         if slot.kind in ("floating", "planar") and name not in with_axis:
             left_out.append(
-                f"{urdf.where}: joint {name!r}: its damping and friction are not simulated, for it is made "
+                f"{urdf.where}: joint {name!r}: its damping and friction are not simulated, because it "
+                f"becomes "
                 f"{slot.kind} from {types[name]} and has no axis"
             )
             continue
@@ -374,12 +375,12 @@ def _urdf_warnings(written: WrittenUrdf, mechanism: Mechanism) -> tuple[str, ...
     urdf = mechanism.urdf
     lines = [written.said_of_passed_over()]
     lines += [
-        f"{urdf.where}: no body has the inertia of {one}; it is taken as it is"
+        f"{urdf.where}: the inertia of {one} is impossible for a body; it is used unchanged"
         for one in mechanism.impossible
     ]
     for names, said in (
-        (urdf.unbounded, "no bounds in the <limit> of joints, which are taken as without"),
-        (urdf.points, "no <inertia> beside the <mass> of links, which are taken as points"),
+        (urdf.unbounded, "no bounds in the <limit> of joints, which are unlimited"),
+        (urdf.points, "a <mass> without <inertia> in links, which become point masses"),
     ):
         if names:
             more = len(names) - _NAMED

@@ -29,7 +29,7 @@ _TOLD = np.radians(10.0)
 def scenario_facts(scenario: Scenario) -> dict[str, Any]:
     """Return what a case is: ``base``, ``joints``, ``closures``, ``couplings``, ``drives``, ``constraints``.
 
-    Joints and drives are said in words; a closure has its ``kind``, its ``links`` and how many ``equations``
+    Joints and drives are text; a closure has its ``kind``, its ``links`` and how many ``equations``
     it is, a coupling what a result tells of it; ``constraints`` is what
     :func:`antenna_pin.dynamics.constraint_counts` finds at the start, and ``residuals`` is how well loops and
     couplings are closed there [m], [rad]. Where a start is found, ``start`` has the angles or positions of
@@ -38,10 +38,11 @@ def scenario_facts(scenario: Scenario) -> dict[str, Any]:
     [m]. A closure is ``turned`` if its second side's axis is taken the other way round than it is written.
     ``passed_over`` has lines of the URDF, by what stands there that means nothing to the mechanics,
     ``unbounded`` the joints without bounds, ``points`` the links without moments of inertia, ``unlimited``
-    the continuous joints that state bounds, ``impossible`` what no body can have of inertia, in words.
+    the continuous joints that state bounds, ``impossible`` impossible moments of inertia, as text.
 
     Raises:
-        AntennaPinError: The scenario cannot be built, or its loops cannot be closed; one line that says why.
+        AntennaPinError: The scenario cannot be built, or its loops cannot be closed; one line that gives the
+            reason.
     """
     system = build_system(scenario)
     q, v = initial_state(scenario, system)

@@ -174,8 +174,8 @@ def _refuse_twice(scenario: Scenario, slot: JointSlot, spec: Any) -> None:
         vector = getattr(spec, f"journal_{journal}")
         if key is not None and vector is not None and vector[2] != 0.0:
             raise ScenarioError(
-                f"{where(scenario, 'initial.joints', slot.name, key)}: must be left out beside "
-                f"journal_{journal}[2], which is the same motion, got {getattr(spec, key):g} and "
+                f"{where(scenario, 'initial.joints', slot.name, key)}: must be left out with "
+                f"journal_{journal}[2], which sets the same motion, got {getattr(spec, key):g} and "
                 f"{vector[2]:g}; leave out {key}, or make journal_{journal}[2] zero"
             )
 

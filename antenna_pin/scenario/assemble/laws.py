@@ -67,9 +67,9 @@ def _normal_law(
 ) -> CompiledNormalLaw:
     """Return the normal law of the bore or, given the bore's law, of the flanges.
 
-    What it is not given it takes from the joint, but for an effective mass, which it then takes from each
+    What it is not given it takes from the joint, except for an effective mass, which it then takes from each
     contact. A law along a line means nothing at a flange: the common law of both kinds of contact, if it is
-    one, gives way there to another, with the same dissipation (``_flange_law``).
+    one, is compliant there to another, with the same dissipation (``_flange_law``).
     """
     place = where(scenario, "clearance", name, "normal" if radial is None else "axial")
     declared = normal_parameters(law.law, law.dissipation)

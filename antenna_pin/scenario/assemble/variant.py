@@ -168,7 +168,7 @@ def check_not_closures(scenario: Scenario, urdf: WrittenUrdf) -> None:
     """Refuse play at a closure: joints with play belong to the tree.
 
     Raises:
-        ScenarioError: It says which joints of the tree could close the loop instead.
+        ScenarioError: It names which joints of the tree could close the loop instead.
     """
     for name in scenario.clearance:
         if name in scenario.closures and name not in urdf.joints:

@@ -149,7 +149,7 @@ def above_round_off(panels: Sequence[Panel], runs: Iterable[LabelledRun]) -> tup
     sizes = ((panel, panel.largest, panel.y.unit or "") for panel in panels)
     shown = [panel for panel, size, unit in sizes if size != 0.0 and not is_round_off(size, unit, scales)]
     if not shown:
-        return list(panels), "all of it is zero to round-off"
+        return list(panels), "zero to round-off"
     left = dict.fromkeys(panel.title for panel in panels if panel not in shown)
     return shown, f"zero to round-off: {', '.join(left)}" if left else ""
 

@@ -122,7 +122,7 @@ RANDOM = RunKind(
     lambda run: any("density" in one["shakes"] for one in shakes_of(run.data).values()),
 )
 FREE_BASE = RunKind("a free base", lambda run: "base_position" in run.data)
-POINTED = RunKind("a scenario that says what looks where", lambda run: bool(_described(run, "pointing")))
+POINTED = RunKind("a scenario with a table [pointing]", lambda run: bool(_described(run, "pointing")))
 
 
 def _names(kind: JointKind, runs: Sequence[LabelledRun]) -> list[str]:

@@ -1,7 +1,7 @@
 """Style of every figure: widths, type sizes, colours, scales, units.
 
 Sizes are final: a figure is drawn at the width it is printed at, so its type is 7 to 8 points on paper.
-Colours are those of Okabe and Ito, which people with any of the common kinds of colour blindness tell apart;
+Colours are those of Okabe and Ito, suitable for all common kinds of colour blindness;
 the ideal joint is always black and dashed.
 """
 

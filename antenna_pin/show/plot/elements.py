@@ -212,7 +212,7 @@ def figure_gears(runs: Runs, *, width: Width = "page") -> Sheet:
             Points(one, {"marker": "o", "edgecolors": look.get("color", "black"), "facecolors": "none"})
             for one, look in touches
         ]
-        exerted = "what it exerts along the deflection", efforts, slides
+        exerted = "effort over deflection", efforts, slides
         pairs.append(_with_efforts(panel, circles, *exerted))
         grounds |= {colour for _, _, colour in mine}
         marks += sum(len(one) for one, _ in touches)
@@ -507,7 +507,7 @@ def _continuous(run: LabelledRun) -> Iterator[tuple[str, _Signals]]:
         yield f"{name}: measured and reference", _Signals(unit, run.time, lines)
         if name in names_along(run.data, "drive"):
             effort = {"what it exerts": run.values("drive_torque", drive=name)}
-            yield f"{name}: what it exerts", _Signals(effort_unit(run.data, name), run.time, effort)
+            yield f"{name}: effort over deflection", _Signals(effort_unit(run.data, name), run.time, effort)
 
 
 FIGURES = (

@@ -221,8 +221,8 @@ def figure_correlation(fit: xr.Dataset, *, width: Width = "column") -> Figure:
     apart = values[~np.eye(count, dtype=bool)]
     footnote(
         found,
-        f"{lacks} at a bound, or not told" if lacks else "",
-        f"bold: {_STRONG:g} or more, hardly told apart" if np.any(np.abs(apart) >= _STRONG) else "",
+        f"{lacks} at a bound, or not identifiable" if lacks else "",
+        f"bold: {_STRONG:g} or more, hardly distinguishable" if np.any(np.abs(apart) >= _STRONG) else "",
     )
     return found
 
@@ -389,7 +389,7 @@ def figure_identifiability(found: xr.Dataset, *, width: Width = "page") -> Sheet
         marks.append(PlotCurve("", tip, at, {**look, "marker": "o" if told else ">"}))
     marks.append(_entry("others known", "o", "white", markeredgecolor=COLOURS[0]))
     marks.append(_entry("others unknown", "o", COLOURS[0]))
-    marks += [] if np.isfinite(half).all() else [_entry("cannot be told", ">", PEAK)]
+    marks += [] if np.isfinite(half).all() else [_entry("not identifiable", ">", PEAK)]
     x = Axis("interval to expect, ± [% of the size]", limits=(low, high), scale="log")
     left = Panel("parameters", marks, _listed(names), x, finish=_with_plain_numbers)
     right = Panel(
@@ -455,7 +455,7 @@ def figure_experiments(found: xr.Dataset, *, width: Width = "page") -> Sheet:
     notes = (
         f"intervals of {100.0 * level:g} % over the sizes",
         f"in order of {criterion}" + (f" of {wanted}" if criterion == "c" else ""),
-        "arrow: cannot be told" if not np.isfinite(half).all() else "",
+        "arrow: not identifiable" if not np.isfinite(half).all() else "",
         f"{lacks} more not drawn" if lacks else "",
     )
     return Sheet(rows, width, 20.0 + (14.0 + 6.0 * kept) * len(rows), notes, every=True, letters=False)

@@ -205,11 +205,11 @@ def figure_restitution(
             axes.plot(dots[:, 0], dots[:, 1] - less * dots[:, 0], "o", color=look["color"], **circles)
         axes.plot([0.0, 1.0], [0.0, 1.0 - less], color="#999999", linewidth=0.6, zorder=1.5)
         axes.set_xlim(0.0, 1.0)
-        axes.set_xlabel("restitution asked for [-]")
-        axes.set_ylabel("delivered minus asked [-]" if difference else "restitution delivered [-]")
+        axes.set_xlabel("specified restitution [-]")
+        axes.set_ylabel("delivered minus specified [-]" if difference else "restitution delivered [-]")
         if not difference:
             axes.set_ylim(0.0, 1.0)
-        text = f"within {_FAR:g} of what is asked" if difference else f"off by more than {_FAR:g}"
+        text = f"within {_FAR:g} of the specified value" if difference else f"off by more than {_FAR:g}"
         panel_title(axes, "ab"[place] if len(groups) > 1 else "", text)
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=2, fontsize=6.5)
     if any(np.isfinite(row.on_wall) for row in points):

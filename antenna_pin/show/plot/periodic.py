@@ -34,7 +34,7 @@ from antenna_pin.show.plot.study import is_spaced_by_factors
 # --- branches of periodic solutions ---
 
 _LINES: dict[str, Any] = {"stable": "-", "unstable": (0, (3.0, 1.6)), "neutral": (0, (0.8, 1.2))}
-_WORDS = {"stable": "stable", "unstable": "unstable", "neutral": "cannot be told"}
+_WORDS = {"stable": "stable", "unstable": "unstable", "neutral": "undetermined"}
 # Of every kind a shape and a colour of its own.
 _OTHER = "stability changes"
 _MARKS = {
@@ -150,7 +150,7 @@ def _parameter(data: xr.Dataset, **more: Any) -> Axis:
 
 @figure(
     branch="Of :func:`antenna_pin.studies.nonlinear.branch_table`.",
-    coordinate="Number of the state that orbits are told by to draw, such as ``v[hinge]``; if left out the "
+    coordinate="Number of the state that is drawn, such as ``v[hinge]``; if left out the "
     "amplitudes that the branch has, or else the first velocity.",
 )
 def figure_branch(branch: xr.Dataset, coordinate: str | None = None, *, width: Width = "page") -> Sheet:

@@ -381,7 +381,7 @@ def _prescribed(run: LabelledRun) -> list[PlotCurve]:
             at, given = tuple(about["frequency"]), tuple(about["density"])
             frequency = np.geomspace(at[0], at[-1], 200)
             frequency[0], frequency[-1] = at[0], at[-1]
-            return [PlotCurve("asked of the base", frequency, density_at(frequency, at, given), _GIVEN)]
+            return [PlotCurve("specified for the base", frequency, density_at(frequency, at, given), _GIVEN)]
     return []
 
 

@@ -46,8 +46,8 @@ _OF: dict[str, tuple[tuple[str, str, Callable[..., Figure]], ...]] = {
     "section": (("section", "Section", figure_section),),
     "bifurcation": (("bifurcation", "Bifurcation diagram", figure_bifurcation),),
     "exponents": (("exponents", "Lyapunov exponents", figure_exponents),),
-    "identifiability": (("identifiability", "What the test can tell", figure_identifiability),),
-    "experiments": (("experiments", "Experiments beside one another", figure_experiments),),
+    "identifiability": (("identifiability", "Identifiability", figure_identifiability),),
+    "experiments": (("experiments", "Comparison of experiments", figure_experiments),),
     "sensitivity": (("sensitivity", "Sensitivities", figure_sensitivity),),
 }
 

@@ -265,7 +265,7 @@ def _running_driver(program: str, folder: str) -> Iterator[str]:
                     yield f"http://localhost:{port.group(1)}"
                     return
         raise MissingToolError(
-            f"{program} must start and name its port, said: {' '.join(said.split())[:300]!r}; {_INSTALL}"
+            f"{program} must start and print its port, got: {' '.join(said.split())[:300]!r}; {_INSTALL}"
         )
     finally:
         late.cancel()

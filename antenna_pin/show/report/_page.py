@@ -223,7 +223,7 @@ def turned(table: PageTable) -> PageTable:
     """Return a table of many groups with one line for each thing and run.
 
     A table of few groups, or of groups of different rows, stays as it is. Quantities that are zero or missing
-    in all groups are left out, but for the first.
+    in all groups are left out, except for the first.
     """
     groups = _groups(table.rows)
     names = [tuple(row.name for row in rows) for _, rows in groups]

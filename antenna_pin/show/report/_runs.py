@@ -233,7 +233,7 @@ def origin(finding: Finding, shown: set[str]) -> tuple[tuple[Statement, ...], tu
     listed = ", ".join(f"{name} {version}" for name, version in versions.items())
     every = (
         statement("scenario", said or "a system built in Python"),
-        statement("repeat it", command or "made in Python: run its script again", bool(command)),
+        statement("repeat it", command or "built in Python: run its script again", bool(command)),
         statement("file", "" if finding.file is None else str(finding.file), True),
         statement("versions", "those of this report" if same else listed),
     )

@@ -192,7 +192,7 @@ def elastic_parts(runs: Sequence[ReportedRun], pictures: Sequence[Picture] = ())
         meaning=(
             "Frequencies are those with the hub held. Energy is a part's against its hub, in its spring "
             "and of its motion; what its damper took is lost. Spin is the largest angular speed of the hub "
-            "over the part's angular frequency: far below 1, or the part is not what it stands for.",
+            "over the part's angular frequency: far below 1, otherwise the spring does not model the part.",
         )
         if own
         else (),

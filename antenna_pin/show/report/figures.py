@@ -261,7 +261,8 @@ def _within_its_section(title: str, joint: str | None) -> str:
     if joint is None:
         return title
     named = re.escape(joint)
-    return re.sub(rf"\b{named}\b", "it", re.sub(rf"(,| (of|in|at)) {named}\b", "", title))
+    short, found = re.subn(rf"(,| (of|in|at)) {named}\b", "", title)
+    return short if found else re.sub(rf"\b{named}\b", "the joint", title)
 
 
 def glance(runs: Sequence[ReportedRun], joint: str) -> Picture | None:

@@ -34,7 +34,7 @@ def _quantity(value: float, unit: str, digits: int = 4) -> Cell:
 
 
 def _error(value: float, unit: str) -> Cell:
-    return _quantity(value, unit, 2) if math.isfinite(value) else Cell("cannot be told")
+    return _quantity(value, unit, 2) if math.isfinite(value) else Cell("not identifiable")
 
 
 def _pictures(table: xr.Dataset, key: str, figures: bool) -> Iterator[Picture]:
@@ -69,7 +69,7 @@ def fit(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]:
     )
     error = np.asarray(table["sd"].values, dtype=float)
     said = f"{len(names)} parameter{'s' if len(names) > 1 else ''} from {table.sizes['row']} numbers"
-    for which, words in ((np.isinf(error), "cannot be told"), (np.isnan(error), "at a bound")):
+    for which, words in ((np.isinf(error), "not identifiable"), (np.isnan(error), "at a bound")):
         lacks = [name for name, one in zip(names, which, strict=True) if one]
         said += f"; {words}: {', '.join(lacks)}" if lacks else ""
     part = Section(
@@ -80,8 +80,8 @@ def fit(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]:
         items=(parameters, *_pictures(table, key, figures), records),
         notes=tuple(_notes(table, names)),
         meaning=(
-            "Intervals are by standard errors, to first order, and as far as residuals are noise that knows "
-            "nothing of itself; those of profiles hold where the model is bent as well.",
+            "Intervals are by standard errors, to first order, for residuals that are uncorrelated noise; "
+            "intervals by profiles also hold where the model is nonlinear.",
         ),
     )
     converged = bool(int(table.attrs["converged"])) and not table.attrs.get("verdict")
@@ -134,7 +134,7 @@ def _notes(table: xr.Dataset, names: list[str]) -> Iterator[str]:
     for i, j in zip(*np.triu_indices(len(names), 1), strict=True):
         if abs(found[i, j]) >= _STRONG:
             yield (
-                f"{names[i]} and {names[j]} are hardly told apart: their correlation is "
+                f"{names[i]} and {names[j]} are hardly distinguishable: their correlation is "
                 f"{number(float(found[i, j]), 5)}."
             )
     counted = "intervals count it"
@@ -177,21 +177,21 @@ def identifiability(finding: Finding, key: str, figures: bool) -> tuple[Section,
     numbers = PageTable(
         columns=("", "value", "interval to expect, ±", "if all others were known, ±", "times wider"),
         rows=tuple(rows),
-        caption=f"What the test can tell, intervals of {_percent(table)}",
+        caption=f"Identifiability, intervals of {_percent(table)}",
         key=f"{key}-parameters",
     )
     said = [str(one) for one in table["said"].values]
     held = ", ".join(str(one) for one in table["hold"].values)
     determined = int(table["determined"].values.sum())
-    lead = f"{determined} of {table.sizes['parameter']} parameters can be told by this test"
+    lead = f"{determined} of {table.sizes['parameter']} parameters are identifiable from this test"
     part = Section(
         key=key,
-        title=f"What a test can tell: {finding.label}",
+        title=f"Identifiability: {finding.label}",
         lead=(f"{lead}.",),
         items=(*_pictures(table, key, figures), numbers),
         notes=(
             *(f"{one[0].upper()}{one[1:]}." for one in said),
-            *((f"Hold {held}, and the others can be told.",) if held else ()),
+            *((f"Hold {held}, and the others become identifiable.",) if held else ()),
         ),
         meaning=(
             "Nothing is fitted here: intervals are those that the stated noise lets expect at these values, "
@@ -199,11 +199,11 @@ def identifiability(finding: Finding, key: str, figures: bool) -> tuple[Section,
         ),
     )
     whole = determined == table.sizes["parameter"]
-    return part, Status(finding.label, whole, "all can be told" if whole else "not all can be told", lead)
+    return part, Status(finding.label, whole, "all identifiable" if whole else "not all identifiable", lead)
 
 
 def experiments(finding: Finding, key: str, figures: bool) -> tuple[Section, Status]:
-    """Return the section of experiments beside one another."""
+    """Return the section of a comparison of experiments."""
     table = finding.table
     titles = [str(one) for one in table["title"].values]
     units = [str(one) for one in table["units"].values]
@@ -233,7 +233,7 @@ def experiments(finding: Finding, key: str, figures: bool) -> tuple[Section, Sta
     )
     best = str(table["experiment"].values[0])
     of = f" for {wanted}" if criterion == "c" else ""
-    said = f"{best} tells most{of} of {table.sizes['experiment']} experiments"
+    said = f"{best} determines most{of} of {table.sizes['experiment']} experiments"
     part = Section(
         key=key,
         title=f"Which test next: {finding.label}",

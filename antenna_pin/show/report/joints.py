@@ -186,7 +186,7 @@ def _settling_rows(joint: str, settlings: Sequence[Settling | None]) -> Iterator
             values = [None if one is None else getattr(one, name) for one in settlings]
         yield row_of(of, values)
         if name == "time" and any(one is not None and one.note for one in settlings):
-            yield words("why it has not settled", ("" if one is None else one.note for one in settlings))
+            yield words("why not settled", ("" if one is None else one.note for one in settlings))
         if name == "decay_rate" and any(one is not None and one.decays is False for one in settlings):
             said = ("no decay" if one is not None and one.decays is False else "" for one in settlings)
             yield words("approach speeds over time", said)

@@ -34,7 +34,7 @@ from antenna_pin.show.report._page import (
 from antenna_pin.show.report._runs import Finding
 from antenna_pin.show.report.figures import picture
 
-_NEUTRAL = "neutral, as far as can be told"
+_NEUTRAL = "neutral within the error estimate"
 
 
 def _plain(value: float, digits: int = 4) -> Cell:
@@ -170,7 +170,7 @@ def exponents(finding: Finding, key: str, figures: bool) -> tuple[Section, Statu
     )
     error = f" ± {number(float(errors[0]), 2)}" if np.isfinite(errors[0]) else ", error unknown"
     text = f"largest exponent {number(float(values[0]))}{error} 1/s"
-    return part, Status(finding.label, verdict != "too short to say", verdict, text)
+    return part, Status(finding.label, verdict != "too short to decide", verdict, text)
 
 
 _MOST = 20  # results in the table
@@ -204,7 +204,7 @@ def sensitivity(finding: Finding, key: str, figures: bool) -> tuple[Section, Sta
     part = Section(
         key=key,
         title=f"Sensitivities: {finding.label}",
-        lead=(f"Derivatives of velocities are known to 1 % {said}.",),
+        lead=(f"Derivatives of velocities are accurate to 1 % {said}.",),
         items=(*pictures, *((numbers,) if rows else ())),
         notes=tuple(
             f"No derivatives from {readable(one['begin'], 's', 6)} to {readable(one['end'], 's', 6)}: "
@@ -213,7 +213,7 @@ def sensitivity(finding: Finding, key: str, figures: bool) -> tuple[Section, Sta
         ),
     )
     judged = "known" if throughout else "in doubt"
-    return part, Status(finding.label, throughout, judged, f"velocities known to 1 % {said}")
+    return part, Status(finding.label, throughout, judged, f"velocities accurate to 1 % {said}")
 
 
 def _change(change: float, doubt: float) -> Cell:
@@ -287,7 +287,7 @@ def _recurs(points: np.ndarray, deep: bool = False) -> str:
     try:
         found = recurrence(points)
     except AntennaPinError as error:
-        return f"cannot be told ({error})"
+        return f"not determined ({error})"
     if not deep or not found.confidence:
         return found.words
     return f"{found.words}, confidence {number(found.confidence, 2)}"

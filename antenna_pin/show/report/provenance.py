@@ -56,7 +56,7 @@ def _versions(runs: Sequence[ReportedRun]) -> PageTable:
     return PageTable(
         columns=("", *labels_of(runs), "this report"),
         rows=tuple(words(name, (str(one.get(name, "")) for one in (*found, here))) for name in names),
-        caption="Versions of what made the runs and this report",
+        caption="Versions of the software for the runs and this report",
         key="versions",
     )
 

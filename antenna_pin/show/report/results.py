@@ -27,7 +27,7 @@ def status(run: ReportedRun) -> Status:
     reached = f"{readable(run.end, 's')} in {run.samples} sample{'s' if run.samples != 1 else ''}"
     wanted = run.run.scenario.duration if run.run.scenario is not None else None
     if not run.run.completed and wanted is not None:
-        reached += f", of {readable(wanted, 's')} asked for"
+        reached += f", of {readable(wanted, 's')} requested"
     said = _answered(run) if run.run.completed else f"{run.run.message} ({reached})"
     return Status(run.label, run.run.completed, run.run.outcome.name, said)
 
@@ -82,7 +82,7 @@ def _warnings(run: ReportedRun) -> Iterator[str]:
             f"{readable(GAPS_WITHIN, 'm')}."
         )
     for said in json.loads(data.attrs["mechanism"]).get("impossible_inertia", ()):
-        yield f"no body has the inertia of {said}; it was taken as it is."
+        yield f"no body has the inertia of {said}; it was used unchanged."
     scenario = run.run.scenario
     if scenario is not None and scenario.mechanism.allow_impossible_inertia:
         bodies = ", ".join(scenario.mechanism.allow_impossible_inertia)
@@ -95,7 +95,7 @@ def _differences(runs: Sequence[ReportedRun]) -> Iterator[str]:
         yield f"The runs are not equally long ({ends}): compare totals and largest values with care."
     versions = {json.loads(run.data.attrs.get("versions", "{}")).get("antenna_pin") for run in runs}
     if len(versions) > 1:
-        yield "The runs were made by different versions of antenna_pin; see Provenance."
+        yield "The runs come from different versions of antenna_pin; see Provenance."
     scenarios = {run.run.scenario.name for run in runs if run.run.scenario is not None}
     if len(scenarios) > 1:
         yield f"The runs are of different scenarios: {', '.join(sorted(scenarios))}."

@@ -255,7 +255,7 @@ _KINDS = {
 }
 
 Words = dict[str, str]
-"""What is said of one run in a section, by label."""
+"""Text on one run in a section, by label."""
 
 _ORDER = (
     "Scenario",

@@ -131,7 +131,7 @@ def figures_of_study(table: xr.Dataset) -> dict[str, tuple[str, Any]]:
             def drawn(name: str = response, **more: Any) -> Any:
                 return study_sensitivities(sensitivities(table, name), name, **more)
 
-            found[f"{response}-sensitivities"] = (f"{response}: what it depends on", drawn)
+            found[f"{response}-sensitivities"] = (f"{response}: sensitivity", drawn)
     return found
 
 
@@ -139,8 +139,8 @@ def _opened(study: Study, store: str | os.PathLike[str] | None) -> xr.Dataset:
     path = Path(f"{study.name}.study") if store is None else Path(store)
     if not path.is_dir():
         raise OutputError(
-            f"{study.name}: store must be the folder that run_study(study) made, got {path}, which is not "
-            "there; run it first, or say store="
+            f"{study.name}: store must be the folder written by run_study(study), got {path}, which is not "
+            "there; run it first, or pass store="
         )
     return open_study(path)
 

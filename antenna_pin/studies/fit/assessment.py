@@ -114,7 +114,7 @@ def certain(
     table, said = found.data(), []
     if found.problem.plan.surface is not None:
         if profile or draws:
-            rule = "left out beside a surface, whose single runs scatter"
+            rule = "left out with a surface, whose single runs scatter"
             raise InvalidParameterError("fit", "profile" if profile else "draws", rule, profile or draws)
         return table, ()
     if found.bands.absence:
@@ -232,7 +232,7 @@ def identifiability_table(
     count = len(identifiable.names)
     over = ("parameter",)
     columns = {
-        "value": (over, identifiable.values, {"long_name": "value at which it is told"}),
+        "value": (over, identifiable.values, {"long_name": "value at which it is evaluated"}),
         "scale": (over, identifiable.scale, {"long_name": "typical size"}),
         "error": (over, identifiable.error, {"long_name": "standard error to expect"}),
         "half": (over, identifiable.half, {"long_name": "half width of the interval to expect"}),
@@ -246,7 +246,7 @@ def identifiability_table(
         "determined": (
             over,
             identifiable.rank.determined.astype(np.int8),
-            {"units": "1", "long_name": "whether it can be told"},
+            {"units": "1", "long_name": "whether it is identifiable"},
         ),
         "units": (over, _texts(units), {"long_name": "SI unit of the parameter"}),
         "title": (over, _texts(titles), {"long_name": "what it is called"}),

@@ -101,7 +101,7 @@ def draws(problem: Residuals, uncertainty: Sure, count: int, seed: int) -> tuple
         if not math.isfinite(error)
     ]
     if unclear:
-        rule = "of parameters that the record tells; hold, or bound by a prior record, those that it does not"
+        rule = "of parameters that the records determine; hold the others, or give them a prior"
         raise InvalidParameterError("fit", "bands", rule, said=", ".join(unclear))
     free = np.flatnonzero(uncertainty.error > 0.0)
     sizes = uncertainty.error[free]

@@ -71,7 +71,7 @@ def _at_bounds(problem: Problem, whole: Array) -> Iterator[str]:
         for k, name in enumerate(unknowns.names):
             said.append(f"{name} at {readable(whole[k], unknowns.units[k] or '1', 5)}")
         every = "every parameter stands" if p > 1 else "the parameter stands"
-        yield f"{every} at its bound, {', '.join(said)}: the records ask for what lies beyond"
+        yield f"{every} at its bound, {', '.join(said)}: the records fit best beyond it"
 
 
 def _causes(problem: Problem, whole: Array, bands: ParameterBands) -> Iterator[str]:

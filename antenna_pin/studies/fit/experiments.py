@@ -1,6 +1,6 @@
 """Candidate experiments of a fit, and the derivatives of their residuals.
 
-An experiment resembles one of the fit's records, with keys of the scenario set anew, and other columns or
+An experiment resembles one of the fit's records, with keys of the scenario set again, and other columns or
 times if given. Its information depends on the derivatives of its residuals only, and not on measured numbers:
 so it is run as a record of the model's own readings.
 """

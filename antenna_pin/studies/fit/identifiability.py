@@ -153,14 +153,14 @@ def _direction_text(row: Array, names: tuple[str, ...], scale: Array, values: Ar
     size = np.abs(row)
     places = [int(k) for k in np.argsort(-size, kind="stable") if size[k] > _SAID * size.max()]
     if len(places) == 1:
-        return f"{names[places[0]]}: not at all, the record stays as it is when it changes"
+        return f"{names[places[0]]}: not at all: the record does not change with it"
     shares = [row[k] * scale[k] / abs(values[k]) if values[k] else row[k] for k in places]
     moves = ", ".join(
         f"{names[k]} by {number(share / shares[0], 2)} %{'' if values[k] else ' of its scale'}"
         for k, share in zip(places, shares, strict=True)
     )
     together = f"{', '.join(names[k] for k in places[:-1])} and {names[places[-1]]}"
-    return f"{together}: only together, the record stays as it is when they change, {moves}"
+    return f"{together}: only in combination: the record does not change when they change, {moves}"
 
 
 # --- optimal design of experiments --------------------------------------------------------------------------
@@ -355,8 +355,8 @@ def planned(
         raise InvalidParameterError(
             "fit",
             "experiments",
-            "such that all of them together tell every parameter; hold what they do not tell",
-            said=f"none that tells {lacking}",
+            "such that all of them together determine every parameter; hold those that they do not determine",
+            said=f"none that determines {lacking}",
         )
     # Scaled by column lengths, so that the information can be inverted.
     weight = np.outer(rank.lengths, rank.lengths)

@@ -108,7 +108,7 @@ class RecordSpec(LayoutSpec):
         if self.pieces is not None:
             for name, column in self.columns.items():
                 if column.compare != "curve" or column.filter is not None:
-                    rule = "must be a curve without a filter in a record of pieces, which start anew"
+                    rule = "must be a curve without a filter in a record of pieces, which restart"
                     refuse(rule, "columns", name)
         return self
 
@@ -202,7 +202,7 @@ class FitPlan(RunsFile):
     @model_validator(mode="after")
     def _check_tolerance(self) -> Self:
         if self.tolerance < _LEAST_TOLERANCE:
-            rule = f"must be {_LEAST_TOLERANCE:g} or more, what a double tells apart"
+            rule = f"must be {_LEAST_TOLERANCE:g} or more, the resolution of a double"
             refuse(f"{rule}, got {self.tolerance:g}", "tolerance")
         return self
 
@@ -211,7 +211,7 @@ class FitPlan(RunsFile):
         every = [(name, *pair) for name, one in self.records.items() for pair in one.columns.items()]
         for name, column, spec in every if self.jacobian == "equation" else ():
             if spec.compare == "blows":
-                rule = 'must be "differences" where blows are compared, which are found anew in each run'
+                rule = 'must be "differences" where blows are compared, which each run detects again'
                 refuse(f"{rule}, as records.{name}.columns.{column} does", "jacobian")
         return self
 
@@ -221,11 +221,11 @@ class FitPlan(RunsFile):
             return self
         for name, one in self.parameters.items():
             if one.prior is not None:
-                refuse("must be left out beside a surface", "parameters", name, "prior")
+                refuse("must be left out with a surface", "parameters", name, "prior")
         for name, record in self.records.items():
             for column, spec in record.columns.items():
                 if spec.compare == "curve":
-                    rule = "must be a statistic beside a surface: rms, spectrum or blows"
+                    rule = "must be a statistic with a surface: rms, spectrum or blows"
                     refuse(rule, "records", name, "columns", column, "compare")
         for name, wanted in (
             ("starts", None),
@@ -234,7 +234,7 @@ class FitPlan(RunsFile):
             ("noise", "given"),
         ):
             if getattr(self, name) != wanted:
-                refuse("must be left out beside a surface, which has its own", name)
+                refuse("must be left out with a surface, which has its own", name)
         return self
 
     @model_validator(mode="after")
@@ -293,7 +293,7 @@ class FitPlan(RunsFile):
             for record in number.records or self.records:
                 owner = owners.setdefault((key, record), name)
                 if owner != name:
-                    refuse(f"must be a key of its own, got that of {owner}", table, name, "key")
+                    refuse(f"must be a different key, got that of {owner}", table, name, "key")
 
     def own_parameters(self, record: str) -> list[int]:
         """Return the indices of the parameters in a record's scenario."""
@@ -340,7 +340,7 @@ class FitPlan(RunsFile):
         if column and column not in self.records[record].columns:
             refuse_name("column", column, self.records[record].columns, *at)
         if self.parameters[name].records is not None:
-            refuse("must be left out for a number of a record, whose it is", "parameters", name, "records")
+            refuse("must be left out for a number of one record", "parameters", name, "records")
 
     def check_output(self, path: Path) -> None:
         """Raise an OutputError for an output path that the fit reads from."""

@@ -138,7 +138,7 @@ def _factor(column: ColumnSpec, in_file: str | None, unit: str, place: str) -> f
     try:
         return unit_factor(in_file, unit, f"{place}: the file's unit")
     except ScenarioError as error:
-        raise ScenarioError(f"{error}; say by unit what it is") from None
+        raise ScenarioError(f"{error}; give its unit with the key unit") from None
 
 
 def _check_rising(time: Array, place: str) -> None:

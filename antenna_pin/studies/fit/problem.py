@@ -228,7 +228,7 @@ class Problem:
         """Return a note on failed runs, if any."""
         found = self.service.failed
         first = f"the first: {found[0]}" if found else ""
-        return [f"note: {len(found)} of {self.runs} runs could not be made, {first}"] if found else []
+        return [f"note: {len(found)} of {self.runs} runs failed, {first}"] if found else []
 
     def unbalanced(self, whole: Array) -> list[str]:
         """Return a note on runs whose energy or momentum does not balance, if any."""

@@ -62,7 +62,7 @@ class Profile:
         high: Upper end, likewise.
         ends: Kinds of both ends.
         threshold: Size of tau at the ends [-].
-        better: Values of a lower loss than that of the fit, (p,), from which to fit anew, or None.
+        better: Values of a lower loss than that of the fit, (p,), from which to fit again, or None.
     """
 
     name: str
@@ -101,7 +101,10 @@ def profiles(
         UnknownNameError: A parameter is unknown.
     """
     if not found.factor > 0.0:
-        rule = "given where the model meets the record exactly, as nothing is left that says how large it is"
+        rule = (
+            "given where the model meets the record exactly, because there are no "
+            "residuals from which it follows"
+        )
         raise InvalidParameterError("fit", "noise", rule, found.noise)
     wanted = [name for name, held in zip(found.names, found.held, strict=True) if not held]
     for name in names or ():

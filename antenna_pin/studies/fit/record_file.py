@@ -191,7 +191,7 @@ def _from_universal(
         if not np.array_equal(times, first[1]):
             raise ScenarioError(
                 f"{where}: {name} must have the times of {first[0]}, got others in set {number}; make it a "
-                "record of its own"
+                f"separate record"
             )
         if time in names:
             found[time], units[time] = times, _unit(one, "abscissa")

@@ -362,7 +362,7 @@ def _value_text(value: float, low: float, high: float, unit: str) -> tuple[str, 
     factor, printed = prefixed(unit or "1", [value])
     behind = f" {printed}" if printed else ""
     if not (np.isfinite(low) and np.isfinite(high)):
-        why = "it stands at its bound" if np.isnan(low) else "the records do not tell it"
+        why = "it stands at its bound" if np.isnan(low) else "not identifiable from the records"
         return f"{number(factor * value, 5)}{behind}", f"no band: {why}"
     half = 0.5 * (high - low)
     digits = 2 if half == 0.0 or value == 0.0 else 2 + max(0, int(np.floor(np.log10(abs(value) / half))) + 1)

@@ -108,7 +108,9 @@ class _ForwardSensitivity:
         values[k] += s * float(self._scales[k])
         found = prepared_scenario(self._test, tuple(values))
         if found.scenario.events != self._here.scenario.events:
-            raise SensitivityError(f"{self._test.names[k]} is of an event, which only runs can tell")
+            raise SensitivityError(
+                f"{self._test.names[k]} is a number of an event, which needs method = 'runs'"
+            )
         return found
 
     def _system(self, k: int, s: float) -> Any:

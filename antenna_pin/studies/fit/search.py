@@ -171,7 +171,11 @@ def fit_by_surface(problem: Problem, spec: SurfaceSpec) -> Fit:
     # Statistics are no curves: none continues another.
     bands = parameter_bands(plan, unknowns, whole, residuals, slopes, np.arange(m))
     cost = 0.5 * float(residuals @ residuals)
-    words = "the least of its surface is within its box" if done else "given up: the least is at a box's edge"
+    words = (
+        "the least of its surface is within its box"
+        if done
+        else "aborted: the minimum is at the edge of the box"
+    )
     return Fit(
         problem=problem,
         values=whole,
@@ -224,11 +228,11 @@ _NARROW = 1.5
 
 # Ends of SciPy's search, by its status.
 _ENDS = {
-    0: "given up: more evaluations than most allows; start nearer, or allow more",
+    0: "aborted: more evaluations than most allows; start nearer, or raise most",
     1: "the gradient is next to none",
     2: "the sum of squares falls no more",
     3: "the parameters move no more",
-    4: "neither the sum of squares nor the parameters move any more",
+    4: "sum of squares and parameters have converged",
 }
 
 

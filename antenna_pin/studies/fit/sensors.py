@@ -409,7 +409,7 @@ def compared_numbers(column: ColumnSpec, unit: str, time: Array, values: Array) 
 def compared_slopes(column: ColumnSpec, time: Array, values: Array, slopes: Array) -> Array:
     """Return the derivatives of :func:`compared_numbers` over a curve, (numbers, fitted).
 
-    Impacts, which are detected anew in each run, have none.
+    Impacts, which are detected again in each run, have none.
 
     Args:
         column: Settings of the column.

@@ -233,14 +233,14 @@ class LayoutSpec(Spec):
         try:
             "".encode(self.encoding)
         except (LookupError, ValueError):  # of what is no encoding, and of one that encodes nothing
-            rule = "must be a text encoding that Python knows, such as utf-8, latin-1 or utf-16"
+            rule = "must be a text encoding of Python, such as utf-8, latin-1 or utf-16"
             refuse(f"{rule}, got {shown(self.encoding)}", "encoding")
         given = self.model_fields_set
         for name in ("time", "time_unit", "time_format"):
             if self.rate is not None and name in given and getattr(self, name) is not None:
-                refuse("must be left out beside rate, which says when each row is", name)
+                refuse("must be left out with rate, which sets the time of each row", name)
         if self.time_format is not None and self.time_unit is not None:
-            refuse("must be left out beside time_format, whose stamps have no unit", "time_unit")
+            refuse("must be left out with time_format, whose stamps have no unit", "time_unit")
         if self.time_format not in (None, "iso") and "%" not in str(self.time_format):
             rule = "must be iso, or a pattern such as %d.%m.%Y %H:%M:%S,%f"
             refuse(f"{rule}, got {shown(self.time_format)}", "time_format")

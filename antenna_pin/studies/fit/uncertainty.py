@@ -347,7 +347,7 @@ def sure(
         rank = rank_of(np.where(held, 0.0, jacobian), problem.scale, doubt)
     freedom = len(residuals) - len(rank.identified)
     if freedom < 1 and not (noise == "given" and loss == "linear"):
-        rule = f"more than parameters that they tell, {len(rank.identified)}"
+        rule = f"more than the identifiable parameters, {len(rank.identified)}"
         raise InvalidParameterError("fit", "residuals", rule, len(residuals))
     bend = curvature(residuals, loss, loss_scale)
     factor = 1.0 if noise == "given" and loss == "linear" else _variance_factor(slope, bend, freedom)

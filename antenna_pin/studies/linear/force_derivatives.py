@@ -61,7 +61,7 @@ class ForceDerivatives:
 class Forces:
     """Force of a system's elements near a state: contacts, and all others separately.
 
-    Contacts have scales of micrometres where all else has scales of the mechanism: they are told apart, so
+    Contacts have scales of micrometres where all else has scales of the mechanism: they are distinguished, so
     that each is differentiated with steps of its own.
 
     Args:

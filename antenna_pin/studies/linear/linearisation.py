@@ -275,8 +275,8 @@ def linearise(at: At) -> Linearisation:
         names = ", ".join(at.hold) or "none"
         raise MechanismError(
             "modes: something must be left free to move, got nothing beside what closures, motions and "
-            f"hold = {names} hold; hold less, give a driven joint a torque in place of its motion, or joints "
-            "friction that does not stick"
+            f"hold = {names} hold; hold fewer joints, drive a joint by a torque instead of a motion, or use "
+            f"friction that does not stick"
         )
     # What velocities and accelerations must do as the directions turn, in the complement of N.
     shift, shift_place, shift_speed = np.zeros_like(n), np.zeros_like(n), np.zeros_like(n)
@@ -324,7 +324,7 @@ def _check_loads(system: System, rest: bool) -> None:
         if not isinstance(one.element, Modal):
             raise MechanismError(
                 f"modes: {one.label}: friction with bristles by a joint's own load is not linearised; leave "
-                "its coefficient out, and take Coulomb friction and stiffness of the load that it has"
+                f"out its coefficient, and use Coulomb friction and stiffness for the present load"
             )
         if not rest:
             raise MechanismError(

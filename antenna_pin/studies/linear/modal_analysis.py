@@ -409,7 +409,7 @@ def modes(
             would set it moving is held in balance.
 
     Raises:
-        AntennaPinError: What is called makes no sense; one line that says why.
+        AntennaPinError: What is called makes no sense; one line that gives the reason.
     """
     model = scenario_named(model)
     if isinstance(model, Trajectory):
@@ -423,7 +423,7 @@ def modes(
             )
         at, model = model, model.scenario
     if at is not None and (q is not None or v is not None):
-        raise InvalidParameterError("modes", "q" if q is not None else "v", "left out beside at", "both")
+        raise InvalidParameterError("modes", "q" if q is not None else "v", "left out with at", "both")
     scenario = model if isinstance(model, Scenario) else None
     if not isinstance(model, Scenario | System):
         raise InvalidParameterError(

@@ -144,7 +144,7 @@ def first_source(modes: Modes, label: str = "source") -> str:
     """
     known = sources_of(modes)
     if not known:
-        raise InvalidParameterError("modes", label, "a drive or a free base, of which there is none", "")
+        raise InvalidParameterError("modes", label, "a drive or a free base, and the system has neither", "")
     return known[0]
 
 

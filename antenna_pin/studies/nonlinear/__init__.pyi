@@ -33,8 +33,8 @@ from antenna_pin.studies.nonlinear.orbit_tables import orbits_in_section as orbi
 from antenna_pin.studies.nonlinear.orbits import NoOrbitError as NoOrbitError
 from antenna_pin.studies.nonlinear.orbits import Orbit as Orbit
 from antenna_pin.studies.nonlinear.orbits import periodic_orbit as periodic_orbit
-from antenna_pin.studies.nonlinear.pseudo_arclength import Family as Family
 from antenna_pin.studies.nonlinear.pseudo_arclength import Point as Point
+from antenna_pin.studies.nonlinear.pseudo_arclength import SolutionFamily as SolutionFamily
 from antenna_pin.studies.nonlinear.returns import open_section as open_section
 from antenna_pin.studies.nonlinear.returns import poincare as poincare
 from antenna_pin.studies.nonlinear.sections import Crossing as Crossing

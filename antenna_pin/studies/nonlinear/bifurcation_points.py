@@ -205,7 +205,7 @@ def locate_fold(step: BranchStep, begin: float, end: float, precision: float) ->
     """Return the fold between two places of a step: an orbit next to it.
 
     Orbits are made between them, by regula falsi (Illinois) for where the parameter's part of the
-    branch's direction is zero. From an orbit there the parameter goes on, to the fold, by no more than its
+    branch's direction is zero. From an orbit there the parameter continues, to the fold, by no more than its
     slope times what is left of the step in which that changes its sign: this is the doubt, and what orbits
     are uncertain by.
     """

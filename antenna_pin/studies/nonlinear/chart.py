@@ -314,11 +314,12 @@ class Chart:
 def carried(state: State, system: System, *, scale: float = 1.0) -> State:
     """Return a state as a start of another system of the same shape.
 
-    Positions, velocities, integrals and time go over as they are, but for what the other system cannot have:
+    Positions, velocities, integrals and time go over as they are, except for what the other system cannot
+    have:
     they are brought onto its closures and motions, a contact touches if its gap is closed there, and what
-    contacts that touch on either side remember is kept. Elements go on in the modes that they are in, joints
-    that they hold are held where they hold them there, and a stop that gives way touches if the joint is
-    beyond it there. Step sizes start anew.
+    contacts that touch on either side remember is kept. Elements continue in the modes that they are in,
+    joints that they hold are held where they hold them there, and a stop that is compliant touches if the
+    joint is beyond it there. Step sizes start again.
 
     Args:
         state: What a run of the one system left.

@@ -36,7 +36,13 @@ from antenna_pin.studies.nonlinear.bifurcation_points import (
 )
 from antenna_pin.studies.nonlinear.chart import Chart
 from antenna_pin.studies.nonlinear.orbits import NoOrbitError, default_tolerance
-from antenna_pin.studies.nonlinear.pseudo_arclength import BranchStepper, Family, Node, Point, in_first_period
+from antenna_pin.studies.nonlinear.pseudo_arclength import (
+    BranchStepper,
+    Node,
+    Point,
+    SolutionFamily,
+    in_first_period,
+)
 
 __all__ = ["Bifurcation", "BifurcationKind", "Branch", "check_steps", "continued"]
 
@@ -190,7 +196,7 @@ def check_steps(values: tuple[float, float], arc: float, most: int) -> None:
 
 @takes()
 def continued(
-    family: Family,
+    family: SolutionFamily,
     guess: State,
     values: tuple[float, float],
     *,
@@ -325,7 +331,7 @@ def _follow(
             look = step = min(look, _FARTHER * left) if left > 0.0 else made
         elif point.orbit.iterations <= 3:
             step = min(2.0 * step, 4.0 * arc)
-    return f"{most} points were made"
+    return f"{most} points computed"
 
 
 def _graze(
@@ -339,8 +345,8 @@ def _graze(
 ) -> tuple[float, float] | None:
     """Return the value of a graze that ends a branch, with its error, or None.
 
-    That is where there are orbits up to as near as is asked for, or far nearer than a step and this one says
-    of it what the one before did; nothing is said of what is beyond the range.
+    That is where there are orbits up to as near as is requested, or far nearer than a step and this one says
+    of it what the one before did; nothing is stated about what is beyond the range.
     """
     if not (ahead.value - values[0]) * (values[1] - ahead.value) >= 0.0:
         return None

@@ -228,7 +228,7 @@ def own_coordinates(
     Args:
         frame: The axes; contact memory is behind all other coordinates, element memory before it.
         size: How many coordinates there are.
-        lasting: Contacts that last over the time that is looked at.
+        lasting: Contacts that last over the time that is examined.
         constant: Numbers of elements that nothing changes over it.
     """
     own = np.ones(size, dtype=bool)

@@ -57,14 +57,14 @@ class DiagramPlan(RunsFile):
     Attributes:
         parameter: Key of the scenario, with dots.
         values: Of it, in order: a list, or text as ``FIRST:LAST:COUNT``.
-        section: Where the motion is looked at, as ``antenna-pin bifurcation --section`` has it.
+        section: Where the motion is examined, as ``antenna-pin bifurcation --section`` has it.
         direction: Of passages of a surface.
         phase: Part of the period at which a stroboscope looks [-].
         quantities: What is noted.
         branches: ``fresh``, ``forward``, ``backward``.
         count: Points kept of each value [-].
         transient: Points cut before them; judged if left out [-].
-        most: Points after which cutting is given up [-].
+        most: Points after which cutting stops [-].
         tolerance: A drift below this part of a quantity's largest amount is none [-].
         name: Of the diagram: that of its file.
         folder: Of the file.

@@ -268,7 +268,7 @@ def _identity(settings: _Settings, values: Sequence[Any], branches: Sequence[str
         isinstance(section.when, Angle | Rate | Gap | Force) or section.name
     ):
         raise InvalidParameterError(
-            "bifurcation", "section", "given a name, by which a diagram on the disk tells its function", ""
+            "bifurcation", "section", "given a name, by which a saved diagram identifies its function", ""
         )
     return {
         "scenario": scenario,
@@ -323,14 +323,14 @@ def bifurcation(
     and the next is begun in the state before it.
 
     With ``out`` every value is kept on the disk as it is made, in the folder ``OUT.parts``: what was killed
-    goes on with the same call, and comes to the same diagram bit for bit.
+    continues with the same call, and comes to the same diagram bit for bit.
 
     Args:
         scenario: What is run.
         parameter: Key of the scenario, with dots, as in ``--set``.
         values: Of it, in order: numbers in SI units, or text with a unit.
-        section: Where the motion is looked at.
-        quantities: What is noted there, by the names that :func:`antenna_pin.analysis.quantity` knows.
+        section: Where the motion is examined.
+        quantities: Quantities recorded there, by the names of :func:`antenna_pin.analysis.quantity`.
         branches: Any of ``fresh``, ``forward``, ``backward``.
         count: Points of each value, at least 32 [-].
         transient: Points cut before them; None to cut until what follows has settled [-].

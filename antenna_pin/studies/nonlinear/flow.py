@@ -218,7 +218,7 @@ class Flow:
             frame: Axes of coordinates in that state.
             ways: Tangents in these, (size, k), or what makes them of these; all of them if left out.
             numbers: Parameters of the system, which coordinates have too.
-            looks: When to look at tangents on the way, ascending [s].
+            looks: Times of intermediate tangents, ascending [s].
             on_look: Called at each, ``(carrier, time, y, tangents)``, the last (perturbation, k).
 
         Raises:

@@ -98,7 +98,7 @@ def _independent(matrix: Array, rank: int, time: float) -> NDArray[Any]:
     return np.sort(order[:rank])
 
 
-Verdict = Literal["chaotic", "neutral", "contracting", "too short to say"]
+Verdict = Literal["chaotic", "neutral", "contracting", "too short to decide"]
 """What a largest exponent says: perturbed states part, keep their distance, come together; or nothing yet."""
 
 # Distance of a perturbed state in error scales; largest, beyond which growth is no longer that of a tangent;
@@ -115,7 +115,7 @@ class Exponents:
 
     Attributes:
         values: The largest first, (n,) [1/s].
-        errors: One standard error of each, from blocks of intervals so long that they know little of one
+        errors: One standard error of each, from blocks of intervals so long that they depend little on one
             another, (n,) [1/s].
         interval: Between two renormalisations, a period of the section if there is one [s].
         growth: Logarithm of what each has grown by in each interval, (intervals, n) [-].
@@ -144,10 +144,10 @@ class Exponents:
         """Classification of the largest exponent, at three standard errors."""
         value, error = float(self.values[0]), float(self.errors[0])
         if len(self.growth) < _FEWEST or not math.isfinite(error):
-            return "too short to say"
+            return "too short to decide"
         if abs(value) > _SIGMAS * error and abs(value) * self.interval > 1e-9:
             return "chaotic" if value > 0.0 else "contracting"
-        return "neutral" if _SIGMAS * error * self.interval < _NEUTRAL else "too short to say"
+        return "neutral" if _SIGMAS * error * self.interval < _NEUTRAL else "too short to decide"
 
 
 def _exponents(growth: Array, lengths: Array, interval: float, start: State, end: State) -> Exponents:
@@ -189,7 +189,7 @@ def largest_exponent(
 ) -> Exponents:
     """Return the largest exponent by two trajectories with renormalisation (Benettin and others 1976).
 
-    The perturbed trajectory locates its own contacts and events, and has its own approach speeds, but for
+    The perturbed trajectory locates its own contacts and events, and has its own approach speeds, except for
     contacts that last to the end: these are constant, and shared, as those of an orbit
     (:func:`antenna_pin.studies.nonlinear.coordinates.own_coordinates`). Where different contacts touch at the
     end of an interval, both trajectories continue until the same do.
@@ -315,7 +315,7 @@ def exponents_table(found: Exponents, scenario: Scenario | None = None) -> xr.Da
         Over ``exponent``, from 1 on: ``value`` and ``error`` [1/s]. Over ``interval``: ``length`` [s], and
         ``time``, when it ends, from the end of the transient on [s]. Over both: ``growth`` [-] and
         ``running`` [1/s], the exponents as they were after each interval. Attributes ``verdict``,
-        ``interval`` [s], and ``start`` and ``end``, states to go on from
+        ``interval`` [s], and ``start`` and ``end``, states to continue from
         (:meth:`antenna_pin.base.state.State.from_json`).
     """
     over = ("interval", "exponent")

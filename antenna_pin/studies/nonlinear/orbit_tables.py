@@ -21,7 +21,7 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.studies.nonlinear.continuation import Branch
 from antenna_pin.studies.nonlinear.flow import Flow, flow_of
 from antenna_pin.studies.nonlinear.orbits import Orbit
-from antenna_pin.studies.nonlinear.pseudo_arclength import Family
+from antenna_pin.studies.nonlinear.pseudo_arclength import SolutionFamily
 from antenna_pin.studies.nonlinear.sections import Section, Stroboscope, drive_period
 from antenna_pin.trajectory import open_table, table_attributes
 
@@ -51,7 +51,7 @@ def family_of(
     period: float | None = None,
     multiple: int = 1,
     rtol: float | None = None,
-) -> Family:
+) -> SolutionFamily:
     """Return flow and period of a scenario's orbits for every value of a key.
 
     Args:
@@ -75,7 +75,9 @@ def family_of(
 
 
 @takes()
-def amplitudes(branch: Branch, family: Family, quantities: Sequence[str]) -> dict[str, tuple[Array, str]]:
+def amplitudes(
+    branch: Branch, family: SolutionFamily, quantities: Sequence[str]
+) -> dict[str, tuple[Array, str]]:
     """Return half the range of quantities over a period of each orbit, and their units.
 
     Each orbit is run once more; between 400 even samples, and those at changes and peaks of contact, nothing
@@ -84,7 +86,7 @@ def amplitudes(branch: Branch, family: Family, quantities: Sequence[str]) -> dic
     Args:
         branch: The branch.
         family: That it is of.
-        quantities: By the names that :func:`antenna_pin.analysis.quantity` knows.
+        quantities: By the names of :func:`antenna_pin.analysis.quantity`.
 
     Returns:
         By name: (points,) in the unit beside it.
@@ -110,13 +112,13 @@ _ABOUT: dict[str, dict[str, str]] = {
     "doubt": {"units": "1", "long_name": "of the multipliers"},
     "neutral": {
         "units": "1",
-        "long_name": "multipliers that are 1 for what lasting contacts and elements keep",
+        "long_name": "multipliers equal to 1 by the discrete state of lasting contacts and elements",
     },
     "stability": {"long_name": "whether neighbours come nearer: stable, unstable, neutral"},
     "onsets": {"units": "1", "long_name": "contacts that begin in a period"},
     "events": {"units": "1", "long_name": "events that happen in a period"},
-    "start": {"units": "s", "long_name": "time of the state that it is told by"},
-    "state": {"long_name": "that state, to go on from, as JSON"},
+    "start": {"units": "s", "long_name": "time of the section's state"},
+    "state": {"long_name": "state at that time, to start from, as JSON"},
     "q": {"units": "m, rad or 1", "long_name": "configuration there, Pinocchio's order"},
     "v": {"units": "m/s or rad/s", "long_name": "generalized velocity there, body axes"},
     "multiplier_real": {"units": "1", "long_name": "Floquet multiplier, real part"},
@@ -188,7 +190,7 @@ def orbit_table(orbit: Orbit, system: System, scenario: Scenario | None = None) 
     Returns:
         ``period`` [s], ``residual`` and ``doubt`` [-], ``neutral``, how many multipliers are 1 for what
         lasting contacts remember and are not among the others, ``stability`` (stable, unstable, neutral),
-        ``onsets`` and ``events`` in a period [-], ``start`` [s] and ``state``, to go on from
+        ``onsets`` and ``events`` in a period [-], ``start`` [s] and ``state``, to continue from
         (:meth:`antenna_pin.base.state.State.from_json`); ``q`` over ``configuration`` and ``v`` over
         ``coordinate``, in that state; over ``multiplier``: ``multiplier_real``, ``multiplier_imaginary`` [-]
         and ``exponent`` [1/s]; ``tangent`` [-] over ``to`` and ``from``, names of its coordinates. Attributes
@@ -300,13 +302,13 @@ _SAME = 1e-9
 def orbits_in_section(branch: xr.Dataset, section: Section, quantities: Sequence[str]) -> xr.Dataset:
     """Return a branch of periodic solutions with its points in a section.
 
-    Each orbit goes on from its start to the times of the stroboscope within its period: one of n periods
+    Each orbit continues from its start to the times of the stroboscope within its period: one of n periods
     of the drive has n points.
 
     Args:
         branch: Of :func:`antenna_pin.studies.nonlinear.branch_table`, of a scenario.
         section: The stroboscope of the diagram.
-        quantities: By the names that :func:`antenna_pin.analysis.quantity` knows.
+        quantities: By the names of :func:`antenna_pin.analysis.quantity`.
 
     Returns:
         The branch, and each quantity over ``point`` and ``pass``, with its unit; attribute ``quantities``.

@@ -239,8 +239,8 @@ def _check_moves(flow: Flow, start: State, span: float, tolerance: float) -> Non
     speed = float(np.linalg.norm(Chart(flow.system, start).directions(*flow.rates(start))))
     if speed > tolerance and speed * span < _TELLS * tolerance:
         raise NoOrbitError(
-            f"periodic orbit: a period of {span:g} s is too short to tell: the motion goes "
-            f"{speed * span:.3g} error scales in it, and its ends count as one within {tolerance:.3g}; give "
+            f"periodic orbit: a period of {span:g} s is too short: the motion covers {speed * span:.3g} "
+            f"error scales in it, and its ends count as one within {tolerance:.3g}; give "
             "a longer period"
         )
 

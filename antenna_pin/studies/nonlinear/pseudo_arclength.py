@@ -23,7 +23,7 @@ from antenna_pin.studies.nonlinear.orbits import (
     periodic_orbit,
 )
 
-__all__ = ["Family", "BranchStepper", "Node", "Point", "in_first_period"]
+__all__ = ["SolutionFamily", "BranchStepper", "Node", "Point", "in_first_period"]
 
 Array = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ _TURN, _ASIDE, _CORNER = 0.9, 0.99, 0.1
 _NEAR = 2e-2  # of an arc: how near to an end of the range Newton's method begins there
 
 
-class Family(Protocol):
+class SolutionFamily(Protocol):
     """A flow and its period for every value of a parameter."""
 
     def __call__(self, value: float) -> tuple[Flow, float]:
@@ -87,7 +87,7 @@ class _Corrected(NamedTuple):
 class BranchStepper:
     """Predictor and corrector of a branch: orbits x of the map P(x, value) = x."""
 
-    def __init__(self, family: Family, unit: float, tolerance: float) -> None:
+    def __init__(self, family: SolutionFamily, unit: float, tolerance: float) -> None:
         """Store the constants of a branch."""
         self.family, self.unit, self.tolerance = family, unit, tolerance
 

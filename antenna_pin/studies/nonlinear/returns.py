@@ -55,15 +55,15 @@ class SectionRun:
 
     Args:
         scenario: What to run.
-        section: Where to look at it.
-        quantities: What to note there, by the names that :func:`antenna_pin.analysis.quantity` knows.
+        section: Where to sample it.
+        quantities: Quantities to record, by the names of :func:`antenna_pin.analysis.quantity`.
         start: State to start from; the scenario's own start if left out.
         progress: Called about ten times a second while it runs.
 
     Attributes:
-        state: To go on from; None before anything was run.
+        state: To continue from; None before anything was run.
         outcome: How the last stretch of the run ended.
-        message: That in words.
+        message: That as text.
         units: Of each quantity.
         titles: What each quantity is.
         period: Of the stroboscope [s]; NaN of a surface.
@@ -297,7 +297,7 @@ def poincare(
     Args:
         scenario: What to run.
         section: Once a period (:class:`Stroboscope`), or where a surface is passed (:class:`Crossing`).
-        quantities: What to note, by the names that :func:`antenna_pin.analysis.quantity` knows.
+        quantities: Quantities to record, by the names of :func:`antenna_pin.analysis.quantity`.
         count: Points to return, at least 32 [-].
         transient: Points to cut before them; None to cut until what follows has settled [-].
         most: Points after which to stop cutting; 20 times ``count`` if left out [-].
@@ -310,8 +310,8 @@ def poincare(
         Over ``point``: ``time`` [s] and each quantity. ``settled`` says whether they have settled,
         ``transient`` how many points were cut before them, ``drift`` [-] how far their statistics
         went; attributes ``rule``, ``section``, ``period`` [s], ``outcome``, ``message``,
-        ``scenario`` (JSON) and ``state``, to go on from (:meth:`antenna_pin.base.state.State.from_json`); it
-        is that to which the run got, behind the last point, and of a surface behind later ones too. A run
+        ``scenario`` (JSON) and ``state``, to continue from (:meth:`antenna_pin.base.state.State.from_json`);
+        it is that to which the run got, behind the last point, and of a surface behind later ones too. A run
         that ended early has fewer points, and has not settled.
 
     Raises:
@@ -343,7 +343,7 @@ def check_counts(
             raise InvalidParameterError(place, name, f"a whole number of {least} or more{why}", value)
         check_count(place, name, value, least)  # type: ignore[arg-type]
     if transient is not None and most is not None:
-        raise InvalidParameterError(place, "most", "left out beside a transient", most)
+        raise InvalidParameterError(place, "most", "left out with a transient", most)
     if not 0.0 <= tolerance < 1.0:
         raise InvalidParameterError(place, "tolerance", "from 0 to below 1", tolerance)
 

@@ -32,7 +32,7 @@ class Stroboscope:
     Attributes:
         period: [s]; None for that of the scenario's drives, which then have to have one and the same.
         drive: Whose period it is, where drives differ; None otherwise.
-        phase: Part of the period at which it is looked at, from 0 to below 1 [-].
+        phase: Part of the period at which it is examined, from 0 to below 1 [-].
     """
 
     period: float | None = None
@@ -44,7 +44,7 @@ class Stroboscope:
         if self.period is not None and not 0.0 < self.period < math.inf:
             raise InvalidParameterError(self, "period", "positive and finite [s]", self.period)
         if self.period is not None and self.drive is not None:
-            raise InvalidParameterError(self, "drive", "left out beside a period", self.drive)
+            raise InvalidParameterError(self, "drive", "left out with a period", self.drive)
         if not 0.0 <= self.phase < 1.0:
             raise InvalidParameterError(self, "phase", "from 0 to below 1, a part of the period", self.phase)
 
@@ -72,7 +72,7 @@ class Crossing:
         when: The function: a condition of :mod:`antenna_pin.run.simulation`, as ``Angle("hinge", 0.0)``, or
             one of your own, ``(moment) -> float``, with which the compiled engine is slower.
         direction: +1: rising; -1: falling; 0: both.
-        name: What it is called; made from the condition if left out.
+        name: Its name; made from the condition if left out.
     """
 
     when: Callable[[Moment], float]
@@ -94,7 +94,7 @@ class Crossing:
 
 
 Section = Stroboscope | Crossing
-"""Where a motion is looked at."""
+"""Condition at which a motion is sampled."""
 
 
 def _words_of(when: Callable[[Moment], float]) -> str:

@@ -4,7 +4,7 @@ from antenna_pin.studies.sensitivity.parameters import GrazeError as GrazeError
 from antenna_pin.studies.sensitivity.parameters import Parameter as Parameter
 from antenna_pin.studies.sensitivity.parameters import SensitivityError as SensitivityError
 from antenna_pin.studies.sensitivity.result import Changed as Changed
-from antenna_pin.studies.sensitivity.result import Growth as Growth
+from antenna_pin.studies.sensitivity.result import DerivativeGrowth as DerivativeGrowth
 from antenna_pin.studies.sensitivity.result import Sensitivities as Sensitivities
 from antenna_pin.studies.sensitivity.result import growth_said as growth_said
 from antenna_pin.studies.sensitivity.result import open_sensitivities as open_sensitivities

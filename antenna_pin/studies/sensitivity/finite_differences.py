@@ -109,8 +109,8 @@ def _check_same_events(ours: Mapping[str, Column], theirs: Mapping[str, Column],
             time = _first_difference(ours, theirs)
             at = "" if np.isnan(time) else f", first at {time:.9g} s"
             raise GrazeError(
-                f"sensitivities: {what}, other contacts begin or other events happen{at}: it has no "
-                f"derivative there; take another value, or a span that ends before",
+                f"sensitivities: {what}, other contacts begin or other events occur{at}: there is no "
+                f"derivative; choose another value, or a span that ends before",
                 time,
             )
 

@@ -110,7 +110,7 @@ class ForwardSensitivity:
                 said = f"sensitivities: {one.key} must have room on both sides: {error}"
                 raise SensitivityError(said) from error
             if scenario.events != self._scenario.events:
-                rule = "none of an event's, which only differences of runs take (method = 'runs')"
+                rule = "not an event's, which needs differences of runs (method = 'runs')"
                 raise InvalidParameterError("sensitivities", "key", rule, said=one.key)
         system = build_system(scenario)
         if self._from is not None:
@@ -141,8 +141,8 @@ class ForwardSensitivity:
         if found is None:
             one = self.parameters[k]
             raise GrazeError(
-                f"sensitivities: with {one.key} = {one.value + s * one.scale:.9g} other contacts touch "
-                "at the start: it has no derivative there; start apart, or deeper",
+                f"sensitivities: with {one.key} = {one.value + s * one.scale:.9g} other contacts touch at "
+                f"the start, where there is no derivative; start apart, or deeper",
                 here.time,
             )
         return found

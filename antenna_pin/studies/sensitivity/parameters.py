@@ -119,7 +119,7 @@ def check_start_keys(keys: tuple[str, ...], system: System) -> None:
         return
     for key in keys:
         if is_initial(key):
-            rule = "none of initial.* where a run of closed loops or motions goes on from a state (start)"
+            rule = "none of initial.* where a run with closed loops or motions continues from a state (start)"
             raise InvalidParameterError("sensitivities", "key", rule, said=key)
 
 

@@ -23,7 +23,7 @@ from antenna_pin.trajectory import Trajectory, open_table, table_attributes
 
 __all__ = [
     "Changed",
-    "Growth",
+    "DerivativeGrowth",
     "Sensitivities",
     "dataset_of",
     "growth_said",
@@ -41,7 +41,7 @@ Array = NDArray[np.float64]
 _FEWEST = 5
 
 
-class Growth(NamedTuple):
+class DerivativeGrowth(NamedTuple):
     """Growth of the velocities' derivative over one parameter along a run.
 
     Attributes:
@@ -64,14 +64,14 @@ class Growth(NamedTuple):
 
 def _growth(
     times: Array, slopes: Array, doubts: Array, keys: tuple[str, ...], share: float
-) -> tuple[Growth, ...]:
+) -> tuple[DerivativeGrowth, ...]:
     """Return the growth of the velocities' derivatives."""
     found = []
     for k, key in enumerate(keys):
         sizes, rest = (np.linalg.norm(one[..., k], axis=1) for one in (slopes, doubts))
         known = np.isfinite(sizes) & (sizes > 0.0)
         if not known.any():
-            found.append(Growth(key, 0.0, math.nan, math.nan, math.inf))
+            found.append(DerivativeGrowth(key, 0.0, math.nan, math.nan, math.inf))
             continue
         top = int(np.argmax(np.where(known, sizes, -1.0)))
         told = known & (rest < sizes)
@@ -83,7 +83,7 @@ def _growth(
         sure = np.flatnonzero(known & (rest <= share * been))
         last = int(sure[-1]) if len(sure) else 0
         believed = math.inf if known[last + 1 :].sum() == 0 and len(sure) else float(times[last])
-        found.append(Growth(key, float(sizes[top]), float(times[top]), exponent, believed))
+        found.append(DerivativeGrowth(key, float(sizes[top]), float(times[top]), exponent, believed))
     return tuple(found)
 
 
@@ -129,7 +129,7 @@ class Sensitivities:
         """
         return np.asarray(self.derivative(variable) * np.array([one.scale for one in self.parameters]))
 
-    def growth(self, share: float = 0.01) -> tuple[Growth, ...]:
+    def growth(self, share: float = 0.01) -> tuple[DerivativeGrowth, ...]:
         """Return the growth of velocities' derivatives over the samples, up to a relative error [-].
 
         Raises:

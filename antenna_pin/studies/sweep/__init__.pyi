@@ -8,7 +8,7 @@ from antenna_pin.studies.sweep.executor import Here as Here
 from antenna_pin.studies.sweep.measures import MEASURES as MEASURES
 from antenna_pin.studies.sweep.preparation import Prepared as Prepared
 from antenna_pin.studies.sweep.preparation import RunTime as RunTime
-from antenna_pin.studies.sweep.preparation import Trial as Trial
+from antenna_pin.studies.sweep.preparation import TrialRun as TrialRun
 from antenna_pin.studies.sweep.preparation import prepare as prepare
 from antenna_pin.studies.sweep.preparation import run_seconds as run_seconds
 from antenna_pin.studies.sweep.preparation import trial as trial

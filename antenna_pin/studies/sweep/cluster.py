@@ -336,8 +336,8 @@ class Cluster:
         except (OSError, TimeoutError, CancelledError) as error:
             why = "the connection is gone" if isinstance(error, CancelledError) else words_of(error)
             raise ClusterLostError(
-                f"scheduler {self._scheduler or 'this machine'}: was lost: {why}; finished runs are kept: "
-                "give the same command again"
+                f"scheduler {self._scheduler or 'this machine'}: was lost: {why}; finished runs are saved; "
+                f"repeat the command to continue"
             ) from None
         finally:
             with contextlib.suppress(Exception):
@@ -364,7 +364,7 @@ class Cluster:
                 raise OSError("the connection is closed")
             waited = 0.0 if _call_client(self._client.nthreads) else waited + _LOOK_EVERY
             if waited > _PATIENCE:
-                raise OSError(f"it has had no workers for {_PATIENCE:g} s")
+                raise OSError(f"no workers for {_PATIENCE:g} s")
 
     def _answer(self, future: Any) -> Any:
         from distributed.scheduler import KilledWorker
@@ -374,7 +374,7 @@ class Cluster:
         except (MissingToolError, OSError, CancelledError):
             raise
         except KilledWorker:
-            return Lost("the process that made it was lost")
+            return Lost("its process was lost")
         except Exception as error:
             return Lost(f"it did not come back: {words_of(error)}")
 

@@ -141,8 +141,8 @@ def design_of(study: Study) -> Design:
                 if not np.isfinite(value.number):
                     raise ScenarioError(
                         f"study {study.name}: parameters.{name} must be bounded for the method "
-                        f"{study.sampling.method if study.sampling else ''}, which asks for its ends, got "
-                        f"{value.number}; take a distribution with limits"
+                        f"{study.sampling.method if study.sampling else ''}, which needs its ends, got "
+                        f"{value.number}; use a distribution with limits"
                     )
             dim = SAMPLE
         else:

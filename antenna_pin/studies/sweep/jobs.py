@@ -126,7 +126,7 @@ def _do(work: Work, job: Job) -> FinishedRun:
                 value = float(evaluate(name, response, work.sources.get(name, ""), run, reference, job.seed))
                 entry["values"][name] = value
                 if not math.isfinite(value):
-                    message += f"; response {name}: it is {value} of this run, no number"
+                    message += f"; response {name}: it is {value} for this run, not a number"
             except Exception as error:
                 entry["values"][name] = float("nan")
                 words = (

@@ -133,8 +133,8 @@ class Journal:
         except OSError as error:
             os.ftruncate(self._file, self._end)
             raise OutputError(
-                f"{self.path}: cannot be written: {error.strerror or error}; the runs before are kept: make "
-                "room and give the same command again"
+                f"{self.path}: cannot be written: {error.strerror or error}; earlier runs are saved; free "
+                f"disk space and repeat the command"
             ) from error
         self._end += len(line)
 
@@ -175,7 +175,7 @@ def open_journal(
         folder.mkdir(exist_ok=True)
         there = json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
     except (OSError, ValueError) as error:
-        raise OutputError(f"{path}: cannot be read: {error}; remove its folder to begin anew") from error
+        raise OutputError(f"{path}: cannot be read: {error}; remove its folder to restart") from error
     if there is None:
         if any(one.name != ".lock" for one in folder.iterdir()):
             raise OutputError(

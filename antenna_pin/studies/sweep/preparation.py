@@ -21,7 +21,7 @@ from antenna_pin.studies.sweep.responses import evaluate, source_of
 from antenna_pin.studies.sweep.study import Study
 from antenna_pin.trajectory import Trajectory, is_lean, library_versions
 
-__all__ = ["Prepared", "RunTime", "Trial", "prepare", "run_seconds", "trial"]
+__all__ = ["Prepared", "RunTime", "TrialRun", "prepare", "run_seconds", "trial"]
 
 
 _TRIAL_SHARE = 0.02  # of a run's duration
@@ -64,7 +64,7 @@ class Prepared:
 
 
 @dataclass(frozen=True, slots=True)
-class Trial:
+class TrialRun:
     """Findings of a short part of the first run.
 
     Attributes:
@@ -109,7 +109,7 @@ def prepare(study: Study) -> Prepared:
 
 
 @takes()
-def trial(prepared: Prepared, run: int = 0) -> Trial:
+def trial(prepared: Prepared, run: int = 0) -> TrialRun:
     """Make a short part of a run; check its responses, and estimate the run time.
 
     Raises:
@@ -155,7 +155,7 @@ def trial(prepared: Prepared, run: int = 0) -> Trial:
             notes.append(f"{where}: {response.function} raises {error!r} on a trial of {span:g} s")
     stepping = made.counts.wall_seconds
     whole = seconds - stepping + stepping * scenario.duration / max(float(made.data.attrs["end_time"]), 1e-12)
-    return Trial(whole, tuple(notes))
+    return TrialRun(whole, tuple(notes))
 
 
 class RunTime(NamedTuple):

@@ -85,7 +85,7 @@ class ResponseSpec(Spec):
             if not all(self.function.rpartition(":")[::2]):
                 refuse(f"must be FILE.py:NAME or MODULE:NAME, got {self.function!r}", "function")
             for key in sorted(given - {"units"}):
-                refuse("must be left out beside function", key)
+                refuse("must be left out with function", key)
             return self
         assert self.measure is not None
         if self.measure not in MEASURES:

@@ -44,7 +44,7 @@ def check_address(address: str, tls: dict[str, str]) -> None:
     if not whole:
         raise ClusterLostError(
             f"scheduler {address!r}: must be an address tcp://HOST:PORT or tls://HOST:PORT, as Dask's "
-            "scheduler says it at its start"
+            f"scheduler prints at its start"
         )
     secure = address.startswith("tls://")
     if secure and len(tls) < 3:
@@ -90,7 +90,7 @@ def own_security() -> Any:
     """Return Dask's security for local processes: a certificate of this run's own.
 
     A port of the loopback is open to every user of the machine, and a worker executes what is sent to it. The
-    certificate is made anew each time, and is stored in a file only while it is loaded from there.
+    certificate is made again each time, and is stored in a file only while it is loaded from there.
 
     Raises:
         MissingToolError: The library that makes certificates is not installed.

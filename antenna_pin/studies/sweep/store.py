@@ -188,9 +188,9 @@ class Store:
         ):
             if count:
                 words = what.replace("#", "" if count == 1 else "s")
-                self.notes.append(f"{path}: found {count} {words}; what is missing is made again")
+                self.notes.append(f"{path}: found {count} {words}; missing runs are repeated")
         if has_seal(path / _TABLE) is False:
-            self.notes.append(f"{path / _TABLE}: is damaged, and is made again from the journal")
+            self.notes.append(f"{path / _TABLE}: is damaged; rebuilt from the journal")
 
     def begin(self) -> None:
         """Make the folder, or continue in it, with a dataset that others may open.
@@ -203,7 +203,7 @@ class Store:
         try:
             self.path.mkdir(exist_ok=True)
         except OSError as error:
-            raise OutputError(f"{self.path}: cannot be made: {error.strerror}") from error
+            raise OutputError(f"{self.path}: cannot be created: {error.strerror}") from error
         keep = self.entries.values() if self._rewrite else None
         self._journal = Journal(self.path / _JOURNAL, self.identity.key, keep)
         self._write_about()
@@ -227,15 +227,15 @@ class Store:
             else:
                 what = f"of another study; what differs: {', '.join(changed)}"
             raise OutputError(
-                f"{path}: is a store {what}; name another with --out, or keep both apart with --apart"
+                f"{path}: is a store {what}; name another with --out, or create a second store with --apart"
             )
         journal = read_journal(path / _JOURNAL, self.identity.key)
         if about is None:
             others = sorted(entry.name for entry in path.iterdir() if entry.name != ".lock")
             if others and not journal.entries:
                 raise OutputError(
-                    f"{path}: is a folder without a whole {_ABOUT}, and nothing in it is of this study; name "
-                    "another with --out, or remove it"
+                    f"{path}: is a folder without a complete {_ABOUT}, and contains nothing of this study; "
+                    f"name another with --out, or remove it"
                 )
             if others:
                 self.notes.append(
@@ -265,8 +265,8 @@ class Store:
                     partial.write_bytes(result)
             except OSError as error:
                 raise OutputError(
-                    f"{self.path / _RESULTS / name}: cannot be written: {error.strerror or error}; the runs "
-                    "before are kept: make room and give the same command again"
+                    f"{self.path / _RESULTS / name}: cannot be written: {error.strerror or error}; earlier "
+                    f"runs are saved; free disk space and repeat the command"
                 ) from error
             entry = {**entry, "result": name}
         assert self._journal is not None
@@ -296,7 +296,7 @@ class Store:
                 write(table, partial)
         except OutputError as error:
             raise OutputError(
-                f"{error}; the runs are kept in the journal: give the same command again"
+                f"{error}; the runs are saved in the journal; repeat the command to continue"
             ) from None
 
     def close(self) -> None:
@@ -342,7 +342,7 @@ def open_study(path: str | os.PathLike[str]) -> xr.Dataset:
         ``seed``; ``run``, the number of each.
 
     Raises:
-        FileFormatError: The folder is no store of a study, or damaged.
+        FileFormatError: The folder is not a store of a study, or is damaged.
     """
     folder = Path(path)
     target = folder / _TABLE

@@ -132,7 +132,7 @@ class Study(RunsFile):
                 refuse(f"{rule}, got {entry!r}", "responses", i)
             name = entry.rpartition(":")[2]
             if named.setdefault(name, entry) != entry:
-                rule = f"must have a name of its own, got that of {named[name]}; give both in [responses]"
+                rule = f"must have a different name, got that of {named[name]}; give both in [responses]"
                 refuse(rule, "responses", i)
             named[name] = entry
         return dict(data) | {"responses": named}
@@ -146,7 +146,7 @@ class Study(RunsFile):
         for place in ("parameters", "responses"):
             for name in getattr(self, place):
                 if name in RESERVED or not name.replace("_", "a").replace("-", "a").isalnum():
-                    rule = f"letters, digits, - and _, and none of {', '.join(RESERVED)}"
+                    rule = f"letters, digits, - and _, other than {', '.join(RESERVED)}"
                     refuse(f"must have a name of {rule}", place, name)
         for name in self.responses:
             if name in self.parameters:
@@ -171,10 +171,11 @@ class Study(RunsFile):
             for key in parameter.keys_set:
                 for other, owner in owners.items():
                     if other == key:
-                        refuse(f"must be a key of its own, got that of {owner}", "parameters", name, "key")
+                        refuse(f"must be a different key, got that of {owner}", "parameters", name, "key")
                     if _is_within(key, other) or _is_within(other, key):
                         rule = (
-                            f"must not be within {owner}'s {other}, nor hold it, or one would undo the other"
+                            f"must not lie within {owner}'s {other}, nor contain it, since one would undo "
+                            f"the other"
                         )
                         refuse(f"{rule}, got {key}", "parameters", name, "key")
                 owners[key] = name
@@ -182,7 +183,7 @@ class Study(RunsFile):
             if group is None:
                 continue
             if group in self.parameters or group in self.responses or group in RESERVED:
-                refuse(f"must be a name of its own, got {group!r}", "parameters", name, "zip")
+                refuse(f"must be a different name, got {group!r}", "parameters", name, "zip")
             first, length = lengths.setdefault(group, (name, parameter.length))
             if parameter.length != length:
                 rule = f"must have as many values as {first}, {length}, got {parameter.length}"

@@ -1,7 +1,7 @@
 """Figures 7 to 13 of Bai and Zhao (2020), Int. J. Aerospace Engineering, 8846177.
 
 The paper's second case, radial clearance without axial clearance, is ``case2-planar``; the model's README
-says why.
+gives the reason.
 """
 
 from __future__ import annotations
