@@ -37,6 +37,8 @@ JOBS: tuple[Job, ...] = (
 #: Of these also derivatives over a state, for orbits, exponents and sensitivities: of a tree, of a loop, and
 #: over an onset.
 DERIVATIVES: tuple[Job, ...] = (JOBS[0], JOBS[1], ("impact_pair", "planar", (CLOSED.format("bore"),)))
+#: What ``antenna-pin demo`` runs.
+DEMO: tuple[Job, ...] = (("bai2020", "case3", ()), ("bai2020", "case1", ()))
 DURATION = 0.02  # [s]
 MOMENT = 1.01e-3  # of derivatives [s]: the pair meets after 1 ms
 
@@ -111,7 +113,9 @@ def main() -> None:
     parser.add_argument(
         "--derivatives", action="store_true", help="also those of derivatives: of orbits and sensitivities"
     )
+    parser.add_argument("--demo", action="store_true", help="only those of the command demo")
     asked = parser.parse_args()
+    jobs = DEMO if asked.demo else JOBS
     processes, more = asked.processes, DERIVATIVES if asked.derivatives else ()
     began = time.perf_counter()
     context = multiprocessing.get_context("spawn")
@@ -121,9 +125,9 @@ def main() -> None:
         wall = time.perf_counter() - began
         return f"kernels {bar(done / count)} {made.value} compiled, {wall:.0f} s"
 
-    count = len(JOBS) + len(more)
+    count = len(jobs) + len(more)
     with context.Pool(min(processes, count), begin, (made,)) as pool:
-        running = [pool.apply_async(make, (job,)) for job in JOBS]
+        running = [pool.apply_async(make, (job,)) for job in jobs]
         running += [pool.apply_async(make, (job, True)) for job in more]
         wait(running, said)
     show(said(count), last=True)
