@@ -8,160 +8,26 @@ contradicts the geometry: the force of an impact then is that of the law's stiff
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+import xarray as xr
 
-from antenna_pin.analysis.surface_file import SurfaceFile
+from antenna_pin.analysis._run import choose
+from antenna_pin.analysis.element_stress import bearing_stress, flank_stress, stop_stress
+from antenna_pin.analysis.joint_stress import Limits, Pair, bushing_load, joint_surfaces
+from antenna_pin.analysis.journal import clearance_shapes
+from antenna_pin.analysis.stress_results import BearingRating, BushingLoad, ContactStress, SurfaceStress
+from antenna_pin.analysis.surface_file import JointSurface, SurfaceFile
 from antenna_pin.base.arguments import takes
-from antenna_pin.errors import UnknownNameError
-from antenna_pin.trajectory import Trajectory
+from antenna_pin.contact import MATERIALS, Material
+from antenna_pin.elements import BallBearing
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.scenario import Scenario
+from antenna_pin.trajectory import Trajectory, elements_of, is_lean, names_along
 
-__all__ = ["BearingRating", "BushingLoad", "ContactStress", "SurfaceStress", "contact_stress"]
-
-Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class SurfaceStress:
-    """Stress of one pair of surfaces over a run, at its peak and over time.
-
-    Numbers are NaN where they are not known, with a note that says why.
-
-    Attributes:
-        place: Of the surfaces: ``hinge.radial+`` of a contact, ``stops.hinge``, ``gears.stage``,
-            ``bearings.main.inner``.
-        surface: ``bore``, ``socket``, ``flange``, ``wall``, ``key``, ``stop``, ``flank`` or ``raceway``.
-        theory: Name of the theory that gives the pressure, and of the criterion by which it was chosen.
-        time: When the pressure was largest [s].
-        force: Normal force then [N].
-        pressure: Largest pressure in the middle of the contact [Pa].
-        half_width: Half-width of the contact then, of an ellipse the shorter half-axis [m].
-        half_length: Longer half-axis of an ellipse, half the length of a line [m].
-        shear: Greatest shear stress below the surface [Pa].
-        shear_depth: Its depth [m].
-        material: Name of the material with the lower limit.
-        limit: Yield limit of that material, of a raceway the pressure that ISO 76 permits [Pa].
-        share: Pressure over limit [-].
-        margin: Margin of safety, ``yield_share * limit / (factor * pressure) - 1`` [-].
-        notes: Lines on assumptions, and on what makes the number doubtful.
-        history: Pressure at the samples of the run, (samples,) [Pa]; empty of a lean result.
-    """
-
-    place: str
-    surface: str
-    theory: str
-    time: float
-    force: float
-    pressure: float
-    half_width: float
-    half_length: float
-    shear: float
-    shear_depth: float
-    material: str
-    limit: float
-    share: float
-    margin: float
-    notes: tuple[str, ...]
-    history: Array
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class BushingLoad:
-    """Mean pressure and sliding speed of a bushing over a run.
-
-    Attributes:
-        joint: Name of the joint.
-        pressure: Largest mean pressure, radial force over length times diameter [Pa].
-        speed: Largest sliding speed while touching [m/s].
-        pv: Largest product of both at one time [W/m^2], 1e6 of which are 1 MPa m/s.
-        time: When that was [s].
-        mean_pv: Mean of the product over the whole time [W/m^2].
-        limit: Permitted product [W/m^2]; NaN if not given.
-        share: Largest product over the permitted one [-].
-        history: Product at the samples, (samples,) [W/m^2].
-    """
-
-    joint: str
-    pressure: float
-    speed: float
-    pv: float
-    time: float
-    mean_pv: float
-    limit: float
-    share: float
-    history: Array
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class BearingRating:
-    """Static rating and safety of a ball bearing over a run.
-
-    Attributes:
-        place: Of the bearing, ``bearings.main``.
-        radial_rating: C_0r of a row by the definition of ISO 76 [N].
-        axial_rating: C_0a of a row [N].
-        ball_load: Largest load of a ball [N].
-        ball: Its number, row by row from 1.
-        time: When that was [s].
-        pressure: Largest pressure at a raceway [Pa].
-        static_factor: s_0, load of a ball at 4200 MPa over its largest load [-].
-        loads: Load of each ball at the samples, (samples, balls) [N].
-        notes: Lines on assumptions.
-    """
-
-    place: str
-    radial_rating: float
-    axial_rating: float
-    ball_load: float
-    ball: int
-    time: float
-    pressure: float
-    static_factor: float
-    loads: Array
-    notes: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class ContactStress:
-    """Stress of all surfaces of a run that meet.
-
-    Attributes:
-        surfaces: Contacts of joints with play, stops, gears and raceways.
-        bushings: Bores with a length.
-        bearings: Ball bearings given by their balls.
-        time: Samples of the run, (samples,) [s]; empty of a lean result.
-        yield_share: Share of the yield limit that a pressure may reach [-].
-        factor: Factor on the pressure [-].
-        notes: Lines on what has no stress here, and why.
-    """
-
-    surfaces: tuple[SurfaceStress, ...]
-    bushings: tuple[BushingLoad, ...]
-    bearings: tuple[BearingRating, ...]
-    time: Array
-    yield_share: float
-    factor: float
-    notes: tuple[str, ...]
-
-    def surface(self, place: str) -> SurfaceStress:
-        """Return the stress at a place, as ``hinge.radial+``.
-
-        Raises:
-            UnknownNameError: There is none.
-        """
-        for one in self.surfaces:
-            if one.place == place:
-                return one
-        raise UnknownNameError("ContactStress", "surface", place, [one.place for one in self.surfaces])
-
-    @property
-    def worst(self) -> SurfaceStress | None:
-        """Surface with the least margin; None without any known margin."""
-        known = [one for one in self.surfaces if math.isfinite(one.margin)]
-        return min(known, key=lambda one: one.margin, default=None)
+__all__ = ["contact_stress"]
 
 
 @takes()
@@ -193,4 +59,159 @@ def contact_stress(
         UnknownNameError: There is no such joint, material, stop or gear.
         InvalidParameterError: A share or factor is not positive.
     """
-    raise NotImplementedError
+    for name, value in (
+        ("yield_share", yield_share),
+        ("factor", factor),
+        ("conformal_above", conformal_above),
+    ):
+        if not value > 0.0:
+            raise InvalidParameterError("contact_stress", name, "positive", value)
+    data, given = run.data, surfaces or SurfaceFile()
+    limits = Limits(yield_share=yield_share, factor=factor, conformal_above=conformal_above)
+    known = _materials(given, run.scenario)
+    joints = choose("contact_stress", "clearance joint", joint, names_along(data, "clearance_joint"))
+    _check_names(data, given)
+    rows: list[SurfaceStress] = []
+    bushings: list[BushingLoad] = []
+    bearings: list[BearingRating] = []
+    notes: list[str] = []
+    for name in joints:
+        own = given.joints.get(name, JointSurface())
+        pair = _pair_of_joint(run, name, own, known)
+        length = own.length or _length(run, name)
+        rows += joint_surfaces(data, name, pair, own, length, limits)
+        if length is not None and clearance_shapes(data)[name]["kind"] in ("revolute", "planar"):
+            found = bushing_load(data, name, length, own.pv_limit)
+            bushings += [found] if found is not None else []
+    if joint is None:
+        rows += _elements(run, given, known, limits, notes)
+        more, bearings = _bearings(run, notes)
+        rows += more
+    return ContactStress(
+        surfaces=tuple(rows),
+        bushings=tuple(bushings),
+        bearings=tuple(bearings),
+        time=np.zeros(0) if is_lean(data) else np.asarray(data["time"].values, dtype=float),
+        yield_share=yield_share,
+        factor=factor,
+        notes=tuple(notes),
+    )
+
+
+def _materials(given: SurfaceFile, scenario: Scenario | None) -> Callable[[str], Material]:
+    """Return a function that finds a material by name: given, of the scenario, shipped."""
+
+    def known(name: str) -> Material:
+        if name in given.materials:
+            made: Material = given.materials[name].build()
+            return made
+        if scenario is not None:
+            return scenario.material(name)
+        if name not in MATERIALS:
+            raise UnknownNameError("contact_stress", "material", name, {*given.materials, *MATERIALS})
+        return MATERIALS[name]
+
+    return known
+
+
+def _pair_of_joint(run: Trajectory, joint: str, own: JointSurface, known: Callable[[str], Material]) -> Pair:
+    """Return the materials of a joint; of a law with its own modulus that alone."""
+    names: tuple[str | None, str | None] = (own.bearing_material, own.journal_material)
+    spec = None if run.scenario is None else run.scenario.clearance.get(joint)
+    of_spec = getattr(spec, "materials", (None, None))
+    bearing, journal = (one or other for one, other in zip(names, of_spec, strict=True))
+    if bearing is not None and journal is not None:
+        return Pair.of(bearing, journal, known)
+    for facts in clearance_shapes(run.data)[joint]["contacts"].values():
+        modulus = facts["normal_law"].get("parameters", {}).get("modulus")
+        if modulus is not None:
+            return Pair(names=(), materials=(), modulus=float(modulus[0]))
+    return Pair(names=(), materials=(), modulus=math.nan)
+
+
+def _length(run: Trajectory, joint: str) -> float | None:
+    """Return the length of the line of contact of a joint, both ends together [m]; None if unknown."""
+    about = clearance_shapes(run.data)[joint]
+    size: Mapping[str, Any] = about["dimensions"]
+    if about["kind"] == "revolute":
+        return float(size["bearing_length"])
+    if about["kind"] == "cylindrical":
+        return float(size["slider_length"])
+    if about["kind"] != "planar":
+        return None
+    spec = None if run.scenario is None else run.scenario.clearance.get(joint)
+    if spec is not None and spec.bearing_length is not None:
+        return float(spec.bearing_length)
+    for facts in about["contacts"].values():
+        length = facts["normal_law"].get("parameters", {}).get("length")
+        if length is not None:
+            return float(length[0])
+    return None
+
+
+def _check_names(data: xr.Dataset, given: SurfaceFile) -> None:
+    """Refuse surfaces of what the run does not have."""
+    places = elements_of(data)
+    for what, table, names in (
+        ("clearance joint", given.joints, names_along(data, "clearance_joint")),
+        ("stop", given.stops, [one.partition(".")[2] for one in places if one.startswith("stops.")]),
+        ("gear", given.gears, [one.partition(".")[2] for one in places if one.startswith("gears.")]),
+    ):
+        for name in table:
+            if name not in names:
+                raise UnknownNameError("contact_stress", what, name, names)
+
+
+def _elements(
+    run: Trajectory,
+    given: SurfaceFile,
+    known: Callable[[str], Material],
+    limits: Limits,
+    notes: list[str],
+) -> list[SurfaceStress]:
+    """Return stops and gears whose surfaces are given; add what is without to the notes."""
+    rows = []
+    for place, about in elements_of(run.data).items():
+        family, _, name = place.partition(".")
+        if family == "stops" and name in given.stops:
+            surface = given.stops[name]
+            rows.append(stop_stress(run.data, name, surface, Pair.of(*surface.materials, known), limits))
+        elif family == "gears" and name in given.gears:
+            teeth = given.gears[name]
+            side = (
+                "output"
+                if run.scenario is None
+                else str(getattr(_table(run, "gears", name), "side", "output"))
+            )
+            rows.append(flank_stress(run.data, name, teeth, Pair.of(*teeth.materials, known), side, limits))
+        elif family == "stops" or about["kind"] in ("Gear", "Rack"):
+            notes.append(f"{place}: no surface is given; [{place}] of a file of surfaces describes it")
+    return rows
+
+
+def _table(run: Trajectory, family: str, name: str) -> Any:
+    assert run.scenario is not None
+    return run.scenario.families.get(family, {}).get(name)
+
+
+def _bearings(run: Trajectory, notes: list[str]) -> tuple[list[SurfaceStress], list[BearingRating]]:
+    """Return stress and ratings of the ball bearings whose balls are known."""
+    rows: list[SurfaceStress] = []
+    ratings: list[BearingRating] = []
+    for name in names_along(run.data, "bearing"):
+        place = f"bearings.{name}"
+        spec = None if run.scenario is None else _table(run, "bearings", name)
+        made = None if spec is None else spec.build()
+        if not isinstance(made, BallBearing):
+            if elements_of(run.data).get(place, {}).get("kind") != "AxialPreload":
+                notes.append(f"{place}: its balls are not known, a stiffness alone has no contact stress")
+            continue
+        if is_lean(run.data):
+            notes.append(
+                f"{place}: a lean result has no places of the journal; run it with output.form = 'full'"
+            )
+            continue
+        more, rating = bearing_stress(run.data, name, made)
+        rows += more
+        ratings.append(rating)
+    return rows, ratings

@@ -48,7 +48,9 @@ class Material:
         check(self)
         lower, upper = self.yield_strength, self.ultimate_strength
         if lower is not None and upper is not None and not lower <= upper:
-            raise InvalidParameterError(self, "yield_strength", f"at most ultimate_strength = {upper:g} Pa", lower)
+            raise InvalidParameterError(
+                self, "yield_strength", f"at most ultimate_strength = {upper:g} Pa", lower
+            )
 
     def source_of(self, name: str) -> str:
         """Return where one of its numbers comes from; "" if nothing says so.

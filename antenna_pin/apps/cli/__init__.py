@@ -38,8 +38,10 @@ from antenna_pin.apps.cli import (
     report,
     run,
     sensitivity,
+    stress,
     study,
     sweep,
+
     urdf,
     vibration,
     view,
@@ -127,6 +129,8 @@ _COMMANDS: dict[str, Callable[..., None]] = {
     "info": info.info,
     "analyse": analyse.analyse,
     "impacts": analyse.impacts,
+    "stress": stress.stress,
+
     "pointing": pointing.pointing,
     "modes": modes.modes,
     "phase": phase.phase,
