@@ -133,7 +133,10 @@ def surface_of(
     name, limit = pair.weakest
     pressure = float(stress.pressure[0])
     for unknown in pair.unknown:
-        notes = [*notes, f"the yield limit of {unknown} is not known: give materials.{unknown}.yield_strength"]
+        notes = [
+            *notes,
+            f"the yield limit of {unknown} is not known: give materials.{unknown}.yield_strength",
+        ]
     loaded = pressure > 0.0
     return SurfaceStress(
         place=place,
@@ -346,9 +349,7 @@ def _flange(
 
     notes = ["mean pressure over the ring"]
     if edge is None:
-        notes.append(
-            "a sharp edge has no finite pressure: give joints.NAME.edge_radius for that of the edge"
-        )
+        notes.append("a sharp edge has no finite pressure: give joints.NAME.edge_radius for that of the edge")
         return "mean pressure of a flat ring", flat, notes
     if math.isnan(pair.modulus):
         return "none", _nothing, []
@@ -475,16 +476,16 @@ def _notes_of_law(
         if not 1.0 / _AGREES <= ratio <= _AGREES:
             how = "softer" if ratio > 1.0 else "stiffer"
             notes.append(
-                f"law {law['law']} gives {ratio:.3g} times the approach of this geometry, so it is {how}: the "
-                "peak force of an impact is the law's, and its pressure not that of the real pair"
+                f"law {law['law']} gives {ratio:.3g} times the approach of this geometry, so it is {how}: "
+                "the peak force of an impact is the law's, and its pressure not that of the real pair"
             )
     springs = float(elastic.force(depth, 0.0, 1.0)) if math.isfinite(depth) else math.nan
     share = 1.0 - springs / peak.force
     if share > _DAMPED:
         name = law.get("dissipation", law)["law"]
         notes.append(
-            f"{100.0 * share:.2g} % of the peak force is damping, which {name} fits to a restitution: no elastic "
-            "pressure stands for it"
+            f"{100.0 * share:.2g} % of the peak force is damping, which {name} fits to a restitution: no "
+            "elastic pressure stands for it"
         )
     return notes
 

@@ -41,7 +41,6 @@ from antenna_pin.apps.cli import (
     stress,
     study,
     sweep,
-
     urdf,
     vibration,
     view,
@@ -130,7 +129,6 @@ _COMMANDS: dict[str, Callable[..., None]] = {
     "analyse": analyse.analyse,
     "impacts": analyse.impacts,
     "stress": stress.stress,
-
     "pointing": pointing.pointing,
     "modes": modes.modes,
     "phase": phase.phase,
