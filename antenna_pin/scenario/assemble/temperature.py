@@ -10,7 +10,7 @@ rings across the axis is not in it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -29,7 +29,16 @@ from antenna_pin.scenario.clearance import TouchingSpec
 from antenna_pin.scenario.numbers import number_of, with_number
 from antenna_pin.scenario.temperature import TemperatureSpec, ThermalBearing
 
-__all__ = ["JointPlay", "at_temperature", "joint_play", "said_of_temperature", "tolerance_chain"]
+__all__ = [
+    "JointPlay",
+    "at_temperature",
+    "celsius",
+    "closing_temperature",
+    "joint_play",
+    "play_over_temperature",
+    "said_of_temperature",
+    "tolerance_chain",
+]
 
 # Dimensions by the part that they are of; all others of a joint's shape are the bearing's.
 _OF_JOURNAL = (
@@ -132,6 +141,7 @@ def celsius(temperature: float) -> str:
 # --- joints with play ---------------------------------------------------------------------------------------
 
 
+@takes()
 def joint_play(scenario: Scenario, joint: str) -> JointPlay:
     """Return the play of a joint at the scenario's temperatures, an interference too.
 
@@ -163,6 +173,35 @@ def joint_play(scenario: Scenario, joint: str) -> JointPlay:
         fit=table.limits_of_fit,
         closing=closing,
     )
+
+
+@takes()
+def closing_temperature(scenario: Scenario, joint: str) -> float:
+    """Return the temperature of all parts at which a joint's radial play is gone [K].
+
+    NaN if it never closes above 0 K and below a rise of 1000 K, or an expansion is not known.
+    """
+    reference = (scenario.temperature or TemperatureSpec()).reference
+    for rise in (1000.0, -reference):
+        common = TemperatureSpec(all=max(reference + rise, 1e-3), reference=reference)
+        try:
+            share = joint_play(scenario.model_copy(update={"temperature": common}), joint).closing
+        except ScenarioError:
+            return math.nan
+        if 0.0 <= share <= 1.0:
+            return reference + share * rise
+    return math.nan
+
+
+@takes()
+def play_over_temperature(scenario: Scenario, joint: str, temperatures: Sequence[float]) -> list[JointPlay]:
+    """Return the play of a joint with all parts at each of some temperatures [K]."""
+    reference = (scenario.temperature or TemperatureSpec()).reference
+    found = []
+    for one in temperatures:
+        common = TemperatureSpec(all=float(one), reference=reference)
+        found.append(joint_play(scenario.model_copy(update={"temperature": common}), joint))
+    return found
 
 
 def _plays(sizes: dict[str, float]) -> tuple[list[float], float]:
