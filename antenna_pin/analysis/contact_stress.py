@@ -16,7 +16,7 @@ import xarray as xr
 
 from antenna_pin.analysis._run import choose
 from antenna_pin.analysis.element_stress import bearing_stress, flank_stress, stop_stress
-from antenna_pin.analysis.joint_stress import Limits, Pair, bushing_load, joint_surfaces
+from antenna_pin.analysis.joint_stress import Pair, StressCriteria, bushing_load, joint_surfaces
 from antenna_pin.analysis.journal import clearance_shapes
 from antenna_pin.analysis.stress_results import BearingRating, BushingLoad, ContactStress, SurfaceStress
 from antenna_pin.analysis.surface_file import JointSurface, SurfaceFile
@@ -40,7 +40,7 @@ def contact_stress(
     factor: float = 1.0,
     conformal_above: float = 0.1,
 ) -> ContactStress:
-    """Return the contact stress of a run, of each pair of surfaces that meet; nothing is simulated.
+    """Return the contact stress of a finished run, surface by surface.
 
     Bores are lines: Hertz's while the half-width at the peak is small beside the radius, else Persson's
     conformal contact; balls in sockets, corners and stops are points or lines, flanges flat rings, gears'
@@ -66,17 +66,17 @@ def contact_stress(
     ):
         if not value > 0.0:
             raise InvalidParameterError("contact_stress", name, "positive", value)
-    data, given = run.data, surfaces or SurfaceFile()
-    limits = Limits(yield_share=yield_share, factor=factor, conformal_above=conformal_above)
-    known = _materials(given, run.scenario)
+    data, described = run.data, surfaces or SurfaceFile()
+    limits = StressCriteria(yield_share=yield_share, factor=factor, conformal_above=conformal_above)
+    known = _materials(described, run.scenario)
     joints = choose("contact_stress", "clearance joint", joint, names_along(data, "clearance_joint"))
-    _check_names(data, given)
+    _check_names(data, described)
     rows: list[SurfaceStress] = []
     bushings: list[BushingLoad] = []
     bearings: list[BearingRating] = []
     notes: list[str] = []
     for name in joints:
-        own = given.joints.get(name, JointSurface())
+        own = described.joints.get(name, JointSurface())
         pair = _pair_of_joint(run, name, own, known)
         length = own.length or _length(run, name)
         rows += joint_surfaces(data, name, pair, own, length, limits)
@@ -84,7 +84,7 @@ def contact_stress(
             found = bushing_load(data, name, length, own.pv_limit)
             bushings += [found] if found is not None else []
     if joint is None:
-        rows += _elements(run, given, known, limits, notes)
+        rows += _elements(run, described, known, limits, notes)
         more, bearings = _bearings(run, notes)
         rows += more
     return ContactStress(
@@ -98,17 +98,17 @@ def contact_stress(
     )
 
 
-def _materials(given: SurfaceFile, scenario: Scenario | None) -> Callable[[str], Material]:
-    """Return a function that finds a material by name: given, of the scenario, shipped."""
+def _materials(described: SurfaceFile, scenario: Scenario | None) -> Callable[[str], Material]:
+    """Return a function that finds a material by name: described, of the scenario, shipped."""
 
     def known(name: str) -> Material:
-        if name in given.materials:
-            made: Material = given.materials[name].build()
+        if name in described.materials:
+            made: Material = described.materials[name].build()
             return made
         if scenario is not None:
             return scenario.material(name)
         if name not in MATERIALS:
-            raise UnknownNameError("contact_stress", "material", name, {*given.materials, *MATERIALS})
+            raise UnknownNameError("contact_stress", "material", name, {*described.materials, *MATERIALS})
         return MATERIALS[name]
 
     return known
@@ -130,7 +130,7 @@ def _pair_of_joint(run: Trajectory, joint: str, own: JointSurface, known: Callab
 
 
 def _length(run: Trajectory, joint: str) -> float | None:
-    """Return the length of the line of contact of a joint, both ends together [m]; None if unknown."""
+    """Return the length of a joint's line of contact [m]; None if unknown."""
     about = clearance_shapes(run.data)[joint]
     size: Mapping[str, Any] = about["dimensions"]
     if about["kind"] == "revolute":
@@ -149,13 +149,13 @@ def _length(run: Trajectory, joint: str) -> float | None:
     return None
 
 
-def _check_names(data: xr.Dataset, given: SurfaceFile) -> None:
+def _check_names(data: xr.Dataset, described: SurfaceFile) -> None:
     """Refuse surfaces of what the run does not have."""
     places = elements_of(data)
     for what, table, names in (
-        ("clearance joint", given.joints, names_along(data, "clearance_joint")),
-        ("stop", given.stops, [one.partition(".")[2] for one in places if one.startswith("stops.")]),
-        ("gear", given.gears, [one.partition(".")[2] for one in places if one.startswith("gears.")]),
+        ("clearance joint", described.joints, names_along(data, "clearance_joint")),
+        ("stop", described.stops, [one.partition(".")[2] for one in places if one.startswith("stops.")]),
+        ("gear", described.gears, [one.partition(".")[2] for one in places if one.startswith("gears.")]),
     ):
         for name in table:
             if name not in names:
@@ -164,20 +164,20 @@ def _check_names(data: xr.Dataset, given: SurfaceFile) -> None:
 
 def _elements(
     run: Trajectory,
-    given: SurfaceFile,
+    described: SurfaceFile,
     known: Callable[[str], Material],
-    limits: Limits,
+    limits: StressCriteria,
     notes: list[str],
 ) -> list[SurfaceStress]:
     """Return stops and gears whose surfaces are given; add what is without to the notes."""
     rows = []
     for place, about in elements_of(run.data).items():
         family, _, name = place.partition(".")
-        if family == "stops" and name in given.stops:
-            surface = given.stops[name]
+        if family == "stops" and name in described.stops:
+            surface = described.stops[name]
             rows.append(stop_stress(run.data, name, surface, Pair.of(*surface.materials, known), limits))
-        elif family == "gears" and name in given.gears:
-            teeth = given.gears[name]
+        elif family == "gears" and name in described.gears:
+            teeth = described.gears[name]
             side = (
                 "output"
                 if run.scenario is None

@@ -1,4 +1,4 @@
-"""Contact stress of elements: stops and gears with given surfaces, balls of bearings on their raceways."""
+"""Contact stress of stops, gears and the balls of bearings."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.analysis.joint_stress import Limits, Pair, Peak, Stresses, surface_of
+from antenna_pin.analysis.joint_stress import ForcePeak, Pair, StressCriteria, Stresses, surface_of
 from antenna_pin.analysis.stress_results import BearingRating, SurfaceStress
 from antenna_pin.analysis.surface_file import FlankSurface, StopSurface
 from antenna_pin.contact.ball_rating import ISO76_PRESSURE, ball_load_limit, raceway_ellipse, static_rating
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 
 def stop_stress(
-    data: xr.Dataset, name: str, surface: StopSurface, pair: Pair, limits: Limits
+    data: xr.Dataset, name: str, surface: StopSurface, pair: Pair, limits: StressCriteria
 ) -> SurfaceStress:
     """Return the stress of a stop, whose surface is given.
 
@@ -71,9 +71,9 @@ def stop_stress(
 
 
 def flank_stress(
-    data: xr.Dataset, name: str, surface: FlankSurface, pair: Pair, ratio_side: str, limits: Limits
+    data: xr.Dataset, name: str, surface: FlankSurface, pair: Pair, ratio_side: str, limits: StressCriteria
 ) -> SurfaceStress:
-    """Return the stress of a pair of gears or a rack, as two cylinders at the pitch point.
+    """Return the stress of gears or a rack, as cylinders at the pitch point.
 
     One pair of teeth carries all of the force, along the whole width; no factor of application, dynamics or
     load distribution is in it.
@@ -128,14 +128,14 @@ def _row(
     surface: str,
     theory: str,
     pair: Pair,
-    limits: Limits,
-    peak: Peak,
+    limits: StressCriteria,
+    peak: ForcePeak,
     effort: Array,
     scale: float,
     of: Callable[[Array], Stresses],
     notes: list[str],
 ) -> SurfaceStress:
-    own = Peak(peak.force * scale, peak.time, 0.0)
+    own = ForcePeak(peak.force * scale, peak.time, 0.0)
     if not math.isfinite(own.force):
         nothing = np.full(1, math.nan)
         stress = Stresses(*(nothing,) * 5)
@@ -145,7 +145,7 @@ def _row(
     return surface_of(place, surface, theory, pair, limits, own, stress, history, notes)
 
 
-def _peak_effort(data: xr.Dataset, place: str, met: list[Any]) -> tuple[Peak, Array]:
+def _peak_effort(data: xr.Dataset, place: str, met: list[Any]) -> tuple[ForcePeak, Array]:
     """Return the largest effort of an element and its sizes at the samples."""
     effort = np.zeros(0)
     force, time = 0.0, math.nan
@@ -157,7 +157,7 @@ def _peak_effort(data: xr.Dataset, place: str, met: list[Any]) -> tuple[Peak, Ar
     for one in met:
         if one.peak_effort > force:
             force, time = one.peak_effort, one.onset
-    return Peak(force, time, 0.0), effort
+    return ForcePeak(force, time, 0.0), effort
 
 
 # --- ball bearings ------------------------------------------------------------------------------------------
@@ -195,7 +195,7 @@ def bearing_stress(
             "tilt"
         )
     rows, permitted = [], []
-    limits = Limits(yield_share=1.0, factor=1.0, conformal_above=math.inf)
+    limits = StressCriteria(yield_share=1.0, factor=1.0, conformal_above=math.inf)
     for raceway, conformity, sign in (
         ("inner", bearing.inner_conformity, 1.0),
         ("outer", bearing.outer_conformity, -1.0),

@@ -20,7 +20,7 @@ from antenna_pin.contact.pressure import hertz_line, hertz_point, persson_line
 from antenna_pin.trajectory import names_along
 from antenna_pin.trajectory.read import is_lean
 
-__all__ = ["Limits", "Pair", "bushing_load", "joint_surfaces", "surface_of"]
+__all__ = ["StressCriteria", "Pair", "bushing_load", "joint_surfaces", "surface_of"]
 
 Array = NDArray[np.float64]
 
@@ -33,7 +33,7 @@ _UNEVEN = 1.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Limits:
+class StressCriteria:
     """Criteria of the analysis.
 
     Attributes:
@@ -62,14 +62,14 @@ class Pair:
     modulus: float
 
     @classmethod
-    def of(cls, first: str, second: str, known: Callable[[str], Material]) -> Pair:
+    def of(cls, bearing: str, journal: str, known: Callable[[str], Material]) -> Pair:
         """Return the pair of two names."""
-        both = known(first), known(second)
-        return cls(names=(first, second), materials=both, modulus=effective_modulus(*both))
+        both = known(bearing), known(journal)
+        return cls(names=(bearing, journal), materials=both, modulus=effective_modulus(*both))
 
     @property
     def weakest(self) -> tuple[str, float]:
-        """Name and yield limit of the weaker material of those known [Pa]; "" and NaN without any."""
+        """Name and yield limit of the weaker known material [Pa]; NaN without any."""
         limits = [(one.yield_strength, name) for name, one in zip(self.names, self.materials, strict=True)]
         known = [(limit, name) for limit, name in limits if limit is not None]
         limit, name = min(known, default=(math.nan, ""))
@@ -98,7 +98,7 @@ class Stresses(NamedTuple):
     shear_depth: Array  # [m]
 
 
-class Peak(NamedTuple):
+class ForcePeak(NamedTuple):
     """Largest force of a contact, between samples too."""
 
     force: float  # [N]
@@ -111,13 +111,13 @@ def surface_of(
     surface: str,
     theory: str,
     pair: Pair,
-    limits: Limits,
-    peak: Peak,
+    limits: StressCriteria,
+    peak: ForcePeak,
     stress: Stresses,
     history: Array,
     notes: list[str],
 ) -> SurfaceStress:
-    """Return the row of a surface, its margin by the yield limit of the weaker material known.
+    """Return the row of a surface with its margin against yield.
 
     Args:
         place: Name of the surface.
@@ -162,7 +162,7 @@ def surface_of(
 
 
 def joint_surfaces(
-    data: xr.Dataset, joint: str, pair: Pair, own: JointSurface, length: float | None, limits: Limits
+    data: xr.Dataset, joint: str, pair: Pair, own: JointSurface, length: float | None, limits: StressCriteria
 ) -> list[SurfaceStress]:
     """Return the stress of all contacts of a joint with play.
 
@@ -193,7 +193,9 @@ def joint_surfaces(
         notes += _notes_of_law(data, contact, facts, peak, about, pair, length)
         largest = int(np.argmax(history)) if history.size and np.isfinite(history).any() else 0
         if history.size and history[largest] > stress.pressure[0]:  # a tilted sample, not the largest force
-            peak = Peak(float(force[largest]), float(data["time"].values[largest]), float(slope[largest]))
+            peak = ForcePeak(
+                float(force[largest]), float(data["time"].values[largest]), float(slope[largest])
+            )
             stress = of(np.array([peak.force]), np.array([peak.slope]))
         surface = {"radial": "bore", "axial": "flange", "spherical": "socket"}.get(kind, kind)
         found.append(surface_of(place, surface, theory, pair, limits, peak, stress, history, notes))
@@ -208,11 +210,11 @@ def _bore(
     pair: Pair,
     own: JointSurface,
     length: float | None,
-    limits: Limits,
-    peak: Peak,
+    limits: StressCriteria,
+    peak: ForcePeak,
     load: str,
 ) -> _Made:
-    """Return theory, stress over force and slope, and notes of a line contact in a bore."""
+    """Return theory, stress and notes of a line contact in a bore."""
     size = about["dimensions"]
     outer, inner = float(size["bearing_radius"]), float(size["journal_radius"])
     ends = 1 if about["kind"] == "planar" else 2
@@ -286,8 +288,8 @@ def _socket(
     pair: Pair,
     own: JointSurface,
     length: float | None,
-    limits: Limits,
-    peak: Peak,
+    limits: StressCriteria,
+    peak: ForcePeak,
     load: str,
 ) -> _Made:
     """Return theory, stress and notes of a ball in its socket."""
@@ -309,8 +311,8 @@ def _corner(
     pair: Pair,
     own: JointSurface,
     length: float | None,
-    limits: Limits,
-    peak: Peak,
+    limits: StressCriteria,
+    peak: ForcePeak,
     load: str,
 ) -> _Made:
     """Return theory, stress and notes of a rounded corner or edge on a plane wall."""
@@ -331,11 +333,11 @@ def _flange(
     pair: Pair,
     own: JointSurface,
     length: float | None,
-    limits: Limits,
-    peak: Peak,
+    limits: StressCriteria,
+    peak: ForcePeak,
     load: str,
 ) -> _Made:
-    """Return theory, stress and notes of a flange on an end face: flat ring, or rounded edge."""
+    """Return theory, stress and notes of a flange on an end face."""
     size = about["dimensions"]
     rim = min(float(size["bearing_outer_radius"]), float(size["flange_radius"]))
     bore = float(size["bearing_radius"])
@@ -355,7 +357,7 @@ def _flange(
         return "none", _nothing, []
 
     def rounded(force: Array, slope: Array) -> Stresses:
-        """Edge as a torus on a plane: an ellipse where tilted, a line around the rim where flat."""
+        """Edge on a plane: an ellipse where tilted, a line where flat."""
         around = hertz_line(force / (2.0 * math.pi * rim), 1.0 / edge, pair.modulus)
         columns = [
             np.array(one)
@@ -388,8 +390,8 @@ def _flange(
     )
 
 
-def _point(found: Any) -> Stresses:
-    return Stresses(found.pressure, found.half_width, found.half_length, found.shear, found.shear_depth)
+def _point(one: Any) -> Stresses:
+    return Stresses(one.pressure, one.half_width, one.half_length, one.shear, one.shear_depth)
 
 
 def _nothing(force: Array, slope: Array) -> Stresses:
@@ -432,7 +434,7 @@ def _slopes(data: xr.Dataset, contact: str, joint: str, force: Array) -> Array:
     return np.where((size > 0.0) & (along != 0.0), lean, 0.0)
 
 
-def _peak(data: xr.Dataset, contact: str, joint: str) -> Peak:
+def _peak(data: xr.Dataset, contact: str, joint: str) -> ForcePeak:
     """Return the largest force of a contact: of its episodes, or of a sample."""
     number = names_along(data, "contact").index(contact)
     mine = np.asarray(data["episode_contact"].values, dtype=int) == number
@@ -447,14 +449,14 @@ def _peak(data: xr.Dataset, contact: str, joint: str) -> Peak:
             force, time = float(sampled.max()), float(own[np.argmax(sampled)])
         slopes = _slopes(data, contact, joint, sampled)
         slope = float(np.interp(time, own, slopes)) if math.isfinite(time) else 0.0
-    return Peak(force, time, slope)
+    return ForcePeak(force, time, slope)
 
 
 def _notes_of_law(
     data: xr.Dataset,
     contact: str,
     facts: Mapping[str, Any],
-    peak: Peak,
+    peak: ForcePeak,
     about: Mapping[str, Any],
     pair: Pair,
     length: float | None,
@@ -491,7 +493,7 @@ def _notes_of_law(
 
 
 def _depth_at_peak(data: xr.Dataset, contact: str) -> float:
-    """Return the depth where the force is largest: at a sample, or the largest of its episode [m]."""
+    """Return the depth at the largest force [m]."""
     force, depth = _series(data, "normal_force", contact), _series(data, "depth", contact)
     if force.size and force.max() > 0.0:
         return float(depth[np.argmax(force)])
@@ -528,7 +530,7 @@ def _approach(about: Mapping[str, Any], pair: Pair, length: float | None, kind: 
 
 
 def bushing_load(data: xr.Dataset, joint: str, length: float, limit: float | None) -> BushingLoad | None:
-    """Return mean pressure, sliding speed and their product of a bushing; None of a lean result.
+    """Return pressure, speed and PV of a bushing; None of a lean result.
 
     Args:
         data: Of the run.

@@ -157,7 +157,7 @@ class ContactStress:
 
 
 def numbers_of_row(row: SurfaceStress | BushingLoad | BearingRating) -> dict[str, Any]:
-    """Return numbers and texts of a row by name, without arrays; its notes as one text."""
+    """Return numbers and texts of a row by name, without arrays."""
     found: dict[str, Any] = {}
     for item in fields(row):
         value = getattr(row, item.name)

@@ -52,7 +52,7 @@ class JointSurface(Spec):
 
 
 class StopSurface(Spec):
-    """Surface that a stop is met with: a ball or cylinder on a flat, or in a hollow.
+    """Contact surface of a stop: ball or cylinder on a flat or in a hollow.
 
     Attributes:
         lever: Distance of the contact from the joint's axis [m]; left out where the joint slides.

@@ -1,4 +1,4 @@
-"""Limits and fits of ISO 286: deviations of holes and shafts from a nominal size, and their play.
+"""Limits and fits of ISO 286: deviations of holes and shafts, and play.
 
 By the rounded tables of the standard, which its formulas miss by up to 14 um, for nominal sizes up to 500 mm,
 grades IT1 to IT16 and the letters a to s, A to S.
@@ -18,7 +18,7 @@ from fractions import Fraction
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Fit", "SizeLimits", "read_fit", "read_size", "size_limits", "tolerance_grade"]
+__all__ = ["IsoFit", "SizeLimits", "read_fit", "read_size", "size_limits", "tolerance_grade"]
 
 # Ranges of nominal sizes, up to and including [mm].
 _RANGES = (3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500)
@@ -134,7 +134,7 @@ class SizeLimits:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Fit:
+class IsoFit:
     """Hole and shaft of one nominal size.
 
     Attributes:
@@ -172,7 +172,7 @@ class Fit:
 
     @property
     def tolerance_ratio(self) -> float:
-        """Mean radial clearance over its own tolerance [-]; ECSS asks for at least 3 of clearances."""
+        """Mean radial clearance over its tolerance [-], at least 3 by ECSS."""
         return self.mean / self.tolerance
 
     def sigma(self, capability: float = 1.0) -> float:
@@ -184,7 +184,7 @@ class Fit:
             capability: C_p of both processes: a zone is 6 C_p standard deviations wide [-].
         """
         if not capability > 0.0:
-            raise InvalidParameterError("Fit", "capability", "positive", capability)
+            raise InvalidParameterError("IsoFit", "capability", "positive", capability)
         return math.hypot(self.hole.tolerance, self.shaft.tolerance) / (12.0 * capability)
 
     def radial_clearance(self, hole: float = 0.0, shaft: float = 0.0) -> float:
@@ -234,8 +234,8 @@ def size_limits(nominal: float, name: str) -> SizeLimits:
 
 
 @takes()
-def read_fit(text: str) -> Fit:
-    """Return a fit as it stands on a drawing: ``20 H7/g6``, the nominal size in millimetres.
+def read_fit(text: str) -> IsoFit:
+    """Return a fit as written on a drawing: ``20 H7/g6``, in millimetres.
 
     Raises:
         InvalidParameterError: It is no fit, or of a class or size that is not known here.
@@ -249,12 +249,12 @@ def read_fit(text: str) -> Fit:
     if not hole[0].isupper() or not shaft[0].islower():
         rule = "the hole's class in capitals before the shaft's in small letters, such as H7/g6"
         raise InvalidParameterError("read_fit", "fit", rule, text)
-    return Fit(hole=size_limits(nominal, hole), shaft=size_limits(nominal, shaft))
+    return IsoFit(hole=size_limits(nominal, hole), shaft=size_limits(nominal, shaft))
 
 
 @takes()
 def read_size(text: str) -> SizeLimits:
-    """Return a size as it stands on a drawing: ``20 H7``, in millimetres."""
+    """Return a size as written on a drawing: ``20 H7``, in millimetres."""
     match = _SIZED.fullmatch(" ".join(text.split()))
     if match is None:
         rule = 'a nominal size in millimetres and a tolerance class, such as "20 H7"'
@@ -319,7 +319,7 @@ def _about(size: Fraction, letter: str, grade: int, width: Fraction) -> tuple[Fr
 
 
 def _upper_of_hole(size: Fraction, letter: str, grade: int, nearer: Fraction) -> Fraction:
-    """Return the upper deviation of a hole of K and beyond [um]: -ei, by delta more where it is fine."""
+    """Return the upper deviation of a hole from K on [um]."""
     if letter == "k" and grade > 8 and size > 3:
         raise InvalidParameterError(
             "size_limits", "name", "of grade 8 or finer for K above 3 mm", f"K{grade}"

@@ -53,7 +53,7 @@ class Material:
             )
 
     def source_of(self, name: str) -> str:
-        """Return where one of its numbers comes from; "" if nothing says so.
+        """Return the source of one of its numbers; "" if unknown.
 
         Args:
             name: Of the number, such as ``yield_strength``.

@@ -1,4 +1,4 @@
-r"""Chains of dimensions with tolerances: worst case, root sum square, and the distribution of the sum.
+r"""Chains of dimensions: worst case, root sum square, and distribution of the sum.
 
 A play, or any other closing dimension, is :math:`y = \sum c_i x_i`. Of independent dimensions with zones of
 width :math:`T_i` the worst case is :math:`\bar y \pm \tfrac12 \sum |c_i| T_i`, the root sum square
@@ -155,7 +155,7 @@ class ToleranceChain:
 
     @property
     def tolerance_ratio(self) -> float:
-        """Mean over the width of the worst case [-]; of a clearance ECSS asks for at least 3."""
+        """Mean over the width of the worst case [-], at least 3 by ECSS."""
         return self.mean / self.tolerance if self.tolerance else math.copysign(math.inf, self.mean)
 
     @property

@@ -43,7 +43,7 @@ def raceway_ellipse(diameter: float, conformity: float, gamma: float, modulus: f
 
 @takes(pressure="Pa")
 def ball_load_limit(ellipse: Ellipse, pressure: float = ISO76_PRESSURE) -> float:
-    """Return the load of a ball at a pressure in the middle of its contact [N].
+    """Return the load of a ball at a given peak pressure [N].
 
     Args:
         ellipse: Of the contact under 1 N.

@@ -134,7 +134,7 @@ LARGEST_HALF_ANGLE = 2.0 * math.atan(math.sqrt(_LARGEST_SQUARE))
 
 @takes(half_angle="rad")
 def persson_load(half_angle: ArrayLike) -> Array:
-    r"""Return f / (E* dR), the load per length of a conformal contact, over its arc [-].
+    r"""Return the scaled load f / (E* dR) of a conformal contact [-].
 
     .. math:: \frac{2 E^* \Delta R}{f} = \frac{2 - \ln(1 + b^2) - 2 b^4}{\pi b^2 (1 + b^2)}, \qquad
               b = \tan\frac{\varepsilon}{2}
@@ -153,7 +153,7 @@ def persson_load(half_angle: ArrayLike) -> Array:
 
 @takes(half_angle="rad", angle="rad")
 def persson_pressure(half_angle: ArrayLike, angle: ArrayLike = 0.0) -> Array:
-    r"""Return p R / f, the pressure of a conformal contact over its load per length [-].
+    r"""Return the scaled pressure p R / f of a conformal contact [-].
 
     .. math:: \frac{p R}{f} = \frac{2}{\pi} \frac{\sqrt{b^2 - y^2}}{\sqrt{1 + b^2}\, (1 + y^2)} +
               \frac{1}{2 \pi b^2 (1 + b^2)}
@@ -238,9 +238,9 @@ class Ellipse(NamedTuple):
     half_width: float  # shorter half-axis [m/N^(1/3)]
 
 
-@takes(first="1/m", second="1/m", modulus="Pa")
-def hertz_ellipse(first: float, second: float, modulus: float) -> Ellipse:
-    r"""Return the ellipse of contact under 1 N; its axes grow as the cube root of the force.
+@takes(along="1/m", across="1/m", modulus="Pa")
+def hertz_ellipse(along: float, across: float, modulus: float) -> Ellipse:
+    r"""Return the ellipse of contact under a force of 1 N.
 
     With the sum of curvatures :math:`\Sigma = A + B` in the two planes and the axis ratio kappa from
     :math:`|A - B| / \Sigma = [(\kappa^2 + 1) E - 2 K] / [(\kappa^2 - 1) E]`,
@@ -248,13 +248,13 @@ def hertz_ellipse(first: float, second: float, modulus: float) -> Ellipse:
     integrals of :math:`m = 1 - \kappa^{-2}`.
 
     Args:
-        first: Sum of both bodies' curvatures in one principal plane, positive [1/m].
-        second: In the other, positive [1/m].
+        along: Sum of both bodies' curvatures in one principal plane, positive [1/m].
+        across: In the other, positive [1/m].
         modulus: E* [Pa].
     """
-    _check_positive("hertz_ellipse", first=first, second=second, modulus=modulus)
-    kappa, second_kind = _axis_ratio(abs(first - second) / (first + second))
-    long = (3.0 * kappa**2 * second_kind / (math.pi * modulus * (first + second))) ** (1.0 / 3.0)
+    _check_positive("hertz_ellipse", along=along, across=across, modulus=modulus)
+    kappa, second_kind = _axis_ratio(abs(along - across) / (along + across))
+    long = (3.0 * kappa**2 * second_kind / (math.pi * modulus * (along + across))) ** (1.0 / 3.0)
     return Ellipse(long, long / kappa)
 
 
@@ -278,26 +278,26 @@ def _axis_ratio(uneven: float) -> tuple[float, float]:
     farthest = math.log(1e8)
     if lack(farthest) < 0.0:
         raise InvalidParameterError(
-            "hertz_ellipse", "first", "no flatter than a hundred millionth of a line", said="a line"
+            "hertz_ellipse", "along", "no flatter than a hundred millionth of a line", said="a line"
         )
     ratio = math.exp(root_between(lack, 1e-6, farthest, absolute=1e-15))
     return ratio, float(ellipe(1.0 - ratio**-2))
 
 
-@takes(force="N", first="1/m", second="1/m", modulus="Pa")
+@takes(force="N", along="1/m", across="1/m", modulus="Pa")
 def hertz_point(
-    force: ArrayLike, first: float, second: float, modulus: float, poisson: float = 0.3
+    force: ArrayLike, along: float, across: float, modulus: float, poisson: float = 0.3
 ) -> PointPressure:
     """Return pressure and axes of Hertz's contact at a point.
 
     Args:
         force: F, zero or more [N].
-        first: Sum of both bodies' curvatures in one principal plane, positive; a hollow's negative [1/m].
-        second: In the other, positive [1/m].
+        along: Sum of both bodies' curvatures in one principal plane, positive; a hollow's negative [1/m].
+        across: In the other, positive [1/m].
         modulus: E* [Pa].
         poisson: Poisson's ratio of the body in which the shear is taken [-].
     """
-    ellipse = hertz_ellipse(first, second, modulus)
+    ellipse = hertz_ellipse(along, across, modulus)
     f = _loads("hertz_point", force)
     cube = np.cbrt(f)
     pressure = 1.5 * cube / (math.pi * ellipse.half_length * ellipse.half_width)
@@ -341,7 +341,7 @@ def _point_shear(ratio: float, poisson: float) -> tuple[float, float]:
 
 
 def _axis_stresses(depth: float, ratio: float, poisson: float) -> tuple[float, float, float]:
-    """Return the principal stresses over p0 on the axis, at a depth over the shorter half-axis."""
+    """Return the principal stresses over p0 on the axis at a depth."""
     from scipy.special import ellipeinc, ellipkinc
 
     if ratio > 1.0 - 1e-6:  # a circle, (3.45)

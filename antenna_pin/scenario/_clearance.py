@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from antenna_pin.base.iso_fits import Fit, read_fit
+from antenna_pin.base.iso_fits import IsoFit, read_fit
 from antenna_pin.base.units import shown
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario.laws import (
@@ -171,7 +171,7 @@ class Clearance(Spec):
         return {key: value for key, value in found.items() if key not in of_fit}
 
     @property
-    def limits_of_fit(self) -> Fit | None:
+    def limits_of_fit(self) -> IsoFit | None:
         """The fit, with the limits of hole and shaft; None without one."""
         return None if self.fit is None else read_fit(self.fit)
 

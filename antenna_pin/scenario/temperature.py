@@ -3,15 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
+from antenna_pin.base.iso_fits import IsoFit
 from antenna_pin.base.units import any_quantity, shown
 from antenna_pin.scenario.spec import QuantityRule, Spec, Vector, refuse
 
-__all__ = ["REFERENCE", "OneTemperature", "TemperatureSpec", "TemperatureTable", "ThermalBearing"]
+__all__ = [
+    "REFERENCE",
+    "JointPlay",
+    "OneTemperature",
+    "TemperatureSpec",
+    "TemperatureTable",
+    "ThermalBearing",
+]
 
 #: Temperature of dimensions on drawings, 20 degC (ISO 1) [K].
 REFERENCE = 293.15
@@ -75,7 +84,7 @@ class TemperatureTable(Spec):
 
 
 class ThermalBearing(Spec):
-    """Materials of shaft and housing of a pair of ball bearings, whose preload changes with temperature.
+    """Materials of shaft and housing around a pair of ball bearings.
 
     Attributes:
         shaft_material: Of what holds the inner rings apart.
@@ -118,3 +127,29 @@ def _one(value: object) -> object:
 
 #: A table of temperatures, or one temperature for all parts.
 OneTemperature = Annotated[TemperatureSpec, BeforeValidator(_one)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointPlay:
+    """Play of a joint at the temperatures of its parts.
+
+    Attributes:
+        joint: Name of the joint.
+        bearing_temperature: Of the part with the bearing [K].
+        journal_temperature: Of the part with the journal [K].
+        reference: Radial play at the reference temperature [m].
+        radial: Radial play at these temperatures, negative of an interference [m].
+        axial: Axial play at each flange [m]; NaN of a joint without flanges.
+        fit: The fit, with its limits; None without one.
+        closing: Share of the way from the reference to these temperatures at which the radial play is gone
+            [-]; NaN where it never is.
+    """
+
+    joint: str
+    bearing_temperature: float
+    journal_temperature: float
+    reference: float
+    radial: float
+    axial: float
+    fit: IsoFit | None
+    closing: float

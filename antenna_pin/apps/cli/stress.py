@@ -83,9 +83,9 @@ def stress(
         save_plot(figure_contact_stress(run, found, width=width.value), figure, as_json)
 
 
-def _print(found: ContactStress, label: str) -> None:
+def _print(result: ContactStress, label: str) -> None:
     """Print tables of surfaces, bushings and bearings, and the notes."""
-    met = [one for one in found.surfaces if one.force > 0.0]
+    met = [one for one in result.surfaces if one.force > 0.0]
     head = [
         "",
         "pressure [MPa]",
@@ -114,7 +114,7 @@ def _print(found: ContactStress, label: str) -> None:
     ]
     if not met:
         say(f"{label}: no surface with a known geometry has met another")
-    rule = f"margin = {found.yield_share:g} limit / ({found.factor:g} pressure) - 1"
+    rule = f"margin = {result.yield_share:g} limit / ({result.factor:g} pressure) - 1"
     if met:
         print_rows(f"{label}: contact stress at its peak; {rule}", head, rows)
     said: dict[str, list[str]] = {}
@@ -124,9 +124,9 @@ def _print(found: ContactStress, label: str) -> None:
             said.setdefault(line, []).append(one.place)
     for line, places in said.items():
         say(f"{', '.join(places)}: {line}")
-    if silent := [one.place for one in found.surfaces if not one.force > 0.0]:
+    if silent := [one.place for one in result.surfaces if not one.force > 0.0]:
         say(f"never touched: {', '.join(silent)}")
-    if found.bushings:
+    if result.bushings:
         head = ["bushing", "pressure [MPa]", "speed [m/s]", "PV [MPa m/s]", "at [s]", "mean PV [MPa m/s]"]
         head += ["limit [MPa m/s]", "share of limit"]
         rows = [
@@ -140,10 +140,10 @@ def _print(found: ContactStress, label: str) -> None:
                 _mega(bush.limit),
                 _plain(bush.share),
             ]
-            for bush in found.bushings
+            for bush in result.bushings
         ]
         print_rows("bushings: mean pressure F / (L D), largest sliding speed, their product", head, rows)
-    if found.bearings:
+    if result.bearings:
         head = ["bearing", "ball load [N]", "ball", "at [s]", "pressure [MPa]", "s0", "C0r of a row [N]"]
         head += ["C0a of a row [N]"]
         rows = [
@@ -157,15 +157,15 @@ def _print(found: ContactStress, label: str) -> None:
                 number_text(ball.radial_rating),
                 number_text(ball.axial_rating),
             ]
-            for ball in found.bearings
+            for ball in result.bearings
         ]
         print_rows(
             "ball bearings: static safety s0 by the pressure of 4200 MPa that ISO 76 permits", head, rows
         )
-        for ball in found.bearings:
+        for ball in result.bearings:
             for note in ball.notes:
                 say(f"{ball.place}: {note}")
-    for note in found.notes:
+    for note in result.notes:
         say(note)
 
 

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 # Of its own tolerance a clearance is to be at least this much (ECSS-E-ST-33-01C, 2009).
 _LEAST_RATIO = 3.0
+# Temperatures of the figure; a play is nearly a line over them.
+_POINTS = 81
 
 
 def tolerance(
@@ -65,12 +67,15 @@ def tolerance(
     ):
         _print(stem(loaded), joints, chains)
     if figure is not None:
+        from antenna_pin.scenario.assemble import play_over_temperature
         from antenna_pin.show.plot import figure_play_over_temperature
 
         ends = (_kelvin(coldest, "--coldest"), _kelvin(hottest, "--hottest"))
         if not ends[0] < ends[1]:
             raise InvalidParameterError("tolerance", "--hottest", f"above --coldest = {coldest}", hottest)
-        save_plot(figure_play_over_temperature(loaded, ends, width=width.value), figure, as_json)
+        steps = [ends[0] + k * (ends[1] - ends[0]) / (_POINTS - 1) for k in range(_POINTS)]
+        plays = {one["joint"]: play_over_temperature(loaded, one["joint"], steps) for one in joints}
+        save_plot(figure_play_over_temperature(plays, width=width.value), figure, as_json)
 
 
 def _joints(scenario: Scenario, capability: float) -> list[dict[str, Any]]:

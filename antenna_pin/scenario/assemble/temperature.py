@@ -11,12 +11,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any
 from xml.etree import ElementTree as ET
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.iso_fits import Fit
 from antenna_pin.base.readable import readable
 from antenna_pin.base.tolerance_chain import Dimension, ToleranceChain
 from antenna_pin.base.units import any_quantity
@@ -27,10 +25,9 @@ from antenna_pin.scenario._clearance import law_tables
 from antenna_pin.scenario.assemble.places import check_known, where
 from antenna_pin.scenario.clearance import TouchingSpec
 from antenna_pin.scenario.numbers import number_of, with_number
-from antenna_pin.scenario.temperature import TemperatureSpec, ThermalBearing
+from antenna_pin.scenario.temperature import JointPlay, TemperatureSpec, ThermalBearing
 
 __all__ = [
-    "JointPlay",
     "at_temperature",
     "celsius",
     "closing_temperature",
@@ -58,33 +55,6 @@ _KEYS = {"socket_radius": "bearing_radius", "ball_radius": "journal_radius"}
 _NOT_LENGTHS = ("roll",)
 # Ways of giving a play, which explicit dimensions take the place of.
 _GIVEN = ("fit", "fit_hole", "fit_shaft", "radial_clearance", "axial_clearance")
-
-
-@takes()
-@dataclass(frozen=True, slots=True, kw_only=True)
-class JointPlay:
-    """Play of a joint at the temperatures of its parts.
-
-    Attributes:
-        joint: Name of the joint.
-        bearing_temperature: Of the part with the bearing [K].
-        journal_temperature: Of the part with the journal [K].
-        reference: Radial play at the reference temperature [m].
-        radial: Radial play at these temperatures, negative of an interference [m].
-        axial: Axial play at each flange [m]; NaN of a joint without flanges.
-        fit: The fit, with its limits; None without one.
-        closing: Share of the way from the reference to these temperatures at which the radial play is gone
-            [-]; NaN where it never is.
-    """
-
-    joint: str
-    bearing_temperature: float
-    journal_temperature: float
-    reference: float
-    radial: float
-    axial: float
-    fit: Fit | None
-    closing: float
 
 
 @takes()
@@ -119,7 +89,7 @@ def at_temperature(scenario: Scenario) -> Scenario:
 
 
 def said_of_temperature(scenario: Scenario) -> Iterator[str]:
-    """Yield a line for each joint with play and each pair of bearings that the temperature changes."""
+    """Yield a line for each joint with play at its temperatures."""
     spec = scenario.temperature
     if spec is None:
         return
@@ -360,7 +330,7 @@ def _preload(scenario: Scenario, spec: TemperatureSpec, name: str, thermal: Ther
 
 
 def axial_load(bearing: BallBearing, way: float) -> float:
-    """Return the axial force of a row, pressed further by a way from its preload [N]."""
+    """Return the axial force of a row after a further displacement [N]."""
     off, along, rest, hertz = (abs(float(one)) for one in bearing.balls()[0, 4:8])
     moved = along + way
     length = math.hypot(off, moved)

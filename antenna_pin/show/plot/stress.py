@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from antenna_pin.analysis import ContactStress
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.scenario import Scenario, TouchingSpec
-from antenna_pin.scenario.assemble import play_over_temperature
+from antenna_pin.scenario import JointPlay
 from antenna_pin.show.plot._style import Width
 from antenna_pin.show.plot.grammar import Axis, Panel, PlotCurve, PlotMark, Points, Rule, Sheet, figure
 
@@ -21,13 +21,11 @@ __all__ = ["figure_contact_stress", "figure_play_over_temperature"]
 
 # Surfaces that a panel shows at most, those with the largest pressures.
 _MOST = 6
-# Temperatures of a curve; play is nearly a line over them.
-_POINTS = 81
 
 
 @figure(run="The run, for its name.", stress="Its contact stress.")
 def figure_contact_stress(run: Trajectory, stress: ContactStress, *, width: Width = "page") -> Sheet:
-    """Return the pressure of the surfaces of a run over time, and the PV of bushings."""
+    """Return contact pressures and PV of bushings over time."""
     met = [one for one in stress.surfaces if one.history.size and np.nanmax(one.history, initial=0.0) > 0.0]
     if not met:
         raise InvalidParameterError(
@@ -64,38 +62,28 @@ def figure_contact_stress(run: Trajectory, stress: ContactStress, *, width: Widt
     return Sheet(rows, width, 65.0 * len(rows), notes)
 
 
-@figure(scenario="Its materials have expansions.", ends="Lowest and highest temperature [K].")
-def figure_play_over_temperature(
-    scenario: Scenario, ends: tuple[float, float], *, width: Width = "page"
-) -> Sheet:
+@figure(plays="Plays of each joint, by name, one a temperature of all parts.")
+def figure_play_over_temperature(plays: Mapping[str, Sequence[JointPlay]], *, width: Width = "page") -> Sheet:
     """Return the radial play of joints over a temperature of all parts.
 
     Of a fit also the plays of its extreme sizes, as thin lines.
     """
-    joints = [name for name, one in scenario.clearance.items() if isinstance(one, TouchingSpec)]
-    if not joints:
-        raise InvalidParameterError(
-            "figure_play_over_temperature", "scenario", "one with a joint with play", said="none"
-        )
-    temperatures = np.linspace(*ends, _POINTS)
-    degrees = temperatures - 273.15
+    if not plays:
+        rule = "those of a joint with play at least"
+        raise InvalidParameterError("figure_play_over_temperature", "plays", rule, said="none")
     marks: list[PlotMark] = []
-    for k, name in enumerate(joints):
-        plays = play_over_temperature(scenario, name, temperatures.tolist())
-        radial = np.array([one.radial for one in plays])
+    for k, (name, several) in enumerate(plays.items()):
+        degrees = np.array([one.bearing_temperature - 273.15 for one in several])
+        radial = np.array([one.radial for one in several])
         marks.append(PlotCurve(name, degrees, radial, {"color": f"C{k}"}))
-        fit = plays[0].fit
+        fit = several[0].fit
         if fit is not None:
-            grown = radial - plays[0].reference
+            grown = radial - several[0].reference
             marks += [
                 PlotCurve("", degrees, end + grown, {"color": f"C{k}", "linewidth": 0.6})
                 for end in (fit.least, fit.largest)
             ]
     marks.append(Rule(0.0))
     panel = Panel("radial play", marks, Axis("radial play", "m"), Axis("temperature of all parts [°C]"))
-    notes = (
-        ["thin: least and largest play of a fit"]
-        if any(one.fit for one in scenario.clearance.values())
-        else []
-    )
-    return Sheet([[panel]], width, 70.0, notes)
+    fits = any(several[0].fit is not None for several in plays.values())
+    return Sheet([[panel]], width, 70.0, ["thin: least and largest play of a fit"] if fits else [])
