@@ -17,6 +17,7 @@ from antenna_pin.analysis.stress_results import BushingLoad, SurfaceStress
 from antenna_pin.analysis.surface_file import JointSurface
 from antenna_pin.contact import Material, effective_modulus, make_normal_law
 from antenna_pin.contact.pressure import hertz_line, hertz_point, persson_line
+from antenna_pin.contact.socket_pressure import ball_in_socket
 from antenna_pin.trajectory import names_along
 from antenna_pin.trajectory.read import is_lean
 
@@ -302,8 +303,15 @@ def _socket(
     def hertz(force: Array, slope: Array) -> Stresses:
         return _point(hertz_point(force, curvature, curvature, pair.modulus, pair.poisson))
 
+    def conformal(force: Array, slope: Array) -> Stresses:
+        bearing, journal = pair.materials
+        return _point(ball_in_socket(force, math.sqrt(outer * inner), outer - inner, journal, bearing))
+
     share = float(hertz(np.array([peak.force]), np.zeros(1)).half_width[0]) / inner
-    return f"Hertz, point (half-width {share:.2g} of the radius)", hertz, []
+    if share <= limits.conformal_above or not pair.materials:
+        return f"Hertz, point (half-width {share:.2g} of the radius)", hertz, []
+    criterion = f"Hertz's half-width {share:.2g} of the radius, above {limits.conformal_above:g}"
+    return f"elastic ball in a spherical hollow, conformal ({criterion})", conformal, []
 
 
 def _corner(

@@ -335,7 +335,7 @@ def axial_load(bearing: BallBearing, way: float) -> float:
     moved = along + way
     length = math.hypot(off, moved)
     depth = max(length - rest, 0.0)
-    return bearing.count * hertz * depth**1.5 * moved / length
+    return float(bearing.count * hertz * depth**1.5 * moved / length)
 
 
 def _free_way(bearing: BallBearing) -> float:
