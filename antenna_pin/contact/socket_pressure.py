@@ -1,4 +1,4 @@
-r"""Pressure of a ball in a socket of nearly its radius, over a cap of the sphere: the conformal point contact.
+r"""Pressure of a ball in a socket of nearly its radius: the conformal point contact.
 
 A ball of radius R is pressed without friction into a spherical hollow of an infinite body, by a force through
 its centre. Pressure :math:`p = \sum p_n P_n(\cos\theta)` moves both surfaces along their normals by
