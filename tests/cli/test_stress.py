@@ -74,12 +74,15 @@ def test_tolerance_of_a_fit_at_a_temperature(cli, printed, tmp_path):
 
 
 def test_tolerance_of_a_chain(cli, tmp_path):
-    chain = 'tolerances.end={least=0, dimensions={pin={nominal=0.0501, plus=5e-5, minus=-5e-5, distribution="uniform"},'
-    chain += ' bush={nominal=0.05, plus=5e-5, minus=-5e-5, coefficient=-1, distribution="uniform"}}}'
+    """Two uniform dimensions make a triangle, a quarter of whose base lies below zero: 1/8."""
+    pin = 'pin={nominal=0.05005, plus=5e-5, minus=-5e-5, distribution="uniform"}'
+    bush = 'bush={nominal=0.05, plus=5e-5, minus=-5e-5, coefficient=-1, distribution="uniform"}'
+    chain = f"tolerances.end={{least=0, dimensions={{{pin}, {bush}}}}}"
     (found,) = json.loads(cli("tolerance", "pendulum", "--set", chain, "--json").out)["chains"]
-    assert (found["worst_case_least"], found["worst_case_largest"]) == pytest.approx((0.0, 2e-4), abs=1e-12)
-    assert found["probability_below_least"] == pytest.approx(0.0, abs=1e-9)
-    assert found["mean_over_tolerance"] == pytest.approx(0.5, rel=1e-9)
+    ends = (found["worst_case_least"], found["worst_case_largest"])
+    assert ends == pytest.approx((-5e-5, 1.5e-4), abs=1e-12)
+    assert found["probability_below_least"] == pytest.approx(0.125, abs=1e-7)  # of a cell of the convolution
+    assert found["mean_over_tolerance"] == pytest.approx(0.25, rel=1e-9)
 
 
 @pytest.mark.parametrize(
