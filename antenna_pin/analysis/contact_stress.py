@@ -126,7 +126,8 @@ def _at_temperature(scenario: Scenario, name: str) -> Material:
         value = table.at(spec.of(table.part))
         if value is not None:
             own = float(getattr(found, parts[2])) if table.factor is not None else 1.0
-            found = replace(found, **{parts[2]: value * own})
+            change: dict[str, Any] = {parts[2]: value * own}
+            found = replace(found, **change)
     return found
 
 

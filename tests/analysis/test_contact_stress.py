@@ -179,3 +179,22 @@ def test_unknown_names_are_refused(pendulum):
 def test_a_pair_of_materials_takes_the_weaker_known_limit():
     pair = Pair.of("steel", "bronze-c93200", MATERIALS.__getitem__)
     assert pair.weakest == ("bronze-c93200", 125e6) and pair.unknown == ("steel",)
+
+
+def test_a_law_of_the_geometry_is_no_contradiction_but_its_damping_is():
+    """Persson's own line with Flores' damping at a restitution of a half: only the damping is told."""
+    law = {"replace": True, "law": "persson", "dissipation": "flores", "restitution": 0.5}
+    changes = {**STRONG, "clearance.hinge.normal": law, "clearance.hinge.load": "distributed"}
+    run = simulate(load_scenario("pendulum", overrides=changes), duration=0.006)
+    notes = contact_stress(run).surface("hinge.radial+").notes
+    assert not any("approach of this geometry" in note for note in notes)
+    (told,) = (note for note in notes if "% of the peak force is damping, which flores fits" in note)
+    force = run.data["normal_force"].sel(contact="hinge.radial+").values
+    k = int(force.argmax())
+    depth, rate = (
+        float(run.data[name].sel(contact="hinge.radial+").values[k]) for name in ("depth", "depth_rate")
+    )
+    onset = float(run.data["approach_speed"].values[0])
+    # Flores: F = K depth^n (1 + 8 (1 - c) / (5 c) rate / onset): the damping's share of it, here by the rate.
+    part = 1.6 * rate / onset
+    assert float(told.split(" %")[0]) == pytest.approx(100.0 * part / (1.0 + part), rel=0.05) and depth > 0.0
