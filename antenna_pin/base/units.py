@@ -45,18 +45,19 @@ __all__ = [
 #: Of the powers in a unit, their product.
 LARGEST_POWER = 100.0
 
-# Of SI, whose products are units without a factor: exponents of length, mass, time, radian. A test compares
-# all of them with pint.
+# Of SI, whose products are units without a factor: exponents of length, mass, time, radian, temperature. A
+# test compares all of them with pint.
 _COHERENT = {
-    "1": (0, 0, 0, 0),
-    "rad": (0, 0, 0, 1),
-    "m": (1, 0, 0, 0),
-    "s": (0, 0, 1, 0),
-    "kg": (0, 1, 0, 0),
-    "N": (1, 1, -2, 0),
-    "J": (2, 1, -2, 0),
-    "W": (2, 1, -3, 0),
-    "Pa": (-1, 1, -2, 0),
+    "1": (0, 0, 0, 0, 0),
+    "rad": (0, 0, 0, 1, 0),
+    "m": (1, 0, 0, 0, 0),
+    "s": (0, 0, 1, 0, 0),
+    "kg": (0, 1, 0, 0, 0),
+    "N": (1, 1, -2, 0, 0),
+    "J": (2, 1, -2, 0, 0),
+    "W": (2, 1, -3, 0, 0),
+    "Pa": (-1, 1, -2, 0, 0),
+    "K": (0, 0, 0, 0, 1),
 }
 # A unit of SI, and how often it has one that is written.
 _SCALED = {
@@ -135,7 +136,7 @@ def common_unit(name: str) -> Unit | None:
     unit, factor = _SCALED.get(name, (name or "1", 1.0))
     if not _PRODUCT.fullmatch(unit):
         return None
-    sums, largest = [0.0, 0.0, 0.0, 0.0], 1.0
+    sums, largest = [0.0] * 5, 1.0
     for found in _FACTOR.finditer(unit):
         power = float(found[2] or 1.0)
         largest *= max(1.0, abs(power))
@@ -143,7 +144,8 @@ def common_unit(name: str) -> Unit | None:
         sums = [total + sign * one for total, one in zip(sums, _COHERENT[found[1]], strict=True)]
     if largest > LARGEST_POWER:
         return None
-    named = zip(("[length]", "[mass]", "[time]"), (round(total, 12) for total in sums[:3]), strict=True)
+    bases = ("[length]", "[mass]", "[time]", "", "[temperature]")
+    named = ((base, round(total, 12)) for base, total in zip(bases, sums, strict=True) if base)
     return Unit(factor, frozenset((base, power) for base, power in named if power), sums[3], False)
 
 
@@ -257,6 +259,8 @@ _KINDS = {
     "W": ("a power", ""),
     "Pa": ("a pressure", "Pa, MPa, psi"),
     "kg/m**3": ("a density", "kg/m^3, g/cm^3"),
+    "K": ("a temperature", "K, degC, degF"),
+    "1/K": ("a coefficient of thermal expansion", "1/K, um/m/K"),
     "kg*m**2": ("a moment of inertia", "kg*m^2, g*cm^2, lb*in^2"),
 }
 _PURE = ("1", "-", "")
@@ -324,6 +328,8 @@ def any_quantity(value: object) -> tuple[float, str] | None:
             return None
         return (number, "") if math.isfinite(number) else None
     match = _QUANTITY.fullmatch(_pointed(value)) if len(value) <= _LONGEST else None
+    if match is not None and match.group(2) in _SCALES:
+        return _kelvin(*match.groups()), "K"
     seen = None if match is None else _parse_unit(match.group(2))
     if match is None or seen is None:
         return None
@@ -447,6 +453,8 @@ def _from_text(written: str, units: tuple[str, ...]) -> float:
     if match is None:
         raise _Refused("; write a number" + ("" if units[0] in _PURE else f" and its unit: '1 {units[0]}'"))
     digits, name = match.groups()
+    if "K" in units and name in _SCALES:
+        return _kelvin(digits, name)
     seen = _parse_unit(name)
     if seen is None:
         raise _Refused(f" (unit {name!r} is unknown{_examples(units)})")
@@ -463,6 +471,26 @@ def _from_text(written: str, units: tuple[str, ...]) -> float:
     if not math.isfinite(number):
         raise _Refused(" (not finite)")
     return number
+
+
+# Scales of temperature with another zero: kelvin of one degree, and of its zero.
+_SCALES = {
+    **dict.fromkeys(("degC", "°C", "celsius"), (Fraction(1), Fraction(27315, 100))),
+    **dict.fromkeys(("degF", "°F", "fahrenheit"), (Fraction(5, 9), Fraction(45967, 180))),
+}
+
+
+def _kelvin(digits: str, scale: str) -> float:
+    """Return a temperature on another scale in kelvin, rounded once."""
+    number = float(digits)
+    if not abs(number) < _HOTTEST:
+        raise _Refused(f" (above {_HOTTEST:g} degrees in size)")
+    degree, zero = _SCALES[scale]
+    return float(Fraction(digits) * degree + zero)
+
+
+# Degrees beyond which nothing is solid or liquid; exact fractions of larger numbers would be long.
+_HOTTEST = 1e6
 
 
 def _is_any(own: Unit, units: tuple[str, ...]) -> bool:

@@ -45,6 +45,8 @@ from antenna_pin.scenario.run import InitialBaseSpec, InitialSpec, IntegratorSpe
 from antenna_pin.scenario.shipped import tables
 from antenna_pin.scenario.spec import Folder, PositiveTime, Version, refuse, refuse_name
 from antenna_pin.scenario.stops import with_urdf_limits
+from antenna_pin.scenario.temperature import OneTemperature
+from antenna_pin.scenario.tolerances import ChainSpec
 
 if TYPE_CHECKING:
     from antenna_pin.contact import Material
@@ -85,6 +87,8 @@ class Scenario(FamilyTables):
         integrator: Settings of integration.
         output: Settings of the record.
         pointing: Actual and commanded pointing of the antenna; None without one.
+        temperature: Of the parts, all or each; None where all numbers hold as they are.
+        tolerances: Chains of dimensions with their tolerances, by name; the motion does not see them.
         name: Name of the scenario: its folder's, or its file's.
         case: Name of the case, or None.
         description: Description of the case.
@@ -115,6 +119,8 @@ class Scenario(FamilyTables):
     integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
     output: OutputSpec = Field(default_factory=OutputSpec)
     pointing: PointingSpec | None = None
+    temperature: OneTemperature | None = None
+    tolerances: dict[str, ChainSpec] = Field(default_factory=dict)
     name: str = ""
     case: str | None = None
     description: str = ""

@@ -39,6 +39,7 @@ from antenna_pin.scenario import (
 from antenna_pin.scenario.assemble.closures import closures_of, link_of
 from antenna_pin.scenario.assemble.laws import clearance_joint
 from antenna_pin.scenario.assemble.places import check_known, check_motion, slides, where
+from antenna_pin.scenario.assemble.temperature import at_temperature, said_of_temperature
 from antenna_pin.scenario.assemble.variant import (
     armature_of,
     as_written,
@@ -321,6 +322,8 @@ def build_system(scenario: Scenario) -> System:
     Raises:
         AntennaPinError: Names, dimensions or laws that do not go together; one line that says where.
     """
+    thermal = tuple(said_of_temperature(scenario))
+    scenario = at_temperature(scenario)
     urdf, parts = variant_and_parts(scenario)
     said = scenario.mechanism
     mechanism = build_mechanism(
@@ -363,7 +366,7 @@ def build_system(scenario: Scenario) -> System:
         couplings=couplings_of(scenario, mechanism),
         elastic=by_name(scenario, parts),
         left_out=left_out,
-        assumed=assumed,
+        assumed=(*thermal, *assumed),
     )
     _check_events(scenario, system)
     _check_controllers(scenario, system)
