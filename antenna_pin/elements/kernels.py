@@ -1,8 +1,9 @@
 """All kinds of force elements, compiled: dispatch by the number of the kind.
 
 The chain ``if kind == ...`` is made from the registry when a caller is compiled, and compiled into it: who
-finds its kernels compiled loads the elements that it has, not all. A number that no kind has gives
-not-a-number, never a silent zero.
+finds its kernels compiled loads the elements that it has, not all. It makes of ``words`` and ``at``, the
+program and the place of an element's numbers in it, the record that a kind's kernel takes, and the numbers
+behind that. A number that no kind has gives not-a-number, never a silent zero.
 """
 
 from __future__ import annotations
@@ -12,44 +13,60 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from antenna_pin.base.records import Floats, Pose
-from antenna_pin.compiled.decorators import composed, composed_later
+from antenna_pin.base.records import Floats, Pose, words_of
+from antenna_pin.compiled.decorators import composed, composed_later, inlined, record
 from antenna_pin.elements import registry
 from antenna_pin.elements.desk_kernels import Desk
+from antenna_pin.elements.element import LOSS, Drive, Element, ForceElement, takes_tail
 from antenna_pin.elements.hook_kernels import JournalPlace, Loaded, Motion, Own, Powered
+from antenna_pin.elements.ledger_kernels import write_work
+
+_Kind = type[ForceElement]
 
 
 @functools.cache
-def _kinds() -> list[tuple[int, Any]]:
-    return [(registry.kind_of(element), element.compiled()) for element in registry.ELEMENTS]
+def _kinds() -> list[tuple[int, _Kind]]:
+    return [(registry.kind_of(element), element) for element in registry.ELEMENTS]
 
 
-def _chain(name: str, last: Callable[..., Any]) -> Any:
+def _chain(
+    name: str, last: Callable[..., Any], otherwise: Callable[[_Kind], Any] = lambda element: None
+) -> Any:
     """Return a function that dispatches to the kind's own ``name``.
 
-    Its arguments are a kind's number, and those of the kernel.
+    Its arguments are a kind's number, program and place in it, and the further ones of the kernel.
 
-    Kinds without one, and numbers that are no kind's, go on to ``last``.
+    Args:
+        name: Of the kernel.
+        last: For kinds without one, and numbers that are no kind's; takes all arguments.
+        otherwise: Kernel of a kind that has none of the name; None for ``last``.
     """
 
     def dispatcher() -> Any:
         chain = composed(last)
-        for kind, module in reversed(_kinds()):
-            own = getattr(module, name, None)
+        for kind, element in reversed(_kinds()):
+            own = element.hook(name) or otherwise(element)
             if own is not None:
-                chain = _branch(kind, own, chain)
+                chain = _branch(kind, own, element.layout(), chain)
         return chain
 
     return composed_later(dispatcher)
 
 
-def _branch(kind: int, own: Any, rest: Any) -> Any:
-    def branch(number: int, *arguments: Any) -> Any:
-        if number == kind:
-            return own(*arguments)
-        return rest(number, *arguments)
+def _branch(kind: int, own: Any, layout: Any, rest: Any) -> Any:
+    size = words_of(layout)
 
-    return composed(branch)
+    def branch(number: int, words: Floats, at: int, *arguments: Any) -> Any:
+        if number == kind:
+            return own(record(words[at : at + size], layout), *arguments)
+        return rest(number, words, at, *arguments)
+
+    def branch_with_tail(number: int, words: Floats, at: int, *arguments: Any) -> Any:
+        if number == kind:
+            return own(record(words[at : at + size], layout), words[at + size :], *arguments)
+        return rest(number, words, at, *arguments)
+
+    return composed(branch_with_tail if takes_tail(own) else branch)
 
 
 def _no_kind(kind: int, *arguments: Any) -> float:
@@ -110,8 +127,55 @@ def _no_place(
     return math.nan, math.nan, math.nan, math.nan, math.nan, math.nan
 
 
-effort = _chain("effort", _no_kind)
-write_rates = _chain("write_rates", _no_rates)
+# --- kernels that kinds need not have -----------------------------------------------------------------------
+
+
+@inlined
+def _no_effort(own: Any, t: float, angle: float, rate: float) -> float:
+    return 0.0
+
+
+def _effort_of_kind(element: _Kind) -> Any:
+    """Return no effort of a kind at a joint that a row holds, or that acts on all but the turn."""
+    return _no_effort if issubclass(element, Element) and not element.hook("effort_of") else None
+
+
+@inlined
+def _work(own: Any, angle: float, rate: float, power: float, rates: Floats, x: int) -> None:
+    write_work(power, rates, x)
+
+
+@inlined
+def _no_loss(own: Any, angle: float, rate: float, power: float, rates: Floats, x: int) -> None:
+    rates[x] = 0.0
+
+
+def _rates_of_kind(element: _Kind) -> Any:
+    """Return the work that a drive at a joint puts in, or no loss."""
+    if not issubclass(element, Element) or element.hook("write_rates_of") or element.hook("press"):
+        return None
+    return {Drive.integrals: _work, (LOSS,): _no_loss}.get(element.integrals)
+
+
+@inlined
+def _mode(own: Any) -> int:
+    return int(own.mode)
+
+
+@inlined
+def _bearing(own: Any) -> tuple[float, float, float, float]:
+    return own.load_numbers[0], own.load_numbers[1], own.load_numbers[2], own.load_numbers[3]
+
+
+def _if_has(field: str, kernel: Any) -> Callable[[_Kind], Any]:
+    """Return a kernel of kinds whose record has a field."""
+    return lambda element: kernel if field in (element.layout().names or ()) else None
+
+
+# --- all of them --------------------------------------------------------------------------------------------
+
+effort = _chain("effort", _no_kind, _effort_of_kind)
+write_rates = _chain("write_rates", _no_rates, _rates_of_kind)
 stored = _chain("stored", _nothing)
 
 
@@ -147,10 +211,10 @@ motion = _chain("motion", _no_motion)
 # Of those with modes.
 switch = _chain("switch", _never)
 hold = _chain("hold", _not_held)
-mode = _chain("mode", _no_mode)
+mode = _chain("mode", _no_mode, _if_has("mode", _mode))
 # Of dry friction.
 grip = _chain("grip", _nothing)
-bearing = _chain("bearing", _bears_nothing)
+bearing = _chain("bearing", _bears_nothing, _if_has("load_numbers", _bearing))
 rub = _chain("rub", _nothing)
 bear = _chain("bear", _not_told)
 # Of those between two joints.

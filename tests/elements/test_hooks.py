@@ -9,27 +9,30 @@ from antenna_pin.elements import ELEMENTS, PointSpring, kernels
 from antenna_pin.elements.hook_kernels import Hooks
 
 HOOKS = {name: one for name, one in vars(Hooks).items() if inspect.isfunction(one) and name[0] != "_"}
-MODULES = {element.kernels: element.compiled() for element in (*ELEMENTS, PointSpring)}
+MODULES = {element.kernels: element for element in (*ELEMENTS, PointSpring)}
 
 NAMED = {"length": "angle"}
 """Arguments that a kind has under a name of its own: between points the distance is the deflection."""
 
 
 def arguments(function):
-    """Return names and types of what a hook takes, without what it is bound to."""
-    found = inspect.signature(in_python(function)).parameters.values()
-    return [(NAMED.get(one.name, one.name), one.annotation) for one in found if one.name != "self"]
+    """Return names and types of what a hook takes behind the element, and the numbers behind its record."""
+    _, *found = inspect.signature(in_python(function)).parameters.values()
+    found = [one for one in found if one.name not in ("element", "tail")]
+    return [(NAMED.get(one.name, one.name), one.annotation) for one in found]
 
 
 @pytest.mark.parametrize("module", MODULES)
 def test_a_kind_has_its_hooks_as_they_are_declared(module):
-    own = {name: getattr(MODULES[module], name) for name in HOOKS if hasattr(MODULES[module], name)}
+    element = MODULES[module]
+    own = {name: element.hook(name) for name in HOOKS if element.hook(name) is not None}
     assert own
     for name, function in own.items():
         assert arguments(function) == arguments(HOOKS[name]), name
-        assert inspect.signature(in_python(function)).return_annotation == (
-            inspect.signature(HOOKS[name]).return_annotation
-        ), name
+        signature = inspect.signature(in_python(function))
+        assert signature.return_annotation == inspect.signature(HOOKS[name]).return_annotation, name
+        records = next(iter(signature.parameters.values())).annotation.split(" | ")
+        assert {base.__name__ for base in element.__mro__} & {*records}, "its first argument is the element"
 
 
 def test_every_hook_is_called_by_the_number_of_a_kind():
