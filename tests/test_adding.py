@@ -175,8 +175,8 @@ def test_a_law_has_its_certificate_and_its_runs(copy):
         "contact/halved.py",
         STAIRS,
         "contact/registry.py",
-        before='"kelvin-voigt":',
-        entry='"halved": "halved.Halved",',
+        before='Alias("kelvin-voigt"',
+        entry='Alias("halved", "HalvedContact", "halved.Halved"),',
     )
     # One impact: they touch after 1 ms at 0.1 m/s.
     law = "{law='hertz', dissipation='halved', stiffness='1e9 N/m**1.5', restitution=0.5}"

@@ -362,7 +362,7 @@ class Drive(Element):
 
 def takes_tail(hook: Any) -> bool:
     """Return whether a kernel's second argument are the numbers behind its element's record."""
-    return in_python(hook).__code__.co_varnames[1:2] == ("tail",)
+    return bool(in_python(hook).__code__.co_varnames[1:2] == ("tail",))
 
 
 @cache

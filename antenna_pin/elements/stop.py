@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from antenna_pin.base.parameters import parameter, parameters_of
 from antenna_pin.base.readable import GIVEN, readable
@@ -12,6 +12,7 @@ from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.contact.kernels import NORMAL_SIZE, elastic_energy, elastic_force, normal_force
 from antenna_pin.contact.onset import NO_APPROACH, approach_speed_in_contact
+from antenna_pin.contact.registry import SHAPELESS_LAWS
 from antenna_pin.elements.element import IMPULSE, LOSS, Integral, packed
 from antenna_pin.elements.hook_kernels import Loaded
 from antenna_pin.elements.limits import FREE, LOWER, UPPER, Limits, beyond
@@ -23,27 +24,10 @@ __all__ = ["EndStop"]
 # Its function that passes zero where the joint turns back, once in a touch.
 TURNS = 2
 
-StopLaw = Literal[
-    "elastic",
-    "lankarani-nikravesh",
-    "exact-restitution",
-    "hunt-crossley",
-    "herbert-mcwhannell",
-    "lee-wang",
-    "marhefka-orin",
-    "gonthier",
-    "zhiying-qishao",
-    "ye",
-    "flores",
-    "gharib-hurmuzlu",
-    "pant-wijeyewickrema",
-    "hu-guo",
-    "carvalho-martins",
-    "kelvin-voigt",
-    "tsuji",
-    "jankowski",
-    "adams-impact",
-]
+if TYPE_CHECKING:
+    StopLaw = str
+else:
+    StopLaw = Literal[("elastic", *SHAPELESS_LAWS)]
 """Laws of a stop that gives way: those of :mod:`antenna_pin.contact` that are of no certain shape."""
 
 
