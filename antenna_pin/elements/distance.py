@@ -8,6 +8,7 @@ from typing import ClassVar
 
 from antenna_pin.base.parameters import check, parameter
 from antenna_pin.base.readable import GIVEN, number
+from antenna_pin.base.records import Triple
 from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.course import Swing
 from antenna_pin.elements.element import packed
@@ -15,8 +16,6 @@ from antenna_pin.elements.prescribed import Motion
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["DistanceMotion"]
-
-Numbers3 = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,12 +40,12 @@ class DistanceMotion(Swing, Motion):
     kernels: ClassVar[str] = __name__
     unpacked: ClassVar[tuple[str, ...]] = ("mean",)
 
-    offset: Numbers3 = parameter("m", sizes=(3,))
-    mean: Numbers3 = parameter("m", sizes=(3,), default=(0.0, 0.0, 0.0))
-    velocity: Numbers3 = parameter("m/s", sizes=(3,), default=(0.0, 0.0, 0.0))
-    amplitude: Numbers3 = parameter("m", sizes=(3,), default=(0.0, 0.0, 0.0))
+    offset: Triple = parameter("m", sizes=(3,))
+    mean: Triple = parameter("m", sizes=(3,), default=(0.0, 0.0, 0.0))
+    velocity: Triple = parameter("m/s", sizes=(3,), default=(0.0, 0.0, 0.0))
+    amplitude: Triple = parameter("m", sizes=(3,), default=(0.0, 0.0, 0.0))
     frequency: float | None = parameter("Hz", rule="positive", default=None)
-    phase: Numbers3 = parameter("rad", sizes=(3,), default=(0.0, 0.0, 0.0))
+    phase: Triple = parameter("rad", sizes=(3,), default=(0.0, 0.0, 0.0))
 
     def __post_init__(self) -> None:
         """Check the parts."""
@@ -59,7 +58,7 @@ class DistanceMotion(Swing, Motion):
             raise InvalidParameterError(place, "joint", "one that slides: it follows a distance", self.joint)
 
     @packed
-    def centre(self) -> Numbers3:
+    def centre(self) -> Triple:
         """Place on the path at its origin, from the fixed point [m]."""
         (x, y, z), (a, b, c) = self.offset, self.mean
         return x + a, y + b, z + c

@@ -6,14 +6,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
+from antenna_pin.base.records import Triple
 from antenna_pin.compiled.calls import call_1
 from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.element import packed
 from antenna_pin.elements.prescribed import Motion
 
 __all__ = ["CallableMotion"]
-
-Numbers3 = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -47,12 +46,12 @@ class CallableMotion(Motion):
         return not self.called
 
     @packed
-    def present(self) -> Numbers3:
+    def present(self) -> Triple:
         """Position, rate and acceleration by plain functions, written before each evaluation."""
         return 0.0, 0.0, 0.0
 
     @packed
-    def addresses(self) -> Numbers3:
+    def addresses(self) -> Triple:
         """Addresses of compiled functions, else 0."""
         if not self.called:
             return 0.0, 0.0, 0.0

@@ -11,7 +11,7 @@ import numpy as np
 from antenna_pin.base.directions import A_DIRECTION, unit
 from antenna_pin.base.parameters import parameter
 from antenna_pin.base.readable import GIVEN, readable
-from antenna_pin.base.records import Vector3
+from antenna_pin.base.records import Triple, Vector3
 from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.curve import both_given
 from antenna_pin.elements.desk_kernels import Desk
@@ -21,7 +21,6 @@ from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["GravityGradient"]
 
-Numbers3 = tuple[float, float, float]
 _SQUARE = 1e-9  # cosine of what counts as a right angle
 
 
@@ -56,8 +55,8 @@ class GravityGradient(OnLinks):
     rate: float | None = parameter("rad/s", rule="positive", default=None)
     mu: float | None = parameter("m^3/s^2", rule="positive", default=None)
     radius: float | None = parameter("m", rule="positive", default=None)
-    normal: Numbers3 = parameter("1", rule=A_DIRECTION, sizes=(3,), default=(0.0, 1.0, 0.0))
-    nadir: Numbers3 = parameter("1", rule=A_DIRECTION, sizes=(3,), default=(0.0, 0.0, -1.0))
+    normal: Triple = parameter("1", rule=A_DIRECTION, sizes=(3,), default=(0.0, 1.0, 0.0))
+    nadir: Triple = parameter("1", rule=A_DIRECTION, sizes=(3,), default=(0.0, 0.0, -1.0))
 
     def __post_init__(self) -> None:
         """Check the parameters, and that they define one orbit."""

@@ -13,12 +13,12 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from antenna_pin.base.records import Floats, Pose, words_of
+from antenna_pin.base.records import Floats, words_of
 from antenna_pin.compiled.decorators import composed, composed_later, inlined, record
 from antenna_pin.elements import registry
 from antenna_pin.elements.desk_kernels import Desk
 from antenna_pin.elements.element import LOSS, Drive, Element, ForceElement, takes_tail
-from antenna_pin.elements.hook_kernels import JournalPlace, Loaded, Motion, Own, Powered
+from antenna_pin.elements.hook_kernels import Motion, Own, Powered
 from antenna_pin.elements.ledger_kernels import write_work
 
 _Kind = type[ForceElement]
@@ -69,62 +69,17 @@ def _branch(kind: int, own: Any, layout: Any, rest: Any) -> Any:
     return composed(branch_with_tail if takes_tail(own) else branch)
 
 
-def _no_kind(kind: int, *arguments: Any) -> float:
-    return math.nan
+def _always(value: Any) -> Callable[..., Any]:
+    """Return a function of a kind's number, program and place that returns a constant."""
+    return lambda kind, *arguments: value
 
 
-def _nothing(kind: int, *arguments: Any) -> float:
-    return 0.0
-
-
-def _no_rates(kind: int, words: Floats, at: int, *arguments: Any) -> None:
+def _no_rates(kind: int, *arguments: Any) -> None:
     return None
 
 
-def _no_reference(kind: int, words: Floats, at: int, t: float) -> tuple[float, float]:
-    return math.nan, math.nan
-
-
-def _no_deflection(kind: int, *arguments: Any) -> tuple[float, float, float, float]:
-    return math.nan, math.nan, math.nan, math.nan
-
-
-def _no_motion(kind: int, words: Floats, at: int, t: float) -> tuple[float, float, float]:
-    return math.nan, math.nan, math.nan
-
-
-def _never(kind: int, words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
-    return 1.0, 0.0
-
-
-def _not_held(kind: int, words: Floats, at: int) -> tuple[bool, float]:
-    return False, 0.0
-
-
-def _bears_nothing(kind: int, words: Floats, at: int) -> tuple[float, float, float, float]:
-    return 0.0, 0.0, 0.0, 0.0
-
-
-def _not_told(kind: int, words: Floats, at: int, burden: float) -> None:
-    return None
-
-
-def _no_mode(kind: int, words: Floats, at: int) -> int:
-    return 0
-
-
-def _not_acting(kind: int, words: Floats, at: int, t: float, desk: Desk) -> None:
+def _no_action(kind: int, words: Floats, at: int, t: float, desk: Desk) -> None:
     desk[1][0].force[0] = math.nan
-
-
-def _no_press(kind: int, words: Floats, at: int, pose: Pose) -> float:
-    return math.nan
-
-
-def _no_place(
-    kind: int, words: Floats, at: int, place: JournalPlace
-) -> tuple[float, float, float, float, float, float]:
-    return math.nan, math.nan, math.nan, math.nan, math.nan, math.nan
 
 
 # --- kernels that kinds need not have -----------------------------------------------------------------------
@@ -174,9 +129,9 @@ def _if_has(field: str, kernel: Any) -> Callable[[_Kind], Any]:
 
 # --- all of them --------------------------------------------------------------------------------------------
 
-effort = _chain("effort", _no_kind, _effort_of_kind)
+effort = _chain("effort", _always(math.nan), _effort_of_kind)
 write_rates = _chain("write_rates", _no_rates, _rates_of_kind)
-stored = _chain("stored", _nothing)
+stored = _chain("stored", _always(0.0))
 
 
 def _effort(kind: int, words: Floats, at: int, motion: Motion, own: Own) -> float:
@@ -197,7 +152,7 @@ def _stored(kind: int, words: Floats, at: int, angle: float, own: Own) -> float:
 effort_of = _chain("effort_of", _effort)
 write_rates_of = _chain("write_rates_of", _write_rates)
 stored_of = _chain("stored_of", _stored)
-kink = _chain("kink", _no_kind)
+kink = _chain("kink", _always(math.nan))
 
 
 def _kink(kind: int, words: Floats, at: int, k: int, motion: Motion, own: Own) -> float:
@@ -206,27 +161,27 @@ def _kink(kind: int, words: Floats, at: int, k: int, motion: Motion, own: Own) -
 
 
 kink_of = _chain("kink_of", _kink)
-reference = _chain("reference", _no_reference)
-motion = _chain("motion", _no_motion)
+reference = _chain("reference", _always((math.nan,) * 2))
+motion = _chain("motion", _always((math.nan,) * 3))
 # Of those with modes.
-switch = _chain("switch", _never)
-hold = _chain("hold", _not_held)
-mode = _chain("mode", _no_mode, _if_has("mode", _mode))
+switch = _chain("switch", _always((1.0, 0.0)))
+hold = _chain("hold", _always((False, 0.0)))
+mode = _chain("mode", _always(0), _if_has("mode", _mode))
 # Of dry friction.
-grip = _chain("grip", _nothing)
-bearing = _chain("bearing", _bears_nothing, _if_has("load_numbers", _bearing))
-rub = _chain("rub", _nothing)
-bear = _chain("bear", _not_told)
+grip = _chain("grip", _always(0.0))
+bearing = _chain("bearing", _always((0.0,) * 4), _if_has("load_numbers", _bearing))
+rub = _chain("rub", _always(0.0))
+bear = _chain("bear", _no_rates)
 # Of those between two joints.
-between = _chain("between", _no_deflection)
-dissipation = _chain("dissipation", _no_kind)
-drag = _chain("drag", _nothing)
+between = _chain("between", _always((math.nan,) * 4))
+dissipation = _chain("dissipation", _always(math.nan))
+drag = _chain("drag", _always(0.0))
 # Of those that act on a journal's whole pose.
-press = _chain("press", _no_press)
-journal_energy = _chain("journal_energy", _no_kind)
-coordinates = _chain("coordinates", _no_place)
+press = _chain("press", _always(math.nan))
+journal_energy = _chain("journal_energy", _always(math.nan))
+coordinates = _chain("coordinates", _always((math.nan,) * 6))
 # Of those between points.
-tension = _chain("tension", _no_kind)
-loss = _chain("loss", _no_kind)
+tension = _chain("tension", _always(math.nan))
+loss = _chain("loss", _always(math.nan))
 # Of those on links.
-act = _chain("act", _not_acting)
+act = _chain("act", _no_action)

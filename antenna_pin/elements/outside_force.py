@@ -8,7 +8,7 @@ from typing import ClassVar, Literal
 
 from antenna_pin.base.parameters import parameter
 from antenna_pin.base.readable import GIVEN, number, readable
-from antenna_pin.base.records import Floats
+from antenna_pin.base.records import Floats, Triple
 from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.composed_courses import Table
 from antenna_pin.elements.courses import Sine
@@ -22,7 +22,6 @@ from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["OutsideForce"]
 
-Numbers3 = tuple[float, float, float]
 _NONE = (0.0, 0.0, 0.0)
 
 
@@ -54,8 +53,8 @@ class OutsideForce(AtPoint):
     columns: ClassVar[tuple[str, str]] = ("time", "factors")
     commanded: ClassVar[str] = "value"
 
-    force: Numbers3 = parameter("N", sizes=(3,), default=_NONE)
-    torque: Numbers3 = parameter("N*m", sizes=(3,), default=_NONE)
+    force: Triple = parameter("N", sizes=(3,), default=_NONE)
+    torque: Triple = parameter("N*m", sizes=(3,), default=_NONE)
     axes: Literal["link", "world"] = "link"
     follows: Reference | None = None
     value: float = parameter("1", default=1.0)

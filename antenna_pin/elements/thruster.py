@@ -10,6 +10,7 @@ from typing import ClassVar, Literal
 from antenna_pin.base.directions import A_DIRECTION
 from antenna_pin.base.parameters import parameter
 from antenna_pin.base.readable import GIVEN, number, readable
+from antenna_pin.base.records import Triple
 from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.desk_kernels import Desk, turned
 from antenna_pin.elements.element import Integral, packed
@@ -17,8 +18,6 @@ from antenna_pin.elements.on_links import BOOKED, AtPoint
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["Thruster"]
-
-Numbers3 = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,7 +52,7 @@ class Thruster(AtPoint):
     kernels: ClassVar[str] = __name__
     commanded: ClassVar[str] = "throttle"
 
-    direction: Numbers3 = parameter("1", rule=A_DIRECTION, sizes=(3,))
+    direction: Triple = parameter("1", rule=A_DIRECTION, sizes=(3,))
     thrust: float = parameter("N", rule="positive")
     starts: tuple[float, ...] = parameter("s", rule="zero or more", sizes=(0,), default=())
     durations: tuple[float, ...] = parameter("s", rule="positive", sizes=(0,), default=())
@@ -147,7 +146,7 @@ class Thruster(AtPoint):
         return (*BOOKED, *self.states)
 
     @packed
-    def way(self) -> Numbers3:
+    def way(self) -> Triple:
         """Direction of its force with the error, unit, in the link's axes."""
         size = math.hypot(*self.direction)
         d = [one / size for one in self.direction]
