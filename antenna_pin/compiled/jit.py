@@ -144,7 +144,7 @@ def code_of(text: bytes | str, with_methods: bool = False) -> str:
 
 
 def _of_class(node: ast.stmt) -> ast.stmt | None:
-    """Return a statement of a class without methods, a packed property as a field with name and type."""
+    """Return a statement of a class: no method, a packed property as a field."""
     if not isinstance(node, ast.FunctionDef):
         return node
     if node.returns is None or "packed" not in [getattr(one, "id", "") for one in node.decorator_list]:

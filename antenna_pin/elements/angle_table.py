@@ -79,7 +79,7 @@ class TableSpring(Element):
 
     @packed
     def extends(self) -> bool:
-        """Whether the slope continues beyond the table."""
+        """Continuation of the slope beyond the table."""
         return self.outside != "hold"
 
     def tail(self) -> tuple[float, ...]:

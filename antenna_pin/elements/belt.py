@@ -85,7 +85,7 @@ class Belt(Strands):
 
     @property
     def springs(self) -> int:
-        """Both strands."""
+        """Number of strands: 2."""
         return TWO
 
 
@@ -99,5 +99,5 @@ class Cable(Strands):
 
     @property
     def springs(self) -> int:
-        """One strand."""
+        """Number of strands: 1."""
         return 1

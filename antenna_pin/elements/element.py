@@ -179,8 +179,8 @@ class ForceElement:
         """Return a kernel of its kind, None if it has none of the name."""
         return getattr(sys.modules[cls.kernels], name, None)
 
-    def hooked(self, name: str) -> Callable[..., Any]:
-        """Return a kernel of its kind with its own numbers, a function of what follows these."""
+    def own_kernel(self, name: str) -> Callable[..., Any]:
+        """Return a kernel of the kind with its first arguments, the element's numbers, bound."""
         hook, layout, words = self.hook(name), self.layout(), self.words_of_kernel()
         size = words_of(layout)
         own = record(words[:size], layout)
@@ -361,7 +361,7 @@ class Drive(Element):
 
 
 def takes_tail(hook: Any) -> bool:
-    """Return whether a kernel's second argument are the numbers behind its element's record."""
+    """Return whether a kernel takes the numbers behind its element's record."""
     return bool(in_python(hook).__code__.co_varnames[1:2] == ("tail",))
 
 
@@ -378,7 +378,7 @@ def _layout(cls: type[ForceElement]) -> Layout[Any]:
 
 
 def _packed_as(hint: Any) -> Any:
-    """Return the type of a number, or of an array of fixed size, in a record; None of anything else."""
+    """Return the type of a number or fixed array in a record, else None."""
     if hint in (float, int, bool) or get_origin(hint) is Annotated:
         return int if hint is bool else hint
     parts = get_args(hint)

@@ -91,7 +91,7 @@ def _no_effort(own: Any, t: float, angle: float, rate: float) -> float:
 
 
 def _effort_of_kind(element: _Kind) -> Any:
-    """Return no effort of a kind at a joint that a row holds, or that acts on all but the turn."""
+    """Return no effort of a kind at a joint that has none of its own."""
     return _no_effort if issubclass(element, Element) and not element.hook("effort_of") else None
 
 

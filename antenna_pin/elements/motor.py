@@ -94,7 +94,7 @@ class Motor(Drive):
 
     @packed
     def by_current(self) -> bool:
-        """Whether a current is commanded, not a voltage."""
+        """Command of a current, not of a voltage."""
         return self.mode == "current"
 
     @packed

@@ -104,7 +104,7 @@ class OutsideForce(AtPoint):
 
     @packed
     def in_world(self) -> bool:
-        """Whether force and torque are in the world's axes."""
+        """Force and torque in the world's axes."""
         return self.axes == "world"
 
     @packed

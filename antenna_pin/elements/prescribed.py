@@ -198,7 +198,7 @@ class Motion(Element):
 
     def profile(self) -> Callable[[float], tuple[float, float, float]]:
         """Return position, rate and acceleration as a function of time, for many times."""
-        return self.hooked("motion")
+        return self.own_kernel("motion")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
