@@ -81,6 +81,6 @@ class CallableDrive(Drive):
 
 
 @inlined
-def effort(given: CallableDrive, t: float, angle: float, rate: float) -> float:
+def effort(drive: CallableDrive, t: float, angle: float, rate: float) -> float:
     """Torque [N m], or force [N]."""
-    return float(given.value if given.address == 0.0 else call_3(given.address, t, angle, rate))
+    return float(drive.value if drive.address == 0.0 else call_3(drive.address, t, angle, rate))
