@@ -264,10 +264,9 @@ def way(stop: EndStop) -> float:
 
 
 @inlined
-def law_of(stop: EndStop, tail: Floats) -> Floats:
-    """Return the law of the side that the joint touches."""
-    first = NORMAL_SIZE if stop.mode == UPPER else 0
-    return tail[first : first + NORMAL_SIZE]
+def law_at(stop: EndStop) -> int:
+    """Return the place of the law of the side that the joint touches."""
+    return NORMAL_SIZE if stop.mode == UPPER else 0
 
 
 @kernel
@@ -275,7 +274,8 @@ def effort(stop: EndStop, tail: Floats, t: float, angle: float, rate: float) -> 
     """Torque [N m], or force [N], out of the stop; never into it."""
     if stop.mode == FREE:
         return 0.0
-    law, sign = law_of(stop, tail), way(stop)
+    first, sign = law_at(stop), way(stop)
+    law = tail[first : first + NORMAL_SIZE]
     inertia = stop.inertias[1] if stop.mode == UPPER else stop.inertias[0]
     approach = max(stop.approach, stop.least_rate)
     return float(-sign * normal_force(law, depth(stop, angle), sign * rate, approach, inertia))
@@ -291,7 +291,8 @@ def write_rates(
     """
     rates[x] = rates[x + 1] = 0.0
     if stop.mode != FREE:
-        law = law_of(stop, tail)
+        first = law_at(stop)
+        law = tail[first : first + NORMAL_SIZE]
         rates[x] = -power - elastic_force(law, depth(stop, angle)) * way(stop) * rate
         rates[x + 1] = abs(effort(stop, tail, 0.0, angle, rate))
 
@@ -301,7 +302,8 @@ def stored(stop: EndStop, tail: Floats, angle: float) -> float:
     """Energy stored [J]."""
     if stop.mode == FREE:
         return 0.0
-    return elastic_energy(law_of(stop, tail), depth(stop, angle))
+    first = law_at(stop)
+    return elastic_energy(tail[first : first + NORMAL_SIZE], depth(stop, angle))
 
 
 @kernel
