@@ -13,8 +13,8 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from antenna_pin.base.records import Floats, words_of
-from antenna_pin.compiled.decorators import composed, composed_later, inlined, record
+from antenna_pin.base.records import Floats, place_of, words_of
+from antenna_pin.compiled.decorators import composed, composed_later, record
 from antenna_pin.elements import registry
 from antenna_pin.elements.desk_kernels import Desk
 from antenna_pin.elements.element import LOSS, Drive, Element, ForceElement, takes_tail
@@ -39,15 +39,17 @@ def _chain(
     Args:
         name: Of the kernel.
         last: For kinds without one, and numbers that are no kind's; takes all arguments.
-        otherwise: Kernel of a kind that has none of the name; None for ``last``.
+        otherwise: Function of program, place and these for a kind without one; None for ``last``.
     """
 
     def dispatcher() -> Any:
         chain = composed(last)
         for kind, element in reversed(_kinds()):
-            own = element.hook(name) or otherwise(element)
+            own = element.hook(name)
             if own is not None:
                 chain = _branch(kind, own, element.layout(), chain)
+            elif (plain := otherwise(element)) is not None:
+                chain = _plain_branch(kind, composed(plain), chain)
         return chain
 
     return composed_later(dispatcher)
@@ -69,6 +71,15 @@ def _branch(kind: int, own: Any, layout: Any, rest: Any) -> Any:
     return composed(branch_with_tail if takes_tail(own) else branch)
 
 
+def _plain_branch(kind: int, own: Any, rest: Any) -> Any:
+    def branch(number: int, *arguments: Any) -> Any:
+        if number == kind:
+            return own(*arguments)
+        return rest(number, *arguments)
+
+    return composed(branch)
+
+
 def _always(value: Any) -> Callable[..., Any]:
     """Return a function of a kind's number, program and place that returns a constant."""
     return lambda kind, *arguments: value
@@ -85,23 +96,18 @@ def _no_action(kind: int, words: Floats, at: int, t: float, desk: Desk) -> None:
 # --- kernels that kinds need not have -----------------------------------------------------------------------
 
 
-@inlined
-def _no_effort(own: Any, t: float, angle: float, rate: float) -> float:
-    return 0.0
-
-
 def _effort_of_kind(element: _Kind) -> Any:
     """Return no effort of a kind at a joint that has none of its own."""
-    return _no_effort if issubclass(element, Element) and not element.hook("effort_of") else None
+    if not issubclass(element, Element) or element.hook("effort_of"):
+        return None
+    return lambda words, at, t, angle, rate: 0.0
 
 
-@inlined
-def _work(own: Any, angle: float, rate: float, power: float, rates: Floats, x: int) -> None:
+def _work(words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int) -> None:
     write_work(power, rates, x)
 
 
-@inlined
-def _no_loss(own: Any, angle: float, rate: float, power: float, rates: Floats, x: int) -> None:
+def _no_loss(words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int) -> None:
     rates[x] = 0.0
 
 
@@ -112,19 +118,27 @@ def _rates_of_kind(element: _Kind) -> Any:
     return {Drive.integrals: _work, (LOSS,): _no_loss}.get(element.integrals)
 
 
-@inlined
-def _mode(own: Any) -> int:
-    return int(own.mode)
+def _mode_of_kind(element: _Kind) -> Any:
+    """Return the mode of a kind whose record has one."""
+    layout = element.layout()
+    if "mode" not in (layout.names or ()):
+        return None
+    size = words_of(layout)
+    return lambda words, at: int(record(words[at : at + size], layout).mode)
 
 
-@inlined
-def _bearing(own: Any) -> tuple[float, float, float, float]:
-    return own.load_numbers[0], own.load_numbers[1], own.load_numbers[2], own.load_numbers[3]
-
-
-def _if_has(field: str, kernel: Any) -> Callable[[_Kind], Any]:
-    """Return a kernel of kinds whose record has a field."""
-    return lambda element: kernel if field in (element.layout().names or ()) else None
+def _bearing_of_kind(element: _Kind) -> Any:
+    """Return the ``load_numbers`` of a kind whose record has them."""
+    layout = element.layout()
+    if "load_numbers" not in (layout.names or ()):
+        return None
+    first = place_of(layout, "load_numbers")
+    return lambda words, at: (
+        words[at + first],
+        words[at + first + 1],
+        words[at + first + 2],
+        words[at + first + 3],
+    )
 
 
 # --- all of them --------------------------------------------------------------------------------------------
@@ -166,10 +180,10 @@ motion = _chain("motion", _always((math.nan,) * 3))
 # Of those with modes.
 switch = _chain("switch", _always((1.0, 0.0)))
 hold = _chain("hold", _always((False, 0.0)))
-mode = _chain("mode", _always(0), _if_has("mode", _mode))
+mode = _chain("mode", _always(0), _mode_of_kind)
 # Of dry friction.
 grip = _chain("grip", _always(0.0))
-bearing = _chain("bearing", _always((0.0,) * 4), _if_has("load_numbers", _bearing))
+bearing = _chain("bearing", _always((0.0,) * 4), _bearing_of_kind)
 rub = _chain("rub", _always(0.0))
 bear = _chain("bear", _no_rates)
 # Of those between two joints.
