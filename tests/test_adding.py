@@ -87,9 +87,10 @@ CUBIC = '''
 from dataclasses import dataclass
 from typing import ClassVar
 
-from antenna_pin.elements.element import Element
 from antenna_pin.base.parameters import parameter
 from antenna_pin.base.readable import readable
+from antenna_pin.compiled.decorators import inlined
+from antenna_pin.elements.element import Element
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,47 +101,29 @@ class CubicSpring(Element):
         cubic: k [N*m/rad^3].
     """
 
-    kernels: ClassVar[str] = "cubic_kernels"
+    kernels: ClassVar[str] = __name__
     senses: ClassVar[bool] = True
 
     cubic: float = parameter("N*m/rad**3", sliding="N/m**3", rule="positive")
 
     def words(self, slides):
         return f"cubic {readable(self.cubic, self.unit('cubic', slides))}"
-'''
-CUBIC_KERNELS = '''
-"""A cubic spring, compiled: two of the hooks that elements/hook_kernels.py declares."""
-
-from antenna_pin.compiled.decorators import inlined, record
-from antenna_pin.base.records import Record, layout, words_of
-
-
-class PackedCubic(Record):
-    """A cubic spring's parameters."""
-
-    cubic: float  # [N m/rad^3] ([N/m^3])
-
-
-LAYOUT = layout(PackedCubic)
-SIZE = words_of(LAYOUT)
 
 
 @inlined
-def effort(words, at, t, angle, rate):
-    return float(-record(words[at : at + SIZE], LAYOUT).cubic * angle**3)
+def effort(spring, t, angle, rate):
+    return -spring.cubic * angle**3
 
 
 @inlined
-def stored(words, at, angle):
-    return float(0.25 * record(words[at : at + SIZE], LAYOUT).cubic * angle**4)
+def stored(spring, angle):
+    return 0.25 * spring.cubic * angle**4
 '''
 
 
 @pytest.mark.slow
 def test_a_second_kind_in_springs_is_an_element_of_its_own(copy):
     """Run, told, drawn and kept: the energy it stores is in the ledger, or that would not close."""
-    kernels = copy / "antenna_pin" / "elements" / "cubic_kernels.py"
-    kernels.write_text(CUBIC_KERNELS, encoding="utf-8")
     add(
         copy,
         "elements/cubic.py",
@@ -192,8 +175,8 @@ def test_a_law_has_its_certificate_and_its_runs(copy):
         "contact/halved.py",
         STAIRS,
         "contact/registry.py",
-        before='"kelvin-voigt":',
-        entry='"halved": "halved.Halved",',
+        before='Alias("kelvin-voigt"',
+        entry='Alias("halved", "HalvedContact", "halved.Halved"),',
     )
     # One impact: they touch after 1 ms at 0.1 m/s.
     law = "{law='hertz', dissipation='halved', stiffness='1e9 N/m**1.5', restitution=0.5}"

@@ -111,6 +111,32 @@ def test_constraints_pin_every_dependency():
         assert name in pinned
 
 
+_MAKERS = {"inlined", "kernel", "released", "composed"}
+
+
+def used_by_kernels(tree):
+    """Return the names that kernels of a module use, with those that they are defined by at its top."""
+    own = {}
+    for node in tree.body:
+        names = [one.id for one in ast.walk(node) if isinstance(one, ast.Name)]
+        if isinstance(node, ast.FunctionDef):
+            decorators = {getattr(one, "id", "") for one in node.decorator_list}
+            node.returns = None
+            for one in node.args.args:
+                one.annotation = None
+            own[node.name] = {one.id for one in ast.walk(node) if isinstance(one, ast.Name)}
+            if decorators & _MAKERS:
+                own.setdefault("", set()).update(own[node.name])
+        elif isinstance(node, ast.Assign | ast.AnnAssign):
+            for name in names:
+                own.setdefault(name, set()).update(names)
+    found, left = set(), own.get("", set())
+    while left:
+        found |= left
+        left = set().union(*(own.get(name, set()) for name in left)) - found
+    return found
+
+
 def test_everything_that_is_compiled_stands_under_the_stamp():
     """A kernel's constants come from files that the cache is tied to, or a stale kernel would run."""
     folder = ROOT / "antenna_pin"
@@ -121,12 +147,22 @@ def test_everything_that_is_compiled_stands_under_the_stamp():
             assert path in stamped or path.name == "decorators.py", path
     # The registry of elements stands under it too, for what it names is what is compiled.
     for path in stamped - {folder / "elements" / "registry.py"}:
-        for node in ast.walk(ast.parse(path.read_text())):
-            if not (isinstance(node, ast.ImportFrom) and (node.module or "").startswith("antenna_pin")):
+        tree = ast.parse(path.read_text())
+        imports = [node for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+        # Beside a class there are imports that no kernel uses.
+        used = None if path.name.endswith("kernels.py") else used_by_kernels(tree)
+        for node in imports:
+            if not (node.module or "").startswith("antenna_pin"):
                 continue
-            assert node.module is not None
             source = folder.joinpath(*node.module.split(".")[1:])
             for name in node.names:
+                if used is not None and (name.asname or name.name) not in used:
+                    continue
                 # A module, or a file that holds a constant or a function.
                 files = {source.with_suffix(".py"), source / f"{name.name}.py", source / "__init__.py"}
                 assert files & stamped or source.name == "decorators", (path, node.module, name.name)
+
+
+def test_what_kernels_use_is_found_through_constants_of_their_file():
+    tree = ast.parse("from x import a, b, c\nd = a + 1\n@inlined\ndef f(x):\n    return d * b\ndef g(): c")
+    assert {"a", "b", "d"} <= used_by_kernels(tree) and "c" not in used_by_kernels(tree)

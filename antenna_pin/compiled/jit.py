@@ -29,7 +29,8 @@ __all__ = ["code_of", "dispatcher", "stamp_of", "stamped_files"]
 aim_at_baseline()
 
 _ROOMS_OF_KINDS = ("elements", "contact", "joints")  # where a kind's kernels stand beside its class
-_DECORATORS = b"antenna_pin.compiled.decorators import"
+# What files say in which kernels stand, or fields of the records of elements.
+_MARKS = (b"antenna_pin.compiled.decorators import", b"antenna_pin.elements.element import")
 _REGISTRY = "elements/registry.py"  # names files that are compiled into the chains of kinds
 
 
@@ -50,7 +51,9 @@ def stamped_files() -> tuple[Path, ...]:
     )
     kinds = (path for room in _ROOMS_OF_KINDS for path in (folder / room).glob("*.py"))
     found = {path for name in names for path in folder.glob(name)}
-    return tuple(sorted(found | {path for path in kinds if _DECORATORS in path.read_bytes()}))
+    return tuple(
+        sorted(found | {path for path in kinds if any(mark in path.read_bytes() for mark in _MARKS)})
+    )
 
 
 def stamp_of(path: str | Path) -> str:
@@ -119,7 +122,7 @@ def code_of(text: bytes | str, with_methods: bool = False) -> str:
     """Return the syntax tree of a module, as text, without what kernels cannot depend on.
 
     That are docstrings, annotations of functions, and of classes the methods and the declarations of fields
-    except for names and types.
+    except for names and types; of properties that are ``packed`` these stay too.
     """
     tree = ast.parse(text)
     for node in ast.walk(tree):
@@ -133,11 +136,20 @@ def code_of(text: bytes | str, with_methods: bool = False) -> str:
             if isinstance(first, ast.Expr) and isinstance(first.value, ast.Constant):
                 del node.body[0]
         if isinstance(node, ast.ClassDef) and not with_methods:
-            node.body = [one for one in node.body if not isinstance(one, ast.FunctionDef)]
+            node.body = [kept for one in node.body if (kept := _of_class(one)) is not None]
             for one in node.body:
                 if isinstance(one, ast.AnnAssign) and isinstance(one.value, ast.Call):
                     one.value = None
     return ast.dump(tree)
+
+
+def _of_class(node: ast.stmt) -> ast.stmt | None:
+    """Return a statement of a class: no method, a packed property as a field."""
+    if not isinstance(node, ast.FunctionDef):
+        return node
+    if node.returns is None or "packed" not in [getattr(one, "id", "") for one in node.decorator_list]:
+        return None
+    return ast.AnnAssign(ast.Name(node.name), node.returns, simple=1)
 
 
 def dispatcher(

@@ -23,11 +23,8 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from antenna_pin.base.parameters import parameter
-from antenna_pin.contact.normal import ElasticLaw, elastic_code
+from antenna_pin.contact.normal import ElasticLaw
 from antenna_pin.contact.records import BAI_ZHAO, FOUNDATION, LOGARITHMIC, PERSSON, POWER
 from antenna_pin.errors import InvalidParameterError
 
@@ -87,6 +84,8 @@ class LogarithmicLaw(LineLaw):
 
     __slots__ = ()
 
+    kind: ClassVar[float] = LOGARITHMIC
+
     def _logarithm(self) -> tuple[float, float]:
         """Return alpha [m^2/N] and beta [N/m]."""
         raise NotImplementedError
@@ -94,8 +93,7 @@ class LogarithmicLaw(LineLaw):
     @property
     def depth_limit(self) -> float:
         """Depth at which the law turns over [m]."""
-        alpha, beta = self._logarithm()
-        return alpha * beta / math.e
+        return self.depth_scale / math.e
 
     def depth(self, force: float) -> float:
         """Return the depth under a force, as the law is published [m].
@@ -109,10 +107,16 @@ class LogarithmicLaw(LineLaw):
         load = force / self.length
         return alpha * load * math.log(beta / load)
 
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (16,)."""
+    @property
+    def force_scale(self) -> float:
+        """F_0 of F = F_0 s [N]."""
+        return self._logarithm()[1] * self.length
+
+    @property
+    def depth_scale(self) -> float:
+        """d_0 of the depth d_0 s ln(1/s) [m]."""
         alpha, beta = self._logarithm()
-        return elastic_code(LOGARITHMIC, force_scale=beta * self.length, depth_scale=alpha * beta)
+        return alpha * beta
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -268,10 +272,12 @@ class LiuFoundation(LineLaw):
         183-197. The formula as a public multibody code (DyS) has it.
     """
 
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (16,)."""
-        factor = 0.5 * math.pi / math.sqrt(2.0) * self.modulus * self.length
-        return elastic_code(FOUNDATION, factor=factor, clearance=self.clearance)
+    kind: ClassVar[float] = FOUNDATION
+
+    @property
+    def factor(self) -> float:
+        """Pi E* L / sqrt(8) [N/m]."""
+        return 0.5 * math.pi / math.sqrt(2.0) * self.modulus * self.length
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -294,6 +300,8 @@ class BaiZhaoElastic(LineLaw):
         the tests.
     """
 
+    kind: ClassVar[float] = BAI_ZHAO
+
     exponent: float = parameter(default=1.0)
 
     @classmethod
@@ -303,10 +311,10 @@ class BaiZhaoElastic(LineLaw):
         if law.exponent not in (1.0, 1.5):
             raise InvalidParameterError(law, "exponent", "1 or 1.5")
 
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (16,)."""
-        factor = math.pi / 8.0 * math.sqrt(2.0) * self.modulus * self.length
-        return elastic_code(BAI_ZHAO, factor=factor, clearance=self.clearance, exponent=self.exponent)
+    @property
+    def factor(self) -> float:
+        """Pi E* L / sqrt(32) [N/m]."""
+        return math.pi / 8.0 * math.sqrt(2.0) * self.modulus * self.length
 
 
 def _largest_square() -> float:
@@ -339,17 +347,19 @@ class Persson(LineLaw):
         tests check the load over the arc against a series solution of the plane problem.
     """
 
+    kind: ClassVar[float] = PERSSON
+    root: ClassVar[float] = _largest_square()
+    largest: ClassVar[float] = 0.99 * root  # b^2 that the law is evaluated at
+
     @property
     def depth_limit(self) -> float:
         """Depth at which the arc is the largest that the law is evaluated at [m]."""
-        square = 0.99 * _largest_square()
-        return 2.0 * self.clearance * square / (1.0 - square)
+        return 2.0 * self.clearance * self.largest / (1.0 - self.largest)
 
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (16,)."""
-        factor = 2.0 * math.pi * self.modulus * self.length * self.clearance
-        root = _largest_square()
-        return elastic_code(PERSSON, factor=factor, clearance=self.clearance, largest=0.99 * root, root=root)
+    @property
+    def factor(self) -> float:
+        """2 pi E* L dR [N]."""
+        return 2.0 * math.pi * self.modulus * self.length * self.clearance
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -371,6 +381,8 @@ class Pereira(LineLaw):
         Pereira, Ramalho and Ambrosio (2015), Multibody Syst. Dyn. 35, 277-298. Recalled, not checked against
         the paper; that the two branches of Y meet is checked in the tests.
     """
+
+    kind: ClassVar[float] = POWER
 
     @classmethod
     def check_rules(cls, law: Any) -> None:
@@ -395,7 +407,3 @@ class Pereira(LineLaw):
         play = 1e3 * self.clearance
         per_millimetre = (0.965 * play + 0.0965) * (1e3 * self.length) * (1e-6 * self.modulus) / play
         return float(per_millimetre * 1000.0**self.exponent)
-
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (16,)."""
-        return elastic_code(POWER, stiffness=self.stiffness, exponent=self.exponent)

@@ -63,6 +63,11 @@ class _OfRestitution(Dissipation):
     restitution: float = parameter()
     effective_mass: float | None = parameter("kg", rule="positive", default=None, from_joint=True)
 
+    @property
+    def mass(self) -> float:
+        """Effective mass, 0 for that of the contact [kg]."""
+        return self.effective_mass or 0.0
+
     @classmethod
     def check_rules(cls, law: Any) -> None:
         """Refuse a restitution for which there is no damping."""
@@ -89,11 +94,9 @@ class KelvinVoigtDamping(Dissipation):
 
     adds_force: ClassVar[bool] = True
 
-    damping: float = parameter("N*s/m", rule="zero or more")
+    kind: ClassVar[float] = kernels.VISCOUS
 
-    def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
-        """Return its kind and D."""
-        return kernels.VISCOUS, {"damping": self.damping}
+    damping: float = parameter("N*s/m", rule="zero or more")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,11 +117,9 @@ class KuwabaraKonoDamping(Dissipation):
 
     adds_force: ClassVar[bool] = True
 
-    damping: float = parameter("N*s/m**1.5", rule="zero or more")
+    kind: ClassVar[float] = kernels.ROOT_DEPTH
 
-    def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
-        """Return its kind and c."""
-        return kernels.ROOT_DEPTH, {"damping": self.damping}
+    damping: float = parameter("N*s/m**1.5", rule="zero or more")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -140,11 +141,13 @@ class TsujiDamping(_OfRestitution):
         form, Antypov and Elliott (2011), EPL 94, 50004, is derived here (see the module).
     """
 
-    def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
-        """Return its kind, alpha and the mass."""
+    kind: ClassVar[float] = kernels.SECANT
+
+    def numbers(self, elastic: ElasticLaw) -> dict[str, float]:
+        """Return alpha, which depends on the elastic law, and the mass."""
         exponent = getattr(elastic, "exponent", 1.5)
         alpha = math.sqrt(2.0 * (exponent + 1.0)) * damping_ratio(self.restitution)
-        return kernels.SECANT, {"damping": alpha, "mass": self.effective_mass or 0.0}
+        return {"damping": alpha, "mass": self.mass}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -168,18 +171,18 @@ class JankowskiDamping(_OfRestitution):
         checked against the papers; xi has the slope at c_r = 1 that the exact relation requires.
     """
 
+    kind: ClassVar[float] = kernels.SECANT_LOADING
+
     @property
     def damping_ratio(self) -> float:
         """Xi [-]."""
         c = self.restitution
         return 4.5 * math.sqrt(5.0) * (1.0 - c * c) / (c * (c * (9.0 * math.pi - 16.0) + 16.0))
 
-    def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
-        """Return its kind, 2 xi and the mass."""
-        return kernels.SECANT_LOADING, {
-            "damping": 2.0 * self.damping_ratio,
-            "mass": self.effective_mass or 0.0,
-        }
+    @property
+    def damping(self) -> float:
+        """2 xi [-]."""
+        return 2.0 * self.damping_ratio
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -201,9 +204,7 @@ class AdamsDamping(Dissipation):
 
     adds_force: ClassVar[bool] = True
 
+    kind: ClassVar[float] = kernels.STEP
+
     damping: float = parameter("N*s/m", rule="zero or more")
     full_damping_depth: float = parameter("m", rule="positive")
-
-    def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
-        """Return its kind, D and d."""
-        return kernels.STEP, {"damping": self.damping, "full_damping_depth": self.full_damping_depth}

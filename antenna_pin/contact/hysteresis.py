@@ -31,7 +31,7 @@ from typing import Any, ClassVar
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.parameters import parameter
 from antenna_pin.contact import damping_kernels as kernels
-from antenna_pin.contact.normal import Dissipation, ElasticLaw
+from antenna_pin.contact.normal import Dissipation
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -64,6 +64,7 @@ class HysteresisDamping(Dissipation):
         restitution: c_r, required coefficient of restitution, in [0, 1] [-].
     """
 
+    kind: ClassVar[float] = kernels.HYSTERETIC
     factor: ClassVar[Any]  # c_r -> chi
 
     # At a restitution of zero the factor is infinite.
@@ -85,11 +86,6 @@ class HysteresisDamping(Dissipation):
     def hysteresis(self) -> float:
         """Hysteresis damping factor chi of ``1 + chi rate / approach_speed`` [-]."""
         return float(type(self).factor(self.restitution))
-
-    def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
-        """Return its kind and chi."""
-        kind = kernels.HYSTERETIC_LOADING if self.approach_only else kernels.HYSTERETIC
-        return kind, {"hysteresis": self.hysteresis}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -290,6 +286,7 @@ class PantWijeyewickremaDamping(HysteresisDamping):
         Pant and Wijeyewickrema (2012), Earthq. Eng. Struct. Dyn. 41(12).
     """
 
+    kind: ClassVar[float] = kernels.HYSTERETIC_LOADING
     positive_restitution: ClassVar[bool] = True
     approach_only: ClassVar[bool] = True
 
@@ -406,8 +403,11 @@ class MarhefkaOrinDamping(Dissipation):
         Marhefka and Orin (1999), IEEE Trans. Syst. Man Cybern. A 29(6), 566-572.
     """
 
+    kind: ClassVar[float] = kernels.PROPORTIONAL
+
     slope: float = parameter("s/m", rule="zero or more")
 
-    def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
-        """Return its kind and chi over the approach speed."""
-        return kernels.PROPORTIONAL, {"hysteresis_over_speed": 1.5 * self.slope}
+    @property
+    def hysteresis_over_speed(self) -> float:
+        """Chi over the approach speed [s/m]."""
+        return 1.5 * self.slope

@@ -186,12 +186,19 @@ class ElasticLaw(CompiledNormalLaw):
     """A law without dissipation; it can be given one with :class:`DampedContact`.
 
     Attributes:
+        kind: One of those that the kernels know, whose record has the names of the law's attributes.
         line: Whether it is the law of two cylinders along a line, which means nothing at a flange.
     """
 
     __slots__ = ()
 
+    kind: ClassVar[float]
     line: ClassVar[bool] = False
+
+    def code(self) -> NDArray[np.float64]:
+        """Return the law as flat numbers, shape (16,)."""
+        names = kernels.ELASTIC_RECORDS[self.kind].names or ()
+        return elastic_code(self.kind, **{name: getattr(self, name) for name in names})
 
     @property
     def parts(self) -> DampedContact:
@@ -208,25 +215,25 @@ class Dissipation(Law):
     """Protocol of the dissipation of a normal law, independent of the elastic law.
 
     Attributes:
+        kind: One of those that the kernels know, whose record has the names of its attributes.
         adds_force: Whether it adds a force of its own to the elastic one, rather than a multiple of that.
     """
 
     __slots__ = ()
 
+    kind: ClassVar[float]
     adds_force: ClassVar[bool] = False
 
-    def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
-        """Return its kind, and its parameters by name beside an elastic law."""
-        raise NotImplementedError
+    def numbers(self, elastic: ElasticLaw) -> dict[str, float]:
+        """Return the parameters of its record by name, beside an elastic law."""
+        return {name: getattr(self, name) for name in kernels.DISSIPATION_RECORDS[self.kind].names or ()}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NoDissipation(Dissipation):
     """No dissipation: a restitution of 1."""
 
-    def code(self, elastic: ElasticLaw) -> tuple[float, dict[str, float]]:
-        """Return its kind."""
-        return CONSERVATIVE, {}
+    kind: ClassVar[float] = CONSERVATIVE
 
 
 def elastic_code(kind: float, **parameters: float) -> NDArray[np.float64]:
@@ -270,9 +277,9 @@ class DampedContact(CompiledNormalLaw):
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (16,)."""
         code = self.elastic.code()
-        kind, parameters = self.dissipation.code(self.elastic)
+        kind = self.dissipation.kind
         record(code, NORMAL_LAW).dissipation = kind
-        coded(code, kernels.DISSIPATION_RECORDS[kind], parameters)
+        coded(code, kernels.DISSIPATION_RECORDS[kind], self.dissipation.numbers(self.elastic))
         return code
 
 
@@ -294,6 +301,8 @@ class Hertz(ElasticLaw):
         Hertz (1881), J. reine angew. Math. 92, 156-171.
     """
 
+    kind: ClassVar[float] = POWER
+
     stiffness: float = parameter("N/m**exponent", rule="positive", from_joint=True)
     exponent: float = parameter(default=1.5)
 
@@ -302,10 +311,6 @@ class Hertz(ElasticLaw):
         """Refuse an exponent out of range."""
         if not 1.0 <= law.exponent <= 4.0:
             raise InvalidParameterError(law, "exponent", "in [1, 4]")
-
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (16,)."""
-        return elastic_code(POWER, stiffness=self.stiffness, exponent=self.exponent)
 
 
 @takes()

@@ -8,12 +8,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import ClassVar
 
 from antenna_pin.contact.cylinder import LineLaw
-from antenna_pin.contact.normal import check_depth, elastic_code
+from antenna_pin.contact.normal import check_depth
 from antenna_pin.contact.records import PIN_JOINT, POWER
 
 __all__ = ["LiuConformal", "LiuHertz", "LiuPinJoint", "LiuPinJointCorrected"]
@@ -30,6 +28,8 @@ class LiuHertz(LineLaw):
         Liu, Zhang, Guo and Deng (2013), J. Aerosp. Technol. Manag. 5(3), 341-348, equation (6).
     """
 
+    kind: ClassVar[float] = POWER
+
     @property
     def stiffness(self) -> float:
         """K of K depth [N/m]."""
@@ -39,10 +39,6 @@ class LiuHertz(LineLaw):
     def exponent(self) -> float:
         """Exponent 1 [-]."""
         return 1.0
-
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (16,)."""
-        return elastic_code(POWER, stiffness=self.stiffness, exponent=self.exponent)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,6 +55,8 @@ class LiuConformal(LineLaw):
         Liu, Zhang, Guo and Deng (2013), J. Aerosp. Technol. Manag. 5(3), 341-348, equation (14).
     """
 
+    kind: ClassVar[float] = POWER
+
     @property
     def stiffness(self) -> float:
         """K of K depth^1.5 [N/m^1.5]."""
@@ -70,19 +68,19 @@ class LiuConformal(LineLaw):
         """Exponent 3/2 [-]."""
         return 1.5
 
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (16,)."""
-        return elastic_code(POWER, stiffness=self.stiffness, exponent=self.exponent)
-
 
 class _PinJoint(LineLaw):
     """Base of (28) and (28'), with different shares of depth in the width."""
 
     __slots__ = ()
 
+    kind: ClassVar[float] = PIN_JOINT
+    share: ClassVar[float]
+
     @property
-    def _share(self) -> float:
-        raise NotImplementedError
+    def factor(self) -> float:
+        """Half of pi E* L [N/m]."""
+        return 0.5 * math.pi * self.modulus * self.length
 
     @property
     def depth_limit(self) -> float:
@@ -91,26 +89,15 @@ class _PinJoint(LineLaw):
         It is sqrt(R_i^2 - R_j^2) - dR, over the share.
         """
         sum_of_radii = self.bearing_radius + self.journal_radius
-        return (math.sqrt(sum_of_radii * self.clearance) - self.clearance) / self._share
+        return (math.sqrt(sum_of_radii * self.clearance) - self.clearance) / self.share
 
     def half_width(self, depth: float) -> float:
         """Return the half-width a of the contact, (24), at a depth up to ``depth_limit`` [m]."""
         check_depth(self, depth)
-        s = self.clearance + self._share * depth
+        s = self.clearance + self.share * depth
         sum_of_radii = self.bearing_radius + self.journal_radius
         x = 0.5 * (sum_of_radii * self.clearance / s + s)
         return math.sqrt(max(self.bearing_radius**2 - x * x, 0.0))
-
-    def code(self) -> NDArray[np.float64]:
-        """Return the law as flat numbers, shape (16,)."""
-        return elastic_code(
-            PIN_JOINT,
-            factor=0.5 * math.pi * self.modulus * self.length,
-            journal_radius=self.journal_radius,
-            bearing_radius=self.bearing_radius,
-            clearance=self.clearance,
-            share=self._share,
-        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -128,9 +115,7 @@ class LiuPinJoint(_PinJoint):
         Liu, Zhang, Guo and Deng (2013), J. Aerosp. Technol. Manag. 5(3), 341-348, equations (24), (28).
     """
 
-    @property
-    def _share(self) -> float:
-        return 1.0
+    share: ClassVar[float] = 1.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -149,6 +134,4 @@ class LiuPinJointCorrected(_PinJoint):
         project's.
     """
 
-    @property
-    def _share(self) -> float:
-        return 0.5
+    share: ClassVar[float] = 0.5

@@ -30,6 +30,7 @@ __all__ = [
     "NORMAL_LAWS",
     "normal_parameters",
     "Parameter",
+    "SHAPELESS_LAWS",
 ]
 
 # --- laws of the literature as a whole ----------------------------------------------------------------------
@@ -41,62 +42,56 @@ __all__ = [
 class Alias:
     """A law as a whole, by name.
 
+    Beside a Hertzian spring its dissipation bears the same name alone.
+
     Attributes:
         name: In a scenario.
         title: Name of its class.
-        elastic: Its elastic law: the file of this room that holds the class, and the class.
-        dissipation: What it dissipates with, likewise.
+        dissipation: What it dissipates with: the file of this room that holds the class, and the class.
         defaults: Of its parameters, where they are not those of the parts.
+        elastic: Its elastic law, likewise.
     """
 
     name: str
     title: str
-    elastic: str
     dissipation: str
     defaults: Mapping[str, float] = field(default_factory=dict)
+    elastic: str = "normal.Hertz"
 
 
 _LINEAR = {"exponent": 1.0}
 
 ALIASES = (
-    Alias(
-        "lankarani-nikravesh", "LankaraniNikravesh", "normal.Hertz", "hysteresis.LankaraniNikraveshDamping"
-    ),
-    Alias("exact-restitution", "ExactRestitution", "normal.Hertz", "hysteresis.ExactDamping"),
-    Alias("hunt-crossley", "HuntCrossley", "normal.Hertz", "hysteresis.HuntCrossleyDamping"),
-    Alias("herbert-mcwhannell", "HerbertMcWhannell", "normal.Hertz", "hysteresis.HerbertMcWhannellDamping"),
-    Alias("lee-wang", "LeeWang", "normal.Hertz", "hysteresis.LeeWangDamping"),
-    Alias("marhefka-orin", "MarhefkaOrin", "normal.Hertz", "hysteresis.MarhefkaOrinDamping"),
-    Alias("gonthier", "Gonthier", "normal.Hertz", "hysteresis.GonthierDamping"),
-    Alias("zhiying-qishao", "ZhiyingQishao", "normal.Hertz", "hysteresis.ZhiyingQishaoDamping"),
-    Alias("ye", "Ye", "normal.Hertz", "hysteresis.YeDamping", _LINEAR),
-    Alias("flores", "Flores", "normal.Hertz", "hysteresis.FloresDamping"),
-    Alias("gharib-hurmuzlu", "GharibHurmuzlu", "normal.Hertz", "hysteresis.GharibHurmuzluDamping"),
-    Alias(
-        "pant-wijeyewickrema",
-        "PantWijeyewickrema",
-        "normal.Hertz",
-        "hysteresis.PantWijeyewickremaDamping",
-        _LINEAR,
-    ),
-    Alias("hu-guo", "HuGuo", "normal.Hertz", "hysteresis.HuGuoDamping"),
-    Alias("carvalho-martins", "CarvalhoMartins", "normal.Hertz", "hysteresis.CarvalhoMartinsDamping"),
-    Alias("kelvin-voigt", "KelvinVoigt", "normal.Hertz", "damping.KelvinVoigtDamping", _LINEAR),
-    Alias("kuwabara-kono", "KuwabaraKono", "normal.Hertz", "damping.KuwabaraKonoDamping"),
-    Alias("tsuji", "Tsuji", "normal.Hertz", "damping.TsujiDamping"),
-    Alias("jankowski", "Jankowski", "normal.Hertz", "damping.JankowskiDamping"),
-    Alias("adams-impact", "AdamsImpact", "normal.Hertz", "damping.AdamsDamping"),
-    Alias("bai-zhao", "BaiZhao", "cylinder.BaiZhaoElastic", "hysteresis.ZhiyingQishaoDamping"),
+    Alias("lankarani-nikravesh", "LankaraniNikravesh", "hysteresis.LankaraniNikraveshDamping"),
+    Alias("exact-restitution", "ExactRestitution", "hysteresis.ExactDamping"),
+    Alias("hunt-crossley", "HuntCrossley", "hysteresis.HuntCrossleyDamping"),
+    Alias("herbert-mcwhannell", "HerbertMcWhannell", "hysteresis.HerbertMcWhannellDamping"),
+    Alias("lee-wang", "LeeWang", "hysteresis.LeeWangDamping"),
+    Alias("marhefka-orin", "MarhefkaOrin", "hysteresis.MarhefkaOrinDamping"),
+    Alias("gonthier", "Gonthier", "hysteresis.GonthierDamping"),
+    Alias("zhiying-qishao", "ZhiyingQishao", "hysteresis.ZhiyingQishaoDamping"),
+    Alias("ye", "Ye", "hysteresis.YeDamping", _LINEAR),
+    Alias("flores", "Flores", "hysteresis.FloresDamping"),
+    Alias("gharib-hurmuzlu", "GharibHurmuzlu", "hysteresis.GharibHurmuzluDamping"),
+    Alias("pant-wijeyewickrema", "PantWijeyewickrema", "hysteresis.PantWijeyewickremaDamping", _LINEAR),
+    Alias("hu-guo", "HuGuo", "hysteresis.HuGuoDamping"),
+    Alias("carvalho-martins", "CarvalhoMartins", "hysteresis.CarvalhoMartinsDamping"),
+    Alias("kelvin-voigt", "KelvinVoigt", "damping.KelvinVoigtDamping", _LINEAR),
+    Alias("kuwabara-kono", "KuwabaraKono", "damping.KuwabaraKonoDamping"),
+    Alias("tsuji", "Tsuji", "damping.TsujiDamping"),
+    Alias("jankowski", "Jankowski", "damping.JankowskiDamping"),
+    Alias("adams-impact", "AdamsImpact", "damping.AdamsDamping"),
+    Alias("bai-zhao", "BaiZhao", "hysteresis.ZhiyingQishaoDamping", elastic="cylinder.BaiZhaoElastic"),
 )
+
+# Beside a Hertzian spring.
+_HERTZIAN = [alias for alias in ALIASES if alias.elastic == "normal.Hertz"]
+
+SHAPELESS_LAWS = tuple(alias.name for alias in _HERTZIAN if alias.name != "kuwabara-kono")
+"""Laws that hold for bodies of any shape, by name: that of Kuwabara and Kono is of spheres."""
 
 
 # --- laws by name -------------------------------------------------------------------------------------------
-#
-# A scenario file, the command line and the documentation all read the laws from here; a law enters by one
-# line. A normal law is a name and its parameters; where the name is that of an elastic law, a dissipation
-# can be named beside it, whose parameters then stand with the elastic law's::
-#
-#     make_normal_law("johnson", {"length": "0.025", ..., "restitution": 0.9}, dissipation="flores")
 
 _ROOM = "antenna_pin.contact"
 
@@ -128,29 +123,7 @@ NORMAL_LAWS: Classes = Classes(
 )
 
 DISSIPATIONS: Classes = Classes(
-    _ROOM,
-    {
-        "none": "normal.NoDissipation",
-        "lankarani-nikravesh": "hysteresis.LankaraniNikraveshDamping",
-        "exact-restitution": "hysteresis.ExactDamping",
-        "hunt-crossley": "hysteresis.HuntCrossleyDamping",
-        "herbert-mcwhannell": "hysteresis.HerbertMcWhannellDamping",
-        "lee-wang": "hysteresis.LeeWangDamping",
-        "marhefka-orin": "hysteresis.MarhefkaOrinDamping",
-        "gonthier": "hysteresis.GonthierDamping",
-        "zhiying-qishao": "hysteresis.ZhiyingQishaoDamping",
-        "ye": "hysteresis.YeDamping",
-        "flores": "hysteresis.FloresDamping",
-        "gharib-hurmuzlu": "hysteresis.GharibHurmuzluDamping",
-        "pant-wijeyewickrema": "hysteresis.PantWijeyewickremaDamping",
-        "hu-guo": "hysteresis.HuGuoDamping",
-        "carvalho-martins": "hysteresis.CarvalhoMartinsDamping",
-        "kelvin-voigt": "damping.KelvinVoigtDamping",
-        "kuwabara-kono": "damping.KuwabaraKonoDamping",
-        "tsuji": "damping.TsujiDamping",
-        "jankowski": "damping.JankowskiDamping",
-        "adams-impact": "damping.AdamsDamping",
-    },
+    _ROOM, {"none": "normal.NoDissipation", **{alias.name: alias.dissipation for alias in _HERTZIAN}}
 )
 
 FRICTION_LAWS: Classes = Classes(

@@ -184,7 +184,7 @@ def deflections(
         spin[:, k] = turning[:, hubs.index(urdf.joint(name).parent)]
         at = system.spring_blocks[name]
         on = records_at(programs, at, kernels.ELEMENT)["on"]
-        spring = records_at(programs, at + int(kernels.PARAMETERS), JointSpring.compiled().LAYOUT)
+        spring = records_at(programs, at + int(kernels.PARAMETERS), JointSpring.layout())
         energy[:, k] = 0.5 * on * spring["stiffness"] * (motion[:, k, 0] - spring["rest_angle"]) ** 2
     return Deflections(motion, energy, spin)
 

@@ -25,6 +25,7 @@ from antenna_pin.elements.courses import Sine as Sine
 from antenna_pin.elements.courses import Sines as Sines
 from antenna_pin.elements.curve import SweptPiece as SweptPiece
 from antenna_pin.elements.curve import sines_of as sines_of
+from antenna_pin.elements.distance import DistanceMotion as DistanceMotion
 from antenna_pin.elements.element import GROSS_WORK as GROSS_WORK
 from antenna_pin.elements.element import LOSS as LOSS
 from antenna_pin.elements.element import WORK as WORK
@@ -38,6 +39,7 @@ from antenna_pin.elements.given import CallableDrive as CallableDrive
 from antenna_pin.elements.given_links import Acts as Acts
 from antenna_pin.elements.given_links import CallableElement as CallableElement
 from antenna_pin.elements.given_links import CallableForce as CallableForce
+from antenna_pin.elements.given_motion import CallableMotion as CallableMotion
 from antenna_pin.elements.gravity_gradient import GravityGradient as GravityGradient
 from antenna_pin.elements.harness import HarnessSpring as HarnessSpring
 from antenna_pin.elements.joint_friction import JointFriction as JointFriction
@@ -59,8 +61,6 @@ from antenna_pin.elements.pd import PDController as PDController
 from antenna_pin.elements.point_spring import PointSpring as PointSpring
 from antenna_pin.elements.points import BetweenPoints as BetweenPoints
 from antenna_pin.elements.points import Point as Point
-from antenna_pin.elements.prescribed import CallableMotion as CallableMotion
-from antenna_pin.elements.prescribed import DistanceMotion as DistanceMotion
 from antenna_pin.elements.prescribed import Motion as Motion
 from antenna_pin.elements.prescribed import PrescribedMotion as PrescribedMotion
 from antenna_pin.elements.random_shake import RandomShake as RandomShake

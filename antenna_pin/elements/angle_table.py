@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from antenna_pin.base.parameters import parameter
 from antenna_pin.base.readable import number, readable
+from antenna_pin.base.records import Floats
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.curve import Interpolation, areas, check_table, cubics
-from antenna_pin.elements.element import LOSS, Element, Integral
+from antenna_pin.elements.curve_kernels import area, curve
+from antenna_pin.elements.element import LOSS, Element, Integral, packed
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["Outside", "TableSpring"]
 
 Outside = Literal["hold", "extend", "refuse"]
 """What follows beyond a table: its last torque, that with its slope there, or the end of the run."""
-
-# How ``outside`` stands in records: whether the slope goes on.
-_GOES_ON = {"hold": 0, "extend": 1, "refuse": 1}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,7 +37,7 @@ class TableSpring(Element):
             ends.
     """
 
-    kernels: ClassVar[str] = "angle_table_kernels"
+    kernels: ClassVar[str] = __name__
     traced: ClassVar[bool] = True
     columns: ClassVar[tuple[str, ...]] = ("angle", "torque")
     senses: ClassVar[bool] = True
@@ -72,9 +72,15 @@ class TableSpring(Element):
             rule = f"a table that covers the start, at {angle:g}; extend it, or choose what is outside"
             raise InvalidParameterError(place, "angle", rule, (self.angle[0], self.angle[-1]))
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        return {"points": len(self.angle), "goes_on": _GOES_ON[self.outside]}
+    @packed
+    def points(self) -> int:
+        """Number of points."""
+        return len(self.angle)
+
+    @packed
+    def extends(self) -> bool:
+        """Continuation of the slope beyond the table."""
+        return self.outside != "hold"
 
     def tail(self) -> tuple[float, ...]:
         """Return the curve through its points, and its integral up to each."""
@@ -95,3 +101,59 @@ class TableSpring(Element):
         beyond = {"hold": "held", "extend": "extended", "refuse": "refused"}[self.outside]
         points = f"{len(self.angle)} points from {span}, {self.interpolation} between them, {beyond} beyond"
         return f"table{where}: {points}, up to {largest}"
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def torque_at(words: Floats, at: int, shape: tuple[int, bool], angle: float) -> tuple[float, float]:
+    """Return torque and slope at an angle, of the curve at words[at:].
+
+    ``shape`` has the number of points, and whether the curve continues.
+    """
+    points, goes_on = shape
+    inside = min(max(angle, words[at]), words[at + points - 1])
+    value, slope = curve(words, at, points, inside)
+    if angle != inside:
+        slope = slope if goes_on else 0.0
+        value += slope * (angle - inside)
+    return float(value), float(slope)
+
+
+@inlined
+def given_at(words: Floats, at: int, shape: tuple[int, bool], angle: float) -> float:
+    """Integral of the torque up to an angle [J]."""
+    points, goes_on = shape
+    inside = min(max(angle, words[at]), words[at + points - 1])
+    found = area(words, at, points, inside)
+    if angle != inside:
+        beyond = angle - inside
+        value, slope = curve(words, at, points, inside)
+        found += value * beyond + (0.5 * slope * beyond * beyond if goes_on else 0.0)
+    return float(found)
+
+
+@inlined
+def ends_at(words: Floats, at: int, points: int, angle: float) -> float:
+    """Product of the ways to the table's ends: it passes zero there."""
+    return float((angle - words[at]) * (angle - words[at + points - 1]))
+
+
+@inlined
+def effort(table: TableSpring, tail: Floats, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N]."""
+    value, _ = torque_at(tail, 0, (table.points, table.extends), angle)
+    return value
+
+
+@inlined
+def stored(table: TableSpring, tail: Floats, angle: float) -> float:
+    """Energy stored [J]."""
+    return -given_at(tail, 0, (table.points, table.extends), angle)
+
+
+@inlined
+def kink(table: TableSpring, tail: Floats, t: float, angle: float, rate: float) -> float:
+    """Return a function that passes zero at the ends of the table."""
+    return ends_at(tail, 0, table.points, angle)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.calculus import root_between
 from antenna_pin.base.parameters import parameter
-from antenna_pin.elements.bearing import Bearing
+from antenna_pin.elements.bearing import Bearing, Matrix5, Numbers5
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["BallBearing"]
@@ -258,14 +258,26 @@ class BallBearing(Bearing):
             total += change.T @ bend @ change
         return total
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        found = Bearing.derived(self) | {"damping": self.damping_time * self.stiffness}
-        if self.by == "linear":
-            return found
-        if self.arrangement == "single":
-            found["push"][2] = self.preload
-        return {**found, "stiffness": np.zeros((5, 5)), "balls": len(self.balls())}
+    @property
+    def springs(self) -> Matrix5:
+        """Stiffness at the preload, none if its balls are summed over."""
+        return self.stiffness if self.by == "linear" else np.zeros((5, 5))
+
+    @property
+    def dampers(self) -> Matrix5:
+        """Damping in proportion."""
+        return self.damping_time * self.stiffness
+
+    @property
+    def push(self) -> Numbers5:
+        """Preload of a single row whose balls are summed over."""
+        push = self.preload if self.by == "balls" and self.arrangement == "single" else 0.0
+        return np.array([0.0, 0.0, push, 0.0, 0.0])
+
+    @property
+    def ball_count(self) -> int:
+        """Number of balls that are summed over."""
+        return len(self.balls()) if self.by == "balls" else 0
 
     def tail(self) -> tuple[float, ...]:
         """Return the balls' numbers, if they are summed over."""

@@ -15,18 +15,23 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.parameters import parameter
-from antenna_pin.elements.element import LOSS, About, Element, Integral
+from antenna_pin.base.records import Floats, Pose, Record, layout, words_of
+from antenna_pin.compiled.decorators import inlined, kernel, record
+from antenna_pin.elements.element import LOSS, About, Element, Integral, packed
+from antenna_pin.elements.hook_kernels import JournalPlace
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["AxialPreload", "Bearing", "StiffnessBearing", "moved"]
 
 Array = NDArray[np.float64]
+Numbers5 = Annotated[Floats, 5]
+Matrix5 = Annotated[Floats, (5, 5)]
 
 # Of a matrix that is symmetric, and of its least eigenvalue over its largest: round-off of written numbers.
 _ROUND_OFF = 1e-12
@@ -36,14 +41,11 @@ _ROUND_OFF = 1e-12
 class Bearing(Element):
     """Base of the elements that act on a journal's pose in its bearing.
 
-    Beside their kernels' ``LAYOUT`` and ``effort``, which is zero:
-
-    - ``press(words, at, pose)``: force and moment on the journal, written into its pose; the power lost [W];
-    - ``journal_energy(words, at, place)``: the energy stored [J] with the journal's centre and axis there;
-    - ``coordinates(words, at, place)``: the five coordinates there, and the reference point's distance.
+    Their kernels are ``press``, ``journal_energy`` and ``coordinates``; about its axis a bearing has no
+    torque.
     """
 
-    kernels: ClassVar[str] = "bearing_kernels"
+    kernels: ClassVar[str] = __name__
     senses: ClassVar[bool] = True
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
     # Whether it holds its joint, which is free otherwise; or acts beside the play that the joint has.
@@ -67,9 +69,35 @@ class Bearing(Element):
             rule = "revolute or continuous: a bearing is of a joint that turns"
             raise InvalidParameterError(place, "joint", rule, self.joint)
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        return {"push": np.zeros(5), "energy": 0.0, "balls": 0}
+    @packed
+    def springs(self) -> Matrix5:
+        """Stiffness over (x, y, z, tilt about x, tilt about y) [N/m, N/rad, N*m/rad]."""
+        raise NotImplementedError
+
+    @packed
+    def dampers(self) -> Matrix5:
+        """Damping over the same [N*s/m, N*s/rad, N*m*s/rad]."""
+        raise NotImplementedError
+
+    @packed
+    def push(self) -> Numbers5:
+        """Force [N] and moment [N*m] in its centred place."""
+        return np.zeros(5)
+
+    @packed
+    def energy(self) -> float:
+        """Energy in its centred place [J]."""
+        return 0.0
+
+    @packed
+    def offset(self) -> float:
+        """Reference point along the axis from the joint's [m]."""
+        return 0.0
+
+    @packed
+    def ball_count(self) -> int:
+        """Number of balls behind the record."""
+        return 0
 
 
 def moved(matrix: Array, way: float) -> Array:
@@ -159,6 +187,8 @@ class StiffnessBearing(Bearing):
             return np.array(self.damping_matrix).reshape(5, 5)
         return self.damping_time * self.stiffness
 
+    springs, dampers = stiffness, damping
+
     def words(self, slides: bool = False) -> str:
         """Return the description."""
         said = {"radial": "radial stiffness", "axial": "axial", "tilt": "tilt", "coupling": "coupling"}
@@ -213,14 +243,26 @@ class AxialPreload(Bearing):
         if self.force == 0.0:
             raise InvalidParameterError(self, "force", "above or below zero", self.force)
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        found = Bearing.derived(self)
-        # Of a preload that has not been placed, one in the middle.
-        found["push"][2] = push = self.force + self.stiffness * (self.position or 0.0)
-        stiffness = np.diag([0.0, 0.0, self.stiffness, 0.0, 0.0])
-        own = {"stiffness": stiffness, "damping": np.zeros((5, 5)), "offset": 0.0}
-        return found | own | {"energy": 0.5 * push * push / self.stiffness}
+    @property
+    def springs(self) -> Matrix5:
+        """Stiffness along the axis."""
+        return np.diag([0.0, 0.0, self.stiffness, 0.0, 0.0])
+
+    @property
+    def dampers(self) -> Matrix5:
+        """No damping."""
+        return np.zeros((5, 5))
+
+    @property
+    def push(self) -> Numbers5:
+        """Force in the middle; of a preload that has not been placed, the force there."""
+        return np.array([0.0, 0.0, self.force + self.stiffness * (self.position or 0.0), 0.0, 0.0])
+
+    @property
+    def energy(self) -> float:
+        """Energy in the middle [J]."""
+        push = float(self.push[2])
+        return 0.5 * push * push / self.stiffness
 
     def words(self, slides: bool = False) -> str:
         """Return the description."""
@@ -228,3 +270,122 @@ class AxialPreload(Bearing):
         where = {"touching": "where the face touches", "rest": "at rest on the face", "centred": "centred"}
         place = where[self.given_at] if self.position is None else f"at {self.text_of('position', slides)}"
         return f"{', '.join(said)}, force given {place}"
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+class Ball(Record):
+    """A ball between the groove centres of its raceways."""
+
+    cosine: float  # of its azimuth
+    sine: float  # of its azimuth
+    height: float  # inner groove centre, centred, along the axis from the reference point [m]
+    radius: float  # inner groove centre off the axis [m]
+    off: float  # from the outer groove centre to the inner, off the axis [m]
+    along: float  # the same, along the axis [m]
+    rest: float  # distance of the groove centres, unloaded [m]
+    hertz: float  # force over elongation^1.5 [N/m^1.5]
+
+
+BALL = layout(Ball)
+BALL_SIZE = words_of(BALL)
+
+
+@inlined
+def _ball(tail: Floats, k: int) -> Ball:
+    first = k * BALL_SIZE
+    return record(tail[first : first + BALL_SIZE], BALL)
+
+
+@inlined
+def _coordinates(
+    offset: float, place: tuple[float, float, float, float, float, float]
+) -> tuple[float, float, float, float, float]:
+    """Return the five coordinates of a journal's centre and axis."""
+    x, y, z, ax, ay, az = place
+    # 1 - cos of the tilt without cancellation.
+    sunk = (ax * ax + ay * ay) / (1.0 + az) if az > 0.0 else 1.0 - az
+    return x + offset * ax, y + offset * ay, z - offset * sunk, -ay, ax
+
+
+@inlined
+def _elongation(ball: Ball, q: tuple[float, float, float, float, float]) -> tuple[float, float, float]:
+    """Return the compression of a ball [m], and its load's direction, off and along."""
+    x, y, z, tx, ty = q
+    tilt = ball.cosine * ty - ball.sine * tx
+    off = ball.off + ball.cosine * x + ball.sine * y + ball.height * tilt
+    along = ball.along + z - ball.radius * tilt
+    way = math.sqrt(off * off + along * along)
+    return way - ball.rest, off / way, along / way
+
+
+@kernel
+def press(b: Bearing, tail: Floats, pose: Pose) -> float:
+    """Write force and moment on the journal into its pose; return the loss [W].
+
+    The moment is about the journal's centre.
+    """
+    s = b.offset
+    ax, ay, az = pose.axis[0], pose.axis[1], pose.axis[2]
+    q = _coordinates(s, (pose.centre[0], pose.centre[1], pose.centre[2], ax, ay, az))
+    wx, wy, wz = pose.spin[0], pose.spin[1], pose.spin[2]
+    # a' = w x a.
+    dx, dy, dz = wy * az - wz * ay, wz * ax - wx * az, wx * ay - wy * ax
+    v = (pose.velocity[0] + s * dx, pose.velocity[1] + s * dy, pose.velocity[2] + s * dz, -dy, dx)
+    fx, fy, fz, mx, my = b.push[0], b.push[1], b.push[2], b.push[3], b.push[4]
+    lost = 0.0
+    for k in range(5):
+        elastic, damped = q[k], v[k]
+        fx -= b.springs[0, k] * elastic + b.dampers[0, k] * damped
+        fy -= b.springs[1, k] * elastic + b.dampers[1, k] * damped
+        fz -= b.springs[2, k] * elastic + b.dampers[2, k] * damped
+        mx -= b.springs[3, k] * elastic + b.dampers[3, k] * damped
+        my -= b.springs[4, k] * elastic + b.dampers[4, k] * damped
+        for i in range(5):
+            lost += v[i] * b.dampers[i, k] * damped
+    for k in range(b.ball_count):
+        ball = _ball(tail, k)
+        depth, off, along = _elongation(ball, q)
+        if depth > 0.0:
+            load = ball.hertz * depth * math.sqrt(depth)
+            fx -= load * off * ball.cosine
+            fy -= load * off * ball.sine
+            fz -= load * along
+            turn = load * (ball.height * off - ball.radius * along)
+            mx += turn * ball.sine
+            my -= turn * ball.cosine
+    pose.force[0], pose.force[1], pose.force[2] = fx, fy, fz
+    # Tilts change by w x a, so that their torques are these; then the force's about the journal's centre.
+    pose.moment[0] = mx * az + s * (ay * fz - az * fy)
+    pose.moment[1] = my * az + s * (az * fx - ax * fz)
+    pose.moment[2] = -mx * ax - my * ay + s * (ax * fy - ay * fx)
+    return float(lost)
+
+
+@kernel
+def journal_energy(b: Bearing, tail: Floats, place: JournalPlace) -> float:
+    """Return the energy stored [J], with the journal's centre and axis at ``place``."""
+    q = _coordinates(b.offset, place)
+    total = float(b.energy)
+    for i in range(5):
+        total -= b.push[i] * q[i]
+        for k in range(5):
+            total += 0.5 * q[i] * b.springs[i, k] * q[k]
+    for k in range(b.ball_count):
+        ball = _ball(tail, k)
+        depth, _, _ = _elongation(ball, q)
+        if depth > 0.0:
+            total += 0.4 * ball.hertz * depth * depth * math.sqrt(depth)
+    return float(total)
+
+
+@kernel
+def coordinates(b: Bearing, place: JournalPlace) -> tuple[float, float, float, float, float, float]:
+    """Return the five coordinates of a journal at ``place`` [m], [1].
+
+    Behind them stands where the reference point is along the axis [m].
+    """
+    offset = float(b.offset)
+    x, y, z, tx, ty = _coordinates(offset, place)
+    return x, y, z, tx, ty, offset

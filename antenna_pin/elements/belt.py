@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from antenna_pin.base.parameters import parameter
-from antenna_pin.elements.flanks import Flanks
-from antenna_pin.elements.mesh_kernels import TWO
+from antenna_pin.elements.flanks import TWO, Flanks
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["Belt", "Cable"]
@@ -28,7 +27,6 @@ class Strands(Flanks):
         slack: Of each strand there, if it has no pretension [m].
     """
 
-    kernels: ClassVar[str] = "mesh_kernels"
     along: ClassVar[bool] = True
     modes: ClassVar[tuple[str, ...]] = ("slack", "plus", "minus", "taut")
     said_of_change: ClassVar[tuple[str, str]] = ("taut", "slack")
@@ -38,7 +36,6 @@ class Strands(Flanks):
         "pretension": "pretension",
         "slack": "slack",
     }
-    springs: ClassVar[int]
 
     input_radius: float = parameter("m", rule="positive")
     output_radius: float = parameter("m", rule="positive")
@@ -61,9 +58,9 @@ class Strands(Flanks):
         return self.damping > 0.0
 
     @property
-    def side_numbers(self) -> tuple[float, int]:
-        """By how much strands are stretched without deflection, and how many there are."""
-        return self.pretension / self.stiffness - self.slack, self.springs
+    def room(self) -> float:
+        """By how much strands are stretched without deflection."""
+        return self.pretension / self.stiffness - self.slack
 
     @property
     def shares(self) -> tuple[float, float]:
@@ -86,7 +83,10 @@ class Belt(Strands):
     :math:`k u`, and a damping force of at most as much.
     """
 
-    springs: ClassVar[int] = TWO
+    @property
+    def springs(self) -> int:
+        """Number of strands: 2."""
+        return TWO
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,4 +97,7 @@ class Cable(Strands):
     above minus what its pretension has stretched it by); otherwise as a strand of :class:`Belt`.
     """
 
-    springs: ClassVar[int] = 1
+    @property
+    def springs(self) -> int:
+        """Number of strands: 1."""
+        return 1

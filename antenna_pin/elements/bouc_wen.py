@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
 from antenna_pin.base.parameters import parameter
+from antenna_pin.base.records import Floats
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.element import LOSS, Element, Integral
+from antenna_pin.elements.hook_kernels import Motion, Own, Powered
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["BoucWen"]
 
 _Z = Integral("z", "1")
+# Places among what it integrates.
+HEAT, Z = range(2)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,7 +51,7 @@ class BoucWen(Element):
         (1976), 249-263.
     """
 
-    kernels: ClassVar[str] = "bouc_wen_kernels"
+    kernels: ClassVar[str] = __name__
     at_start: ClassVar[tuple[str, ...]] = ("start",)
     traced: ClassVar[bool] = True
     senses: ClassVar[bool] = True
@@ -94,3 +100,51 @@ class BoucWen(Element):
         said = {"stiffness": "stiffness", "yield_angle": "yields at", "rest_angle": "at rest at"}
         shape = f"alpha {self.alpha:g}, A {self.slope:g}, beta {self.beta:g}, gamma {self.gamma:g}"
         return f"Bouc-Wen, {', '.join(self.said_of(said, slides))}, {shape}, n {self.exponent:g}"
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def effort_of(law: BoucWen, motion: Motion, own: Own) -> float:
+    """Torque [N m], or force [N]."""
+    _, angle, _ = motion
+    y, i = own
+    z = law.start + y[i + Z]
+    elastic = law.alpha * law.stiffness * (angle - law.rest_angle)
+    return float(-elastic - (1.0 - law.alpha) * law.stiffness * law.yield_angle * z)
+
+
+@inlined
+def write_rates_of(law: BoucWen, motion: Powered, own: Own, rates: Floats, x: int) -> None:
+    """Power that is lost [W], and the rate of z [1/s]."""
+    _, rate, _ = motion
+    y, i = own
+    z = law.start + y[i + Z]
+    size = math.pow(abs(z), law.exponent)
+    sign = math.copysign(1.0, z)
+    yields = size * (law.beta * abs(rate) * sign + law.gamma * rate)
+    rates[x + Z] = (law.slope * rate - yields) / law.yield_angle
+    rates[x + HEAT] = (1.0 - law.alpha) * law.stiffness * law.yield_angle * z * yields / law.slope
+
+
+@inlined
+def stored_of(law: BoucWen, angle: float, own: Own) -> float:
+    """Energy stored [J]."""
+    y, i = own
+    z = law.yield_angle * (law.start + y[i + Z])
+    turned = angle - law.rest_angle
+    elastic = law.alpha * turned * turned + (1.0 - law.alpha) * z * z / law.slope
+    return float(0.5 * law.stiffness * elastic)
+
+
+@inlined
+def kink_of(law: BoucWen, k: int, motion: Motion, own: Own) -> float:
+    """Return the rate (k = 0) or z (1), zero at kinks.
+
+    Where the joint turns back the rate of z changes; it depends on the size of z.
+    """
+    if k == 0:
+        return float(motion[2])
+    y, i = own
+    return float(law.start + y[i + Z])

@@ -12,7 +12,12 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from antenna_pin.base.parameters import parameter
-from antenna_pin.elements.element import LOSS, Element, Integral
+from antenna_pin.base.records import Floats
+from antenna_pin.compiled.decorators import inlined
+from antenna_pin.contact.bristle_kernels import bristle, gonthier_kink
+from antenna_pin.contact.friction_kernels import FRICTION_SIZE, GONTHIER
+from antenna_pin.elements.element import LOSS, Element, Integral, packed
+from antenna_pin.elements.hook_kernels import Motion, Own, Powered
 from antenna_pin.elements.own_load import (
     LABELS_OF_LOAD,
     NUMBERS_OF_LOAD,
@@ -26,6 +31,8 @@ __all__ = ["BristleFriction", "DahlFriction", "GonthierFriction", "LuGreFriction
 
 BEND = Integral("bend", "1")
 DWELL = Integral("dwell", "1")
+# Places among what it integrates.
+_HEAT_AT, _BEND_AT, _DWELL_AT = range(3)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,7 +51,7 @@ class BristleFriction(Element):
         start: How far bristles are bent at the start, over T_c / sigma_0 [-].
     """
 
-    kernels: ClassVar[str] = "bristle_friction_kernels"
+    kernels: ClassVar[str] = __name__
     at_start: ClassVar[tuple[str, ...]] = ("start",)
     senses: ClassVar[bool] = True
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS, BEND)
@@ -104,7 +111,7 @@ class BristleFriction(Element):
         """Break-away torque, of laws that distinguish it from slip."""
         return getattr(self, "static", None)
 
-    @property
+    @packed
     def reach(self) -> float:
         """By how much bristles are bent at Coulomb friction, T_c / sigma_0 [rad] ([m])."""
         return self.coulomb / self.stiffness
@@ -119,12 +126,18 @@ class BristleFriction(Element):
         """Return the joints whose reversals are kinks."""
         return True
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        return {"share": self.coefficient / self.coulomb, **numbers_of_load(self)}
+    @packed
+    def share(self) -> float:
+        """Share by which a load adds to all of it [1/(N*m)] ([1/N])."""
+        return self.coefficient / self.coulomb
+
+    @packed
+    def load_numbers(self) -> tuple[float, float, float, float]:
+        """Weights of the joint's load and the bearing's middle, of hook ``bearing``."""
+        return numbers_of_load(self)
 
     def tail(self) -> tuple[float, ...]:
-        """Return the law's numbers."""
+        """Return the law's friction."""
         return tuple(map(float, self.law.code()))
 
     def words(self, slides: bool = False) -> str:
@@ -275,3 +288,72 @@ class GonthierFriction(BristleFriction):
             dwell_time=self.dwell_time,
             direction_speed=self.direction_rate,
         )
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def _bent(
+    friction: BristleFriction, tail: Floats, rate: float, own: Own
+) -> tuple[float, float, float, float]:
+    """Torque of the bristles, their deflection, the rate of that, and of the dwell."""
+    law = tail[:FRICTION_SIZE]
+    y, i = own
+    z = friction.reach * (friction.start + y[i + _BEND_AT])
+    dwell = y[i + _DWELL_AT] if law[0] == GONTHIER else 0.0
+    bend = z, 0.0, 0.0
+    force, _, _, moves, _, _, dwells = bristle(law, 1.0, (rate, 0.0, 0.0), bend, bend, dwell)
+    return force, z, moves, dwells
+
+
+@inlined
+def effort_of(friction: BristleFriction, tail: Floats, motion: Motion, own: Own) -> float:
+    """Torque [N m], or force [N], without that of a load."""
+    _, _, rate = motion
+    force, _, _, _ = _bent(friction, tail, rate, own)
+    return float(force - friction.viscous * rate)
+
+
+@inlined
+def write_rates_of(
+    friction: BristleFriction, tail: Floats, motion: Powered, own: Own, rates: Floats, x: int
+) -> None:
+    """Power that is lost [W], and the rates of deflection and dwell [1/s]."""
+    _, rate, power = motion
+    _, z, moves, dwells = _bent(friction, tail, rate, own)
+    rates[x + _HEAT_AT] = -power - friction.stiffness * z * moves
+    rates[x + _BEND_AT] = moves / friction.reach
+    if tail[0] == GONTHIER:
+        rates[x + _DWELL_AT] = dwells
+
+
+@inlined
+def stored_of(friction: BristleFriction, angle: float, own: Own) -> float:
+    """Energy stored in the bristles [J]."""
+    y, i = own
+    z = friction.reach * (friction.start + y[i + _BEND_AT])
+    return float(0.5 * friction.stiffness * z * z)
+
+
+@inlined
+def kink_of(friction: BristleFriction, tail: Floats, k: int, motion: Motion, own: Own) -> float:
+    """Return the rate, or of Gonthier's law its functions k, zero at kinks.
+
+    Where the joint turns back the rate of the bristles changes.
+    """
+    law = tail[:FRICTION_SIZE]
+    _, _, rate = motion
+    if law[0] != GONTHIER:
+        return float(rate)
+    y, i = own
+    return gonthier_kink(law, k, rate, friction.reach * (friction.start + y[i + _BEND_AT]), y[i + _DWELL_AT])
+
+
+@inlined
+def rub(friction: BristleFriction, tail: Floats, rate: float, own: Own) -> float:
+    """Torque by load, with its sign [-]."""
+    if friction.share == 0.0:
+        return 0.0
+    force, _, _, _ = _bent(friction, tail, rate, own)
+    return friction.share * force

@@ -5,9 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from antenna_pin.base.parameters import parameter
+from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.elements.element import packed
+from antenna_pin.elements.hook_kernels import Loaded
 from antenna_pin.elements.modal import CAPTURE, Change, Met, ModalElement
 
 __all__ = ["HELD", "INSIDE", "LET_GO", "OUTSIDE", "Capture"]
@@ -60,7 +63,7 @@ class Capture(ModalElement):
     on: bool = True
     side: float = field(default=-1.0, repr=False)
 
-    @property
+    @packed
     def window(self) -> tuple[float, float]:
         """Position of capture [rad] ([m])."""
         return self.angle - self.width, self.angle + self.width
@@ -131,16 +134,25 @@ class Capture(ModalElement):
     def _capture(self, met: Met, what: str) -> Change:
         return Change(HELD, what, self._side(met), switches_off=self.switches_off, phase=CAPTURE)
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        lower, upper = self.window
-        return {
-            "lower": lower,
-            "upper": upper,
-            "direction": _WAYS[self.direction],
-            "holding": math.inf if self.holding_torque is None else self.holding_torque,
-            "middle": self.angle,
-        }
+    @packed
+    def rate_limit(self) -> float:
+        """Greatest rate of a capture, infinity for any [rad/s] ([m/s])."""
+        return math.inf if self.greatest_rate is None else self.greatest_rate
+
+    @packed
+    def energy_limit(self) -> float:
+        """Greatest energy of a capture, infinity for any [J]."""
+        return math.inf if self.greatest_energy is None else self.greatest_energy
+
+    @packed
+    def capture_way(self) -> float:
+        """Sign of the rate of a capture; 0 for both."""
+        return _WAYS[self.direction]
+
+    @packed
+    def largest_torque(self) -> float:
+        """Torque at which it lets go, infinity for never [N*m] ([N])."""
+        return math.inf if self.holding_torque is None else self.holding_torque
 
     def capture_words(self, slides: bool) -> list[str]:
         """Return in words when it captures."""
@@ -159,3 +171,42 @@ class Capture(ModalElement):
         if self.holding_torque is not None:
             told.append(f"lets go at {self.text_of('holding_torque', slides)}")
         return told
+
+
+@inlined
+def beyond_capture(latch: Capture, rate: float, inertia: float) -> float:
+    """Return the excess of the rate over the limit of capture [rad/s].
+
+    It is zero or less where the latch captures.
+
+    A latch with a greatest energy asks for the joint's reduced inertia; not-a-number gives not-a-number.
+    """
+    most = latch.rate_limit
+    if not math.isinf(latch.energy_limit):
+        by_energy = math.sqrt(2.0 * latch.energy_limit / inertia)
+        if not by_energy > most:
+            most = by_energy
+    if latch.capture_way == 0.0:
+        return float(abs(rate) - most)
+    way = latch.capture_way * rate
+    return float(-way if -way > way - most else way - most)
+
+
+@inlined
+def inside(latch: Capture, angle: float) -> float:
+    """Return the distance of the joint to the window's ends; negative outside."""
+    return float(min(angle - latch.window[0], latch.window[1] - angle))
+
+
+@kernel
+def capture(latch: Capture, k: int, motion: Loaded) -> tuple[float, float]:
+    """Return function k of every latch: 0 end of the window, 1 rate of capture."""
+    _, angle, rate, inertia = motion
+    if k == 0 and latch.mode != HELD:
+        if latch.mode == OUTSIDE:
+            end = latch.window[1] if latch.side > 0.0 else latch.window[0]
+            return float(latch.side * (angle - end)), float(latch.side * rate)
+        return inside(latch, angle), (rate if angle < latch.angle else -rate)
+    if k == 1 and latch.mode == INSIDE:
+        return beyond_capture(latch, rate, inertia), 0.0
+    return 1.0, 0.0

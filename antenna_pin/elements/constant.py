@@ -7,6 +7,7 @@ from typing import ClassVar
 
 from antenna_pin.base.parameters import parameter
 from antenna_pin.base.readable import GIVEN, readable
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.element import Drive
 
 __all__ = ["ConstantDrive"]
@@ -20,7 +21,7 @@ class ConstantDrive(Drive):
         value: [N*m] ([N]).
     """
 
-    kernels: ClassVar[str] = "constant_kernels"
+    kernels: ClassVar[str] = __name__
     commanded: ClassVar[str] = "value"
 
     value: float = parameter("N*m", sliding="N")
@@ -28,3 +29,12 @@ class ConstantDrive(Drive):
     def words(self, slides: bool = False) -> str:
         """Return the description."""
         return f"constant {readable(self.value, self.unit('value', slides), GIVEN)}"
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def effort(drive: ConstantDrive, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N]."""
+    return float(drive.value)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from antenna_pin.base.readable import GIVEN, number
 from antenna_pin.elements.composed_courses import curve_term
@@ -15,7 +15,7 @@ from antenna_pin.elements.curve import (
     check_table,
     points_and_middles,
 )
-from antenna_pin.elements.element import ForceElement
+from antenna_pin.elements.element import ForceElement, packed
 from antenna_pin.elements.reference import Reference
 from antenna_pin.errors import InvalidParameterError
 
@@ -40,7 +40,7 @@ class Swing(ForceElement):
         """An eighth of the period [s]."""
         return eighth_of_period(self.frequency)
 
-    @property
+    @packed
     def angular_frequency(self) -> float:
         """Angular frequency of the sine, 0 without [rad/s]."""
         return 2.0 * math.pi * (self.frequency or 0.0)
@@ -103,9 +103,10 @@ class Course(Swing):
         if self.follows is not None:
             check_covers(self.follows.known, f"{place}: reference", begin, end)
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        return {"terms": len(Course.tail(self))}
+    @packed
+    def course_length(self) -> int:
+        """Number of words of its terms."""
+        return len(Course.tail(self))
 
     def tail(self) -> tuple[float, ...]:
         """Return the terms of what it follows, then the table's."""

@@ -3,7 +3,7 @@
 Behind an element's own numbers stand one ``WHOLE``, a ``LINK`` for each link, a ``JOINT`` for each joint and
 a ``STATE`` for each number of its own. Before it acts, all that it sees is written there; its kernel
 
-- ``act(words, at, t, desk)``, with its record at ``words[at:]``, ``desk = (whole, links, joints, states)``,
+- ``act(element, t, desk)``, with its record and ``desk = (whole, links, joints, states)``,
 
 writes its forces, energy and rates beside it.
 """

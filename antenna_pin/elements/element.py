@@ -2,11 +2,11 @@
 
 An element acts at one joint: it sees time, the joint's angle and rate, and gives the torque about its axis.
 (A :class:`ForceElement` may act elsewhere; what is said below of joints does not hold for it then.)
-It is a frozen dataclass whose fields declare themselves (:mod:`antenna_pin.base.parameters`), beside kernels
-in a file of their own, which the class names in ``kernels``:
+It is a frozen dataclass whose fields declare themselves (:mod:`antenna_pin.base.parameters`), with its
+kernels in the same file, which the class names by ``kernels = __name__``:
 
-- ``LAYOUT``, the record of its numbers;
-- ``effort``, and ``write_rates`` of what it integrates (``integrals``);
+- ``effort``, unless it has none; ``write_rates`` of what it integrates (``integrals``), unless that is the
+  work of a drive, or nothing is lost;
 - if it stores energy ``stored``; if its effort has kinks ``kink``; if it follows a reference ``reference``;
 - if it prescribes the joint's motion ``motion``.
 
@@ -14,27 +14,45 @@ One whose torque depends on what it integrates (``states``) has instead of the f
 ``write_rates_of`` and ``stored_of``, and where kinks depend on that ``kink_of``. Their arguments and units,
 and those of all further hooks, stand in :class:`antenna_pin.elements.hook_kernels.Hooks`.
 
+A kernel's first argument is the element as a record: its fields that are numbers (other than ``unpacked``)
+and its properties that are ``packed``, under their names (:meth:`ForceElement.layout`). A kernel that needs
+the numbers behind the record (:meth:`ForceElement.tail`) has them for a second argument ``tail``.
+
 It enters by one line of :mod:`antenna_pin.elements.registry`; everything else follows from there.
 """
 
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib import import_module
+from functools import cache
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args, get_origin, get_type_hints
+
+import numpy as np
+from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import AskedFunction, check_takes, takes, told_numbers
 from antenna_pin.base.parameters import check, parameters_of
 from antenna_pin.base.readable import GIVEN, readable
+from antenna_pin.base.records import Floats, Record, layout, words_of
+from antenna_pin.compiled.decorators import Layout, in_python, record
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-__all__ = ["GROSS_WORK", "IMPULSE", "LOSS", "WORK", "About", "Drive", "Element", "ForceElement", "Integral"]
+__all__ = [
+    "GROSS_WORK",
+    "IMPULSE",
+    "LOSS",
+    "WORK",
+    "About",
+    "Drive",
+    "Element",
+    "ForceElement",
+    "Integral",
+    "packed",
+    "takes_tail",
+]
 
 About = Literal["bearing", "journal", "motion", "pose"]
 """What an element acts about at a joint with play: the bearing's axis, the journal's, or as the gradient of
@@ -55,6 +73,14 @@ class Integral:
     unit: str = "J"
 
 
+if TYPE_CHECKING:
+    from builtins import property as packed
+else:
+
+    class packed(property):  # noqa: N801 - a decorator
+        """A computed number of an element for its kernels."""
+
+
 WORK = Integral("work")
 GROSS_WORK = Integral("gross_work")
 LOSS = Integral("loss")
@@ -72,8 +98,9 @@ class ForceElement:
         on: Whether it acts from the start on; an event may switch it.
     """
 
-    # Its kernels, by the name of their module; what it integrates.
+    # The module of its kernels; fields that are numbers and not in the record for these; what it integrates.
     kernels: ClassVar[str]
+    unpacked: ClassVar[tuple[str, ...]] = ("on",)
     integrals: ClassVar[tuple[Integral, ...]] = ()
     # Those of its integrals, the last ones, that its effort depends on; each is of size 1 by its unit.
     states: ClassVar[tuple[Integral, ...]] = ()
@@ -148,20 +175,22 @@ class ForceElement:
         return ()
 
     @classmethod
-    def compiled(cls) -> Any:
-        """Return the module of its kernels."""
-        return import_module(f"antenna_pin.elements.{cls.kernels}")
+    def hook(cls, name: str) -> Any:
+        """Return a kernel of its kind, None if it has none of the name."""
+        return getattr(sys.modules[cls.kernels], name, None)
 
-    def values(self) -> dict[str, Any]:
-        """Return the packed parameters by name: derived ones, and attributes (None: infinite)."""
-        derived = self.derived()
-        names = [name for name in self.compiled().LAYOUT.names if name not in derived]
-        own = ((name, getattr(self, name)) for name in names)
-        return {name: math.inf if value is None else value for name, value in own} | derived
+    def own_kernel(self, name: str) -> Callable[..., Any]:
+        """Return a kernel of the kind with its first arguments, the element's numbers, bound."""
+        hook, layout, words = self.hook(name), self.layout(), self.words_of_kernel()
+        size = words_of(layout)
+        own = record(words[:size], layout)
+        given = (own, words[size:]) if takes_tail(hook) else (own,)
+        return lambda *arguments: hook(*given, *arguments)
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no attributes of that name."""
-        return {}
+    @classmethod
+    def layout(cls) -> Layout[Any]:
+        """Return the layout of its record for kernels, that of the class which names these."""
+        return _layout(next(base for base in cls.__mro__ if "kernels" in vars(base)))
 
     def tail(self) -> tuple[float, ...]:
         """Return numbers of which there may be any many; they stand behind its record."""
@@ -169,12 +198,10 @@ class ForceElement:
 
     def words_of_kernel(self) -> NDArray[np.float64]:
         """Return its numbers for the kernels, as one flat array."""
-        import numpy as np
-
-        record = np.zeros(1, dtype=self.compiled().LAYOUT)
-        for name, value in self.values().items():
-            record[name] = value
-        return np.concatenate([record.view(np.float64), np.array(self.tail(), dtype=float)])
+        own = np.zeros(1, dtype=self.layout())
+        for name in own.dtype.names or ():
+            own[name] = getattr(self, name)
+        return np.concatenate([own.view(np.float64), np.array(self.tail(), dtype=float)])
 
     @classmethod
     def own_keys(cls) -> tuple[str, ...]:
@@ -331,3 +358,28 @@ class Drive(Element):
     def about(self) -> About:
         """Axis of the effort at a joint with play."""
         return self.axis
+
+
+def takes_tail(hook: Any) -> bool:
+    """Return whether a kernel takes the numbers behind its element's record."""
+    return bool(in_python(hook).__code__.co_varnames[1:2] == ("tail",))
+
+
+@cache
+def _layout(cls: type[ForceElement]) -> Layout[Any]:
+    """Return the layout of a class's record: fields that are numbers, then packed properties."""
+    found = {name: hint for name, hint in get_type_hints(cls).items() if name not in cls.unpacked}
+    for base in reversed(cls.__mro__):
+        for name, one in vars(base).items():
+            if isinstance(one, packed):
+                found[name] = get_type_hints(one.fget, include_extras=True)["return"]
+    numbers = {name: packed_as for name, hint in found.items() if (packed_as := _packed_as(hint)) is not None}
+    return layout(type(cls.__name__, (Record,), {"__annotations__": numbers}))
+
+
+def _packed_as(hint: Any) -> Any:
+    """Return the type of a number or fixed array in a record, else None."""
+    if hint in (float, int, bool) or get_origin(hint) is Annotated:
+        return int if hint is bool else hint
+    parts = get_args(hint)
+    return Annotated[Floats, len(parts)] if get_origin(hint) is tuple and {*parts} == {float} else None

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import ClassVar
 
-from antenna_pin.elements.element import IMPULSE, LOSS, ForceElement, Integral
-from antenna_pin.elements.mesh_kernels import APART, BOTH, BOTH_WAYS, MINUS, PLUS, TURNS, TWO
+from antenna_pin.base.records import Floats
+from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.elements.curve_kernels import curve
+from antenna_pin.elements.element import IMPULSE, LOSS, ForceElement, Integral, packed
+from antenna_pin.elements.hook_kernels import Loaded
 from antenna_pin.elements.modal import Change, Met, Modal
 from antenna_pin.errors import InvalidParameterError
 
@@ -28,11 +32,10 @@ class BetweenJoints(ForceElement):
     times the derivative of x over that joint's position, with the reaction on the joint's own parent.
     Besides there are
 
-    - ``between(words, at, angle, rate, other, other_rate)``: x, its rate, and its derivatives over the
-      positions of the input and of the output;
-    - ``dissipation(words, at, x, rate)``: the power that it takes by its deflection [W];
-    - if there is friction beside it ``drag(words, at, torque, rate)``: the torque on the input, against its
-      rate, where the element gives it a torque.
+    - ``between``: x, its rate, and its derivatives over the positions of the input and of the output;
+    - ``dissipation``: the power that it takes by its deflection [W];
+    - if there is friction beside it ``drag``: the torque on the input, against its rate, where the element
+      gives it a torque.
 
     Attributes:
         input: Name of the joint on the driving side.
@@ -77,12 +80,34 @@ class BetweenJoints(ForceElement):
 
 # --- flanks and strands -------------------------------------------------------------------------------------
 
+# Springs: 1 on the side of a positive deflection, 2 on both sides, 0 one that acts both ways, without room.
+BOTH_WAYS, TWO = 0, 2
+# Modes: which sides are in contact, each a bit.
+APART, PLUS, MINUS, BOTH = range(4)
 _SIDES = {PLUS: "plus", MINUS: "minus"}
+# The function that passes zero where the deflection turns back, once in a touch of one side.
+TURNS = 2
+
+
+class Sprung(ForceElement):
+    """Base of what pushes by a spring and a damper."""
+
+    # The fields are those of the classes that declare them, with their units and meanings.
+    __slots__ = ()
+
+    stiffness: float
+    damping: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Flanks(Modal, BetweenJoints):
+class Flanks(Modal, Sprung, BetweenJoints):
     """Base of meshes and strands: a side on either sign of the deflection.
+
+    The deflection is ``x = a input - b output - rest - e(input)``, with e a periodic curve. On the one side a
+    spring is compressed by ``x + room``, on the other by ``-x + room``: a negative room is half the play
+    between the flanks of teeth, a positive one the stretch at which strands were fitted. A spring pushes
+    (pulls) one way only; its damper adds at most as much as the spring gives, so that the sum starts and ends
+    at zero.
 
     Its modes say which are in contact. They change at located instants, so that steps end there and touches
     are known; its torque is a function of deflection and rate alone, whatever they say. In a touch of one
@@ -96,6 +121,7 @@ class Flanks(Modal, BetweenJoints):
         struck: Its impulse before that, by size [N*m*s] ([N*s]).
     """
 
+    kernels: ClassVar[str] = __name__
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS, IMPULSE)
     modes: ClassVar[tuple[str, ...]] = ("apart", "plus", "minus", "both")
     sides: ClassVar[tuple[str, ...]] = ("plus", "minus")
@@ -114,21 +140,45 @@ class Flanks(Modal, BetweenJoints):
     lost: float = field(default=0.0, repr=False)
     struck: float = field(default=0.0, repr=False)
 
-    @property
-    def side_numbers(self) -> tuple[float, int]:
-        """Deflection at which a side begins to act, and the number of springs."""
+    @packed
+    def room(self) -> float:
+        """Minus half the play, or the stretch at fitting [rad] ([m])."""
         raise NotImplementedError
 
-    @property
+    @packed
+    def springs(self) -> int:
+        """Number of springs: 1, TWO or BOTH_WAYS."""
+        raise NotImplementedError
+
+    @packed
     def shares(self) -> tuple[float, float]:
         """Derivatives a and -b of the deflection over the positions of input and output."""
         raise NotImplementedError
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields: a mesh without offset, friction and error."""
-        (a, b), (room, springs) = self.shares, self.side_numbers
-        found = {"a": a, "b": b, "room": room, "springs": springs, "rest": 0.0, "points": 0}
-        return found | {"forward": 1.0, "backward": 1.0, "slow": 1.0}
+    @packed
+    def rest(self) -> float:
+        """Deflection that is none [rad] ([m])."""
+        return 0.0
+
+    @packed
+    def efficiency(self) -> float:
+        """Share of the power that arrives where the input drives."""
+        return 1.0
+
+    @packed
+    def efficiency_back(self) -> float:
+        """Share of the power that arrives where the output drives."""
+        return 1.0
+
+    @packed
+    def slow_rate(self) -> float:
+        """Rate of the input where friction is 71 % of its limit [rad/s]."""
+        return 1.0
+
+    @packed
+    def points(self) -> int:
+        """Number of points of the error's curve over one period, behind the record."""
+        return 0
 
     def words(self, slides: bool = False) -> str:
         """Return the description: the joints, then labels with numbers and units."""
@@ -137,11 +187,11 @@ class Flanks(Modal, BetweenJoints):
     @property
     def ever_changes(self) -> bool:
         """Return whether the element has sides: without play it is one spring both ways."""
-        return self.side_numbers[1] != BOTH_WAYS
+        return self.springs != BOTH_WAYS
 
     def initial_change(self, met: Met) -> Change | None:
         """Return which sides are in contact where both joints are."""
-        room, springs = self.side_numbers
+        room, springs = self.room, self.springs
         if springs == BOTH_WAYS:
             return None
         mode = APART
@@ -179,10 +229,130 @@ class Flanks(Modal, BetweenJoints):
 
     def facts(self) -> dict[str, float]:
         """Return the deflections beyond which its sides act, and its shares of the two positions."""
-        room, springs = self.side_numbers
+        room, springs = self.room, self.springs
         found = dict(zip("ab", map(float, self.shares), strict=True))
         if springs != BOTH_WAYS:
             found["plus"] = -room
         if springs == TWO:
             found["minus"] = room
         return found
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def _pushes(mesh: Flanks, depth: float, rate: float) -> tuple[float, float]:
+    """Return the forces of spring and damper on one side.
+
+    Arguments are its compression and the rate of that.
+    """
+    if depth <= 0.0:
+        return 0.0, 0.0
+    elastic = mesh.stiffness * depth
+    return elastic, min(max(mesh.damping * rate, -elastic), elastic)
+
+
+@inlined
+def _forces(mesh: Flanks, x: float, rate: float) -> tuple[float, float]:
+    """Force against the deflection: that of springs, and that of dampers."""
+    if mesh.springs == BOTH_WAYS:
+        return mesh.stiffness * x, mesh.damping * rate
+    elastic, damped = _pushes(mesh, x + mesh.room, rate)
+    if mesh.springs == TWO:
+        other, more = _pushes(mesh, mesh.room - x, -rate)
+        elastic -= other
+        damped -= more
+    return elastic, damped
+
+
+@kernel
+def between(
+    mesh: Flanks, tail: Floats, angle: float, rate: float, other: float, other_rate: float
+) -> tuple[float, float, float, float]:
+    """Deflection, its rate, and its derivatives over the angles of input and output."""
+    slope, b = mesh.shares[0], mesh.shares[1]
+    x = slope * angle - b * other - mesh.rest
+    if mesh.points > 0:
+        first = tail[0]
+        period = tail[mesh.points - 1] - first
+        turned = angle - first
+        turned -= period * math.floor(turned / period)
+        error, steep = curve(tail, 0, mesh.points, first + turned)
+        x -= error
+        slope -= steep
+    return float(x), float(slope * rate - b * other_rate), float(slope), float(-b)
+
+
+@kernel
+def effort(mesh: Flanks, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N], along the deflection."""
+    elastic, damped = _forces(mesh, angle, rate)
+    return float(-elastic - damped)
+
+
+@inlined
+def dissipation(mesh: Flanks, x: float, rate: float) -> float:
+    """Power that its dampers take [W]."""
+    _, damped = _forces(mesh, x, rate)
+    return float(damped * rate)
+
+
+@kernel
+def drag(mesh: Flanks, torque: float, rate: float) -> float:
+    """Return the friction torque on the input, by its mesh torque and rate [N m].
+
+    Driving (torque against the rate) the input gives 1 / efficiency of what the mesh takes, driven it gets
+    ``efficiency_back`` of what the mesh gives; near rest the share is rounded off.
+    """
+    if mesh.efficiency == 1.0 and mesh.efficiency_back == 1.0:
+        return 0.0
+    share = rate / math.sqrt(rate * rate + mesh.slow_rate * mesh.slow_rate)
+    driving = 1.0 / mesh.efficiency - 1.0 if torque * rate < 0.0 else 1.0 - mesh.efficiency_back
+    return float(-abs(torque) * driving * share)
+
+
+@kernel
+def stored(mesh: Flanks, angle: float) -> float:
+    """Energy stored [J]."""
+    if mesh.springs == BOTH_WAYS:
+        return float(0.5 * mesh.stiffness * angle * angle)
+    depth = max(angle + mesh.room, 0.0)
+    other = max(mesh.room - angle, 0.0) if mesh.springs == TWO else 0.0
+    return float(0.5 * mesh.stiffness * (depth * depth + other * other))
+
+
+@kernel
+def switch(mesh: Flanks, k: int, motion: Loaded) -> tuple[float, float]:
+    """Return function k with its rate: 0, 1 gap of a side, 2 closing rate.
+
+    Side 0 is plus, 1 minus; in contact the gap is the depth.
+    """
+    x, rate = motion[1], motion[2]
+    if mesh.springs == BOTH_WAYS or (k == 1 and mesh.springs != TWO):
+        return 1.0, 0.0
+    if k == TURNS:
+        if mesh.turned != 0.0 or (mesh.mode != PLUS and mesh.mode != MINUS):
+            return 1.0, 0.0
+        return (rate if mesh.mode == PLUS else -rate), 0.0
+    side, way = (PLUS, 1.0) if k == 0 else (MINUS, -1.0)
+    depth, speed = way * x + mesh.room, way * rate
+    if mesh.mode & side:
+        return float(depth), float(speed)
+    return float(-depth), float(-speed)
+
+
+@kernel
+def kink(mesh: Flanks, t: float, angle: float, rate: float) -> float:
+    """Return a function that passes zero at a damper's limit; negative at it.
+
+    Of each side in contact what the spring gives beyond its damper; a touch begins and ends at the limit.
+    """
+    limit = mesh.damping * abs(rate)
+    plus = mesh.stiffness * (angle + mesh.room) - limit
+    minus = mesh.stiffness * (mesh.room - angle) - limit
+    if mesh.mode == BOTH:
+        return float(plus * minus)
+    if mesh.mode == APART:
+        return -1.0
+    return float(plus if mesh.mode == PLUS else minus)

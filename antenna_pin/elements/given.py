@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
-from antenna_pin.elements.element import Drive
+from antenna_pin.compiled.calls import call_3
+from antenna_pin.compiled.decorators import inlined
+from antenna_pin.elements.element import Drive, packed
 
 __all__ = ["CallableDrive"]
 
@@ -26,7 +28,7 @@ class CallableDrive(Drive):
             ``numba.cfunc``.
     """
 
-    kernels: ClassVar[str] = "given_kernels"
+    kernels: ClassVar[str] = __name__
 
     torque: Callable[[float, float, float], float]
 
@@ -47,19 +49,22 @@ class CallableDrive(Drive):
         """Return whether the kernel needs the joint's motion."""
         return self.called
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters; the value of a plain function is written before each evaluation."""
-        return {"value": 0.0, "address": self._address()}
+    @packed
+    def value(self) -> float:
+        """Torque of a plain function, written before each evaluation [N*m] ([N])."""
+        return 0.0
+
+    @packed
+    def address(self) -> float:
+        """Address of a compiled function, else 0."""
+        from antenna_pin.compiled.given_functions import address_of
+
+        return address_of(type(self).__name__, "torque", self.torque, 3) if self.called else 0.0
 
     @property
     def functions(self) -> tuple[tuple[str, Callable[..., float], int], ...]:
         """Its function, of time, angle and rate."""
         return (("torque", self.torque, 3),)
-
-    def _address(self) -> float:
-        from antenna_pin.compiled.given_functions import address_of
-
-        return address_of(type(self).__name__, "torque", self.torque, 3) if self.called else 0.0
 
     def record_numbers(
         self, functions: Sequence[Callable[..., float]], t: float, angle: float, rate: float
@@ -70,3 +75,12 @@ class CallableDrive(Drive):
     def words(self, slides: bool = False) -> str:
         """Return the description."""
         return "a compiled function" if self.called else "a function in Python"
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def effort(drive: CallableDrive, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N]."""
+    return float(drive.value if drive.address == 0.0 else call_3(drive.address, t, angle, rate))

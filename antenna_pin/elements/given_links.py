@@ -9,8 +9,11 @@ from functools import cache
 from typing import Any, ClassVar, Protocol
 
 from antenna_pin.base.arguments import answer_of, check_takes, unknown_type
-from antenna_pin.elements.desk_kernels import clear
-from antenna_pin.elements.element import ForceElement, Integral
+from antenna_pin.base.records import Floats
+from antenna_pin.compiled.calls import call_3
+from antenna_pin.compiled.decorators import inlined
+from antenna_pin.elements.desk_kernels import Desk, clear
+from antenna_pin.elements.element import ForceElement, Integral, packed
 from antenna_pin.elements.on_links import BOOKED, AtPoint, OnLinks
 from antenna_pin.elements.points import Point, checked_point
 from antenna_pin.errors import FunctionError, InvalidParameterError
@@ -183,7 +186,7 @@ class CallableElement(OnLinks):
         longest: Longest step that still resolves it [s]; None for any.
     """
 
-    kernels: ClassVar[str] = "given_links_kernels"
+    kernels: ClassVar[str] = __name__
 
     act: Acts
     links: tuple[Point, ...] = ()
@@ -254,14 +257,10 @@ class CallableElement(OnLinks):
     def _sizes(self) -> tuple[int, int, int, int]:
         return len(self.parameters), len(self.links), len(self.joints), len(self.integrates)
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters: address of the function, zero for one in Python."""
-        from antenna_pin.compiled.given_functions import is_compiled
-        from antenna_pin.elements.given_links import address_on_links
-
-        if not is_compiled(self.act):
-            return {"address": 0.0}
-        return {"address": address_on_links(type(self).__name__, "act", self.act, self._sizes)}
+    @packed
+    def address(self) -> float:
+        """Address of the function, zero for one in Python."""
+        return address_on_links(type(self).__name__, "act", self.act, self._sizes) if self.called else 0.0
 
     def tail(self) -> tuple[float, ...]:
         """Return its parameters."""
@@ -307,7 +306,7 @@ class CallableForce(AtPoint):
             [rad/s], (6,). All in world axes. A plain function, or compiled by ``numba.njit``.
     """
 
-    kernels: ClassVar[str] = "given_links_kernels"
+    kernels: ClassVar[str] = __name__
 
     wrench: Callable[[float, Any, Any], Any]
 
@@ -323,14 +322,13 @@ class CallableForce(AtPoint):
 
         return is_compiled(self.wrench)
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters: address of the function, zero for one in Python."""
-        from antenna_pin.elements.given_links import address_on_links, wrench_on_links
-
+    @packed
+    def address(self) -> float:
+        """Address of the function, zero for one in Python."""
         if not self.called:
-            return {"address": 0.0}
+            return 0.0
         own = wrench_on_links(self.wrench)
-        return {"address": address_on_links(type(self).__name__, "wrench", own, (0, 1, 0, 0))}
+        return address_on_links(type(self).__name__, "wrench", own, (0, 1, 0, 0))
 
     def ask(self, place: str, t: float, desk: Any) -> None:
         """Call the Python function, and check its result."""
@@ -353,3 +351,21 @@ class CallableForce(AtPoint):
     def words(self, slides: bool = False) -> str:
         """Return the description."""
         return f"{'a compiled function' if self.called else 'a function in Python'} on {self.at[0]}"
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def act(own: CallableElement | CallableForce, tail: Floats, t: float, desk: Desk) -> None:
+    """Have the function write what it does; not-a-number where it raises."""
+    if own.address == 0.0:
+        return
+    clear(desk)
+    place = float(tail.ctypes.data)
+    if call_3(own.address, t, place, 0.0) != 0.0:
+        _, links, joints, _ = desk
+        for i in range(links.shape[0]):
+            links[i].force[0] = math.nan
+        for i in range(joints.shape[0]):
+            joints[i].torque = math.nan

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
+
+import numpy as np
 
 from antenna_pin.base.directions import A_DIRECTION, unit
 from antenna_pin.base.parameters import parameter
 from antenna_pin.base.readable import GIVEN, readable
+from antenna_pin.base.records import Triple, Vector3
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.curve import both_given
-from antenna_pin.elements.element import ForceElement
+from antenna_pin.elements.desk_kernels import Desk
+from antenna_pin.elements.element import ForceElement, packed
 from antenna_pin.elements.on_links import OnLinks
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["GravityGradient"]
 
-Numbers3 = tuple[float, float, float]
 _SQUARE = 1e-9  # cosine of what counts as a right angle
 
 
@@ -44,15 +48,15 @@ class GravityGradient(OnLinks):
         nadir: Direction to the centre at t = 0, in world axes, square to that [-].
     """
 
-    kernels: ClassVar[str] = "gravity_gradient_kernels"
+    kernels: ClassVar[str] = __name__
     everywhere: ClassVar[bool] = True
     replaces_gravity: ClassVar[bool] = True
 
     rate: float | None = parameter("rad/s", rule="positive", default=None)
     mu: float | None = parameter("m^3/s^2", rule="positive", default=None)
     radius: float | None = parameter("m", rule="positive", default=None)
-    normal: Numbers3 = parameter("1", rule=A_DIRECTION, sizes=(3,), default=(0.0, 1.0, 0.0))
-    nadir: Numbers3 = parameter("1", rule=A_DIRECTION, sizes=(3,), default=(0.0, 0.0, -1.0))
+    normal: Triple = parameter("1", rule=A_DIRECTION, sizes=(3,), default=(0.0, 1.0, 0.0))
+    nadir: Triple = parameter("1", rule=A_DIRECTION, sizes=(3,), default=(0.0, 0.0, -1.0))
 
     def __post_init__(self) -> None:
         """Check the parameters, and that they define one orbit."""
@@ -64,7 +68,7 @@ class GravityGradient(OnLinks):
         if abs(float(unit(self.normal) @ unit(self.nadir))) > _SQUARE:
             raise InvalidParameterError(self, "nadir", f"at right angles to normal {self.normal}")
 
-    @property
+    @packed
     def orbital_rate(self) -> float:
         """N [rad/s]."""
         if self.rate is not None:
@@ -77,12 +81,15 @@ class GravityGradient(OnLinks):
         """A twelfth of the orbital period [s]."""
         return 2.0 * math.pi / (12.0 * self.orbital_rate)
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        import numpy as np
+    @packed
+    def down(self) -> Vector3:
+        """Direction to the centre at t = 0, unit."""
+        return unit(self.nadir)
 
-        normal, nadir = unit(self.normal), unit(self.nadir)
-        return {"angular_rate": self.orbital_rate, "nadir": nadir, "ahead": np.cross(normal, nadir)}
+    @packed
+    def ahead(self) -> Vector3:
+        """Direction that follows a quarter of a turn later, unit."""
+        return np.cross(unit(self.normal), self.down)
 
     def facts(self) -> dict[str, float]:
         """Return the orbit, for readers of a result."""
@@ -95,3 +102,35 @@ class GravityGradient(OnLinks):
         period = readable(2.0 * math.pi / self.orbital_rate, "s", 6)
         rate = readable(self.orbital_rate, "rad/s", GIVEN if self.rate is not None else 6)
         return f"gravity gradient of a circular orbit, {rate}, a revolution in {period}"
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def act(own: GravityGradient, t: float, desk: Desk) -> None:
+    """Write force and torque on every body, whose points are their mass centres."""
+    c, s = math.cos(own.orbital_rate * t), math.sin(own.orbital_rate * t)
+    ex = c * own.down[0] + s * own.ahead[0]
+    ey = c * own.down[1] + s * own.ahead[1]
+    ez = c * own.down[2] + s * own.ahead[2]
+    square = own.orbital_rate * own.orbital_rate
+    links = desk[1]
+    for i in range(links.shape[0]):
+        link = links[i]
+        p, r, inertia = link.place, link.rotation, link.inertia
+        along = 3.0 * (ex * p[0] + ey * p[1] + ez * p[2])
+        factor = link.mass * square
+        link.force[0] = factor * (along * ex - p[0])
+        link.force[1] = factor * (along * ey - p[1])
+        link.force[2] = factor * (along * ez - p[2])
+        # e and I e in the body's axes.
+        ax = r[0, 0] * ex + r[1, 0] * ey + r[2, 0] * ez
+        ay = r[0, 1] * ex + r[1, 1] * ey + r[2, 1] * ez
+        az = r[0, 2] * ex + r[1, 2] * ey + r[2, 2] * ez
+        hx = inertia[0, 0] * ax + inertia[0, 1] * ay + inertia[0, 2] * az
+        hy = inertia[1, 0] * ax + inertia[1, 1] * ay + inertia[1, 2] * az
+        hz = inertia[2, 0] * ax + inertia[2, 1] * ay + inertia[2, 2] * az
+        mx, my, mz = ay * hz - az * hy, az * hx - ax * hz, ax * hy - ay * hx
+        for k in range(3):
+            link.torque[k] = 3.0 * square * (r[k, 0] * mx + r[k, 1] * my + r[k, 2] * mz)

@@ -6,13 +6,18 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from antenna_pin.base.parameters import parameter
-from antenna_pin.elements.angle_table import TableSpring
+from antenna_pin.base.records import Floats
+from antenna_pin.compiled.decorators import inlined
+from antenna_pin.elements.angle_table import TableSpring, ends_at, given_at, torque_at
 from antenna_pin.elements.element import LOSS, Integral
+from antenna_pin.elements.hook_kernels import Motion, Own, Powered
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["HarnessSpring"]
 
 _Z = Integral("z", "1")
+# Places among what it integrates.
+HEAT, Z = range(2)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,7 +42,7 @@ class HarnessSpring(TableSpring):
         start: z at the start of a run, from -1 to 1 [-].
     """
 
-    kernels: ClassVar[str] = "harness_kernels"
+    kernels: ClassVar[str] = __name__
     at_start: ClassVar[tuple[str, ...]] = ("start",)
     columns: ClassVar[tuple[str, ...]] = ("angle", "torque", "torque_back")
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS, _Z)
@@ -73,3 +78,54 @@ class HarnessSpring(TableSpring):
         """Return the description."""
         reversal = self.text_of("reversal", slides)
         return f"both ways, {TableSpring.words(self, slides)}, goes over within {reversal}"
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def _half(table: HarnessSpring, tail: Floats, angle: float) -> tuple[float, float]:
+    """Return half the difference of the tables, H, and its slope.
+
+    Both stay constant beyond the tables.
+    """
+    return torque_at(tail, 6 * table.points - 4, (table.points, False), angle)
+
+
+@inlined
+def effort_of(table: HarnessSpring, tail: Floats, motion: Motion, own: Own) -> float:
+    """Torque [N m], or force [N]."""
+    _, angle, _ = motion
+    y, i = own
+    mean, _ = torque_at(tail, 0, (table.points, table.extends), angle)
+    half, _ = _half(table, tail, angle)
+    return float(mean - half * (table.start + y[i + Z]))
+
+
+@inlined
+def write_rates_of(
+    table: HarnessSpring, tail: Floats, motion: Powered, own: Own, rates: Floats, x: int
+) -> None:
+    """Power that is lost [W], and the rate of z [1/s]."""
+    angle, rate, _ = motion
+    y, i = own
+    z = table.start + y[i + Z]
+    half, slope = _half(table, tail, angle)
+    rates[x + Z] = (rate - abs(rate) * z) / table.reversal
+    rates[x + HEAT] = z * z * (half * abs(rate) - 0.5 * slope * rate * table.reversal)
+
+
+@inlined
+def stored_of(table: HarnessSpring, tail: Floats, angle: float, own: Own) -> float:
+    """Energy stored [J]."""
+    y, i = own
+    z = table.start + y[i + Z]
+    half, _ = _half(table, tail, angle)
+    mean = given_at(tail, 0, (table.points, table.extends), angle)
+    return float(0.5 * half * table.reversal * z * z - mean)
+
+
+@inlined
+def kink(table: HarnessSpring, tail: Floats, t: float, angle: float, rate: float) -> float:
+    """Return a function that passes zero at reversals and ends of the tables."""
+    return rate * ends_at(tail, 0, table.points, angle)

@@ -1,18 +1,18 @@
 """Hooks of force elements: kernels of a kind, with arguments and units.
 
-A kind has those that it needs, in its own module, under these names and with these arguments
+A kind has those that it needs, in its own file, under these names and with these arguments
 (``tests/elements/test_hooks.py`` compares them); :mod:`antenna_pin.elements.kernels` calls them by the number
 of the kind, and does without those that a kind has not. Units are those of a turning joint, in brackets those
 of a sliding one.
 
-All begin with ``words`` and ``at``: the program, flat numbers of 8 bytes, and where in it the element's own
-record begins, ``record(words[at : at + SIZE], LAYOUT)``; behind that may stand what is as long as it needs.
-An element writes to its record only what is declared to be state, as a mode.
+The first argument of all is the element as a record, which its class is the type of
+(:meth:`antenna_pin.elements.element.ForceElement.layout`). A second one, ``tail``, has the numbers behind
+that, if the kernel needs them. An element writes to its record only what is declared to be state, as a mode.
 """
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any, Protocol
 
 from antenna_pin.base.records import Floats, Pose
 from antenna_pin.elements.desk_kernels import Desk
@@ -32,47 +32,46 @@ JournalPlace = tuple[float, float, float, float, float, float]
 class Hooks(Protocol):
     """The kernels of one kind of element, as a module has them; none needs all."""
 
-    def effort(self, words: Floats, at: int, t: float, angle: float, rate: float) -> float:
-        """Return the torque on the joint [N m] ([N]).
+    def effort(self, element: Any, t: float, angle: float, rate: float) -> float:
+        """Return the torque on the joint [N m] ([N]); without it there is none.
 
         Between two joints: along the deflection, which ``angle`` and ``rate`` are then.
         """
 
     def write_rates(
-        self, words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int
+        self, element: Any, angle: float, rate: float, power: float, rates: Floats, x: int
     ) -> None:
         """Write the rates of what it integrates (``integrals`` of its class) to ``rates[x:]``.
 
-        ``power`` is that which it puts in [W]; an integral's rate has its unit per second.
+        Without it these are the work of a drive, or no loss. ``power`` is that which it puts in [W]; an
+        integral's rate has its unit per second.
         """
 
-    def stored(self, words: Floats, at: int, angle: float) -> float:
+    def stored(self, element: Any, angle: float) -> float:
         """Return the energy stored [J]; a kind without it stores none."""
 
-    def effort_of(self, words: Floats, at: int, motion: Motion, own: Own) -> float:
+    def effort_of(self, element: Any, motion: Motion, own: Own) -> float:
         """Return the torque [N m] ([N]) of a kind with states; replaces ``effort``."""
 
-    def write_rates_of(
-        self, words: Floats, at: int, motion: Powered, own: Own, rates: Floats, x: int
-    ) -> None:
+    def write_rates_of(self, element: Any, motion: Powered, own: Own, rates: Floats, x: int) -> None:
         """Write the rates of integrals and states of a kind with states to ``rates[x:]``."""
 
-    def stored_of(self, words: Floats, at: int, angle: float, own: Own) -> float:
+    def stored_of(self, element: Any, angle: float, own: Own) -> float:
         """Return the energy stored [J] of a kind with states."""
 
-    def kink(self, words: Floats, at: int, t: float, angle: float, rate: float) -> float:
+    def kink(self, element: Any, t: float, angle: float, rate: float) -> float:
         """Return a function that passes zero where the effort has a kink: steps end there."""
 
-    def kink_of(self, words: Floats, at: int, k: int, motion: Motion, own: Own) -> float:
+    def kink_of(self, element: Any, k: int, motion: Motion, own: Own) -> float:
         """Return function k of its ``kinks``, of a kind with states or with several."""
 
-    def reference(self, words: Floats, at: int, t: float) -> tuple[float, float]:
+    def reference(self, element: Any, t: float) -> tuple[float, float]:
         """Return the reference that it follows [rad] ([m]) and its rate [rad/s] ([m/s])."""
 
-    def motion(self, words: Floats, at: int, t: float) -> tuple[float, float, float]:
+    def motion(self, element: Any, t: float) -> tuple[float, float, float]:
         """Return the motion that it prescribes: position [rad] ([m]), its rate and its acceleration."""
 
-    def switch(self, words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
+    def switch(self, element: Any, k: int, motion: Loaded) -> tuple[float, float]:
         """Return function k of its ``switches`` and its rate, 0 where unknown.
 
         It is positive while the mode stays, and the mode may change where it passes zero (``passed`` of its
@@ -80,69 +79,66 @@ class Hooks(Protocol):
         inertia for a load.
         """
 
-    def hold(self, words: Floats, at: int) -> tuple[bool, float]:
+    def hold(self, element: Any) -> tuple[bool, float]:
         """Return whether it holds its joint rigidly now, and the angle at which [rad] ([m])."""
 
-    def mode(self, words: Floats, at: int) -> int:
-        """Return the present mode, 0 of a kind without."""
-
-    def grip(self, words: Floats, at: int) -> float:
+    def grip(self, element: Any) -> float:
         """Return the largest sticking torque at the last evaluation's load [N m] ([N])."""
 
-    def bearing(self, words: Floats, at: int) -> tuple[float, float, float, float]:
+    def bearing(self, element: Any) -> tuple[float, float, float, float]:
         """Return the weights of its joint's load and the bearing's middle.
 
         Torque over radial force, over axial force [m] ([-]) and over moment [-] ([1/m]); the middle along the
-        joint's axis [m].
+        joint's axis [m]. Without it they are the record's ``load_numbers``.
         """
 
-    def rub(self, words: Floats, at: int, rate: float, own: Own) -> float:
+    def rub(self, element: Any, rate: float, own: Own) -> float:
         """Return the torque of friction over the load, with its sign [-]."""
 
-    def bear(self, words: Floats, at: int, burden: float) -> None:
+    def bear(self, element: Any, burden: float) -> None:
         """Store the load of the present evaluation [N m] ([N])."""
 
     def between(
-        self, words: Floats, at: int, angle: float, rate: float, other: float, other_rate: float
+        self, element: Any, angle: float, rate: float, other: float, other_rate: float
     ) -> tuple[float, float, float, float]:
         """Return the deflection between two joints, its rate, and its derivatives over both angles.
 
         ``angle`` and ``rate`` are of the input, ``other`` and ``other_rate`` of the output.
         """
 
-    def dissipation(self, words: Floats, at: int, x: float, rate: float) -> float:
+    def dissipation(self, element: Any, x: float, rate: float) -> float:
         """Return the power of dampers along a deflection x [rad] ([m]) and its rate [W]."""
 
-    def drag(self, words: Floats, at: int, torque: float, rate: float) -> float:
+    def drag(self, element: Any, torque: float, rate: float) -> float:
         """Return the friction torque on the input [N m] ([N]), by torque and rate."""
 
-    def press(self, words: Floats, at: int, pose: Pose) -> float:
+    def press(self, element: Any, pose: Pose) -> float:
         """Write the force and moment on the journal into its pose; return the loss [W].
 
         The moment is about the journal's centre.
         """
 
-    def journal_energy(self, words: Floats, at: int, place: JournalPlace) -> float:
+    def journal_energy(self, element: Any, place: JournalPlace) -> float:
         """Return the energy stored [J] of a kind that acts on a journal's whole pose."""
 
     def coordinates(
-        self, words: Floats, at: int, place: JournalPlace
+        self, element: Any, place: JournalPlace
     ) -> tuple[float, float, float, float, float, float]:
         """Return displacement [m] and tilts of a journal; then its reference point [m].
 
         Tilts are about x and y.
         """
 
-    def tension(self, words: Floats, at: int, length: float, rate: float) -> float:
+    def tension(self, element: Any, length: float, rate: float) -> float:
         """Return the force that draws two points together [N].
 
         Arguments are their distance [m] and its rate [m/s].
         """
 
-    def loss(self, words: Floats, at: int, rate: float) -> float:
+    def loss(self, element: Any, rate: float) -> float:
         """Return the power lost between two points [W]."""
 
-    def act(self, words: Floats, at: int, t: float, desk: Desk) -> None:
+    def act(self, element: Any, t: float, desk: Desk) -> None:
         """Write forces and torques on links and joints, and rates of states, to the desk.
 
         The desk has the motions that they follow from, all in world axes

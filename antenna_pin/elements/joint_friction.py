@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
 from antenna_pin.base.parameters import parameter
+from antenna_pin.base.records import Floats
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.element import LOSS, Element, Integral
 
 __all__ = ["JointFriction"]
@@ -32,7 +35,7 @@ class JointFriction(Element):
         URDF's ``<dynamics>`` names damping and friction and leaves open what friction does at rest.
     """
 
-    kernels: ClassVar[str] = "joint_friction_kernels"
+    kernels: ClassVar[str] = __name__
     senses: ClassVar[bool] = True
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
     one_above_zero: ClassVar[tuple[str, ...]] = ("friction", "damping")
@@ -48,3 +51,25 @@ class JointFriction(Element):
         if self.friction:
             found.append(f"rounded off below {self.text_of('regularisation_speed', slides)}")
         return ", ".join(found)
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def resistance(law: JointFriction, rate: float) -> float:
+    """Torque [N m], or force [N], against the rate."""
+    size = math.sqrt(rate * rate + law.regularisation_speed * law.regularisation_speed)
+    return float(law.damping * rate + law.friction * rate / size)
+
+
+@inlined
+def effort(law: JointFriction, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N]."""
+    return -resistance(law, rate)
+
+
+@inlined
+def write_rates(law: JointFriction, angle: float, rate: float, power: float, rates: Floats, x: int) -> None:
+    """Power that it takes [W]."""
+    rates[x] = resistance(law, rate) * rate

@@ -1,8 +1,9 @@
 """All kinds of force elements, compiled: dispatch by the number of the kind.
 
 The chain ``if kind == ...`` is made from the registry when a caller is compiled, and compiled into it: who
-finds its kernels compiled loads the elements that it has, not all. A number that no kind has gives
-not-a-number, never a silent zero.
+finds its kernels compiled loads the elements that it has, not all. It makes of ``words`` and ``at``, the
+program and the place of an element's numbers in it, the record that a kind's kernel takes, and the numbers
+behind that. A number that no kind has gives not-a-number, never a silent zero.
 """
 
 from __future__ import annotations
@@ -12,107 +13,124 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from antenna_pin.base.records import Floats, Pose
-from antenna_pin.compiled.decorators import composed, composed_later
+from antenna_pin.base.records import Floats, place_of, words_of
+from antenna_pin.compiled.decorators import composed, composed_later, record
 from antenna_pin.elements import registry
 from antenna_pin.elements.desk_kernels import Desk
-from antenna_pin.elements.hook_kernels import JournalPlace, Loaded, Motion, Own, Powered
+from antenna_pin.elements.element import LOSS, Drive, Element, ForceElement, takes_tail
+from antenna_pin.elements.hook_kernels import Motion, Own, Powered
+from antenna_pin.elements.ledger_kernels import write_work
+
+_Kind = type[ForceElement]
 
 
 @functools.cache
-def _kinds() -> list[tuple[int, Any]]:
-    return [(registry.kind_of(element), element.compiled()) for element in registry.ELEMENTS]
+def _kinds() -> list[tuple[int, _Kind]]:
+    return [(registry.kind_of(element), element) for element in registry.ELEMENTS]
 
 
-def _chain(name: str, last: Callable[..., Any]) -> Any:
+def _chain(
+    name: str, last: Callable[..., Any], otherwise: Callable[[_Kind], Any] = lambda element: None
+) -> Any:
     """Return a function that dispatches to the kind's own ``name``.
 
-    Its arguments are a kind's number, and those of the kernel.
+    Its arguments are a kind's number, program and place in it, and the further ones of the kernel.
 
-    Kinds without one, and numbers that are no kind's, go on to ``last``.
+    Args:
+        name: Of the kernel.
+        last: For kinds without one, and numbers that are no kind's; takes all arguments.
+        otherwise: Function of program, place and these for a kind without one; None for ``last``.
     """
 
     def dispatcher() -> Any:
-        chain = composed(last)
-        for kind, module in reversed(_kinds()):
-            own = getattr(module, name, None)
+        lines, names = [f"def {name}(kind, words, at, *arguments):"], {"__name__": __name__, "record": record}
+        for kind, element in _kinds():
+            own = element.hook(name)
             if own is not None:
-                chain = _branch(kind, own, chain)
-        return chain
+                size = words_of(element.layout())
+                tail = f"words[at + {size} :], " if takes_tail(own) else ""
+                call = f"(record(words[at : at + {size}], layout_{kind}), {tail}*arguments)"
+                names[f"layout_{kind}"] = element.layout()
+            elif (plain := otherwise(element)) is not None:
+                own, call = composed(plain), "(words, at, *arguments)"
+            else:
+                continue
+            names[f"own_{kind}"] = own
+            lines += [f"    if kind == {kind}:", f"        return own_{kind}{call}"]
+        names["last"] = composed(last)
+        lines.append("    return last(kind, words, at, *arguments)")
+        exec("\n".join(lines), names)  # noqa: S102 - a chain of functions is compiled in twice the time
+        return composed(names[name])
 
     return composed_later(dispatcher)
 
 
-def _branch(kind: int, own: Any, rest: Any) -> Any:
-    def branch(number: int, *arguments: Any) -> Any:
-        if number == kind:
-            return own(*arguments)
-        return rest(number, *arguments)
-
-    return composed(branch)
+def _always(value: Any) -> Callable[..., Any]:
+    """Return a function of a kind's number, program and place that returns a constant."""
+    return lambda kind, *arguments: value
 
 
-def _no_kind(kind: int, *arguments: Any) -> float:
-    return math.nan
-
-
-def _nothing(kind: int, *arguments: Any) -> float:
-    return 0.0
-
-
-def _no_rates(kind: int, words: Floats, at: int, *arguments: Any) -> None:
+def _no_rates(kind: int, *arguments: Any) -> None:
     return None
 
 
-def _no_reference(kind: int, words: Floats, at: int, t: float) -> tuple[float, float]:
-    return math.nan, math.nan
-
-
-def _no_deflection(kind: int, *arguments: Any) -> tuple[float, float, float, float]:
-    return math.nan, math.nan, math.nan, math.nan
-
-
-def _no_motion(kind: int, words: Floats, at: int, t: float) -> tuple[float, float, float]:
-    return math.nan, math.nan, math.nan
-
-
-def _never(kind: int, words: Floats, at: int, k: int, motion: Loaded) -> tuple[float, float]:
-    return 1.0, 0.0
-
-
-def _not_held(kind: int, words: Floats, at: int) -> tuple[bool, float]:
-    return False, 0.0
-
-
-def _bears_nothing(kind: int, words: Floats, at: int) -> tuple[float, float, float, float]:
-    return 0.0, 0.0, 0.0, 0.0
-
-
-def _not_told(kind: int, words: Floats, at: int, burden: float) -> None:
-    return None
-
-
-def _no_mode(kind: int, words: Floats, at: int) -> int:
-    return 0
-
-
-def _not_acting(kind: int, words: Floats, at: int, t: float, desk: Desk) -> None:
+def _no_action(kind: int, words: Floats, at: int, t: float, desk: Desk) -> None:
     desk[1][0].force[0] = math.nan
 
 
-def _no_press(kind: int, words: Floats, at: int, pose: Pose) -> float:
-    return math.nan
+# --- kernels that kinds need not have -----------------------------------------------------------------------
 
 
-def _no_place(
-    kind: int, words: Floats, at: int, place: JournalPlace
-) -> tuple[float, float, float, float, float, float]:
-    return math.nan, math.nan, math.nan, math.nan, math.nan, math.nan
+def _effort_of_kind(element: _Kind) -> Any:
+    """Return no effort of a kind at a joint that has none of its own."""
+    if not issubclass(element, Element) or element.hook("effort_of"):
+        return None
+    return lambda words, at, t, angle, rate: 0.0
 
 
-effort = _chain("effort", _no_kind)
-write_rates = _chain("write_rates", _no_rates)
-stored = _chain("stored", _nothing)
+def _work(words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int) -> None:
+    write_work(power, rates, x)
+
+
+def _no_loss(words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int) -> None:
+    rates[x] = 0.0
+
+
+def _rates_of_kind(element: _Kind) -> Any:
+    """Return the work that a drive at a joint puts in, or no loss."""
+    if not issubclass(element, Element) or element.hook("write_rates_of") or element.hook("press"):
+        return None
+    return {Drive.integrals: _work, (LOSS,): _no_loss}.get(element.integrals)
+
+
+def _mode_of_kind(element: _Kind) -> Any:
+    """Return the mode of a kind whose record has one."""
+    layout = element.layout()
+    if "mode" not in (layout.names or ()):
+        return None
+    size = words_of(layout)
+    return lambda words, at: int(record(words[at : at + size], layout).mode)
+
+
+def _bearing_of_kind(element: _Kind) -> Any:
+    """Return the ``load_numbers`` of a kind whose record has them."""
+    layout = element.layout()
+    if "load_numbers" not in (layout.names or ()):
+        return None
+    first = place_of(layout, "load_numbers")
+    return lambda words, at: (
+        words[at + first],
+        words[at + first + 1],
+        words[at + first + 2],
+        words[at + first + 3],
+    )
+
+
+# --- all of them --------------------------------------------------------------------------------------------
+
+effort = _chain("effort", _always(math.nan), _effort_of_kind)
+write_rates = _chain("write_rates", _no_rates, _rates_of_kind)
+stored = _chain("stored", _always(0.0))
 
 
 def _effort(kind: int, words: Floats, at: int, motion: Motion, own: Own) -> float:
@@ -133,7 +151,7 @@ def _stored(kind: int, words: Floats, at: int, angle: float, own: Own) -> float:
 effort_of = _chain("effort_of", _effort)
 write_rates_of = _chain("write_rates_of", _write_rates)
 stored_of = _chain("stored_of", _stored)
-kink = _chain("kink", _no_kind)
+kink = _chain("kink", _always(math.nan))
 
 
 def _kink(kind: int, words: Floats, at: int, k: int, motion: Motion, own: Own) -> float:
@@ -142,27 +160,27 @@ def _kink(kind: int, words: Floats, at: int, k: int, motion: Motion, own: Own) -
 
 
 kink_of = _chain("kink_of", _kink)
-reference = _chain("reference", _no_reference)
-motion = _chain("motion", _no_motion)
+reference = _chain("reference", _always((math.nan,) * 2))
+motion = _chain("motion", _always((math.nan,) * 3))
 # Of those with modes.
-switch = _chain("switch", _never)
-hold = _chain("hold", _not_held)
-mode = _chain("mode", _no_mode)
+switch = _chain("switch", _always((1.0, 0.0)))
+hold = _chain("hold", _always((False, 0.0)))
+mode = _chain("mode", _always(0), _mode_of_kind)
 # Of dry friction.
-grip = _chain("grip", _nothing)
-bearing = _chain("bearing", _bears_nothing)
-rub = _chain("rub", _nothing)
-bear = _chain("bear", _not_told)
+grip = _chain("grip", _always(0.0))
+bearing = _chain("bearing", _always((0.0,) * 4), _bearing_of_kind)
+rub = _chain("rub", _always(0.0))
+bear = _chain("bear", _no_rates)
 # Of those between two joints.
-between = _chain("between", _no_deflection)
-dissipation = _chain("dissipation", _no_kind)
-drag = _chain("drag", _nothing)
+between = _chain("between", _always((math.nan,) * 4))
+dissipation = _chain("dissipation", _always(math.nan))
+drag = _chain("drag", _always(0.0))
 # Of those that act on a journal's whole pose.
-press = _chain("press", _no_press)
-journal_energy = _chain("journal_energy", _no_kind)
-coordinates = _chain("coordinates", _no_place)
+press = _chain("press", _always(math.nan))
+journal_energy = _chain("journal_energy", _always(math.nan))
+coordinates = _chain("coordinates", _always((math.nan,) * 6))
 # Of those between points.
-tension = _chain("tension", _no_kind)
-loss = _chain("loss", _no_kind)
+tension = _chain("tension", _always(math.nan))
+loss = _chain("loss", _always(math.nan))
 # Of those on links.
-act = _chain("act", _not_acting)
+act = _chain("act", _no_action)

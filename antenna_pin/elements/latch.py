@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from antenna_pin.base.parameters import parameter
-from antenna_pin.elements.capture import HELD, Capture
+from antenna_pin.base.records import Floats
+from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.elements.capture import HELD, Capture, capture
+from antenna_pin.elements.element import packed
+from antenna_pin.elements.hook_kernels import Loaded
 from antenna_pin.elements.modal import Change, Met
 
 __all__ = ["Latch"]
@@ -36,7 +41,7 @@ class Latch(Capture):
         flank: Which flank the joint is pressed to, +1 above, -1 below, 0 neither.
     """
 
-    kernels: ClassVar[str] = "latch_kernels"
+    kernels: ClassVar[str] = __name__
     switches: ClassVar[int] = 4
     remembers: ClassVar[tuple[str, ...]] = ("side", "flank")
 
@@ -75,11 +80,93 @@ class Latch(Capture):
         found = Capture._capture(self, met, what)
         return found._replace(memory={**found.memory, "flank": self.flank_at(met.angle, met.rate)})
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        return Capture.derived(self) | {"half_play": 0.5 * self.play}
+    @packed
+    def half_play(self) -> float:
+        """Play to either side [rad] ([m])."""
+        return 0.5 * self.play
 
     def words(self, slides: bool = False) -> str:
         """Return the description."""
         named = {"stiffness": "stiffness", "damping": "damping", "play": "play"}
         return "latch " + ", ".join([*self.capture_words(slides), *self.said_of(named, slides)])
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def excess(latch: Latch, angle: float) -> float:
+    """Return the signed distance of the joint beyond the latch's play; zero inside."""
+    off = float(angle - latch.angle)
+    if off > latch.half_play:
+        return float(off - latch.half_play)
+    return float(off + latch.half_play) if off < -latch.half_play else 0.0
+
+
+@inlined
+def held_torque(latch: Latch, angle: float, rate: float) -> float:
+    """Return the torque of spring and damper [N m] ([N]).
+
+    With play it is that of the flank under load.
+
+    Where that would pull, the joint comes off it (``switch``); in a trial step beyond, the torque
+    goes on as it is, so that steps are smooth.
+    """
+    if latch.half_play > 0.0 and latch.flank == 0.0:
+        return 0.0
+    off = angle - latch.angle - latch.flank * latch.half_play
+    return float(-latch.stiffness * off - latch.damping * rate)
+
+
+@inlined
+def effort(latch: Latch, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N]."""
+    return held_torque(latch, angle, rate) if latch.mode == HELD else 0.0
+
+
+@inlined
+def write_rates(latch: Latch, angle: float, rate: float, power: float, rates: Floats, x: int) -> None:
+    """Power lost [W]: what goes in, but for what the spring stores."""
+    rates[x] = 0.0
+    if latch.mode == HELD:
+        rates[x] = -power - latch.stiffness * excess(latch, angle) * rate
+
+
+@inlined
+def stored(latch: Latch, angle: float) -> float:
+    """Energy stored [J]."""
+    if latch.mode != HELD:
+        return 0.0
+    off = excess(latch, angle)
+    return float(0.5 * latch.stiffness * off * off)
+
+
+@inlined
+def _flanks(latch: Latch, angle: float, rate: float) -> tuple[float, float]:
+    """Return the pressure of a flank, or the distance to one.
+
+    The distance counts also while the flank would pull.
+    """
+    if latch.mode != HELD or latch.half_play == 0.0:
+        return 1.0, 0.0
+    if latch.flank != 0.0:
+        return float(-latch.flank * held_torque(latch, angle, rate)), 0.0
+    off = float(angle - latch.angle)
+    outward = float(rate if off > 0.0 else -rate)
+    if outward >= 0.0:
+        return float(latch.half_play - abs(off)), -outward
+    # It has left the flank with that still bent: where it turns back it meets it as the sum comes to push.
+    return float(latch.half_play - abs(off) - latch.damping * outward / latch.stiffness), 0.0
+
+
+@kernel
+def switch(latch: Latch, k: int, motion: Loaded) -> tuple[float, float]:
+    """Return function k: 0, 1 capture, 2 margin to the holding torque, 3 flanks."""
+    _, angle, rate, _ = motion
+    if k < 2:
+        return capture(latch, k, motion)
+    if k == 3:
+        return _flanks(latch, angle, rate)
+    if latch.mode == HELD and not math.isinf(latch.largest_torque):
+        return float(latch.largest_torque - abs(held_torque(latch, angle, rate))), 0.0
+    return 1.0, 0.0

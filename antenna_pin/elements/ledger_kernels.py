@@ -18,9 +18,7 @@ WORKS_WORDS = words_of(WORKS)
 
 
 @inlined
-def write_work(
-    words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int
-) -> None:
+def write_work(power: float, rates: Floats, x: int) -> None:
     """Write work and gross work of a drive, the integrals of power and size."""
     works = record(rates[x : x + WORKS_WORDS], WORKS)
     works.work = power

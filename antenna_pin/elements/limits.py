@@ -8,12 +8,14 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from antenna_pin.base.parameters import parameter
+from antenna_pin.compiled.decorators import inlined
+from antenna_pin.elements.element import packed
 from antenna_pin.elements.modal import ModalElement
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["Limits"]
 
-# Its modes.
+# Its modes: off both sides, on the lower one, on the upper one.
 FREE, LOWER, UPPER = 0, 1, 2
 
 
@@ -42,12 +44,12 @@ class Limits(ModalElement):
             rule = f"above lower, {self.lower:g}; the joint moves between them"
             raise InvalidParameterError(self, "upper", rule, self.upper)
 
-    @property
+    @packed
     def lowest(self) -> float:
         """Lower limit, or minus infinity."""
         return -math.inf if self.lower is None else self.lower
 
-    @property
+    @packed
     def highest(self) -> float:
         """Upper limit, or infinity."""
         return math.inf if self.upper is None else self.upper
@@ -73,10 +75,6 @@ class Limits(ModalElement):
                 rule = "left out where there is no upper limit; give upper"
                 raise InvalidParameterError(self, own, rule, getattr(self, own))
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        return {"lower": self.lowest}
-
     def words_of_limits(self, slides: bool) -> str:
         """Return the limits in words."""
         if self.lower is None or self.upper is None:
@@ -96,3 +94,17 @@ class Limits(ModalElement):
         if angle < self.lowest or (angle == self.lowest and rate <= 0.0):
             return LOWER
         return UPPER if angle > self.highest or (angle == self.highest and rate >= 0.0) else FREE
+
+
+@inlined
+def beyond(lower: float, upper: float, mode: int, k: int, angle: float, rate: float) -> tuple[float, float]:
+    """Return the gap to side k, or the depth in it, and its rate.
+
+    Side 0 is the lower one, 1 the upper one.
+    """
+    side = LOWER if k == 0 else UPPER
+    gap = angle - lower if k == 0 else upper - angle
+    if math.isinf(gap) or (mode != FREE and mode != side):
+        return 1.0, 0.0
+    slope = rate if k == 0 else -rate
+    return (gap, slope) if mode == FREE else (-gap, -slope)

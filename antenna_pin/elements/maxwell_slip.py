@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from antenna_pin.base.parameters import parameter
+from antenna_pin.base.records import Floats
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.curve import check_as_many
-from antenna_pin.elements.element import Element
+from antenna_pin.elements.element import Element, packed
+from antenna_pin.elements.hook_kernels import Loaded, Own, Powered
 from antenna_pin.elements.modal import Change, Met, ModalElement, Remembered
 from antenna_pin.errors import InvalidParameterError
 
@@ -18,6 +21,13 @@ _MOST = 8
 # Share of its reach at which one that is bent slips: what round-off leaves.
 _AT = 1.0 - 1e-9
 _ANCHORS = tuple(f"anchor_{k}" for k in range(1, _MOST + 1))
+# Stiffness, reach and anchor of each stand behind the record.
+EACH = 3
+# Modes: none slips; some slip, or did last, as the angle grows, or as it falls.
+HELD, UP = range(2)
+# Share of its reach by which one is bent further before its mode follows: one that has just been let go is
+# not told from one that slips. The torque is right either way; of the loss as large a share is left out.
+_SLACK = 1e-11
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,7 +53,8 @@ class MaxwellSlip(ModalElement):
         Applied Mechanics 33 (1966), 893-900.
     """
 
-    kernels: ClassVar[str] = "maxwell_slip_kernels"
+    kernels: ClassVar[str] = __name__
+    unpacked: ClassVar[tuple[str, ...]] = ("on", *_ANCHORS)
     at_start: ClassVar[tuple[str, ...]] = ("rest_angle",)
     traced: ClassVar[bool] = True
     modes: ClassVar[tuple[str, ...]] = ("held", "up", "down")
@@ -89,9 +100,10 @@ class MaxwellSlip(ModalElement):
         """Positions at which the springs are relaxed at present [rad] ([m])."""
         return tuple(getattr(self, name) for name in _ANCHORS[: len(self.stiffness)])
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        return {"count": len(self.stiffness)}
+    @packed
+    def count(self) -> int:
+        """Number of springs."""
+        return len(self.stiffness)
 
     def tail(self) -> tuple[float, ...]:
         """Return stiffness, reach and anchor of each."""
@@ -144,3 +156,93 @@ class MaxwellSlip(ModalElement):
         units = self.unit("slip", slides), self.unit("stiffness", slides)
         many = f"{len(self.slip)} springs that slip" if len(self.slip) > 1 else "a spring that slips"
         return f"{many} at {torques} {units[0]}, stiffness {stiff:g} {units[1]} in all"
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def _bent(tail: Floats, one: int, angle: float) -> float:
+    """By how much one spring is bent, and at most can be."""
+    reach = tail[one + 1]
+    return float(min(max(angle - tail[one + 2], -reach), reach))
+
+
+@inlined
+def effort(springs: MaxwellSlip, tail: Floats, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N]."""
+    found = 0.0
+    for k in range(springs.count):
+        one = EACH * k
+        found -= tail[one] * _bent(tail, one, angle)
+    return found
+
+
+@inlined
+def write_rates_of(
+    springs: MaxwellSlip, tail: Floats, motion: Powered, own: Own, rates: Floats, x: int
+) -> None:
+    """Return the power of the slipping springs [W].
+
+    Which slip is a discrete state, for the power jumps where one begins to.
+    """
+    angle, rate, _ = motion
+    found = 0.0
+    for k in range(springs.count):
+        one = EACH * k
+        if int(springs.slips) & (1 << k):
+            found += tail[one] * _bent(tail, one, angle) * rate
+    rates[x] = found
+
+
+@inlined
+def stored(springs: MaxwellSlip, tail: Floats, angle: float) -> float:
+    """Energy stored [J]."""
+    found = 0.0
+    for k in range(springs.count):
+        one = EACH * k
+        z = _bent(tail, one, angle)
+        found += 0.5 * tail[one] * z * z
+    return found
+
+
+@inlined
+def kink(springs: MaxwellSlip, tail: Floats, t: float, angle: float, rate: float) -> float:
+    """Return the product of the margins to slip, as shares.
+
+    One spring begins to slip where it passes zero.
+    """
+    found = 1.0
+    for k in range(springs.count):
+        one = EACH * k
+        found *= 1.0 - abs(angle - tail[one + 2]) / tail[one + 1]
+    return found
+
+
+@inlined
+def switch(springs: MaxwellSlip, tail: Floats, k: int, motion: Loaded) -> tuple[float, float]:
+    """Return function k: margin to slip, or the rate of slipping springs."""
+    _, angle, rate, _ = motion
+    way = 1.0 if springs.mode == UP else -1.0
+    left, slope, slips, more = 1.0, 0.0, False, 1.0
+    for i in range(springs.count):
+        one = EACH * i
+        bent, reach = angle - tail[one + 2], tail[one + 1]
+        if springs.mode == HELD:
+            back = -1.0 if bent > 0.0 else 1.0
+        else:
+            back = way
+            # From half way on, well before it slips: where the joint turns back, nothing jumps that is seen.
+            slips = slips or way * bent > 0.5 * reach
+            if not int(springs.slips) & (1 << i):
+                more = min(more, (1.0 + _SLACK) * reach - way * bent)
+        own = (1.0 + _SLACK) * reach + back * bent
+        if i == 0 or own < left:
+            left, slope = own, back * rate
+    if k == 0:
+        return float(left), float(slope)
+    if k == 2:
+        return float(more), float(-way * rate) if more < 1.0 else 0.0
+    if slips:
+        return float(way * rate), 0.0
+    return 1.0, 0.0

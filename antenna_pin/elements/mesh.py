@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from antenna_pin.base.parameters import LEAST, parameter
 from antenna_pin.base.readable import number
 from antenna_pin.elements.curve import both_given, check_as_many
-from antenna_pin.elements.flanks import Flanks
-from antenna_pin.elements.mesh_kernels import BOTH_WAYS, TWO
+from antenna_pin.elements.flanks import BOTH_WAYS, TWO, Flanks
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["Gear", "Rack", "Spline"]
@@ -35,18 +34,24 @@ class Teeth(Flanks):
         return self.play > 0.0 and self.damping > 0.0
 
     @property
-    def side_numbers(self) -> tuple[float, int]:
-        """Half the play, and both flanks, or a spring either way without play."""
-        return -0.5 * self.play, TWO if self.play > 0.0 else BOTH_WAYS
+    def room(self) -> float:
+        """Minus half the play."""
+        return -0.5 * self.play
+
+    @property
+    def springs(self) -> int:
+        """Both flanks, or a spring either way without play."""
+        return TWO if self.play > 0.0 else BOTH_WAYS
 
     @property
     def shares(self) -> tuple[float, float]:
         """Derivatives a and -b of the deflection over the positions: 1 and -1."""
         return 1.0, 1.0
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        return Flanks.derived(self) | {"rest": self.offset}
+    @property
+    def rest(self) -> float:
+        """Middle of the play."""
+        return self.offset
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,8 +88,6 @@ class Gear(Teeth):
         Names as in Modelica's ElastoBacklash (total play, a damping torque that the spring's limits); the
         ratio as in Simscape's Gear Box, input over output.
     """
-
-    kernels: ClassVar[str] = "mesh_kernels"
 
     ratio: float = parameter("1", default=1.0)
     stiffness: float = parameter("N*m/rad", rule="positive")
@@ -135,10 +138,10 @@ class Gear(Teeth):
         """Derivatives a and -b of the deflection over the positions, by the ratio."""
         return (1.0, self.ratio) if self.side == "input" else (1.0 / self.ratio, 1.0)
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        friction = {"forward": self.efficiency, "backward": self.efficiency_back, "slow": self.slow_rate}
-        return Teeth.derived(self) | friction | {"points": len(self.error_angle or ())}
+    @property
+    def points(self) -> int:
+        """Number of points of the error's curve."""
+        return len(self.error_angle or ())
 
     def tail(self) -> tuple[float, ...]:
         """Return the curve of the error."""
@@ -176,8 +179,6 @@ class Spline(Teeth):
         offset: x_0, the middle of the play [rad].
     """
 
-    kernels: ClassVar[str] = "mesh_kernels"
-
     stiffness: float = parameter("N*m/rad", rule="positive")
     damping: float = parameter("N*m*s/rad", rule="zero or more", default=0.0)
     play: float = parameter("rad", rule="zero or more", default=0.0)
@@ -201,7 +202,6 @@ class Rack(Teeth):
         offset: x_0, the middle of the play [m].
     """
 
-    kernels: ClassVar[str] = "mesh_kernels"
     along: ClassVar[bool] = True
     slide: ClassVar[tuple[bool, bool]] = (False, True)
     instead: ClassVar[str] = "the pinion for the input and the rack for the output"

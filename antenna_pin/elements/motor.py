@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from antenna_pin.base.parameters import parameter
 from antenna_pin.base.readable import GIVEN, readable
-from antenna_pin.elements.element import GROSS_WORK, WORK, Drive, Integral
+from antenna_pin.base.records import Floats
+from antenna_pin.compiled.decorators import inlined
+from antenna_pin.elements.element import GROSS_WORK, WORK, Drive, Integral, packed
+from antenna_pin.elements.hook_kernels import Motion, Own, Powered
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["Motor"]
 
 _CURRENT = Integral("current", "A")
+# Places among what it integrates.
+_WORK_AT, _GROSS_AT, _ELECTRIC_AT, _HEAT_AT, _CURRENT_AT = range(5)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,7 +53,7 @@ class Motor(Drive):
         ratio: n: turns of the motor per turn of its joint [-] ([rad/m]); below zero it turns the other way.
     """
 
-    kernels: ClassVar[str] = "motor_kernels"
+    kernels: ClassVar[str] = __name__
     commanded: ClassVar[str] = "value"
     senses: ClassVar[bool] = True
     integrals: ClassVar[tuple[Integral, ...]] = (
@@ -86,13 +92,25 @@ class Motor(Drive):
         """Return whether a limit may act."""
         return (self.voltage_limit if self.mode == "current" else self.current_limit) is not None
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        return {
-            "by_current": self.mode == "current",
-            "back_emf": self.torque_constant if self.back_emf is None else self.back_emf,
-            "phase": self.cogging_phase,
-        }
+    @packed
+    def by_current(self) -> bool:
+        """Command of a current, not of a voltage."""
+        return self.mode == "current"
+
+    @packed
+    def voltage_per_rate(self) -> float:
+        """Back-EMF over the rate of the motor, K_e [V*s/rad]."""
+        return self.torque_constant if self.back_emf is None else self.back_emf
+
+    @packed
+    def largest_voltage(self) -> float:
+        """Largest voltage either way, infinity without a limit [V]."""
+        return math.inf if self.voltage_limit is None else self.voltage_limit
+
+    @packed
+    def largest_current(self) -> float:
+        """Largest current either way, infinity without a limit [A]."""
+        return math.inf if self.current_limit is None else self.current_limit
 
     def words(self, slides: bool = False) -> str:
         """Return the description."""
@@ -100,3 +118,77 @@ class Motor(Drive):
         said = {"torque_constant": "K_t", "resistance": "R", "inductance": "L", "cogging": "cogging"}
         given = f"commanded {readable(self.value, unit, GIVEN)}"
         return f"motor, {', '.join([given, *self.said_of(said, slides)])}, ratio {self.ratio:g}"
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def _clamped(value: float, middle: float, reach: float) -> float:
+    return min(max(value, middle - reach), middle + reach)
+
+
+@inlined
+def _voltage(m: Motor, back: float) -> float:
+    """Voltage that the driver puts on [V], at a back-EMF [V]."""
+    if m.by_current:
+        wished = m.resistance * _clamped(m.value, 0.0, m.largest_current) + back
+        return float(_clamped(wished, 0.0, m.largest_voltage))
+    return float(_clamped(_clamped(m.value, 0.0, m.largest_voltage), back, m.resistance * m.largest_current))
+
+
+@inlined
+def _current(m: Motor, back: float, voltage: float, own: Own) -> float:
+    """Current [A]: a state where there is an inductance."""
+    y, i = own
+    return float(y[i + _CURRENT_AT] if m.inductance > 0.0 else (voltage - back) / m.resistance)
+
+
+@inlined
+def _cogging(m: Motor, angle: float) -> float:
+    """Torque of the cogging on the rotor [N m]."""
+    return float(-m.cogging * math.sin(m.cycles * m.ratio * angle + m.cogging_phase))
+
+
+@inlined
+def effort_of(m: Motor, motion: Motion, own: Own) -> float:
+    """Torque [N m], or force [N]."""
+    _, angle, rate = motion
+    back = m.voltage_per_rate * m.ratio * rate
+    current = _current(m, back, _voltage(m, back), own)
+    return float(m.ratio * (m.torque_constant * current + _cogging(m, angle)))
+
+
+@inlined
+def write_rates_of(m: Motor, motion: Powered, own: Own, rates: Floats, x: int) -> None:
+    """Powers without the cogging's, which is stored, [W], and the rate of the current [A/s]."""
+    angle, rate, power = motion
+    back = m.voltage_per_rate * m.ratio * rate
+    voltage = _voltage(m, back)
+    current = _current(m, back, voltage, own)
+    put_in = power - m.ratio * _cogging(m, angle) * rate
+    rates[x + _WORK_AT] = put_in
+    rates[x + _GROSS_AT] = abs(put_in)
+    rates[x + _ELECTRIC_AT] = voltage * current
+    rates[x + _HEAT_AT] = m.resistance * current * current
+    rates[x + _CURRENT_AT] = 0.0
+    if m.inductance > 0.0:
+        rates[x + _CURRENT_AT] = (voltage - back - m.resistance * current) / m.inductance
+
+
+@inlined
+def stored_of(m: Motor, angle: float, own: Own) -> float:
+    """Energy stored in the cogging [J]."""
+    if m.cogging == 0.0:
+        return 0.0
+    return float(-m.cogging / m.cycles * math.cos(m.cycles * m.ratio * angle + m.cogging_phase))
+
+
+@inlined
+def kink(m: Motor, t: float, angle: float, rate: float) -> float:
+    """Return the margin to a limit, by the rate of the joint [V]."""
+    back = m.voltage_per_rate * m.ratio * rate
+    if m.by_current:
+        wished = m.resistance * _clamped(m.value, 0.0, m.largest_current) + back
+        return float(abs(wished) - m.largest_voltage)
+    return float(abs(_clamped(m.value, 0.0, m.largest_voltage) - back) - m.resistance * m.largest_current)

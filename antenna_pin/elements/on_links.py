@@ -27,8 +27,8 @@ BOOKED: tuple[Integral, ...] = (
 class OnLinks(ForceElement):
     """Base of the elements that act on links, in the world's axes.
 
-    Beside ``LAYOUT`` its kernels have ``act`` (:mod:`antenna_pin.elements.desk_kernels`). What it does is
-    booked as work that it puts in, and as impulse and angular impulse.
+    Its kernel is ``act`` (:mod:`antenna_pin.elements.desk_kernels`). What it does is booked as work that it
+    puts in, and as impulse and angular impulse.
     """
 
     integrals: ClassVar[tuple[Integral, ...]] = BOOKED

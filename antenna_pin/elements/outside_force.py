@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from antenna_pin.base.parameters import parameter
 from antenna_pin.base.readable import GIVEN, number, readable
+from antenna_pin.base.records import Floats, Triple
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.composed_courses import Table
 from antenna_pin.elements.courses import Sine
 from antenna_pin.elements.curve import Interpolation, both_given, check_covers, check_table
+from antenna_pin.elements.desk_kernels import Desk, turned
+from antenna_pin.elements.element import packed
 from antenna_pin.elements.on_links import AtPoint
 from antenna_pin.elements.reference import Reference
+from antenna_pin.elements.term_kernels import course
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["OutsideForce"]
 
-Numbers3 = tuple[float, float, float]
 _NONE = (0.0, 0.0, 0.0)
 
 
@@ -45,12 +49,12 @@ class OutsideForce(AtPoint):
         factors: c of a table, one for each time [-].
     """
 
-    kernels: ClassVar[str] = "outside_force_kernels"
+    kernels: ClassVar[str] = __name__
     columns: ClassVar[tuple[str, str]] = ("time", "factors")
     commanded: ClassVar[str] = "value"
 
-    force: Numbers3 = parameter("N", sizes=(3,), default=_NONE)
-    torque: Numbers3 = parameter("N*m", sizes=(3,), default=_NONE)
+    force: Triple = parameter("N", sizes=(3,), default=_NONE)
+    torque: Triple = parameter("N*m", sizes=(3,), default=_NONE)
     axes: Literal["link", "world"] = "link"
     follows: Reference | None = None
     value: float = parameter("1", default=1.0)
@@ -98,9 +102,15 @@ class OutsideForce(AtPoint):
             return Table(time=self.time, values=self.factors, interpolation=self.interpolation)
         return self.follows
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        return {"world": self.axes == "world", "terms": len(self.tail())}
+    @packed
+    def in_world(self) -> bool:
+        """Force and torque in the world's axes."""
+        return self.axes == "world"
+
+    @packed
+    def course_length(self) -> int:
+        """Number of words of its course."""
+        return len(self.tail())
 
     def tail(self) -> tuple[float, ...]:
         """Return its course for kernels."""
@@ -130,3 +140,23 @@ class OutsideForce(AtPoint):
         if self.follows is not None:
             text += f", times {self.follows.words(slides)}"
         return text
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def act(own: OutsideForce, tail: Floats, t: float, desk: Desk) -> None:
+    """Write force and torque on the link."""
+    value = own.value
+    if own.course_length > 0:
+        factor, _, _ = course(tail, 0, own.course_length, t)
+        value *= factor
+    link = desk[1][0]
+    f, m = own.force, own.torque
+    fx, fy, fz, mx, my, mz = f[0], f[1], f[2], m[0], m[1], m[2]
+    if not own.in_world:
+        fx, fy, fz = turned(link.rotation, fx, fy, fz)
+        mx, my, mz = turned(link.rotation, mx, my, mz)
+    link.force[0], link.force[1], link.force[2] = value * fx, value * fy, value * fz
+    link.torque[0], link.torque[1], link.torque[2] = value * mx, value * my, value * mz

@@ -44,14 +44,11 @@ def check_load(element: Any, place: str, slides: bool) -> None:
         raise InvalidParameterError(place, "radius", "given with a bending_arm", None)
 
 
-def numbers_of_load(element: Any) -> dict[str, float]:
-    """Return the weights of forces and moments in the load; zero without load."""
+def numbers_of_load(element: Any) -> tuple[float, float, float, float]:
+    """Return what hook ``bearing`` returns; zero without load."""
     # A sliding joint has neither radius: there a force presses by itself.
     slides = element.radius is None and element.axial_radius is None
     radial = 1.0 if slides else element.radius or 0.0
-    return {
-        "radial": radial if element.under_load else 0.0,
-        "axial": element.axial_radius or 0.0,
-        "bending": radial / element.bending_arm if element.under_load and element.bending_arm else 0.0,
-        "middle": element.middle or 0.0,
-    }
+    bending = radial / element.bending_arm if element.under_load and element.bending_arm else 0.0
+    own = radial if element.under_load else 0.0
+    return own, element.axial_radius or 0.0, bending, element.middle or 0.0

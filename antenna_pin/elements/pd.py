@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
 from antenna_pin.base.parameters import check, parameter
+from antenna_pin.base.records import Floats
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.course import Course
 from antenna_pin.elements.curve import Interpolation
-from antenna_pin.elements.element import Drive
+from antenna_pin.elements.element import Drive, packed
 from antenna_pin.elements.reference import Reference
+from antenna_pin.elements.term_kernels import course
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["PDController"]
@@ -43,7 +47,7 @@ class PDController(Course, Drive):
         reference: Of the table, joined by monotone cubics [rad] ([m]).
     """
 
-    kernels: ClassVar[str] = "pd_kernels"
+    kernels: ClassVar[str] = __name__
     constant: ClassVar[str] = "angle"
     columns: ClassVar[tuple[str, str]] = ("time", "reference")
     joined: ClassVar[Interpolation] = "cubic"
@@ -83,6 +87,11 @@ class PDController(Course, Drive):
             rule = f"a joint that {which}, as {self.joint!r} does"
             raise InvalidParameterError(place, "measures", rule, self.measures)
 
+    @packed
+    def largest(self) -> float:
+        """Largest torque either way, infinity without a limit [N*m] ([N])."""
+        return math.inf if self.limit is None else self.limit
+
     @property
     def has_kinks(self) -> bool:
         """Return whether the torque has a limit."""
@@ -94,3 +103,39 @@ class PDController(Course, Drive):
         of = "" if self.measured == self.joint else f" of {self.measured}"
         text = f"controller{of}, kp {kp}, kd {kd}, reference {self.course_words(slides) or '0'}"
         return text if self.limit is None else f"{text}, at most {self.text_of('limit', slides)}"
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def reference(pd: PDController, tail: Floats, t: float) -> tuple[float, float]:
+    """Angle to be followed and its rate."""
+    omega = pd.angular_frequency
+    turned = omega * t + pd.phase
+    angle = pd.angle + pd.rate * t + pd.amplitude * math.sin(turned)
+    rate = pd.rate + pd.amplitude * omega * math.cos(turned)
+    if pd.course_length > 0:
+        own = course(tail, 0, pd.course_length, t)
+        angle += own[0]
+        rate += own[1]
+    return angle, rate
+
+
+@inlined
+def demand(pd: PDController, tail: Floats, t: float, angle: float, rate: float) -> float:
+    """Torque that it would give without a limit [N m], or force [N]."""
+    wanted, wanted_rate = reference(pd, tail, t)
+    return float(pd.kp * (wanted - angle) + pd.kd * (wanted_rate - rate))
+
+
+@inlined
+def effort(pd: PDController, tail: Floats, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N]."""
+    return min(max(demand(pd, tail, t, angle, rate), -pd.largest), pd.largest)
+
+
+@inlined
+def kink(pd: PDController, tail: Floats, t: float, angle: float, rate: float) -> float:
+    """Return the demand's excess over the limit; the effort has a kink at its zero."""
+    return abs(demand(pd, tail, t, angle, rate)) - pd.largest

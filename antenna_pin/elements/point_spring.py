@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from antenna_pin.base.parameters import parameter
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.points import BetweenPoints
 from antenna_pin.errors import InvalidParameterError
 
@@ -32,7 +33,7 @@ class PointSpring(BetweenPoints):
         damping: [N*s/m].
     """
 
-    kernels: ClassVar[str] = "point_spring_kernels"
+    kernels: ClassVar[str] = __name__
     one_above_zero: ClassVar[tuple[str, ...]] = ("stiffness", "damping")
 
     free_length: float = parameter("m", rule="zero or more")
@@ -56,3 +57,28 @@ class PointSpring(BetweenPoints):
         """Return the description."""
         said = {"free_length": "free length", "stiffness": "stiffness", "damping": "damping"}
         return f"from {self.first[0]} to {self.second[0]}, {', '.join(self.said_of(said, slides))}"
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def tension(spring: PointSpring, length: float, rate: float) -> float:
+    """Return the force that draws the points together [N].
+
+    Arguments are the distance [m] and its rate [m/s].
+    """
+    return float(spring.stiffness * (length - spring.free_length) + spring.damping * rate)
+
+
+@inlined
+def loss(spring: PointSpring, rate: float) -> float:
+    """Power that the damper takes [W]."""
+    return float(spring.damping * rate * rate)
+
+
+@inlined
+def stored(spring: PointSpring, length: float) -> float:
+    """Energy stored [J]."""
+    stretch = length - spring.free_length
+    return float(0.5 * spring.stiffness * stretch * stretch)

@@ -41,10 +41,10 @@ def checked_point(element: ForceElement, name: str, pair: Any) -> Point:
 class BetweenPoints(ForceElement):
     """Base of the elements that draw two points of links together.
 
-    Beside its kernels ``LAYOUT`` and ``stored(words, at, length)``, as those of an element at a joint:
+    Its kernels are ``stored`` of the length, as of an element at a joint, and
 
-    - ``tension(words, at, length, rate)``: the force that draws the points together [N];
-    - ``loss(words, at, rate)``: the power that it takes [W], which its one integral is of.
+    - ``tension``: the force that draws the points together [N];
+    - ``loss``: the power that it takes [W], which its one integral is of.
 
     Attributes:
         first: A link, or ``world``, and a point in its frame [m].

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, ClassVar, Literal, NamedTuple
@@ -13,17 +13,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.parameters import check, parameter
 from antenna_pin.base.readable import GIVEN, number
-from antenna_pin.base.records import words_of
+from antenna_pin.base.records import Floats, words_of
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements import term_kernels as kernels
-from antenna_pin.elements.course import Course, Swing
-from antenna_pin.elements.element import GROSS_WORK, WORK, Element, Integral
+from antenna_pin.elements.course import Course
+from antenna_pin.elements.element import GROSS_WORK, WORK, Element, Integral, packed
 from antenna_pin.elements.reference import Reference
-from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
-    "CallableMotion",
     "continued",
-    "DistanceMotion",
     "jumps",
     "Motion",
     "PrescribedMotion",
@@ -184,8 +182,6 @@ def _power(piece: Any, time: float) -> float:
 
 # --- prescribed motions -------------------------------------------------------------------------------------
 
-Numbers3 = tuple[float, float, float]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Motion(Element):
@@ -202,8 +198,7 @@ class Motion(Element):
 
     def profile(self) -> Callable[[float], tuple[float, float, float]]:
         """Return position, rate and acceleration as a function of time, for many times."""
-        motion, words = self.compiled().motion, self.words_of_kernel()
-        return lambda t: motion(words, 0, t)
+        return self.own_kernel("motion")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -233,7 +228,7 @@ class PrescribedMotion(Course, Motion):
             it is [rad] ([m]).
     """
 
-    kernels: ClassVar[str] = "motion_kernels"
+    kernels: ClassVar[str] = __name__
     constant: ClassVar[str] = "position"
     columns: ClassVar[tuple[str, str]] = ("time", "positions")
     joined: ClassVar[Literal["smooth"]] = "smooth"
@@ -256,10 +251,10 @@ class PrescribedMotion(Course, Motion):
         check(self)
         self.check_course()
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        own = {"powers": len(self.coefficients), "position": self.position + self.offset}
-        return own | Course.derived(self)
+    @packed
+    def powers(self) -> int:
+        """Number of coefficients of the polynomial."""
+        return len(self.coefficients)
 
     def tail(self) -> tuple[float, ...]:
         """Return the polynomial's coefficients, and the terms of what it follows and of the table."""
@@ -286,112 +281,26 @@ class PrescribedMotion(Course, Motion):
         return f"motion {self.course_words(slides, powers) or 'held at 0'}"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DistanceMotion(Swing, Motion):
-    r"""A sliding joint held to the distance of a fixed and a moving point.
-
-    That is the length of a leg from a base joint to a joint of a platform that moves without turning:
-
-    .. math:: h(t) = | r + s + u t + A \sin(2 \pi f t + \varphi) |
-
-    with a sine for each component, and with its exact derivatives.
-
-    Attributes:
-        offset: r, from the fixed point to the moving one while the path is at its origin, (3,) [m].
-        mean: s, of the path, (3,) [m].
-        velocity: u, of the path, (3,) [m/s].
-        amplitude: A, of the path's swing along each axis, (3,) [m].
-        frequency: f, of the path's swing [Hz]; None where nothing swings.
-        phase: varphi, of each component at t = 0, (3,) [rad].
-    """
-
-    kernels: ClassVar[str] = "distance_kernels"
-
-    offset: Numbers3 = parameter("m", sizes=(3,))
-    mean: Numbers3 = parameter("m", sizes=(3,), default=(0.0, 0.0, 0.0))
-    velocity: Numbers3 = parameter("m/s", sizes=(3,), default=(0.0, 0.0, 0.0))
-    amplitude: Numbers3 = parameter("m", sizes=(3,), default=(0.0, 0.0, 0.0))
-    frequency: float | None = parameter("Hz", rule="positive", default=None)
-    phase: Numbers3 = parameter("rad", sizes=(3,), default=(0.0, 0.0, 0.0))
-
-    def __post_init__(self) -> None:
-        """Check the parts."""
-        check(self)
-        self.check_frequency(any(self.amplitude))
-
-    def check_joint(self, place: str, slides: bool) -> None:
-        """Refuse a joint that turns."""
-        if not slides:
-            raise InvalidParameterError(place, "joint", "one that slides: it follows a distance", self.joint)
-
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        centre = [a + b for a, b in zip(self.offset, self.mean, strict=True)]
-        return {"centre": centre, "speed": self.velocity}
-
-    def words(self, slides: bool = False) -> str:
-        """Return the description."""
-        swing = "" if self.frequency is None else f" that swings at {number(self.frequency, GIVEN)} Hz"
-        return f"motion: distance to a point on a path{swing}"
+# --- compiled -----------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class CallableMotion(Motion):
-    """A joint's position from functions of time; slower than the others unless all are compiled.
-
-    They must answer equal questions equally, as a :class:`CallableDrive` must.
-
-    Attributes:
-        position: ``t [s] -> [rad]`` ([m]).
-        velocity: Its exact first derivative [rad/s] ([m/s]).
-        acceleration: Its exact second derivative [rad/s^2] ([m/s^2]).
-    """
-
-    kernels: ClassVar[str] = "given_motion_kernels"
-
-    position: Callable[[float], float]
-    velocity: Callable[[float], float]
-    acceleration: Callable[[float], float]
-
-    @property
-    def called(self) -> bool:
-        """Return whether kernels call the functions."""
-        from antenna_pin.compiled.given_functions import is_compiled
-
-        return is_compiled(self.position, self.velocity, self.acceleration)
-
-    @property
-    def in_python(self) -> bool:  # type: ignore[override]
-        """Return whether Python calls the functions, before each evaluation."""
-        return not self.called
-
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters; those of plain functions are written before each evaluation."""
-        numbers = {"position": 0.0, "rate": 0.0, "acceleration": 0.0}
-        if not self.called:
-            return {**numbers, "first": 0.0, "second": 0.0, "third": 0.0}
-        from antenna_pin.compiled.given_functions import address_of
-
-        functions = zip(("first", "second", "third"), ("position", "velocity", "acceleration"), strict=True)
-        place = type(self).__name__
-        return numbers | {one: address_of(place, name, getattr(self, name), 1) for one, name in functions}
-
-    @property
-    def functions(self) -> tuple[tuple[str, Callable[..., float], int], ...]:
-        """Its three functions, of time."""
-        return tuple((name, getattr(self, name), 1) for name in ("position", "velocity", "acceleration"))
-
-    def record_numbers(
-        self, functions: Sequence[Callable[..., float]], t: float, angle: float, rate: float
-    ) -> tuple[float, ...]:
-        """Return the numbers of its record at time t [s]."""
-        return (*(function(t) for function in functions), 0.0, 0.0, 0.0)
-
-    def profile(self) -> Callable[[float], tuple[float, float, float]]:
-        """Return position, rate and acceleration as a function of time."""
-        position, velocity, acceleration = self.callbacks(f"motion of joint {self.joint!r}", False)
-        return lambda t: (position(t), velocity(t), acceleration(t))
-
-    def words(self, slides: bool = False) -> str:
-        """Return the description."""
-        return "motion: compiled functions" if self.called else "motion: functions in Python"
+@inlined
+def motion(m: PrescribedMotion, tail: Floats, t: float) -> tuple[float, float, float]:
+    """Position, its rate and its acceleration at time t [s]."""
+    turned = m.angular_frequency * t + m.phase
+    sine, cosine = m.amplitude * math.sin(turned), m.amplitude * math.cos(turned)
+    value = slope = bend = 0.0
+    for k in range(m.powers - 1, -1, -1):
+        # Horner's rule for the polynomial of t that stands behind t^2, with its first two derivatives.
+        bend = bend * t + 2.0 * slope
+        slope = slope * t + value
+        value = value * t + tail[k]
+    position = m.position + m.offset + m.rate * t + value * t * t + sine
+    rate = m.rate + (slope * t + 2.0 * value) * t + m.angular_frequency * cosine
+    acceleration = (bend * t + 4.0 * slope) * t + 2.0 * value - m.angular_frequency**2 * sine
+    if m.course_length > 0:
+        own = kernels.course(tail, m.powers, m.powers + m.course_length, t)
+        position += own[0]
+        rate += own[1]
+        acceleration += own[2]
+    return position, rate, acceleration

@@ -57,7 +57,7 @@ DRIVES = Classes(
         "table": "tabulated.TableDrive",
         "pd": "pd.PDController",
         "motion": "prescribed.PrescribedMotion",
-        "distance": "prescribed.DistanceMotion",
+        "distance": "distance.DistanceMotion",
         "motor": "motor.Motor",
     },
 )
@@ -158,7 +158,7 @@ FAMILIES: Mapping[str, Family] = MappingProxyType(
 # Python has some that a scenario has not.
 _ALL = (
     DRIVES,
-    Classes(_ROOM, {"CallableDrive": "given.CallableDrive", "CallableMotion": "prescribed.CallableMotion"}),
+    Classes(_ROOM, {"CallableDrive": "given.CallableDrive", "CallableMotion": "given_motion.CallableMotion"}),
     *(family.kinds for table, family in FAMILIES.items() if table != "drives"),
     *(family.in_python for family in FAMILIES.values()),
 )

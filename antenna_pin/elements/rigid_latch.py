@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from antenna_pin.elements.capture import HELD, OUTSIDE, Capture
+from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.elements.capture import HELD, OUTSIDE, Capture, capture
+from antenna_pin.elements.hook_kernels import Loaded
 from antenna_pin.elements.modal import Change, Met, Remembered
 
 __all__ = ["RigidLatch"]
@@ -26,7 +29,7 @@ class RigidLatch(Capture):
         held_at: Where it holds the joint [rad] ([m]).
     """
 
-    kernels: ClassVar[str] = "rigid_latch_kernels"
+    kernels: ClassVar[str] = __name__
     loaded: ClassVar[tuple[int, ...]] = (2,)
     remembers: ClassVar[tuple[str, ...]] = ("side", "held_at")
     goes_by: ClassVar[Mapping[str, Remembered]] = {"held_at": "way"}
@@ -48,3 +51,23 @@ class RigidLatch(Capture):
     def words(self, slides: bool = False) -> str:
         """Return the description."""
         return "rigid latch " + ", ".join(self.capture_words(slides))
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@kernel
+def switch(latch: RigidLatch, k: int, motion: Loaded) -> tuple[float, float]:
+    """Return function k: 0, 1 capture, 2 margin of the row to the holding torque."""
+    _, angle, rate, load = motion
+    if k < 2:
+        return capture(latch, k, motion)
+    if latch.mode == HELD and not math.isinf(latch.largest_torque):
+        return float(latch.largest_torque - abs(load)), 0.0
+    return 1.0, 0.0
+
+
+@inlined
+def hold(latch: RigidLatch) -> tuple[bool, float]:
+    """Return whether the joint is held, and the position."""
+    return latch.mode == HELD, float(latch.held_at)

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from antenna_pin.base.parameters import parameter
-from antenna_pin.elements.limits import FREE, LOWER, UPPER, Limits
+from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.elements.hook_kernels import Loaded
+from antenna_pin.elements.limits import FREE, LOWER, UPPER, Limits, beyond
 from antenna_pin.elements.modal import BLOW, Change, Met
 from antenna_pin.errors import InvalidParameterError
 
@@ -40,7 +42,7 @@ class RigidStop(Limits):
         rest_rate: Rate below which a joint that comes no longer bounces [rad/s] ([m/s]).
     """
 
-    kernels: ClassVar[str] = "rigid_stop_kernels"
+    kernels: ClassVar[str] = __name__
     loaded: ClassVar[tuple[int, ...]] = (2,)
     change_names: ClassVar[Mapping[str, tuple[str, ...]]] = {
         "touch": ("bounces", "rests"),
@@ -76,8 +78,8 @@ class RigidStop(Limits):
         return Change(FREE) if self.mode != FREE and abs(met.angle - limit) > _LOCATED else None
 
     def _check(self, place: str, way_out: str, met: Met, margin: float) -> None:
-        for name, beyond in (("lower", self.lowest - met.angle), ("upper", met.angle - self.highest)):
-            if beyond > margin:
+        for name, excess in (("lower", self.lowest - met.angle), ("upper", met.angle - self.highest)):
+            if excess > margin:
                 at = f"{name} = {getattr(self, name):g}"
                 rule = f"within its rigid stop, {at}; {way_out}, or move the stop"
                 raise InvalidParameterError(place, f"position of {self.joint}", rule, met.angle)
@@ -124,3 +126,26 @@ class RigidStop(Limits):
         )
         restitution = self.text_of("restitution", slides)
         return f"rigid end stop {self.words_of_limits(slides)}, restitution {restitution}{upper}"
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@kernel
+def switch(stop: RigidStop, k: int, motion: Loaded) -> tuple[float, float]:
+    """Return function k: 0, 1 distance to a side and rate; 2 load [N m]."""
+    if k < 2:
+        return (
+            beyond(stop.lowest, stop.highest, stop.mode, k, motion[1], motion[2])
+            if stop.mode == FREE
+            else (1.0, 0.0)
+        )
+    if stop.mode == FREE:
+        return 1.0, 0.0
+    return float(motion[3] if stop.mode == LOWER else -motion[3]), 0.0
+
+
+@inlined
+def hold(stop: RigidStop) -> tuple[bool, float]:
+    """Return whether the joint rests on a side, and the position of the side."""
+    return stop.mode != FREE, stop.highest if stop.mode == UPPER else stop.lowest

@@ -12,9 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.base.directions import A_DIRECTION
 from antenna_pin.base.parameters import check, parameter
 from antenna_pin.base.readable import GIVEN, number, readable
+from antenna_pin.base.records import Floats
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.curve import SweptPiece, sines_of
+from antenna_pin.elements.element import packed
 from antenna_pin.elements.prescribed import Motion
 from antenna_pin.elements.reference import swept
+from antenna_pin.elements.term_kernels import course
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["Shake", "SineShake", "SweepShake"]
@@ -40,7 +44,7 @@ class Shake(Motion):
         fade_in: Time in which it grows from nothing, by a factor whose second derivative is continuous [s].
     """
 
-    kernels: ClassVar[str] = "shaken_kernels"
+    kernels: ClassVar[str] = __name__
 
     direction: tuple[float, ...] | None = parameter("1", rule=A_DIRECTION, sizes=(3,), default=None)
     axis: tuple[float, ...] | None = parameter("1", rule=A_DIRECTION, sizes=(3,), default=None)
@@ -71,9 +75,10 @@ class Shake(Motion):
         """Return its course for kernels (:mod:`antenna_pin.elements.term_kernels`), before it fades in."""
         raise NotImplementedError
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        return {"terms": len(self.terms()), "fade_in": self.fade_in}
+    @packed
+    def course_length(self) -> int:
+        """Number of words of its course."""
+        return len(self.terms())
 
     def tail(self) -> tuple[float, ...]:
         """Return its course."""
@@ -337,3 +342,36 @@ class SweepShake(_Swept):
         return (
             f"{self.way()}: sweep {span}, {rate}, {self.said_amplitudes()}{stays}{self.said_fade()}, {takes}"
         )
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def fade(t: float, length: float) -> tuple[float, float, float]:
+    """Return the factor at time t [s] with its first two derivatives.
+
+    The factor is 10 u^3 - 15 u^4 + 6 u^5 of u = t / length.
+
+    Its first two derivatives are zero at both ends, so that acceleration begins without a jump.
+    """
+    if t >= length:
+        return 1.0, 0.0, 0.0
+    u = t / length
+    rest = 1.0 - u
+    value = u * u * u * (10.0 + u * (6.0 * u - 15.0))
+    return value, 30.0 * u * u * rest * rest / length, 60.0 * u * rest * (rest - u) / (length * length)
+
+
+@inlined
+def faded(swing: tuple[float, float, float], t: float, length: float) -> tuple[float, float, float]:
+    """Position, rate and acceleration of a motion, given with both derivatives, that fades in."""
+    x, v, a = swing
+    w, slope, bend = fade(t, length)
+    return w * x, w * v + slope * x, w * a + 2.0 * slope * v + bend * x
+
+
+@inlined
+def motion(m: Shake, tail: Floats, t: float) -> tuple[float, float, float]:
+    """Position, its rate and its acceleration at time t [s]: all exact of one another."""
+    return faded(course(tail, 0, m.course_length, t), t, m.fade_in)

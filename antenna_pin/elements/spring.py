@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
 from antenna_pin.base.parameters import parameter
+from antenna_pin.base.records import Floats
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.element import LOSS, Element, Integral
 from antenna_pin.errors import InvalidParameterError
 
@@ -30,7 +33,7 @@ class JointSpring(Element):
             turn.
     """
 
-    kernels: ClassVar[str] = "spring_kernels"
+    kernels: ClassVar[str] = __name__
     senses: ClassVar[bool] = True
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
     one_above_zero: ClassVar[tuple[str, ...]] = ("stiffness", "damping")
@@ -50,3 +53,37 @@ class JointSpring(Element):
         """Refuse a shorter way along a line."""
         if slides and self.shorter_way:
             raise InvalidParameterError(place, "shorter_way", f"false: joint {self.joint!r} slides", True)
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def deflection(spring: JointSpring, angle: float) -> float:
+    """Return the angle of the joint from rest.
+
+    It is the shorter way round if the spring has that option.
+    """
+    turned = float(angle - spring.rest_angle)
+    if spring.shorter_way:
+        return turned + 2.0 * math.pi * math.floor(0.5 - turned / (2.0 * math.pi))
+    return turned
+
+
+@inlined
+def effort(spring: JointSpring, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N]."""
+    return float(-spring.stiffness * deflection(spring, angle) - spring.damping * rate)
+
+
+@inlined
+def write_rates(spring: JointSpring, angle: float, rate: float, power: float, rates: Floats, x: int) -> None:
+    """Power that the damper takes [W]."""
+    rates[x] = spring.damping * rate * rate
+
+
+@inlined
+def stored(spring: JointSpring, angle: float) -> float:
+    """Energy stored [J]."""
+    turned = deflection(spring, angle)
+    return float(0.5 * spring.stiffness * turned * turned)

@@ -5,9 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from antenna_pin.base.parameters import parameter
+from antenna_pin.base.records import Floats
+from antenna_pin.compiled.decorators import inlined
+from antenna_pin.elements.element import packed
+from antenna_pin.elements.hook_kernels import Loaded, Own
 from antenna_pin.elements.modal import Change, Met, ModalElement, Remembered
 from antenna_pin.elements.own_load import (
     LABELS_OF_LOAD,
@@ -16,14 +20,17 @@ from antenna_pin.elements.own_load import (
     check_unloaded,
     numbers_of_load,
 )
-from antenna_pin.elements.sticking_friction_kernels import STANDSTILL_RATE
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["StickingFriction"]
 
-# In the order of their numbers in the kernels.
+# Slipping one way or the other; sticking; at rest and held by others, with all its friction pushing as if it
+# slipped forward, or backward.
 _MODES = ("undecided", "forward", "backward", "sticks", "pushed", "pulled")
-_UNDECIDED, _FORWARD, _BACKWARD, _STUCK = range(4)
+UNDECIDED, FORWARD, BACKWARD, STUCK, PUSHED, PULLED = range(6)
+#: Rate up to which a joint stands whose rate is prescribed: above the round-off of rates that rows hold
+#: [rad/s] ([m/s]).
+STANDSTILL_RATE = 1e-10
 # A joint is at rest for friction where its rate is round-off of one.
 _AT_REST = 1e-11
 
@@ -71,14 +78,14 @@ class StickingFriction(ModalElement):
         arm, a preload torque (here ``coulomb``).
     """
 
-    kernels: ClassVar[str] = "sticking_friction_kernels"
+    kernels: ClassVar[str] = __name__
     modes: ClassVar[tuple[str, ...]] = _MODES
     change_names: ClassVar[Mapping[str, tuple[str, ...]]] = {"stick": ("sticks",), "slip": ("slips",)}
     switches: ClassVar[int] = 2
     loaded: ClassVar[tuple[int, ...]] = (1,)
     remembers: ClassVar[tuple[str, ...]] = ("where", "prescribed")
     goes_by: ClassVar[Mapping[str, Remembered]] = {"where": "way"}
-    goes_by_in: ClassVar[tuple[int, ...]] = (_STUCK,)
+    goes_by_in: ClassVar[tuple[int, ...]] = (STUCK,)
     holds: ClassVar[bool] = True
     together: ClassVar[bool] = True
     one_above_zero: ClassVar[tuple[str, ...]] = ("coulomb", "viscous", "coefficient")
@@ -126,16 +133,30 @@ class StickingFriction(ModalElement):
         """Return whether the friction is of a load."""
         return self.coefficient > 0.0 or bool(self.static_coefficient)
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        on_load = self.coefficient if self.static_coefficient is None else self.static_coefficient
-        return {
-            "static": self.coulomb if self.static is None else self.static,
-            "stribeck_rate": self.stribeck_rate or 0.0,
-            "static_coefficient": on_load,
-            **numbers_of_load(self),
-            "burden": 0.0,
-        }
+    @packed
+    def holding(self) -> float:
+        """Torque up to which it holds, whatever the load, T_s0 [N*m] ([N])."""
+        return self.coulomb if self.static is None else self.static
+
+    @packed
+    def holding_coefficient(self) -> float:
+        """Coefficient up to which it holds under load, mu_s [-]."""
+        return self.coefficient if self.static_coefficient is None else self.static_coefficient
+
+    @packed
+    def falling_rate(self) -> float:
+        """Stribeck rate, 0 where friction falls at once [rad/s] ([m/s])."""
+        return self.stribeck_rate or 0.0
+
+    @packed
+    def load_numbers(self) -> tuple[float, float, float, float]:
+        """Weights of the joint's load and the bearing's middle, of hook ``bearing``."""
+        return numbers_of_load(self)
+
+    @packed
+    def burden(self) -> float:
+        """Load at the last evaluation, which kernels write [N*m] ([N])."""
+        return 0.0
 
     def initial_change(self, met: Met) -> Change:
         """Slip if the joint moves, else stick: whether that holds is found next."""
@@ -147,18 +168,18 @@ class StickingFriction(ModalElement):
 
     def sticks(self, met: Met) -> Change:
         """Return the change by which it holds the joint at its position."""
-        return Change(_STUCK, memory={"where": self.where if self.mode == _STUCK else met.angle})
+        return Change(STUCK, memory={"where": self.where if self.mode == STUCK else met.angle})
 
     def slips(self, direction: float) -> Change:
         """Return the change by which it slips one way."""
-        return Change(_FORWARD if direction > 0.0 else _BACKWARD)
+        return Change(FORWARD if direction > 0.0 else BACKWARD)
 
     def follows(self, met: Met) -> Change:
         """Return the change at a joint of prescribed rate; at rest the last direction persists."""
         if abs(met.rate) > 0.5 * STANDSTILL_RATE:  # its functions pass at STANDSTILL_RATE, by round-off less
             mode = self.slips(met.rate).mode
         else:
-            mode = self.mode if self.mode in (_FORWARD, _BACKWARD) else _UNDECIDED
+            mode = self.mode if self.mode in (FORWARD, BACKWARD) else UNDECIDED
         return Change(mode, memory={"prescribed": 1.0})
 
     def is_free(self) -> Change:
@@ -167,8 +188,8 @@ class StickingFriction(ModalElement):
 
     def change_said(self, before: int) -> str:
         """Return what is recorded: that it sticks, or slips, having done something else."""
-        moves = self.mode in (_FORWARD, _BACKWARD)
-        if before == self.mode or not (moves or before in (_FORWARD, _BACKWARD, _UNDECIDED)):
+        moves = self.mode in (FORWARD, BACKWARD)
+        if before == self.mode or not (moves or before in (FORWARD, BACKWARD, UNDECIDED)):
             return ""
         return f"slips {self.modes[self.mode]}" if moves else "sticks"
 
@@ -176,3 +197,88 @@ class StickingFriction(ModalElement):
     def bears(self) -> tuple[float, float]:
         """Friction is finite: it bears no impulse."""
         return 0.0, 0.0
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def _direction(mode_now: int) -> float:
+    """Way along which it slips, or would; 0 where it does neither."""
+    if mode_now == FORWARD or mode_now == PUSHED:
+        return 1.0
+    return -1.0 if mode_now == BACKWARD or mode_now == PULLED else 0.0
+
+
+@inlined
+def _fade(law: StickingFriction, rate: float) -> float:
+    """Return the remaining share of the excess of static friction at a rate."""
+    if law.mode == PUSHED or law.mode == PULLED:
+        return 1.0
+    if law.falling_rate == 0.0:
+        return 0.0
+    return math.exp(-((abs(rate) / law.falling_rate) ** law.exponent))
+
+
+@inlined
+def effort(law: StickingFriction, t: float, angle: float, rate: float) -> float:
+    """Return the torque [N m] ([N]) that no load adds to.
+
+    It is zero while the joint sticks, for then a row carries it.
+    """
+    dry = law.coulomb + (law.holding - law.coulomb) * _fade(law, rate)
+    return float(-_direction(law.mode) * dry - law.viscous * rate)
+
+
+@inlined
+def write_rates(
+    law: StickingFriction, angle: float, rate: float, power: float, rates: Floats, x: int
+) -> None:
+    """Power that it takes, whatever the load [W]."""
+    rates[x] = -power
+
+
+@inlined
+def hold(law: StickingFriction) -> tuple[bool, float]:
+    """Return whether the joint sticks, and the position."""
+    return law.mode == STUCK, float(law.where)
+
+
+@inlined
+def grip(law: StickingFriction) -> float:
+    """Return the largest sticking torque at the last evaluation's load [N m] ([N])."""
+    return float(law.holding + law.holding_coefficient * law.burden)
+
+
+@inlined
+def switch(law: StickingFriction, k: int, motion: Loaded) -> tuple[float, float]:
+    """Rate in the direction of slipping; what is left of the grip while it sticks.
+
+    Where the rate is prescribed the function passes zero once the joint moves the other way: round-off of a
+    joint that stands changes nothing.
+    """
+    _, _, rate, load = motion
+    if k == 0:
+        if law.prescribed != 0.0:
+            if law.mode == UNDECIDED:
+                return float(STANDSTILL_RATE - abs(rate)), 0.0
+            return float(_direction(law.mode) * rate + STANDSTILL_RATE), 0.0
+        if law.mode == FORWARD:
+            return float(rate), 0.0
+        if law.mode == UNDECIDED:
+            return -1.0, 0.0
+        return (float(-rate), 0.0) if law.mode == BACKWARD else (1.0, 0.0)
+    return (grip(law) - abs(load), 0.0) if law.mode == STUCK else (1.0, 0.0)
+
+
+@inlined
+def rub(law: StickingFriction, rate: float, own: Own) -> float:
+    """Torque by load, with its sign [-]."""
+    level = law.coefficient + (law.holding_coefficient - law.coefficient) * _fade(law, rate)
+    return float(-_direction(law.mode) * level)
+
+
+@inlined
+def bear(law: StickingFriction, burden: float) -> None:
+    """Take notice of the load [N m] ([N])."""
+    law.burden = burden  # type: ignore[misc]  # of the record

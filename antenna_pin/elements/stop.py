@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from antenna_pin.base.parameters import parameter, parameters_of
 from antenna_pin.base.readable import GIVEN, readable
+from antenna_pin.base.records import Floats
+from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.contact.kernels import NORMAL_SIZE, elastic_energy, elastic_force, normal_force
 from antenna_pin.contact.onset import NO_APPROACH, approach_speed_in_contact
-from antenna_pin.elements.element import IMPULSE, LOSS, Integral
-from antenna_pin.elements.limits import FREE, LOWER, UPPER, Limits
+from antenna_pin.contact.registry import SHAPELESS_LAWS
+from antenna_pin.elements.element import IMPULSE, LOSS, Integral, packed
+from antenna_pin.elements.hook_kernels import Loaded
+from antenna_pin.elements.limits import FREE, LOWER, UPPER, Limits, beyond
 from antenna_pin.elements.modal import Change, Met, Remembered
 from antenna_pin.errors import InvalidParameterError
 
@@ -19,27 +24,10 @@ __all__ = ["EndStop"]
 # Its function that passes zero where the joint turns back, once in a touch.
 TURNS = 2
 
-StopLaw = Literal[
-    "elastic",
-    "lankarani-nikravesh",
-    "exact-restitution",
-    "hunt-crossley",
-    "herbert-mcwhannell",
-    "lee-wang",
-    "marhefka-orin",
-    "gonthier",
-    "zhiying-qishao",
-    "ye",
-    "flores",
-    "gharib-hurmuzlu",
-    "pant-wijeyewickrema",
-    "hu-guo",
-    "carvalho-martins",
-    "kelvin-voigt",
-    "tsuji",
-    "jankowski",
-    "adams-impact",
-]
+if TYPE_CHECKING:
+    StopLaw = str
+else:
+    StopLaw = Literal[("elastic", *SHAPELESS_LAWS)]
 """Laws of a stop that gives way: those of :mod:`antenna_pin.contact` that are of no certain shape."""
 
 
@@ -82,7 +70,7 @@ class EndStop(Limits):
         struck: Its impulse before that, by size [N*m*s] ([N*s]).
     """
 
-    kernels: ClassVar[str] = "stop_kernels"
+    kernels: ClassVar[str] = __name__
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS, IMPULSE)
     remembers: ClassVar[tuple[str, ...]] = ("approach", "turned", "lost", "struck")
     goes_by: ClassVar[Mapping[str, Remembered]] = {"approach": "rate"}
@@ -158,10 +146,10 @@ class EndStop(Limits):
         }
         return law(**{name: value for name, value in given.items() if value is not None})
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        inertia, upper = (self.of_side("inertia", side) or 0.0 for side in (LOWER, UPPER))
-        return Limits.derived(self) | {"inertia": inertia, "upper_inertia": upper}
+    @packed
+    def inertias(self) -> tuple[float, float]:
+        """Inertia of each side, lower and upper, 0 where its law needs none [kg*m**2] ([kg])."""
+        return self.of_side("inertia", LOWER) or 0.0, self.of_side("inertia", UPPER) or 0.0
 
     def initial_change(self, met: Met) -> Change | None:
         """Return the side that the joint is pressed into at the start, if any."""
@@ -252,3 +240,75 @@ def _law(name: str) -> Any:
     from antenna_pin.contact import NORMAL_LAWS
 
     return NORMAL_LAWS["hertz" if name == "elastic" else name]
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def depth(stop: EndStop, angle: float) -> float:
+    """Return the depth of the joint in the side that it touches; else zero."""
+    if stop.mode == LOWER:
+        return float(stop.lowest - angle)
+    if stop.mode == UPPER:
+        return float(angle - stop.highest)
+    return 0.0
+
+
+@inlined
+def way(stop: EndStop) -> float:
+    """Direction into the side that it touches: -1 lower, +1 upper, 0 neither."""
+    if stop.mode == LOWER:
+        return -1.0
+    return 1.0 if stop.mode == UPPER else 0.0
+
+
+@inlined
+def law_at(stop: EndStop) -> int:
+    """Return the place of the law of the side that the joint touches."""
+    return NORMAL_SIZE if stop.mode == UPPER else 0
+
+
+@kernel
+def effort(stop: EndStop, tail: Floats, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N], out of the stop; never into it."""
+    if stop.mode == FREE:
+        return 0.0
+    first, sign = law_at(stop), way(stop)
+    law = tail[first : first + NORMAL_SIZE]
+    inertia = stop.inertias[1] if stop.mode == UPPER else stop.inertias[0]
+    approach = max(stop.approach, stop.least_rate)
+    return float(-sign * normal_force(law, depth(stop, angle), sign * rate, approach, inertia))
+
+
+@kernel
+def write_rates(
+    stop: EndStop, tail: Floats, angle: float, rate: float, power: float, rates: Floats, x: int
+) -> None:
+    """Write the power lost [W], and the size of the torque.
+
+    Lost is the power put in, less the rate of the elastic energy.
+    """
+    rates[x] = rates[x + 1] = 0.0
+    if stop.mode != FREE:
+        first = law_at(stop)
+        law = tail[first : first + NORMAL_SIZE]
+        rates[x] = -power - elastic_force(law, depth(stop, angle)) * way(stop) * rate
+        rates[x + 1] = abs(effort(stop, tail, 0.0, angle, rate))
+
+
+@kernel
+def stored(stop: EndStop, tail: Floats, angle: float) -> float:
+    """Energy stored [J]."""
+    if stop.mode == FREE:
+        return 0.0
+    first = law_at(stop)
+    return elastic_energy(tail[first : first + NORMAL_SIZE], depth(stop, angle))
+
+
+@kernel
+def switch(stop: EndStop, k: int, motion: Loaded) -> tuple[float, float]:
+    """Return function k: 0, 1 gap or depth with its rate; 2 closing rate."""
+    if k == TURNS:
+        return (way(stop) * motion[2], 0.0) if stop.mode != FREE and stop.turned == 0.0 else (1.0, 0.0)
+    return beyond(stop.lowest, stop.highest, stop.mode, k, motion[1], motion[2])

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from antenna_pin.base.parameters import check, parameter
 from antenna_pin.base.readable import number, readable
+from antenna_pin.base.records import Floats
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.curve import Interpolation, check_covers, check_table, cubics, points_and_middles
-from antenna_pin.elements.element import Drive
+from antenna_pin.elements.curve_kernels import curve
+from antenna_pin.elements.element import Drive, packed
 
 __all__ = ["TableDrive"]
 
@@ -24,7 +27,7 @@ class TableDrive(Drive):
         torque: One for each time [N*m] ([N]).
     """
 
-    kernels: ClassVar[str] = "tabulated_kernels"
+    kernels: ClassVar[str] = __name__
     columns: ClassVar[tuple[str, str]] = ("time", "torque")
 
     file: str | None = None
@@ -42,9 +45,10 @@ class TableDrive(Drive):
         """Points of the table; of cubics, with work of eighth degree, their middles too [s]."""
         return self.time if self.interpolation == "linear" else points_and_middles(self.time)
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        return {"points": len(self.time)}
+    @packed
+    def points(self) -> int:
+        """Number of points."""
+        return len(self.time)
 
     def tail(self) -> tuple[float, ...]:
         """Return the curve through its points."""
@@ -60,3 +64,13 @@ class TableDrive(Drive):
         where = "" if self.file is None else f" of {self.file}"
         points = f"{len(self.time)} points from {number(self.time[0])} to {number(self.time[-1])} s"
         return f"table{where}: {points}, {self.interpolation} between them, up to {largest}"
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def effort(table: TableDrive, tail: Floats, t: float, angle: float, rate: float) -> float:
+    """Torque [N m], or force [N]."""
+    value, _ = curve(tail, 0, table.points, t)
+    return value

@@ -5,18 +5,19 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 from antenna_pin.base.directions import A_DIRECTION
 from antenna_pin.base.parameters import parameter
 from antenna_pin.base.readable import GIVEN, number, readable
-from antenna_pin.elements.element import Integral
+from antenna_pin.base.records import Triple
+from antenna_pin.compiled.decorators import inlined
+from antenna_pin.elements.desk_kernels import Desk, turned
+from antenna_pin.elements.element import Integral, packed
 from antenna_pin.elements.on_links import BOOKED, AtPoint
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["Thruster"]
-
-Numbers3 = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -48,10 +49,10 @@ class Thruster(AtPoint):
         fall_time: Time constant as it falls [s].
     """
 
-    kernels: ClassVar[str] = "thruster_kernels"
+    kernels: ClassVar[str] = __name__
     commanded: ClassVar[str] = "throttle"
 
-    direction: Numbers3 = parameter("1", rule=A_DIRECTION, sizes=(3,))
+    direction: Triple = parameter("1", rule=A_DIRECTION, sizes=(3,))
     thrust: float = parameter("N", rule="positive")
     starts: tuple[float, ...] = parameter("s", rule="zero or more", sizes=(0,), default=())
     durations: tuple[float, ...] = parameter("s", rule="positive", sizes=(0,), default=())
@@ -144,8 +145,8 @@ class Thruster(AtPoint):
         """Names of the booked values and of the force."""
         return (*BOOKED, *self.states)
 
-    @property
-    def way(self) -> Numbers3:
+    @packed
+    def way(self) -> Triple:
         """Direction of its force with the error, unit, in the link's axes."""
         size = math.hypot(*self.direction)
         d = [one / size for one in self.direction]
@@ -168,10 +169,6 @@ class Thruster(AtPoint):
         x, y, z = (math.cos(angle) * d[k] + math.sin(angle) * (c * a[k] + s * b[k]) for k in range(3))
         return x, y, z
 
-    def derived(self) -> dict[str, Any]:
-        """Return the packed parameters that are no fields of the element."""
-        return {"direction": self.way}
-
     def facts(self) -> dict[str, float]:
         """Return its thrust, for those who draw it."""
         return {"thrust": self.thrust}
@@ -189,3 +186,21 @@ class Thruster(AtPoint):
             drawn = "" if self.seed is None else f" (drawn, seed {self.seed})"
             text += f", direction off by {readable(self.misalignment, 'rad', GIVEN)}{drawn}"
         return text
+
+
+# --- compiled -----------------------------------------------------------------------------------------------
+
+
+@inlined
+def act(own: Thruster, t: float, desk: Desk) -> None:
+    """Write the force on the link, and the rate of its level if that follows."""
+    level = 1.0 if own.firing != 0.0 else own.throttle
+    if own.rise_time > 0.0:
+        state = desk[3][0]
+        lacks = level - state.value
+        state.rate = lacks / (own.rise_time if lacks > 0.0 else own.fall_time)
+        level = state.value
+    force = level * own.thrust
+    link = desk[1][0]
+    x, y, z = turned(link.rotation, own.way[0], own.way[1], own.way[2])
+    link.force[0], link.force[1], link.force[2] = force * x, force * y, force * z

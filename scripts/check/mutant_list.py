@@ -4,7 +4,7 @@ A break is five lines::
 
     [[break]]
     note = "a damper loses with the wrong sign"
-    file = "elements/spring_kernels.py"
+    file = "elements/spring.py"
     old = ".damping * rate * rate"
     new = ".damping * -rate * rate"
     tests = "tests/dynamics/test_elements.py -k damper"

@@ -315,6 +315,10 @@ def test_words_and_places_are_not_what_code_is_tied_to(source):
     assert jit.code_of(worded) == code != jit.code_of(_SOURCE.replace("2", "3"))
     record = "class Spring:\n    stiffness: float\n"
     assert jit.code_of(record) != jit.code_of(record.replace("float", "int"))
+    packed = "class Spring:\n    @packed\n    def limit(self) -> float:\n        return 2.0\n"
+    assert jit.code_of(packed) == jit.code_of(packed.replace("2.0", "3.0"))
+    for part, other in (("limit", "largest"), ("float", "int"), ("packed", "property")):
+        assert jit.code_of(packed) != jit.code_of(packed.replace(part, other))
     compiled(source)(2)
     source.write_text(worded)
     again = compiled(source)

@@ -8,7 +8,7 @@ import pytest
 
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.elements import DahlFriction, LuGreFriction, OutsideForce, PointSpring, StickingFriction
-from antenna_pin.elements.sticking_friction_kernels import BACKWARD, FORWARD
+from antenna_pin.elements.sticking_friction import BACKWARD, FORWARD
 from antenna_pin.mechanism import Urdf, build_mechanism, transmitted_wrenches
 
 AXES = ("0 1 0", "0.6 0 0.8", "0 0.28 0.96")

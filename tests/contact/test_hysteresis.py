@@ -239,9 +239,8 @@ def test_marhefka_and_orin_lose_with_the_speed():
 def test_the_factor_does_not_depend_on_what_it_is_used_with():
     for name in FACTORS:
         assert list(law_parameters(DISSIPATIONS[name])) == ["restitution"]
-    assert FloresDamping(restitution=0.5).code(Johnson(**DIMENSIONS)) == FloresDamping(restitution=0.5).code(
-        Hertz(stiffness=1.0)
-    )
+    law = FloresDamping(restitution=0.5)
+    assert law.numbers(Johnson(**DIMENSIONS)) == law.numbers(Hertz(stiffness=1.0))
 
 
 # --- refusals ---

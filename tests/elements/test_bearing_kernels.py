@@ -5,22 +5,20 @@ import pytest
 from plain_kernels import plain
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.base.records import POSE
+from antenna_pin.base.records import POSE, words_of
+from antenna_pin.compiled.decorators import record
 from antenna_pin.elements import BallBearing, StiffnessBearing
-from antenna_pin.elements.bearing_kernels import LAYOUT, SIZE, journal_energy, press
+from antenna_pin.elements.bearing import journal_energy, press
 
 PRESS, ENERGY = plain(press), plain(journal_energy)
 RANDOM = np.random.default_rng(11)
 STIFFNESS, DAMPING = (one @ one.T for one in RANDOM.normal(size=(2, 5, 5)))
 
 
-def words_of(bearing):
-    """Return a bearing as its kernels read it, its balls behind."""
-    words = np.zeros(SIZE)
-    head = words.view(LAYOUT)
-    for name, value in bearing.values().items():
-        head[name] = value
-    return np.concatenate([words, bearing.balls().ravel()]) if head["balls"][0] else words
+def packed(bearing):
+    """Return a bearing as its kernels read it: its record, and its balls behind."""
+    words, layout = bearing.words_of_kernel(), bearing.layout()
+    return record(words[: words_of(layout)], layout), words[words_of(layout) :]
 
 
 def moving(offset, seed, size=0.3):
@@ -43,7 +41,7 @@ def test_force_and_loss_of_a_bearing_are_those_of_its_matrices():
     bearing = StiffnessBearing(joint="axle", offset=0.4, **matrices)
     for seed in range(3):
         pose, q, v = moving(0.4, seed)
-        lost = PRESS(words_of(bearing), 0, pose[0])
+        lost = PRESS(*packed(bearing), pose[0])
         expected = -STIFFNESS @ q - DAMPING @ v
         assert pose["force"][0] == pytest.approx(expected[:3], rel=1e-12)
         assert lost == pytest.approx(v @ DAMPING @ v, rel=1e-12)
@@ -74,15 +72,15 @@ def test_force_and_loss_of_a_bearing_are_those_of_its_matrices():
 )
 def test_what_a_bearing_stores_is_what_it_takes(bearing, size):
     """Its power along a motion of the journal is the rate of the energy stored, by differences."""
-    words, h = words_of(bearing), 1e-3 * size
+    own, h = packed(bearing), 1e-3 * size
     pose, _, _ = moving(bearing.offset, 3, size)
     velocity, spin = pose["velocity"][0], pose["spin"][0]
 
     def energy(t):
         axis = Rotation.from_rotvec(t * spin).apply(pose["axis"][0])
-        return ENERGY(words, 0, np.concatenate([pose["centre"][0] + t * velocity, axis]))
+        return ENERGY(*own, np.concatenate([pose["centre"][0] + t * velocity, axis]))
 
-    assert PRESS(words, 0, pose[0]) == 0.0
+    assert PRESS(*own, pose[0]) == 0.0
     slope = 8.0 * (energy(h) - energy(-h)) - energy(2.0 * h) + energy(-2.0 * h)
     power = pose["force"][0] @ velocity + pose["moment"][0] @ spin
     # Of fourth order over a thousandth of the displacement; round-off of the energy over the step.

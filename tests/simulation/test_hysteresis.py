@@ -197,8 +197,7 @@ def test_heat_of_a_harness_is_what_lies_between_its_tables():
 )
 def test_constant_torque_within_its_ends(given, q, acts):
     spring = ConstantSpring(joint="axle", **given)
-    kernels, words = spring.compiled(), spring.words_of_kernel()
-    assert kernels.effort(words, 0, 0.0, q, 0.0) == pytest.approx(acts, abs=1e-12)
+    assert spring.own_kernel("effort")(0.0, q, 0.0) == pytest.approx(acts, abs=1e-12)
 
 
 @pytest.mark.parametrize("torque", [0.7, -0.7])
@@ -206,13 +205,13 @@ def test_constant_torque_within_its_ends(given, q, acts):
 def test_constant_torque_is_the_slope_of_what_it_stores(torque, ends):
     """Central differences of a quadratic are exact but for round-off and where a ramp begins."""
     spring = ConstantSpring(joint="axle", torque=torque, ramp=0.1, **ends)
-    kernels, words = spring.compiled(), spring.words_of_kernel()
+    effort, stored = spring.own_kernel("effort"), spring.own_kernel("stored")
     for q in np.linspace(-0.9, 0.9, 37) + 0.0123:
-        slope = (kernels.stored(words, 0, q + 1e-4) - kernels.stored(words, 0, q - 1e-4)) / 2e-4
-        assert -slope == pytest.approx(kernels.effort(words, 0, 0.0, q, 0.0), abs=1e-10)
+        slope = (stored(q + 1e-4) - stored(q - 1e-4)) / 2e-4
+        assert -slope == pytest.approx(effort(0.0, q, 0.0), abs=1e-10)
     if (torque > 0) == ("upper" in ends) and ends:
         end = 9.0 if torque > 0 else -9.0
-        assert kernels.stored(words, 0, end) == pytest.approx(0.0, abs=1e-12)
+        assert stored(end) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_tape_unrolls():

@@ -11,7 +11,7 @@ from antenna_pin import RunSettings, build_system, load_scenario, simulate
 from antenna_pin.dynamics import System
 from antenna_pin.dynamics.constraints import Anchor, Closure
 from antenna_pin.elements import JointSpring, PointSpring, PrescribedMotion, SineDrive, StickingFriction
-from antenna_pin.elements import sticking_friction_kernels as kernels
+from antenna_pin.elements import sticking_friction as kernels
 from antenna_pin.errors import AntennaPinError, AssumedWarning
 from antenna_pin.mechanism import Urdf, build_mechanism
 from antenna_pin.studies.linear import modes

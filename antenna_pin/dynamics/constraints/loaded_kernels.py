@@ -121,6 +121,8 @@ def _bear(
 @inlined
 def _rub(y: Floats, program: Floats, head: PlanRecord, own: Driven) -> float:
     """Return the torque of a hold's friction by its load, with its sign."""
+    if program[own.words - 1] == 0.0:  # off, by the last number of its head
+        return 0.0
     states = y, head.nq + head.nv + own.x
     return float(elements.rub(own.kind, program, own.words, y[head.nq + own.v], states))
 

@@ -99,7 +99,7 @@ def solve_rows(
         rate = driven_rate(y, plan, work, driven)
         scale = 1.0 if driven.slides != 0 else head.length
         power = scale * work[head.force + driven.row] * rate
-        write_work(program, driven.words, 0.0, rate, power, rates, nv + driven.x)
+        write_work(power, rates, nv + driven.x)
 
 
 @kernel

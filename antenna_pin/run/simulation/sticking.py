@@ -43,7 +43,7 @@ from antenna_pin.elements import Change, Met, RigidStop, StickingFriction, kind_
 from antenna_pin.elements import kernels as of_elements
 from antenna_pin.elements.limits import FREE, LOWER, UPPER
 from antenna_pin.elements.rigid_stop import LOADED
-from antenna_pin.elements.sticking_friction_kernels import BACKWARD, FORWARD, PULLED, PUSHED, STUCK, UNDECIDED
+from antenna_pin.elements.sticking_friction import BACKWARD, FORWARD, PULLED, PUSHED, STUCK, UNDECIDED
 from antenna_pin.run.simulation.element_events import NeverSettlesError, met_at
 from antenna_pin.run.simulation.events import Switch
 

@@ -201,7 +201,7 @@ def bristles_of(block: SampleBlock, state: str) -> list[str]:
 
 def of_bristles(block: SampleBlock) -> Mapping[str, Any]:
     """Return the series of bristles."""
-    layout = BristleFriction.compiled().LAYOUT
+    layout = BristleFriction.layout()
     bends = [
         records_at(block.programs, words, layout)["start"] + block.states[:, at]
         for _, at, words in _with(block, "bend")
@@ -263,11 +263,11 @@ def _algebraic(block: SampleBlock, motor: Motor, name: str) -> Array:
     """Return the current of a motor without inductance, from its torque; 0 if off [A]."""
     offset = block.system.drive_blocks[name]
     on = records_at(block.programs, offset, kernels.ELEMENT)["on"]
-    own = records_at(block.programs, offset + int(kernels.PARAMETERS), Motor.compiled().LAYOUT)
+    own = records_at(block.programs, offset + int(kernels.PARAMETERS), Motor.layout())
     torque = block.found.effort["effort"][:, list(block.system.drives).index(name)] / own["ratio"]
     names, motion = block.slides if block.system.slides(motor.joint) else block.joints
     turned = own["ratio"] * motion[names.index(motor.joint), :, 0]
-    cogging = -own["cogging"] * np.sin(own["cycles"] * turned + own["phase"])
+    cogging = -own["cogging"] * np.sin(own["cycles"] * turned + own["cogging_phase"])
     return np.where(on == 0.0, 0.0, (torque - cogging) / own["torque_constant"])
 
 
