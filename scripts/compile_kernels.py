@@ -55,7 +55,7 @@ def make(job: Job, derivatives: bool = False) -> None:
     import numpy as np
 
     from antenna_pin import build_system, load_scenario, simulate
-    from antenna_pin.compiled.kernel_cache import told_of_compiling
+    from antenna_pin.compiled.compile_time import told_of_compiling
     from antenna_pin.dynamics import Workspace
     from antenna_pin.mechanism import TreeDynamics
     from antenna_pin.scenario.assemble import initial_state

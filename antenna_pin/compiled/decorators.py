@@ -114,32 +114,68 @@ _DEEP = 10_000
 _MAKING = threading.RLock()
 
 
+def _load_numba(name: str) -> None:
+    """Load Numba for a kernel.
+
+    Raises:
+        MissingToolError: It is not installed.
+    """
+    from antenna_pin.compiled.compile_time import clock_numba
+    from antenna_pin.compiled.shipped_code import misfit
+    from antenna_pin.errors import MissingToolError
+
+    try:
+        clock_numba()
+    except ModuleNotFoundError as error:
+        if error.name not in ("numba", "llvmlite"):
+            raise
+        reason = misfit() or "that which is installed has not been made for what it is called with"
+        raise MissingToolError(
+            f"kernel {name!r} needs machine code, and {reason}; install what compiles it with pip install "
+            "'antenna-pin[compile]'"
+        ) from None
+
+
 class _LazyKernel:
     """A function that is compiled by Numba at its first use."""
 
     __wrapped__: Callable[..., Any]
     _made: Any  # Numba's, once it is needed
+    _called: Any  # what Python calls: of a shared library, else Numba's
 
     def __init__(self, function: Callable[..., Any], options: dict[str, bool]) -> None:
         functools.update_wrapper(self, function)
         self._options = options
 
     def __call__(self, *arguments: Any) -> Any:
-        return self._made(*arguments)
+        return self._called(*arguments)
 
     def __getattr__(self, name: str) -> Any:
         # What looks at any object asks for such names; of Numba's begins one with a single underscore.
         if name.startswith("__"):
             raise AttributeError(name)
+        if name == "_called":
+            with _MAKING:
+                self._called = self._shipped() or self._made
+            return self._called
         if name != "_made":
             return getattr(self._made, name)
         with _MAKING:
             if "_made" not in vars(self):
+                _load_numba(self._name())
                 from antenna_pin.compiled.jit import dispatcher
 
                 sys.setrecursionlimit(max(sys.getrecursionlimit(), _DEEP))
                 self._made = dispatcher(self.__wrapped__, **self._options)
         return self._made
+
+    def _name(self) -> str:
+        return f"{self.__wrapped__.__module__}:{self.__wrapped__.__qualname__}"
+
+    def _shipped(self) -> Callable[..., Any] | None:
+        from antenna_pin.compiled.shipped_code import shipped
+
+        return shipped(self._name(), self._options.get("nogil", False), lambda: self._made)
 
     def __reduce__(self) -> str:
         return self.__wrapped__.__qualname__  # pickled by its name, as a function
@@ -158,3 +194,6 @@ class _Composed(_LazyKernel):
                     self._made = self._make()._made
             return self._made
         return super().__getattr__(name)
+
+    def _shipped(self) -> None:
+        """Return nothing: it is a part of other kernels only."""

@@ -25,6 +25,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from antenna_pin.compiled.compile_time import tell_of_compiling
 from antenna_pin.compiled.machine_code import Kept, KernelCode, called, kept_of, link
 from antenna_pin.compiled.ownership import open_to, stranger_of
 from antenna_pin.compiled.stale_files import pack_of, sweep
@@ -37,7 +38,7 @@ try:
 except ImportError:  # none of it is promised by Numba
     FunctionCache = IndexDataCacheFile = NullCache = object
 
-__all__ = ["FORMAT", "KernelCacheWarning", "keep", "remembered", "told_of_compiling"]
+__all__ = ["FORMAT", "KernelCacheWarning", "keep", "remembered", "stored_code"]
 
 FORMAT = 6  # of what is kept
 
@@ -101,24 +102,6 @@ class _LazyCache:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._opened, name)
-
-
-_listeners: list[Callable[[], None]] = []
-
-
-@contextlib.contextmanager
-def told_of_compiling(listener: Callable[[], None]) -> Iterator[None]:
-    """Call a function before each compilation of a kernel without a file."""
-    _listeners.append(listener)
-    try:
-        yield
-    finally:
-        _listeners.remove(listener)
-
-
-def _to_be_compiled() -> None:
-    for listener in _listeners:
-        listener()
 
 
 @functools.lru_cache
@@ -225,6 +208,21 @@ def remembered(function: Any, contents: str, make: Callable[[], str]) -> str:
     return str(found)
 
 
+def stored_code(source: Path, stamp: str) -> Iterator[Kept]:
+    """Yield the machine code, made for the family of processors, that is stored beside a module.
+
+    Args:
+        source: File of the module.
+        stamp: Of the module.
+    """
+    for index in sorted((source.parent / "__pycache__").glob(f"{source.stem}.*.nbi")):
+        files = _SealedFiles(str(index.parent), index.stem, stamp, os.stat(source).st_uid)
+        for key in files._load_index():
+            kept = files.load(key) if key[1][1:] == (BASELINE, "") else None
+            if isinstance(kept, Kept):
+                yield kept
+
+
 class _KernelCache(FunctionCache):  # type: ignore[misc]
     """Cache of a function's machine code."""
 
@@ -254,7 +252,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
             found = self._stored(keys)  # another process may have made it by now
         if found is not None:
             return self._loaded(*found, target_context)
-        _to_be_compiled()
+        tell_of_compiling()
         target_context.refresh()
         return None
 
@@ -328,7 +326,7 @@ class _NoCache(NullCache):  # type: ignore[misc]
         self._reason = reason
 
     def load_overload(self, sig: Any, target_context: Any) -> None:
-        _to_be_compiled()
+        tell_of_compiling()
 
     def save_overload(self, sig: Any, cres: Any) -> None:
         _tell(self._reason)

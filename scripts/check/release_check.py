@@ -42,7 +42,7 @@ NEWEST = 14
 LARGEST = 25.0  # of a wheel with machine code [MB]
 _COUNTED = """
 from antenna_pin import load_scenario, simulate
-from antenna_pin.compiled.kernel_cache import told_of_compiling
+from antenna_pin.compiled.compile_time import told_of_compiling
 made = []
 with told_of_compiling(lambda: made.append(1)):
     for model, case in (("bai2020", "case3"), ("slider_crank", "planar"), ("solar_array", "play")):

@@ -179,7 +179,7 @@ def progress_bar(title: str, shown: bool) -> Iterator[Callable[[Progress], None]
             step=f"step {_seconds(progress.step)}",
         )
 
-    from antenna_pin.compiled.kernel_cache import told_of_compiling
+    from antenna_pin.compiled.compile_time import told_of_compiling
 
     with task.reporting(report), told_of_compiling(compiling):
         yield report
