@@ -80,6 +80,26 @@ def make(job: Job, derivatives: bool = False) -> None:
         Workspace(system).derivative(0.0, y, np.zeros(system.model.nv + system.manifold.nx))
 
 
+def call_alone() -> None:
+    """Call the kernels that Python calls and no run above: a joint alone, bristles, modes, linear steps."""
+    import numpy as np
+
+    from antenna_pin import build_system, load_scenario
+    from antenna_pin.contact import Dahl
+    from antenna_pin.dynamics.mode_kernels import grip_of, is_held, mode_of
+    from antenna_pin.integrate.collocation import NODES, Propagator
+
+    (joint,) = build_system(load_scenario("bai2020", case="case3")).clearances
+    pose = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+    joint.evaluate(pose, np.zeros(6))
+    joint.stored_energy(pose)
+    joint.geometry.scenario(pose[:3], np.eye(3))
+    Dahl(coefficient_of_friction=0.1, bristle_stiffness=1e5).coefficient(0.1)
+    for one in (grip_of, is_held, mode_of):
+        one(-1, np.zeros(1), 0)
+    Propagator(2).step(1.0, np.zeros((len(NODES), 2, 2)))
+
+
 def show(text: str, last: bool = False) -> None:
     """Show a line in place of the one before, where there is somebody to see it."""
     if sys.stderr.isatty():
@@ -109,10 +129,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
     parser.add_argument(
-        "--derivatives", action="store_true", help="also those of derivatives: of orbits and sensitivities"
+        "--all", action="store_true", help="also those of derivatives, and all that Python calls: for a wheel"
     )
     asked = parser.parse_args()
-    processes, more = asked.processes, DERIVATIVES if asked.derivatives else ()
+    processes, more = asked.processes, DERIVATIVES if asked.all else ()
     began = time.perf_counter()
     context = multiprocessing.get_context("spawn")
     made: Any = context.Value("i", 0)
@@ -121,10 +141,11 @@ def main() -> None:
         wall = time.perf_counter() - began
         return f"kernels {bar(done / count)} {made.value} compiled, {wall:.0f} s"
 
-    count = len(JOBS) + len(more)
+    count = len(JOBS) + len(more) + asked.all
     with context.Pool(min(processes, count), begin, (made,)) as pool:
         running = [pool.apply_async(make, (job,)) for job in JOBS]
         running += [pool.apply_async(make, (job, True)) for job in more]
+        running += [pool.apply_async(call_alone)] if asked.all else []
         wait(running, said)
     show(said(count), last=True)
 

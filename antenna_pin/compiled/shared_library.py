@@ -12,7 +12,7 @@ import json
 import subprocess
 import tempfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -67,12 +67,13 @@ class _Unsupported(Exception):
     """A type that does not come from Python, or does not go there."""
 
 
-def write_library(package: Path, folder: Path) -> None:
+def write_library(package: Path, folder: Path, sources: Iterable[Path] | None = None) -> None:
     """Link the stored kernels of a package into a shared library, with an index of its entries.
 
     Args:
         package: Folder of the package, with machine code beside its sources.
-        folder: Where both are written, ``compiled`` of a package with the same sources.
+        folder: Where both are written, a folder of a package with the same sources.
+        sources: Files that the kernels depend on; all stamped ones unless given.
 
     Raises:
         OSError: There is no linker.
@@ -106,14 +107,16 @@ def write_library(package: Path, folder: Path) -> None:
         library = folder / LIBRARY
         listed = Path(made) / "objects"
         listed.write_text("\n".join(map(str, objects)))
-        subprocess.run(["cc", "-shared", "-fPIC", "-O2", *told, "-o", library, helpers, f"@{listed}", "-lm"], check=True)
-    sources = [path.relative_to(package).as_posix() for path in stamped_files()]
+        subprocess.run(
+            ["cc", "-shared", "-fPIC", "-O2", *told, "-o", library, helpers, f"@{listed}", "-lm"], check=True
+        )
+    names = [path.relative_to(package).as_posix() for path in sources or stamped_files()]
     whole = {
         "format": FORMAT,
         "numba": numba.__version__,
         "of_library": hashlib.sha256(library.read_bytes()).hexdigest(),
-        "of_sources": digest_of(package / name for name in sources),
-        "sources": sources,
+        "of_sources": digest_of(package / name for name in names),
+        "sources": names,
         "kernels": index,
     }
     (folder / INDEX).write_text(json.dumps(whole, separators=(",", ":")))

@@ -18,6 +18,7 @@ import os
 import struct
 from collections.abc import Callable, Iterable, Iterator
 from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +27,20 @@ import numpy as np
 from antenna_pin.compiled.ownership import open_to, stranger_of
 from antenna_pin.compiled.target import BASELINE, baseline_runs
 
-__all__ = ["DATA", "FORMAT", "INDEX", "LIBRARY", "RECORD", "SHAPE", "STRIDES", "digest_of", "dtype_text", "key_of", "misfit", "shipped"]
+__all__ = [
+    "DATA",
+    "FORMAT",
+    "INDEX",
+    "LIBRARY",
+    "RECORD",
+    "SHAPE",
+    "STRIDES",
+    "digest_of",
+    "dtype_text",
+    "key_of",
+    "misfit",
+    "shipped",
+]
 
 LIBRARY, INDEX = "kernels.so", "kernels.json"
 FORMAT = 1  # of the index
@@ -49,7 +63,9 @@ class _Misfit(Exception):
     """Reason not to use the library."""
 
 
-def shipped(name: str, released: bool, otherwise: Callable[[], Callable[..., Any]]) -> Callable[..., Any] | None:
+def shipped(
+    name: str, released: bool, otherwise: Callable[[], Callable[..., Any]]
+) -> Callable[..., Any] | None:
     """Return a kernel of the library; None without one.
 
     Args:
@@ -67,7 +83,7 @@ def shipped(name: str, released: bool, otherwise: Callable[[], Callable[..., Any
         row: list[Any] = []
         types = _types(arguments, row)
         if types not in calls:
-            entry = entries.get(key_of(map(_text, arguments)))
+            entry = _entry_for(entries, [_text(one) for one in arguments])
             if entry is None:
                 return otherwise()(*arguments)
             calls[types] = _entry(name, library, *entry)
@@ -80,6 +96,12 @@ def misfit() -> str:
     """Return why the library is not used; empty where it is."""
     opened = _opened()
     return opened if isinstance(opened, str) else ""
+
+
+def _entry_for(entries: dict[str, Any], types: list[str]) -> Any:
+    """Return the entry for types of arguments, also one that takes a float for an integer; None without."""
+    numbers = [("q", "d") if one == "q" else (one,) for one in types]
+    return next((entries[key] for one in product(*numbers) if (key := key_of(one)) in entries), None)
 
 
 def _entry(name: str, library: Any, symbol: str, codes: str, result: Result) -> Callable[[list[Any]], Any]:
@@ -149,7 +171,9 @@ def _text(value: Any) -> str:
         return f"{dtype_text(value.dtype)}:{value.ndim}{order}{'' if value.flags.writeable else ' constant'}"
     if isinstance(value, tuple):
         inner, kind = ",".join(map(_text, value)), type(value)
-        return f"{kind.__module__}.{kind.__qualname__}({inner})" if hasattr(value, "_fields") else f"({inner})"
+        return (
+            f"{kind.__module__}.{kind.__qualname__}({inner})" if hasattr(value, "_fields") else f"({inner})"
+        )
     if isinstance(value, np.void):
         return dtype_text(value.dtype)
     return _NUMBERS.get(type(value), f"{type(value)}")

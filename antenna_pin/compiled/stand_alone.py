@@ -21,7 +21,16 @@ try:
 except ImportError:  # neither is promised by Numba
     OverloadSelector = user_function = None
 
-__all__ = ["all_needs", "kernel_named", "needs_of", "noted", "parts_of", "stand_alone", "symbol_of", "symbols_of"]
+__all__ = [
+    "all_needs",
+    "kernel_named",
+    "needs_of",
+    "noted",
+    "parts_of",
+    "stand_alone",
+    "symbol_of",
+    "symbols_of",
+]
 
 
 def stand_alone(dispatcher: Any) -> None:
