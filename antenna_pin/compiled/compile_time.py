@@ -11,6 +11,7 @@ from functools import cache
 from typing import Any
 
 __all__ = [
+    "COMPILE_TIME",
     "CompileClock",
     "clock_numba",
     "compiling_so_far",
@@ -18,6 +19,10 @@ __all__ = [
     "tell_of_compiling",
     "told_of_compiling",
 ]
+
+
+#: Forecast for the first run of a kind on a machine, as text: all that a run needs, on two cores or one.
+COMPILE_TIME = "2 to 4 minutes"
 
 
 class CompileClock:
@@ -76,7 +81,7 @@ def compiling_timed() -> Iterator[CompileClock]:
 
 @cache
 def clock_numba() -> None:
-    """Let clocks take the time of what Numba compiles; it is called where Numba is loaded."""
+    """Register the clocks with Numba, once it is loaded."""
     from numba.core import event
 
     class Listener(event.Listener):  # type: ignore[misc]

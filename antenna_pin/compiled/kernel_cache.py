@@ -209,7 +209,7 @@ def remembered(function: Any, contents: str, make: Callable[[], str]) -> str:
 
 
 def stored_code(source: Path, stamp: str) -> Iterator[Kept]:
-    """Yield the machine code, made for the family of processors, that is stored beside a module.
+    """Yield the stored machine code of a module's kernels, for the family of processors.
 
     Args:
         source: File of the module.

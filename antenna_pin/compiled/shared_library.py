@@ -1,8 +1,8 @@
-"""Shared library of all stored kernels, linked for a wheel (``shipped_code.py`` says what for).
+"""Shared library of all stored kernels, linked for a wheel.
 
-What Numba has compiled is kept as object files for its own linker, with LLVM's code beside them. Of that code,
-optimised already, object files are made here that a shared library can hold; what only Numba calls is left
-out. Instructions between numbers stay what they are, and with them all results.
+``shipped_code.py`` calls it. Numba's compiled functions are stored as object files for its own linker, with
+optimised LLVM code beside them. From that code object files are generated here that a shared library can
+hold, without what only Numba calls. The instructions between numbers are the same, and so are all results.
 """
 
 from __future__ import annotations
@@ -46,15 +46,16 @@ __all__ = ["write_library"]
 #: What code calls of Numba's own library: here for arrays in C order, as all are that kernels reshape.
 _HELPERS = """
 #include <stdint.h>
-int numba_attempt_nocopy_reshape(intptr_t nd, const intptr_t *dims, const intptr_t *strides, intptr_t newnd,
-                                 const intptr_t *newdims, intptr_t *newstrides, intptr_t itemsize, int fortran)
+int numba_attempt_nocopy_reshape(intptr_t axes, const intptr_t *dims, const intptr_t *strides,
+                                 intptr_t count, const intptr_t *newdims, intptr_t *newstrides,
+                                 intptr_t itemsize, int fortran)
 {
     intptr_t size = 1, step = itemsize;
-    for (intptr_t k = 0; k < nd; k++) size *= dims[k];
-    for (intptr_t k = nd - 1; size && k >= 0; step *= dims[k--])
+    for (intptr_t k = 0; k < axes; k++) size *= dims[k];
+    for (intptr_t k = axes - 1; size && k >= 0; step *= dims[k--])
         if (dims[k] != 1 && strides[k] != step) return 0;
     step = itemsize;
-    for (intptr_t k = newnd - 1; k >= 0; step *= newdims[k--]) newstrides[k] = step;
+    for (intptr_t k = count - 1; k >= 0; step *= newdims[k--]) newstrides[k] = step;
     return !fortran;
 }
 """
@@ -63,12 +64,12 @@ _WORD, _BYTE = ir.IntType(64), ir.IntType(8)
 _ADDRESS = ir.PointerType(_BYTE)
 
 
-class _Unsupported(Exception):
+class _UnsupportedError(Exception):
     """A type that does not come from Python, or does not go there."""
 
 
 def write_library(package: Path, folder: Path, sources: Iterable[Path] | None = None) -> None:
-    """Link the stored kernels of a package into a shared library, with an index of its entries.
+    """Link the stored kernels of a package into a shared library with an index.
 
     Args:
         package: Folder of the package, with machine code beside its sources.
@@ -91,7 +92,7 @@ def write_library(package: Path, folder: Path, sources: Iterable[Path] | None = 
         try:
             types_ = [_text(one) for one in kernel.signature.args]
             entry = _write_entry(entries, symbol, kernel.signature, f"entry_{len(entries.functions)}")
-        except _Unsupported:
+        except _UnsupportedError:
             continue
         index.setdefault(name, {})[key_of(types_)] = entry
     with tempfile.TemporaryDirectory() as made:
@@ -153,7 +154,7 @@ def _object(machine: Any, kernel: Kept, symbol: str) -> bytes:
 
 
 def _text(kind: Any) -> str:
-    """Return a type of Numba's as ``shipped_code.py`` tells that of a value."""
+    """Return a type of Numba's as text, equal to that of a value in ``shipped_code.py``."""
     if isinstance(kind, types.Array) and not isinstance(kind, types.NestedArray):
         constant = "" if kind.mutable else " constant"
         return f"{dtype_text(as_dtype(kind.dtype))}:{kind.ndim}{kind.layout}{constant}"
@@ -170,7 +171,7 @@ def _code(kind: Any) -> str:
     for one, code in ((types.float64, "d"), (types.int64, "q"), (types.boolean, "?")):
         if types.unliteral(kind) == one:
             return code
-    raise _Unsupported(kind)
+    raise _UnsupportedError(kind)
 
 
 def _result(kind: Any) -> str | list[Any]:
@@ -181,7 +182,7 @@ def _result(kind: Any) -> str | list[Any]:
 
 
 def _write_entry(module: Any, symbol: str, signature: Any, name: str) -> tuple[str, str, str | list[Any]]:
-    """Write the entry of a kernel; return its name, the codes of its row and those of its result."""
+    """Write a kernel's entry; return its name and the codes of row and result."""
     context, result = cpu_target.target_context, _result(signature.return_type)
     call = context.call_conv
     callee = ir.Function(module, call.get_function_type(signature.return_type, signature.args), symbol)
@@ -198,10 +199,10 @@ def _write_entry(module: Any, symbol: str, signature: Any, name: str) -> tuple[s
 
 
 class _Row:
-    """Words of an entry's row, read one after the other, and room for what is laid out of them."""
+    """Words of an entry's row, read one by one, and memory for tuples."""
 
     def __init__(self, builder: Any, start: Any, place: Any = None, room: int = 0) -> None:
-        """Begin at the first word; behind so many words of a place there is room, else on the stack."""
+        """Begin at the first word, with memory behind some words or on the stack."""
         self._builder, self.start, self._place, self.room = builder, start, place, room
         self.codes: list[str] = []
 
@@ -255,7 +256,7 @@ def _array(context: Any, builder: Any, kind: Any, item: Any) -> Any:
 
 
 def _block(context: Any, builder: Any, kind: Any, row: _Row) -> Any:
-    """Lay a tuple out that is passed by its address, with those in it, by a function for all of its type."""
+    """Lay out a tuple that is passed by its address; return the address."""
     module, block = builder.module, context.get_value_type(kind)
     name = f"lay_out_{hashlib.sha256(str(kind).encode()).hexdigest()}"
     if name not in module.globals:

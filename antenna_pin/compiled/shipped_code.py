@@ -59,7 +59,7 @@ _FOLDER = Path(__file__).parent
 Result = str | list[Any]
 
 
-class _Misfit(Exception):
+class _MisfitError(Exception):
     """Reason not to use the library."""
 
 
@@ -99,7 +99,7 @@ def misfit() -> str:
 
 
 def _entry_for(entries: dict[str, Any], types: list[str]) -> Any:
-    """Return the entry for types of arguments, also one that takes a float for an integer; None without."""
+    """Return the entry for types of arguments, integers taken as floats if need be."""
     numbers = [("q", "d") if one == "q" else (one,) for one in types]
     return next((entries[key] for one in product(*numbers) if (key := key_of(one)) in entries), None)
 
@@ -146,7 +146,7 @@ def _nested(result: Result, numbers: Iterator[Any]) -> Any:
 
 
 def _types(values: Iterable[Any], row: list[Any]) -> tuple[Any, ...]:
-    """Return a key of the types of values, fast to make; add the values to a row."""
+    """Return a key of the values' types; append the values to a row."""
     found: list[Any] = []
     for value in values:
         kind = type(value)
@@ -165,7 +165,7 @@ def _types(values: Iterable[Any], row: list[Any]) -> tuple[Any, ...]:
 
 
 def _text(value: Any) -> str:
-    """Return the type of an argument as text, the same in every process."""
+    """Return the type of an argument as text, equal in every process."""
     if isinstance(value, np.ndarray):
         order = "C" if value.flags.c_contiguous else "F" if value.flags.f_contiguous else "A"
         return f"{dtype_text(value.dtype)}:{value.ndim}{order}{'' if value.flags.writeable else ' constant'}"
@@ -181,7 +181,7 @@ def _text(value: Any) -> str:
 
 @cache
 def dtype_text(dtype: np.dtype[Any]) -> str:
-    """Return what an array or record is made of as text, the same in every process."""
+    """Return the type of an array's items as text, equal in every process."""
     if dtype.subdtype is not None:
         return f"{dtype_text(dtype.subdtype[0])}{list(dtype.subdtype[1])}"
     if dtype.fields is None:
@@ -191,7 +191,7 @@ def dtype_text(dtype: np.dtype[Any]) -> str:
 
 
 def key_of(types: Iterable[str]) -> str:
-    """Return the key of an entry in the index, from the types of its arguments as text."""
+    """Return the key of an entry in the index, from its arguments' types."""
     return hashlib.sha256(",".join(types).encode()).hexdigest()[:32]
 
 
@@ -200,20 +200,23 @@ def key_of(types: Iterable[str]) -> str:
 
 @cache
 def _opened() -> tuple[dict[str, dict[str, Any]], ctypes.CDLL, ctypes.PyDLL] | str:
-    """Return the index and the library, without and with the interpreter's lock; else why it is not used."""
+    """Return the index and two handles of the library; else the reason not to use it.
+
+    A call by the second handle holds the interpreter's lock.
+    """
     try:
         _check_processor()
         index = json.loads(_read(_FOLDER / INDEX))
         if index["format"] != FORMAT:
-            raise _Misfit("that of another version is installed")
+            raise _MisfitError("that of another version is installed")
         _check_objects()
         if digest_of([_FOLDER.parent / name for name in index["sources"]]) != index["of_sources"]:
-            raise _Misfit("kernels have been changed since it was made")
+            raise _MisfitError("kernels have been changed since it was made")
         path = _FOLDER / LIBRARY
         if hashlib.sha256(_read(path)).hexdigest() != index["of_library"]:
-            raise _Misfit(f"{path} does not hold what was written")
+            raise _MisfitError(f"{path} does not hold what was written")
         return index["kernels"], ctypes.CDLL(str(path)), ctypes.PyDLL(str(path))
-    except _Misfit as error:
+    except _MisfitError as error:
         return str(error)
     except FileNotFoundError:
         return "none is installed"
@@ -224,13 +227,13 @@ def _opened() -> tuple[dict[str, dict[str, Any]], ctypes.CDLL, ctypes.PyDLL] | s
 def _check_processor() -> None:
     named = os.environ.get("NUMBA_CPU_NAME")
     if named:
-        raise _Misfit(f"NUMBA_CPU_NAME asks for {named}")
+        raise _MisfitError(f"NUMBA_CPU_NAME asks for {named}")
     if not baseline_runs():
-        raise _Misfit(f"that which is installed is for Linux on {BASELINE}")
+        raise _MisfitError(f"that which is installed is for Linux on {BASELINE}")
 
 
 def _check_objects() -> None:
-    """Compare where NumPy's objects have their data with where entries look for them."""
+    """Check that NumPy's objects store their data at the offsets that entries read."""
     array = np.zeros((3, 2), np.dtype([("field", "f8")]))
     record, number = array[1, 1], ctypes.c_int64.from_address
     told = array.__array_interface__["data"][0]
@@ -241,16 +244,16 @@ def _check_objects() -> None:
         or [number(shape + 8 * k).value for k in range(2)] != [3, 2]
         or [number(strides + 8 * k).value for k in range(2)] != [16, 8]
     ):
-        raise _Misfit("that which is installed is for objects of another Python or NumPy")
+        raise _MisfitError("that which is installed is for objects of another Python or NumPy")
 
 
 def _read(path: Path) -> bytes:
-    """Return what a file holds that only who is trusted with the sources can have written."""
+    """Return a file's content; only users trusted with the sources may write to it."""
     owner = os.stat(__file__).st_uid
     with open(path, "rb") as file:
         found = stranger_of(_FOLDER, owner) or open_to(os.fstat(file.fileno()), owner)
         if found:
-            raise _Misfit(f"{path} is not safe, for {found}")
+            raise _MisfitError(f"{path} is not safe, for {found}")
         return file.read()
 
 

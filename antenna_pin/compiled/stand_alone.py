@@ -62,7 +62,7 @@ def kernel_named(name: str) -> Any:
 
 
 def symbol_of(name: str, arguments: Any) -> str:
-    """Return the name by which callers call a kernel, from its own and the types of its arguments."""
+    """Return the symbol of a kernel, from its name and its arguments' types."""
     return f"{name}:{hashlib.sha256(str(tuple(arguments)).encode()).hexdigest()}"
 
 

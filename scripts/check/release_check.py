@@ -264,6 +264,8 @@ def with_code(python: str, wheel: Path, folder: Path, out: Path) -> Path:
     linked += "; from antenna_pin.compiled.shared_library import write_library"
     linked += "; write_library(Path(package), Path(sys.argv[1])); print(sysconfig.get_platform())"
     platform = told("env", *without, there, "-c", linked, unpacked / "antenna_pin" / "compiled").strip()
+    index = unpacked / "antenna_pin" / "compiled" / "kernels.json"
+    told("env", *without, there, ROOT / "scripts" / "check" / "called_kernels.py", index)
     (folder / "packed").mkdir()
     told(there, "-m", "wheel", "pack", "--dest-dir", folder / "packed", unpacked)
     (packed,) = (folder / "packed").glob("*.whl")

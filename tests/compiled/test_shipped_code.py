@@ -19,7 +19,7 @@ pytestmark = [
     pytest.mark.skipif(shutil.which("cc") is None, reason="there is no linker"),
 ]
 
-_SOURCE = '''\
+_SOURCE = """\
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -81,7 +81,7 @@ def count(k):
 
 def both(x, k):
     return x * k, x + k
-'''
+"""
 
 
 @pytest.fixture(scope="module")
