@@ -200,7 +200,7 @@ def key_of(types: Iterable[str]) -> str:
 
 @cache
 def _opened() -> tuple[dict[str, dict[str, Any]], ctypes.CDLL, ctypes.PyDLL] | str:
-    """Return the index and two handles of the library; else the reason not to use it.
+    """Return the index and two handles of the library; else why it is not used.
 
     A call by the second handle holds the interpreter's lock.
     """

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Kernels that Python calls by name and that a shared library has no entry for.
 
-python scripts/check/called_kernels.py kernels.json    # exit code 1 if there are any
+    python scripts/check/called_kernels.py kernels.json    # exit code 1 if there are any
 
-An installed package without Numba would fail there. The entries come from ``scripts/compile_kernels.py --all``.
+An installed package without Numba would fail there. What has entries is what ``scripts/compile_kernels.py
+--all`` calls.
 """
 
 from __future__ import annotations
