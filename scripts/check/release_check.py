@@ -57,8 +57,9 @@ _COMMANDS = (
     "report run.nc --out report.html",
     "sensitivity impact_pair clearance.bore.radial_clearance --set clearance.bore.geometry=closed-form",
 )
-#: Folders of tests that run under shipped code, but for files that compile something themselves.
-_SUITE = ("engine", "dynamics", "integrate", "constraints", "contact", "linear")
+#: Folders of tests that run under shipped code, but for files of what only kernels call, or Numba compiles.
+_SUITE = ("engine", "joints", "constraints", "contact")
+_NOT_SHIPPED = re.compile(r"^(from|import) .*(numba|llvmlite|kernels)", re.MULTILINE)
 KINDS = ("Added", "Changed", "Changed results", "Deprecated", "Removed", "Fixed", "Security")
 _TITLE = re.compile(r"\[(Unreleased)\]|\[(\d+\.\d+\.\d+)\] - (\d{4}-\d{2}-\d{2})")
 
@@ -302,9 +303,7 @@ def without_numba(there: Path, folder: Path, suite: bool) -> str:
         there / "python", "-m", "pip", "install", "-q", "-c", ROOT / "constraints.txt", "pytest", "hypothesis"
     )
     files = [path for name in _SUITE for path in sorted((ROOT / "tests" / name).glob("test_*.py"))]
-    files = [
-        path for path in files if not re.search(r"^(from|import) (numba|llvmlite)", path.read_text(), re.M)
-    ]
+    files = [path for path in files if not _NOT_SHIPPED.search(path.read_text())]
     command = (there / "pytest", "-q", "-p", "no:cacheprovider", *files)
     return f"{said}, {told(*command, cwd=ROOT).strip().splitlines()[-1]}"
 
