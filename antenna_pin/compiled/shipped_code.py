@@ -82,12 +82,13 @@ def shipped(
     def call(*arguments: Any) -> Any:
         row: list[Any] = []
         types = _types(arguments, row)
-        if types not in calls:
+        own = calls.get(types)
+        if own is None:
             entry = _entry_for(entries, [_text(one) for one in arguments])
             if entry is None:
                 return otherwise()(*arguments)
-            calls[types] = _entry(name, library, *entry)
-        return calls[types](row)
+            own = calls[types] = _entry(name, library, *entry)
+        return own(row)
 
     return call
 
@@ -152,7 +153,7 @@ def _types(values: Iterable[Any], row: list[Any]) -> tuple[Any, ...]:
         kind = type(value)
         if kind is np.ndarray:
             row.append(id(value))
-            found.append((value.dtype, value.ndim, value.flags.num & _FLAGS))
+            found += value.dtype, value.ndim, value.flags.num & _FLAGS
         elif kind in _NUMBERS:
             row.append(value if kind is not np.bool_ else bool(value))
             found.append(kind)
