@@ -57,7 +57,7 @@ def make(job: Job, derivatives: bool = False) -> None:
     import numpy as np
 
     from antenna_pin import build_system, load_scenario, simulate
-    from antenna_pin.compiled.kernel_cache import told_of_compiling
+    from antenna_pin.compiled.compile_time import told_of_compiling
     from antenna_pin.dynamics import Workspace
     from antenna_pin.mechanism import TreeDynamics
     from antenna_pin.scenario.assemble import initial_state
@@ -80,6 +80,26 @@ def make(job: Job, derivatives: bool = False) -> None:
         TreeDynamics(system.mechanism)
         y = system.state(*initial_state(scenario, system))
         Workspace(system).derivative(0.0, y, np.zeros(system.model.nv + system.manifold.nx))
+
+
+def call_alone() -> None:
+    """Call the kernels that Python calls and no run above: a joint alone, bristles, modes, linear steps."""
+    import numpy as np
+
+    from antenna_pin import build_system, load_scenario
+    from antenna_pin.contact import Dahl
+    from antenna_pin.dynamics.mode_kernels import grip_of, is_held, mode_of
+    from antenna_pin.integrate.collocation import NODES, Propagator
+
+    (joint,) = build_system(load_scenario("bai2020", case="case3")).clearances
+    pose = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+    joint.evaluate(pose, np.zeros(6))
+    joint.stored_energy(pose)
+    joint.geometry.scenario(pose[:3], np.eye(3))
+    Dahl(coefficient_of_friction=0.1, bristle_stiffness=1e5).coefficient(0.1)
+    for one in (grip_of, is_held, mode_of):
+        one(-1, np.zeros(1), 0)
+    Propagator(2).step(1.0, np.zeros((len(NODES), 2, 2)))
 
 
 def show(text: str, last: bool = False) -> None:
@@ -111,12 +131,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--processes", type=int, default=os.cpu_count() or 1)
     parser.add_argument(
-        "--derivatives", action="store_true", help="also those of derivatives: of orbits and sensitivities"
+        "--all", action="store_true", help="also those of derivatives, and all that Python calls: for a wheel"
     )
     parser.add_argument("--demo", action="store_true", help="only those of the command demo")
     asked = parser.parse_args()
     jobs = DEMO if asked.demo else JOBS
-    processes, more = asked.processes, DERIVATIVES if asked.derivatives else ()
+    processes, more = asked.processes, DERIVATIVES if asked.all else ()
     began = time.perf_counter()
     context = multiprocessing.get_context("spawn")
     made: Any = context.Value("i", 0)
@@ -125,10 +145,11 @@ def main() -> None:
         wall = time.perf_counter() - began
         return f"kernels {bar(done / count)} {made.value} compiled, {wall:.0f} s"
 
-    count = len(jobs) + len(more)
+    count = len(jobs) + len(more) + asked.all
     with context.Pool(min(processes, count), begin, (made,)) as pool:
         running = [pool.apply_async(make, (job,)) for job in jobs]
         running += [pool.apply_async(make, (job, True)) for job in more]
+        running += [pool.apply_async(call_alone)] if asked.all else []
         wait(running, said)
     show(said(count), last=True)
 

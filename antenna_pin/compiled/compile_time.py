@@ -1,21 +1,31 @@
-"""Time of compilation of kernels, excluded from a run's time."""
+"""Time of compilation of kernels, excluded from a run's time, and listeners to its beginning."""
 
 from __future__ import annotations
 
 import contextlib
+import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import cache
 from typing import Any
 
-from numba.core import event
+__all__ = [
+    "COMPILE_TIME",
+    "CompileClock",
+    "clock_numba",
+    "compiling_so_far",
+    "compiling_timed",
+    "tell_of_compiling",
+    "told_of_compiling",
+]
 
-__all__ = ["CompileClock", "compiling_so_far", "compiling_timed"]
 
-_KIND = "numba:compile"
+#: Forecast for the first run of a kind on a machine, as text: all that a run needs, on two cores or one.
+COMPILE_TIME = "2 to 4 minutes"
 
 
-class CompileClock(event.Listener):  # type: ignore[misc]
+class CompileClock:
     """Clock of this thread's compilation time, nested compilation counted once.
 
     What is found compiled on the disk takes none.
@@ -37,15 +47,15 @@ class CompileClock(event.Listener):  # type: ignore[misc]
         """Return whether the thread is compiling at present."""
         return self._depth > 0
 
-    def on_start(self, _: Any) -> None:
-        """Hear that something is to be compiled."""
+    def begin(self) -> None:
+        """Start, or go one deeper, in the thread whose time it takes."""
         if threading.get_ident() == self._thread:
             if self._depth == 0:
                 self._began = time.perf_counter()
             self._depth += 1
 
-    def on_end(self, _: Any) -> None:
-        """Hear that it is."""
+    def end(self) -> None:
+        """Stop, or come back from one deeper, in the thread whose time it takes."""
         if threading.get_ident() == self._thread and self._depth:
             self._depth -= 1
             if self._depth == 0:
@@ -60,16 +70,52 @@ _clocks: list[CompileClock] = []
 def compiling_timed() -> Iterator[CompileClock]:
     """Take the time that is spent compiling."""
     clock = CompileClock()
-    event.register(_KIND, clock)
+    if "numba" in sys.modules:
+        clock_numba()
     _clocks.append(clock)
     try:
         yield clock
     finally:
         _clocks.remove(clock)
-        event.unregister(_KIND, clock)
+
+
+@cache
+def clock_numba() -> None:
+    """Register the clocks with Numba, once it is loaded."""
+    from numba.core import event
+
+    class Listener(event.Listener):  # type: ignore[misc]
+        def on_start(self, _: Any) -> None:
+            for clock in tuple(_clocks):
+                clock.begin()
+
+        def on_end(self, _: Any) -> None:
+            for clock in tuple(_clocks):
+                clock.end()
+
+    event.register("numba:compile", Listener())
 
 
 def compiling_so_far() -> float:
     """Return how long this thread has compiled since its time is taken [s]."""
     here = threading.get_ident()
     return next((clock.seconds for clock in reversed(_clocks) if clock.is_of(here)), 0.0)
+
+
+_listeners: list[Callable[[], None]] = []
+
+
+@contextlib.contextmanager
+def told_of_compiling(listener: Callable[[], None]) -> Iterator[None]:
+    """Call a function before each compilation of a kernel that is not stored."""
+    _listeners.append(listener)
+    try:
+        yield
+    finally:
+        _listeners.remove(listener)
+
+
+def tell_of_compiling() -> None:
+    """Call the listeners."""
+    for listener in _listeners:
+        listener()

@@ -114,6 +114,28 @@ _DEEP = 10_000
 _MAKING = threading.RLock()
 
 
+def _load_numba(name: str) -> None:
+    """Load Numba for a kernel.
+
+    Raises:
+        MissingToolError: It is not installed.
+    """
+    from antenna_pin.compiled.compile_time import clock_numba
+    from antenna_pin.compiled.shipped_code import misfit
+    from antenna_pin.errors import MissingToolError
+
+    try:
+        clock_numba()
+    except ModuleNotFoundError as error:
+        if error.name not in ("numba", "llvmlite"):
+            raise
+        reason = misfit() or "that which is installed has not been made for what it is called with"
+        raise MissingToolError(
+            f"kernel {name!r} needs machine code, and {reason}; install what compiles it with pip install "
+            "'antenna-pin[compile]'"
+        ) from None
+
+
 class _LazyKernel:
     """A function that is compiled by Numba at its first use.
 
@@ -124,31 +146,44 @@ class _LazyKernel:
     __wrapped__: Callable[..., Any]
     _made: Any  # Numba's, for kernels
     _entry: Any  # Numba's, for Python
+    _called: Any  # what Python calls: of a shared library, else the entry
 
     def __init__(self, function: Callable[..., Any], options: dict[str, bool]) -> None:
         functools.update_wrapper(self, function)
         self._options = options
 
     def __call__(self, *arguments: Any) -> Any:
-        return self._entry(*arguments)
+        return self._called(*arguments)
 
     def __getattr__(self, name: str) -> Any:
         # What looks at any object asks for such names; of Numba's begins one with a single underscore.
         if name.startswith("__"):
             raise AttributeError(name)
-        if name not in ("_made", "_entry"):
+        if name not in ("_made", "_entry", "_called"):
             return getattr(self._made, name)
         with _MAKING:
             if name not in vars(self):
-                setattr(self, name, self._compiled(name == "_entry"))
+                made = (
+                    self._shipped() or self._entry if name == "_called" else self._compiled(name == "_entry")
+                )
+                setattr(self, name, made)
         return vars(self)[name]
 
     def _compiled(self, entry: bool) -> Any:
         """Return the function as Numba compiles it, for Python or for kernels."""
+        _load_numba(self._name())
         from antenna_pin.compiled.jit import dispatcher
 
         sys.setrecursionlimit(max(sys.getrecursionlimit(), _DEEP))
         return dispatcher(self.__wrapped__, entry=entry, **self._options)
+
+    def _name(self) -> str:
+        return f"{self.__wrapped__.__module__}:{self.__wrapped__.__qualname__}"
+
+    def _shipped(self) -> Callable[..., Any] | None:
+        from antenna_pin.compiled.shipped_code import shipped
+
+        return shipped(self._name(), self._options.get("nogil", False), lambda: self._entry)
 
     def __reduce__(self) -> str:
         return self.__wrapped__.__qualname__  # pickled by its name, as a function
@@ -162,3 +197,6 @@ class _Composed(_LazyKernel):
 
     def _compiled(self, entry: bool) -> Any:
         return self._make()._entry if entry else self._make()._made
+
+    def _shipped(self) -> None:
+        """Return nothing: it is a part of other kernels only."""

@@ -25,6 +25,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from antenna_pin.compiled.compile_time import tell_of_compiling
 from antenna_pin.compiled.machine_code import Kept, KernelCode, called, kept_of, link
 from antenna_pin.compiled.ownership import open_to, stranger_of
 from antenna_pin.compiled.stale_files import pack_of, sweep
@@ -37,7 +38,7 @@ try:
 except ImportError:  # none of it is promised by Numba
     FunctionCache = IndexDataCacheFile = NullCache = object
 
-__all__ = ["FORMAT", "KernelCacheWarning", "keep", "remembered", "told_of_compiling"]
+__all__ = ["FORMAT", "KernelCacheWarning", "keep", "remembered", "stored_code"]
 
 FORMAT = 7  # of what is kept
 
@@ -103,24 +104,6 @@ class _LazyCache:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._opened, name)
-
-
-_listeners: list[Callable[[], None]] = []
-
-
-@contextlib.contextmanager
-def told_of_compiling(listener: Callable[[], None]) -> Iterator[None]:
-    """Call a function before each compilation of a kernel without a file."""
-    _listeners.append(listener)
-    try:
-        yield
-    finally:
-        _listeners.remove(listener)
-
-
-def _to_be_compiled() -> None:
-    for listener in _listeners:
-        listener()
 
 
 @functools.lru_cache
@@ -227,6 +210,21 @@ def remembered(function: Any, contents: str, make: Callable[[], str]) -> str:
     return str(found)
 
 
+def stored_code(source: Path, stamp: str) -> Iterator[Kept]:
+    """Yield the stored machine code of a module's kernels, for the family of processors.
+
+    Args:
+        source: File of the module.
+        stamp: Of the module.
+    """
+    for index in sorted((source.parent / "__pycache__").glob(f"{source.stem}.*.nbi")):
+        files = _SealedFiles(str(index.parent), index.stem, stamp, os.stat(source).st_uid)
+        for key in files._load_index():
+            kept = files.load(key) if key[1][1:] == (BASELINE, "") else None
+            if isinstance(kept, Kept):
+                yield kept
+
+
 class _KernelCache(FunctionCache):  # type: ignore[misc]
     """Cache of a function's machine code."""
 
@@ -259,7 +257,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
             found = self._stored(keys)  # another process may have made it by now
         if found is not None:
             return self._loaded(*found, target_context)
-        _to_be_compiled()
+        tell_of_compiling()
         target_context.refresh()
         return None
 
@@ -334,7 +332,7 @@ class _NoCache(NullCache):  # type: ignore[misc]
         self._reason = reason
 
     def load_overload(self, sig: Any, target_context: Any) -> None:
-        _to_be_compiled()
+        tell_of_compiling()
 
     def save_overload(self, sig: Any, cres: Any) -> None:
         _tell(self._reason)

@@ -21,7 +21,16 @@ try:
 except ImportError:  # neither is promised by Numba
     OverloadSelector = user_function = None
 
-__all__ = ["all_needs", "kernel_named", "needs_of", "noted", "parts_of", "stand_alone", "symbols_of"]
+__all__ = [
+    "all_needs",
+    "kernel_named",
+    "needs_of",
+    "noted",
+    "parts_of",
+    "stand_alone",
+    "symbol_of",
+    "symbols_of",
+]
 
 
 def stand_alone(dispatcher: Any) -> None:
@@ -52,14 +61,15 @@ def kernel_named(name: str) -> Any:
     return getattr(importlib.import_module(module), own)
 
 
-def _symbol(name: str, arguments: Any) -> str:
+def symbol_of(name: str, arguments: Any) -> str:
+    """Return the symbol of a kernel, from its name and its arguments' types."""
     return f"{name}:{hashlib.sha256(str(tuple(arguments)).encode()).hexdigest()}"
 
 
 def _publish(name: str, context: Any, result: Any) -> None:
     """Register a compiled function under its process-independent name, for calls by name."""
     arguments = tuple(result.signature.args)
-    symbol = _symbol(name, arguments)
+    symbol = symbol_of(name, arguments)
     add_kernel_symbol(symbol, result.library.get_pointer_to_function(result.fndesc.llvm_func_name))
     alias = copy.copy(result.fndesc)
     alias.mangled_name = symbol
@@ -101,12 +111,12 @@ _parts: dict[str, KernelCode] = {}
 
 def symbols_of(code: Kept) -> tuple[str, ...]:
     """Return the symbols of the kernels that a function calls."""
-    return tuple(sorted(itertools.starmap(_symbol, code.needs)))
+    return tuple(sorted(itertools.starmap(symbol_of, code.needs)))
 
 
 def noted(name: str, code: Kept) -> None:
     """Record a kernel's part for its callers."""
-    symbol, function = _symbol(name, code.signature.args), code.description.llvm_func_name
+    symbol, function = symbol_of(name, code.signature.args), code.description.llvm_func_name
     _parts[symbol] = KernelCode(symbol, function, symbols_of(code), code.object, code.environments)
 
 

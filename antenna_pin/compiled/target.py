@@ -7,26 +7,26 @@ kernels are scalar. So it can be installed with the package. ``NUMBA_CPU_NAME`` 
 
 from __future__ import annotations
 
+import platform
 from functools import cache
-
-import numba
-from llvmlite import binding
+from pathlib import Path
 
 __all__ = ["BASELINE", "aim_at_baseline", "baseline_runs"]
 
 BASELINE = "x86-64-v3"
 
-_NEEDED = ("avx", "avx2", "bmi", "bmi2", "cx16", "f16c", "fma", "lzcnt", "movbe", "popcnt", "sse4.2", "xsave")
+# As Linux names them.
+_NEEDED = set("avx avx2 bmi1 bmi2 cx16 f16c fma abm movbe popcnt sse4_2 xsave".split())
+_FEATURES = Path("/proc/cpuinfo")
 
 
 @cache
 def baseline_runs() -> bool:
-    """Return whether this processor runs what is made for the baseline."""
-    try:
-        features = binding.get_host_cpu_features()
-    except RuntimeError:  # LLVM knows none of this processor
+    """Return whether this processor runs what is made for the baseline; of Linux only."""
+    if platform.machine() != "x86_64" or not _FEATURES.exists():
         return False
-    return binding.get_process_triple().startswith("x86_64") and all(features.get(one) for one in _NEEDED)
+    lines = _FEATURES.read_text(encoding="ascii", errors="replace").splitlines()
+    return _NEEDED <= set(next((line for line in lines if line.startswith("flags")), "").split())
 
 
 def aim_at_baseline() -> None:
@@ -35,5 +35,7 @@ def aim_at_baseline() -> None:
     Where a script has had Numba compile something of its own before, that continues for the processor at
     hand.
     """
+    import numba
+
     if baseline_runs() and getattr(numba.config, "CPU_NAME", "") is None:
         numba.config.CPU_NAME, numba.config.CPU_FEATURES = BASELINE, ""

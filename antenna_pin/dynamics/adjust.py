@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.parameters import parameters_of
 from antenna_pin.dynamics import kernels
+from antenna_pin.dynamics.mode_kernels import is_held
 from antenna_pin.dynamics.system import System
 from antenna_pin.elements import FAMILIES, Change, Element, ForceElement, Met, Modal, kind_of
-from antenna_pin.elements import kernels as of_elements
 from antenna_pin.elements.control import AttitudeFeedback, Controller, Pid
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
@@ -220,7 +220,7 @@ class Adjustments:
     def holds(self, place: str) -> bool:
         """Return whether an element, by its place, holds its joint at present."""
         words = self._blocks[place] + int(kernels.PARAMETERS)
-        return bool(of_elements.hold(kind_of(type(self.elements[place])), self._program, words)[0])
+        return bool(is_held(kind_of(type(self.elements[place])), self._program, words))
 
 
 def first_modes(system: System, y: Array, t: float = 0.0) -> tuple[tuple[str, float], ...]:

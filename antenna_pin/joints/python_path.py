@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import AskedFunction, told_numbers
 from antenna_pin.base.records import POSE
+from antenna_pin.compiled import decorators
 from antenna_pin.compiled.given_functions import callable_of
 from antenna_pin.contact import FrictionLaw, NormalLaw
 from antenna_pin.contact.friction_kernels import friction_force
@@ -185,7 +186,7 @@ class PythonPath:
         else:
             place_journal(self._block, 0, y, self._nq, self._pose)
             if self._distributed and isinstance(distances, CoalRevolute):
-                patches = patches_at(self._block, 0)
+                patches = decorators.in_python(patches_at)(self._block, 0)
                 nodes = self._block[nodes_at(0) :].view(NODE)
                 distances.query_patches(
                     self._pose, patches.strips, nodes, patches.radius, table, row, patches.first

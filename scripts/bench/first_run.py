@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """First, second and third run of a package that has just been installed.
 
-Each wheel is installed into an environment of its own; what pip takes is left out. A wheel of another
-version, or one with machine code (``scripts/check/release_check.py --code FOLDER``), stands beside it::
+Each wheel is installed into an environment of its own, a plain one with its extra ``compile``; what pip takes
+is left out. A wheel of another version, or one with machine code (``scripts/check/release_check.py --code
+FOLDER``), stands beside it::
 
     python scripts/bench/first_run.py plain=dist/antenna_pin-0.3.0-py3-none-any.whl code=FOLDER/NAME.whl
 
@@ -24,6 +25,12 @@ from bench_tools import Report
 ROOT = Path(__file__).parents[2]
 RUN = "run bai2020 --case case3 --duration 0.001 --out run.nc -q --no-progress".split()
 LIMITS = {"code": 10.0}  # of the first run, by the label of the wheel [s]
+LARGEST = {"code": 25.0}  # wheel, by its label [MB]
+
+
+def size_of(folder: Path) -> float:
+    """Return the size of a folder's files [MB]."""
+    return sum(one.lstat().st_size for one in folder.rglob("*") if not one.is_dir()) / 1e6
 
 
 def seconds(command: list[str], folder: Path) -> tuple[float, float]:
@@ -48,7 +55,11 @@ def main() -> int:
             seconds([sys.executable, "-m", "venv", "env"], folder)
             there = str(folder / "env" / "bin" / "python")
             install = ("-m", "pip", "install", "-q", "-c", str(ROOT / "constraints.txt"))
-            seconds([there, *install, str(Path(wheel).resolve())], folder)
+            extra = "[compile]" if wheel.endswith("-none-any.whl") else ""
+            empty = size_of(folder / "env")
+            seconds([there, *install, f"{Path(wheel).resolve()}{extra}"], folder)
+            report.add(f"{label}: wheel", Path(wheel).stat().st_size / 1e6, "MB", LARGEST.get(label))
+            report.add(f"{label}: installed, with all it needs", size_of(folder / "env") - empty, "MB")
             for number in ("first", "second", "third"):
                 wall, processor = seconds([str(folder / "env" / "bin" / "antenna-pin"), *RUN], folder)
                 limit = LIMITS.get(label) if number == "first" else None

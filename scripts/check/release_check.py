@@ -8,12 +8,14 @@ Python that is there gets an empty environment, in which the wheel is installed 
     python scripts/check/release_check.py                        # all Pythons from 3.11 on that are there
     python scripts/check/release_check.py --python python3.12    # one of them; may be given several times
     python scripts/check/release_check.py --tools                # also by pipx and by uv, as users install it
-    python scripts/check/release_check.py --code dist            # also wheels with machine code, into it
+    python scripts/check/release_check.py --code dist            # also a wheel with machine code, into it
+    python scripts/check/release_check.py --code dist --suite    # and a part of the tests under that code
     python scripts/check/release_check.py --no-install           # what the files say only
     python scripts/check/release_check.py --tag v0.2.0           # the tag must be the version's, too
 
-A wheel with machine code is one for this platform and one Python: the plain wheel, with all kernels as they
-are compiled in an empty environment. It is tried as the plain one is, and must compile nothing.
+The plain wheel is installed with its extra ``compile``, which has Numba. A wheel with machine code is one for
+this platform and all Pythons: the plain wheel, with a shared library of all kernels as they are compiled in
+an empty environment of the first Python. It is tried without Numba.
 
 It needs nothing but the standard library; packages, pipx and uv come from the index that pip is set to.
 """
@@ -40,15 +42,24 @@ __all__ = ["changelog_faults", "contents_faults", "metadata_faults", "pythons"]
 ROOT = Path(__file__).parents[2]
 NEWEST = 14
 LARGEST = 25.0  # of a wheel with machine code [MB]
-_COUNTED = """
+_WITHOUT = """
+import importlib.util
 from antenna_pin import load_scenario, simulate
-from antenna_pin.compiled.kernel_cache import told_of_compiling
-made = []
-with told_of_compiling(lambda: made.append(1)):
-    for model, case in (("bai2020", "case3"), ("slider_crank", "planar"), ("solar_array", "play")):
-        simulate(load_scenario(model, case=case), "2 ms")
-print(len(made))
+for model, case in (("bai2020", "case3"), ("slider_crank", "planar"), ("solar_array", "play")):
+    simulate(load_scenario(model, case=case), "2 ms")
+print(*(name for name in ("numba", "llvmlite") if importlib.util.find_spec(name)))
 """
+#: Commands that an installed package without Numba must carry out.
+_COMMANDS = (
+    "run bai2020 --duration 0.02 --out run.nc --no-progress --no-summary",
+    "info run.nc",
+    "analyse run.nc",
+    "report run.nc --out report.html",
+    "sensitivity impact_pair clearance.bore.radial_clearance --set clearance.bore.geometry=closed-form",
+)
+#: Folders of tests that run under shipped code, but for files of what only kernels call, or Numba compiles.
+_SUITE = ("engine", "joints", "constraints", "contact")
+_NOT_SHIPPED = re.compile(r"^(from|import) .*(numba|llvmlite|kernels)", re.MULTILINE)
 KINDS = ("Added", "Changed", "Changed results", "Deprecated", "Removed", "Fixed", "Security")
 _TITLE = re.compile(r"\[(Unreleased)\]|\[(\d+\.\d+\.\d+)\] - (\d{4}-\d{2}-\d{2})")
 
@@ -213,56 +224,54 @@ def run_by(command: Path, folder: Path) -> str:
     return told(command, "--version", cwd=folder).strip()
 
 
-def tried(python: str, wheel: Path, folder: Path, code: Path | None = None) -> str:
+def tried(python: str, wheel: Path, folder: Path, code: bool = False, suite: bool = False) -> str:
     """Install a wheel into an empty environment of a Python, run a scenario; return what came of it.
 
     Args:
         python: The Python.
-        wheel: The plain wheel.
+        wheel: The wheel.
         folder: An empty folder to work in.
-        code: Folder for a wheel with machine code, which is made and tried in the place of the plain one.
+        code: Whether it has machine code; the plain wheel is installed with what compiles it.
+        suite: Whether tests run under that machine code.
     """
-    if code is not None:
-        (folder / "maker").mkdir()
-        wheel = with_code(python, wheel, folder / "maker", code)
     told(python, "-m", "venv", folder / "env")
     there = folder / "env" / "bin"
-    told(there / "python", "-m", "pip", "install", "-q", "-c", ROOT / "constraints.txt", wheel)
+    given = wheel if code else f"{wheel}[compile]"
+    told(there / "python", "-m", "pip", "install", "-q", "-c", ROOT / "constraints.txt", given)
     version = run_by(there / "antenna-pin", folder)
     read = "from antenna_pin import Trajectory; print(Trajectory.load('run.nc').outcome.name)"
     said = f"{version}, run {told(there / 'python', '-c', read, cwd=folder).strip()}"
-    return said if code is None else f"{said}, {compiled_by(there / 'python', folder)}"
+    return f"{said}, {without_numba(there, folder, suite)}" if code else said
 
 
 def with_code(python: str, wheel: Path, folder: Path, out: Path) -> Path:
-    """Return a wheel for this platform and a Python that holds the machine code of all kernels.
+    """Return a wheel for this platform that holds the machine code of all kernels.
 
     Args:
-        python: The Python.
+        python: The Python that it is made with.
         wheel: The plain wheel.
         folder: An empty folder to work in.
         out: Folder of the result.
     """
     told(python, "-m", "venv", folder / "env")
     there = folder / "env" / "bin" / "python"
-    told(there, "-m", "pip", "install", "-q", "-c", ROOT / "constraints.txt", wheel, "wheel")
+    told(there, "-m", "pip", "install", "-q", "-c", ROOT / "constraints.txt", f"{wheel}[compile]", "wheel")
     given = ("NUMBA_CACHE_DIR", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "PYTHONPATH")
     without = [word for name in given for word in ("-u", name)]
-    told("env", *without, there, ROOT / "scripts" / "compile_kernels.py", "--derivatives", cwd=folder)
-    where = "import antenna_pin, sysconfig; print(antenna_pin.__path__[0]); print(sysconfig.get_platform())"
-    where += "; import sys; print('cp%d%d' % sys.version_info[:2])"
-    package, platform, tag = told(there, "-c", where, cwd=folder).splitlines()
+    told("env", *without, there, ROOT / "scripts" / "compile_kernels.py", "--all", cwd=folder)
     told(there, "-m", "wheel", "unpack", "--dest", folder, wheel)
     (unpacked,) = folder.glob("antenna_pin-*")
-    for path in sorted(Path(package).rglob("*.nb[ic]")):
-        target = unpacked / "antenna_pin" / path.relative_to(package)
-        target.parent.mkdir(exist_ok=True)
-        shutil.copy2(path, target)
+    linked = "import sys, antenna_pin, sysconfig; from pathlib import Path; package = antenna_pin.__path__[0]"
+    linked += "; from antenna_pin.compiled.shared_library import write_library"
+    linked += "; write_library(Path(package), Path(sys.argv[1])); print(sysconfig.get_platform())"
+    platform = told("env", *without, there, "-c", linked, unpacked / "antenna_pin" / "compiled").strip()
+    index = unpacked / "antenna_pin" / "compiled" / "kernels.json"
+    told("env", *without, there, ROOT / "scripts" / "check" / "called_kernels.py", index)
     (folder / "packed").mkdir()
     told(there, "-m", "wheel", "pack", "--dest-dir", folder / "packed", unpacked)
     (packed,) = (folder / "packed").glob("*.whl")
     platform = platform.replace("-", "_").replace(".", "_")
-    tags = ("--python-tag", tag, "--abi-tag", tag, "--platform-tag", platform)
+    tags = ("--python-tag", "py3", "--abi-tag", "none", "--platform-tag", platform)
     name = told(there, "-m", "wheel", "tags", "--remove", *tags, packed).split()[-1]
     out.mkdir(parents=True, exist_ok=True)
     made = out / Path(name).name
@@ -274,15 +283,32 @@ def with_code(python: str, wheel: Path, folder: Path, out: Path) -> Path:
     return made
 
 
-def compiled_by(python: Path, folder: Path) -> str:
-    """Return that an installed package compiles nothing for some runs; end this program where it does."""
-    said = told(python, "-W", "ignore", "-c", _COUNTED, cwd=folder).strip()
-    if said != "0":
-        raise SystemExit(f"{said} kernels were compiled, where all machine code is installed")
-    return "nothing compiled"
+def without_numba(there: Path, folder: Path, suite: bool) -> str:
+    """Return that a package with machine code does all without Numba; end this program where it does not.
+
+    Args:
+        there: Folder of the environment's commands.
+        folder: Folder to work in.
+        suite: Whether tests run under that machine code.
+    """
+    found = told(there / "python", "-W", "ignore", "-c", _WITHOUT, cwd=folder).split()
+    if found:
+        raise SystemExit(f"{' and '.join(found)} must not be needed, but came with the wheel")
+    for command in _COMMANDS:
+        told(there / "antenna-pin", *command.split(), cwd=folder)
+    said = f"{len(_COMMANDS)} commands without Numba"
+    if not suite:
+        return said
+    told(
+        there / "python", "-m", "pip", "install", "-q", "-c", ROOT / "constraints.txt", "pytest", "hypothesis"
+    )
+    files = [path for name in _SUITE for path in sorted((ROOT / "tests" / name).glob("test_*.py"))]
+    files = [path for path in files if not _NOT_SHIPPED.search(path.read_text())]
+    command = (there / "pytest", "-q", "-p", "no:cacheprovider", *files)
+    return f"{said}, {told(*command, cwd=ROOT).strip().splitlines()[-1]}"
 
 
-def tried_as_tool(tool: str, python: str, wheel: Path, folder: Path) -> str:
+def tried_as_tool(tool: str, python: str, wheel: Path | str, folder: Path) -> str:
     """Install a wheel as a command for a user by pipx or uv, run a scenario and take it away again.
 
     Args:
@@ -333,7 +359,8 @@ def main() -> int:
     parser.add_argument("--python", action="append", help="a Python to try, instead of all that are there")
     parser.add_argument("--tools", action="store_true", help="also install by pipx and by uv")
     parser.add_argument("--dist", type=Path, help="folder of packages that are built already")
-    parser.add_argument("--code", type=Path, help="make and try wheels with machine code, into this folder")
+    parser.add_argument("--code", type=Path, help="make and try a wheel with machine code, into this folder")
+    parser.add_argument("--suite", action="store_true", help="run tests under the machine code of --code")
     parser.add_argument("--no-install", action="store_true", help="look at the files only")
     parser.add_argument("--tag", help="the tag that is released")
     asked = parser.parse_args()
@@ -356,10 +383,13 @@ def main() -> int:
         there = asked.python or pythons()
         trials = [(python, tried, (python, wheel)) for python in there]
         if asked.code:
-            trial = functools.partial(tried, code=asked.code)
-            trials += [(python, trial, (python, wheel)) for python in there]
+            (Path(made) / "maker").mkdir()
+            coded = with_code(there[0], wheel, Path(made) / "maker", asked.code)
+            trial = functools.partial(tried, code=True, suite=asked.suite)
+            trials += [(f"{python}, machine code", trial, (python, coded)) for python in there]
         if asked.tools:
-            trials += [(tool, tried_as_tool, (tool, there[-1], wheel)) for tool in ("pipx", "uv")]
+            given = coded if asked.code else f"{wheel}[compile]"
+            trials += [(tool, tried_as_tool, (tool, there[-1], given)) for tool in ("pipx", "uv")]
         for number, (name, trial, given) in enumerate(trials):
             folder, begun = Path(made) / str(number), time.monotonic()
             folder.mkdir()

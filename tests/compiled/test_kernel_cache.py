@@ -16,6 +16,7 @@ from antenna_pin import load_scenario, simulate
 from antenna_pin.compiled import jit
 from antenna_pin.compiled import kernel_cache as _kernel_cache
 from antenna_pin.compiled import stale_files as _sweep
+from antenna_pin.compiled.compile_time import told_of_compiling
 from antenna_pin.compiled.kernel_cache import KernelCacheWarning, keep
 from antenna_pin.compiled.stand_alone import kernel_named, needs_of
 
@@ -160,7 +161,7 @@ def test_what_a_stranger_may_have_written_is_not_read(source, monkeypatch, whose
 def test_who_waits_is_told_of_what_is_compiled(source):
     """Of a kernel that no file holds, once; and of nothing where it is read."""
     heard = []
-    with _kernel_cache.told_of_compiling(lambda: heard.append(1)):
+    with told_of_compiling(lambda: heard.append(1)):
         first = compiled(source)
         assert first(1) == first(2) - 2 == 2
         assert heard == [1]

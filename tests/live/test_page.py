@@ -231,12 +231,12 @@ def test_until_the_first_run_is_there_the_page_has_its_stage(local_page, monkeyp
 def test_what_is_done_before_the_page_is_served_is_told(monkeypatch, capsys):
     """On the error stream, kernels that are compiled once; or to nobody."""
     from antenna_pin.apps.live import runner, server
-    from antenna_pin.compiled import kernel_cache as _kernel_cache
+    from antenna_pin.compiled.compile_time import tell_of_compiling
 
     class Compiled(server.Explored):
         def scenario(self):
-            _kernel_cache._to_be_compiled()
-            _kernel_cache._to_be_compiled()
+            tell_of_compiling()
+            tell_of_compiling()
 
     monkeypatch.setattr(server, "Explored", Compiled)
     explore("bai2020").stop()

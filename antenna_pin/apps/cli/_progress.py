@@ -15,6 +15,7 @@ from contextlib import AbstractContextManager, nullcontext
 from typing import TYPE_CHECKING, Any, TextIO, TypeAlias, TypeVar, cast
 
 from antenna_pin.base.readable import lasting
+from antenna_pin.compiled.compile_time import COMPILE_TIME, told_of_compiling
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
@@ -166,7 +167,7 @@ def progress_bar(title: str, shown: bool) -> Iterator[Callable[[Progress], None]
     compiled = itertools.count(1)
 
     def compiling() -> None:
-        text = f"{title}: compiling, once"
+        text = f"{title}: compiling, once, for {COMPILE_TIME}"
         task.update(description=text, time=f"kernel {next(compiled)}", speed="", step="")
 
     def report(progress: Progress) -> None:
@@ -178,8 +179,6 @@ def progress_bar(title: str, shown: bool) -> Iterator[Callable[[Progress], None]
             speed=f"{progress.wall / progress.time:.3g} s/s" if progress.time > 0.0 else "",
             step=f"step {_seconds(progress.step)}",
         )
-
-    from antenna_pin.compiled.kernel_cache import told_of_compiling
 
     with task.reporting(report), told_of_compiling(compiling):
         yield report

@@ -7,14 +7,14 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from antenna_pin.compiled.compile_time import CompileClock, compiling_timed
+from antenna_pin.compiled.compile_time import COMPILE_TIME, CompileClock, compiling_timed
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.run.session import start
 from antenna_pin.scenario import Scenario
 from antenna_pin.trajectory import Outcome, Trajectory
 
 #: Stage of the work that may take longer than all others, once on a machine.
-COMPILING = "compiling, once on this machine, for a minute or two"
+COMPILING = f"compiling, once on this machine, for {COMPILE_TIME}"
 
 # Wall time [s]: between looks whether something else is asked for, and between pictures of a run on its way.
 _LOOK, _PICTURE = 0.04, 0.2

@@ -19,7 +19,7 @@ from typing import Any
 from antenna_pin.apps.live.explored import SPAN, Explored
 from antenna_pin.apps.live.runner import COMPILING
 from antenna_pin.base.arguments import takes
-from antenna_pin.compiled.kernel_cache import told_of_compiling
+from antenna_pin.compiled.compile_time import told_of_compiling
 from antenna_pin.errors import InvalidParameterError, MissingToolError, OutputError
 from antenna_pin.scenario import Scenario, scenario_named
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.records import BLOCK, PROGRAM, place_of, words_of
+from antenna_pin.compiled.decorators import in_python
 from antenna_pin.dynamics import System, kernels
 from antenna_pin.dynamics.constraints import layout_kernels as layout_of_rows
 from antenna_pin.dynamics.tangent_kernels import FRAMES, ITSELF
@@ -112,7 +113,7 @@ def shifts_of(
     if system.plan is not None:
         heavy |= plan[:, system.plan.parts.closures].any(axis=1)
         heavy |= plan[:, system.plan.parts.couplings].any(axis=1)
-    width = 0 if system.plan is None else layout_of_rows.plan_of(system.plan.words).width
+    width = 0 if system.plan is None else in_python(layout_of_rows.plan_of)(system.plan.words).width
     steps = np.concatenate([np.full(len(slopes.program), _STEP), _STEP * slopes.units])
     rules = _rules(system, program, steps, contacts)
     return Shifts(

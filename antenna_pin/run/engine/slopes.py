@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.records import MEMORY
+from antenna_pin.compiled.decorators import in_python
 from antenna_pin.dynamics.constraints.layout_kernels import plan_of
 from antenna_pin.run.engine.compiled import CompiledStepper
 from antenna_pin.run.engine.slope_kernels import Room, write_slopes
@@ -37,7 +38,7 @@ class Slopes:
             kept=np.zeros(len(numbers.memory), MEMORY),
         )
         self._rates = manifold.nv + manifold.nx
-        self._held = plan_of(numbers.plan).rows if len(numbers.plan) else 0
+        self._held = in_python(plan_of)(numbers.plan).rows if len(numbers.plan) else 0
 
     def rates(self, time: float, y: Array, ways: Array, steps: Array) -> Array:
         """Return the derivatives of [acceleration (nv), rate of x (nx)], (kinds, nv + nx, k).

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.records import MEMORY, POSE, PROGRAM, words_of
+from antenna_pin.compiled.decorators import in_python
 from antenna_pin.dynamics import System, acting_in, kernels
 from antenna_pin.dynamics.angle_change_kernels import MOST, ROWS
 from antenna_pin.dynamics.constraints.layout_kernels import plan_of
@@ -254,7 +255,7 @@ def _row_room(system: System, nv: int, kinds: int) -> RowRoom:
     """Return what rows of constraints are differentiated with."""
     closures = motions = rows = width = 0
     if system.plan is not None:
-        head = plan_of(system.plan.words)
+        head = in_python(plan_of)(system.plan.words)
         closures, motions, rows, width = head.closures, head.motions, head.rows, head.width
     return RowRoom(
         ties=np.zeros(closures, TIE),

@@ -39,8 +39,8 @@ from numpy.typing import NDArray
 
 from antenna_pin.dynamics import Adjustments, Workspace, impulse, kernels, prescribing
 from antenna_pin.dynamics.adjust import Acting
+from antenna_pin.dynamics.mode_kernels import grip_of
 from antenna_pin.elements import Change, Met, RigidStop, StickingFriction, kind_of
-from antenna_pin.elements import kernels as of_elements
 from antenna_pin.elements.limits import FREE, LOWER, UPPER
 from antenna_pin.elements.rigid_stop import LOADED
 from antenna_pin.elements.sticking_friction import BACKWARD, FORWARD, PULLED, PUSHED, STUCK, UNDECIDED
@@ -255,7 +255,7 @@ class RestingJoints:
     def _grip(self, place: str) -> float:
         one = self._acting[place]
         first = one.block + int(kernels.PARAMETERS)
-        return float(of_elements.grip(kind_of(type(one.element)), self._workspace.program, first))
+        return float(grip_of(kind_of(type(one.element)), self._workspace.program, first))
 
     def _agree(
         self,

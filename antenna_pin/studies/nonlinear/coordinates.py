@@ -15,8 +15,8 @@ from antenna_pin.base.settings import ErrorScales
 from antenna_pin.base.state import State
 from antenna_pin.dynamics import System, Workspace, acting_in, kernels
 from antenna_pin.dynamics.constraints import directions
+from antenna_pin.dynamics.mode_kernels import is_held, mode_of
 from antenna_pin.elements import Modal, kind_of
-from antenna_pin.elements import kernels as of_elements
 from antenna_pin.integrate import KINDS
 from antenna_pin.run.simulation.steps import scale_vector
 
@@ -61,7 +61,7 @@ class _MemoryNumber(NamedTuple):
 
     def holds(self, program: Array) -> bool:
         """Return whether the element holds its joint, by a row."""
-        return bool(of_elements.hold(self.kind, program, self.words)[0])
+        return bool(is_held(self.kind, program, self.words))
 
 
 class ElementMemory:
@@ -85,7 +85,7 @@ class ElementMemory:
 
     def active_in(self, program: Array) -> tuple[int, ...]:
         """Return the numbers that act in the modes of a program."""
-        found = [of_elements.mode(one.kind, program, one.words) in one.modes for one in self.numbers]
+        found = [mode_of(one.kind, program, one.words) in one.modes for one in self.numbers]
         return tuple(np.flatnonzero(found).tolist())
 
     def between(self, numbers: tuple[int, ...], here: State, there: State) -> Array:
