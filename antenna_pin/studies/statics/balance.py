@@ -56,6 +56,7 @@ class Free(NamedTuple):
     directions: Array  # N, (nv, k)
     steps: Array  # of differences, (k,)
     scale: Array  # S, of which S d is a step over what is trusted, (nv, nv)
+    fine: NDArray[np.bool_]  # rows of S that are of journals in their play, (nv,)
 
 
 class Balance:
@@ -360,7 +361,12 @@ class Balance:
                 moved = np.abs(column[fine])
                 if moved.max() > _PURE:
                     steps[k] = min(_STEP, _STEP_IN_DEPTH * float((depths / np.maximum(moved, _PURE)).min()))
-        return Free(inverse @ basis, steps, scale)
+        return Free(inverse @ basis, steps, scale, fine)
+
+    def in_play(self, free: Free, k: int) -> bool:
+        """Return whether a free direction moves journals in their play, but for what follows from that."""
+        moved = np.abs(free.scale @ free.directions[:, k])
+        return bool(moved[free.fine].max(initial=0.0) > moved[~free.fine].max(initial=0.0))
 
     def _scale(self, y: Array) -> tuple[Array, NDArray[np.bool_], Array]:
         """Return S, which of its rows are of journals in their play, and depths of these over what is trusted.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,6 +64,19 @@ class Path:
     def position(self) -> float:
         """Position of the joint [rad] ([m])."""
         return self._motion(self.balance.y)[0]
+
+    def snapshot(self) -> Any:
+        """Return what is needed to come back here."""
+        return self.balance.snapshot(), self._tangent
+
+    def restore(self, snapshot: Any) -> None:
+        """Come back to where a snapshot was taken."""
+        present, self._tangent = snapshot
+        self.balance.restore(present)
+
+    def forget(self) -> None:
+        """Begin anew, with no motion before."""
+        self._tangent = None
 
     def _check_freedom(self, y: Array) -> None:
         """Refuse a joint that other constraints hold."""

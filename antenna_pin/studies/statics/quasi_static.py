@@ -20,7 +20,7 @@ from antenna_pin.studies.statics.path import Path, Point
 from antenna_pin.studies.statics.reading import positions_of, reactions_of, sources_of, stiffness_of
 from antenna_pin.studies.statics.result import QuasiStaticTravel
 from antenna_pin.studies.statics.static_system import (
-    Model,
+
     check_rate_independent,
     start_of,
     static_system,
@@ -227,4 +227,3 @@ class _Table:
         return xr.Dataset(variables, coords=coordinates, attrs={"joint": self._path.joint})
 
 
-_ = Model

@@ -259,18 +259,29 @@ def contacts_of(balance: Balance, y: Array) -> tuple[StaticContact, ...]:
 
 
 def stiffness_of(balance: Balance, rest: Rest) -> tuple[Array, StaticStability]:
-    """Return eigenvalues of the reduced tangent stiffness, rising, and the stability."""
+    """Return eigenvalues of the reduced tangent stiffness, rising, and the stability.
+
+    What nothing resists of journals in their play makes no equilibrium neutral.
+    """
     directions = rest.free.directions
     if directions.shape[1] == 0:
         return np.zeros(0), "held"
     _, triangle = np.linalg.qr(directions / balance.reach[:, None])
     inverse = np.linalg.inv(triangle)
-    reduced = inverse.T @ (directions.T @ rest.stiffness) @ inverse
-    values = np.sort(np.linalg.eigvals(reduced).real)
-    largest = float(np.abs(values).max())
+    whole = directions.T @ rest.stiffness
+    # Signs do not depend on scales: those in which each direction counts alike tell them best.
     _, size = balance.forces(rest.y.copy())
-    scale = max(largest, float((size * balance.reach).max()))
-    least = float(values[0])
-    if abs(least) <= _NEUTRAL * scale:
+    work = (np.abs(directions) * size[:, None]).max(axis=0, initial=0.0)
+    own = np.abs(np.diag(whole))
+    zero = own <= _NEUTRAL * np.maximum(work, _NEUTRAL * own.max())
+    moves_joint = np.array([not balance.in_play(rest.free, k) for k in range(directions.shape[1])])
+    kept = ~zero
+    whole = np.where(np.outer(kept, kept), whole, 0.0)
+    values = np.sort(np.linalg.eigvals(inverse.T @ whole @ inverse).real)
+    scaled = whole[np.ix_(kept, kept)] / np.sqrt(np.outer(own[kept], own[kept]))
+    signs = np.linalg.eigvalsh(0.5 * (scaled + scaled.T))
+    if (signs < -_NEUTRAL).any():
+        return values, "unstable"
+    if (zero & moves_joint).any() or (np.abs(signs) <= _NEUTRAL).any():
         return values, "neutral"
-    return values, "stable" if least > 0.0 else "unstable"
+    return values, "stable"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +24,11 @@ Array = NDArray[np.float64]
 
 # Force out of balance over the largest force: sought, and accepted where round-off leaves no better.
 _SOUGHT, _ACCEPTED = 1e-14, 1e-9
-_ROUNDS = 400
-# Share of the force out of balance that a Newton step must leave at most to be one.
-_LEFT = 0.9
+# Rounds of Newton steps and of steps along the forces between them; how many of each; and how many Newton
+# steps may be cut to what is trusted.
+_ROUNDS, _NEWTONS, _DRIFTS, _CUTS = 60, 40, 6, 12
+# Share of the force out of balance that no step balances, above which the stiffness is singular.
+_UNSOLVED = 1e-3
 # Singular values of the stiffness below this, over the largest, are none.
 _SINGULAR = 1e-12
 # Rounds without a better balance after which round-off is reached.
@@ -60,8 +63,9 @@ class Rest:
 def balanced(balance: Balance, y: Array, where: str) -> Rest:
     """Return the pose in balance next to a state, friction as it is set.
 
-    Newton's method; where it leads nowhere, as where a journal is in flight, pseudo-transient continuation:
-    steps along the forces, as long as is trusted.
+    Newton's method, also over humps of the force out of balance, which a journal that rolls along its bore
+    has to pass. Where it leads nowhere, as where a journal is in flight, pseudo-transient continuation: steps
+    along the forces, as long as is trusted.
 
     Args:
         balance: The mechanism.
@@ -71,81 +75,100 @@ def balanced(balance: Balance, y: Array, where: str) -> Rest:
     Raises:
         NotBalancedError: None is found.
     """
-    y = balance.projected(y.copy())
+    here = _pose(balance, balance.projected(y.copy()))
+    damping = 1.0
+    for _ in range(_ROUNDS):
+        found = _newton(balance, here)
+        if found is not None:
+            break
+        for _ in range(_DRIFTS):
+            here, damping = _drift(balance, here, damping)
+            if here.residual <= _ACCEPTED:
+                break
+    else:
+        raise NotBalancedError(
+            f"statics: {where}: forces must come into balance, got {number(here.residual)} of the largest "
+            "force left; start nearer to an equilibrium (initial.joints), move the joint in smaller steps, or "
+            "hold joints that nothing holds"
+        )
+    stiffness = balance.stiffness(found.y, found.free)
+    balance.forces(found.y)
+    return Rest(found.y, found.residual, found.free, stiffness)
+
+
+class _Pose(NamedTuple):
+    """A pose with its forces out of balance."""
+
+    y: Array
+    force: Array  # (nv,)
+    free: Free
+    residual: float  # over the largest force
+
+
+def _pose(balance: Balance, y: Array) -> _Pose:
     force, size = balance.forces(y)
     free = balance.free(y)
-    best, patience, residual = math.inf, _PATIENCE, math.inf
-    damping = 1.0
-    kept: Rest | None = None
-    for _ in range(_ROUNDS):
-        residual = _residual(free, force, size)
-        if residual < 0.5 * best:
-            patience = _PATIENCE
-        else:
-            patience -= 1
-        if residual < best:
-            best = residual
-            kept = Rest(y, residual, free, np.zeros((0, 0)))
-        if residual <= _SOUGHT or (patience <= 0 and best <= _ACCEPTED):
-            break
-        stiffness = balance.stiffness(y, free)
-        reduced, right = free.directions.T @ stiffness, free.directions.T @ force
+    return _Pose(y, force, free, _residual(free, force, size))
+
+
+def _newton(balance: Balance, start: _Pose) -> _Pose | None:
+    """Return the pose in balance by Newton's method, or None where it leads nowhere."""
+    here = best = start
+    patience, cut = _PATIENCE, 0
+    for _ in range(_NEWTONS):
+        if here.residual <= _SOUGHT:
+            return here
+        directions = here.free.directions
+        reduced = directions.T @ balance.stiffness(here.y, here.free)
+        right = directions.T @ here.force
         step = np.linalg.lstsq(reduced, right, rcond=_SINGULAR)[0]
-        longest = _longest(free, step)
-        taken = False
-        for part in (1.0, 0.5, 0.25) if longest <= 1.0 else (1.0 / longest,):
-            trial = _trial(balance, y, free.directions @ (part * step))
-            if trial is None:
-                continue
-            y1, force1, size1, free1 = trial
-            if _residual(free1, force1, size1) < _LEFT * residual or (
-                residual < _ACCEPTED and _residual(free1, force1, size1) < residual
-            ):
-                y, force, size, free, taken = y1, force1, size1, free1, True
-                damping = max(0.25 * damping, 1e-12)
-                break
-        if taken:
-            continue
-        if best <= _ACCEPTED and patience <= 1:
+        if np.linalg.norm(reduced @ step - right) > _UNSOLVED * np.linalg.norm(right):
             break
-        symmetric = 0.5 * (reduced + reduced.T)
-        least = float(np.linalg.eigvalsh(symmetric).min()) if len(symmetric) else 0.0
-        for _ in range(60):
-            shift = max(0.0, -least) * 1.01 + damping * float(np.linalg.norm(right)) + 1e-300
-            step = np.linalg.solve(reduced + shift * np.eye(len(right)), right)
-            longest = _longest(free, step)
-            trial = _trial(balance, y, free.directions @ (step / max(1.0, longest)))
-            if trial is not None:
-                break
-            damping *= 4.0
+        longest = _longest(here.free, step)
+        cut += longest > 1.0
+        if cut > _CUTS:
+            break
+        moved = _moved(balance, here, step / max(1.0, longest))
+        if moved is None:
+            break
+        here = moved
+        if here.residual < 0.5 * best.residual:
+            best, patience = here, _PATIENCE
         else:
+            best = here if here.residual < best.residual else best
+            patience -= 1
+            if patience == 0 and best.residual <= _ACCEPTED:
+                break
+    return best if best.residual <= _ACCEPTED else None
+
+
+def _drift(balance: Balance, here: _Pose, damping: float) -> tuple[_Pose, float]:
+    """Return the pose after a step along the forces, and the damping of the next."""
+    directions = here.free.directions
+    reduced = directions.T @ balance.stiffness(here.y, here.free)
+    right = directions.T @ here.force
+    size = float(np.linalg.norm(right))
+    least = float(np.linalg.eigvalsh(0.5 * (reduced + reduced.T)).min(initial=0.0)) if len(right) else 0.0
+    for _ in range(40):
+        shift = 1.01 * max(0.0, -least) + damping * size
+        step = np.linalg.lstsq(reduced + shift * np.eye(len(right)), right, rcond=_SINGULAR)[0]
+        moved = _moved(balance, here, step / max(1.0, _longest(here.free, step)))
+        if moved is not None:
             break
-        before = residual
-        y, force, size, free = trial
-        damping *= 0.7 if _residual(free, force, size) < 2.0 * before else 2.0
-        damping = min(max(damping, 1e-9), 1e9)
-    if kept is None or best > _ACCEPTED:
-        raise NotBalancedError(
-            f"statics: {where}: forces must come into balance, got {number(best)} of the largest force left; "
-            "start nearer to an equilibrium (initial.joints), move the joint in smaller steps, or hold joints "
-            "that nothing holds"
-        )
-    y = kept.y
-    free = balance.free(y)
-    stiffness = balance.stiffness(y, free)
-    balance.forces(y)
-    return Rest(y, kept.residual, free, stiffness)
+        damping *= 4.0
+    else:
+        return here, damping
+    factor = 0.5 if moved.residual < 2.0 * here.residual else 2.0
+    return moved, min(max(factor * damping, 1e-9), 1e9)
 
 
-def _trial(balance: Balance, y: Array, step: Array) -> tuple[Array, Array, Array, Free] | None:
+def _moved(balance: Balance, here: _Pose, step: Array) -> _Pose | None:
+    """Return the pose after a step; None where loops do not close or a force is none."""
     try:
-        moved = balance.displaced(y, step)
-        force, size = balance.forces(moved)
+        found = _pose(balance, balance.displaced(here.y, here.free.directions @ step))
     except MechanismError:
         return None
-    if not np.isfinite(force).all():
-        return None
-    return moved, force, size, balance.free(moved)
+    return found if np.isfinite(found.force).all() else None
 
 
 def _residual(free: Free, force: Array, size: Array) -> float:
