@@ -14,7 +14,16 @@ from antenna_pin.base.records import CONTACT, POSE
 from antenna_pin.contact.onset import NO_APPROACH
 from antenna_pin.dynamics import Adjustments, JointMotion, Workspace, acting_in, first_modes, kernels
 from antenna_pin.dynamics.coordinates import reach_of
-from antenna_pin.elements import Change, EndStop, MaxwellSlip, Met, Motor, RigidStop, StickingFriction
+from antenna_pin.elements import (
+    Change,
+    EndStop,
+    MaxwellSlip,
+    Met,
+    Motor,
+    PrescribedMotion,
+    RigidStop,
+    StickingFriction,
+)
 from antenna_pin.elements.sticking_friction_kernels import (
     BACKWARD,
     FORWARD,
@@ -148,7 +157,9 @@ class Balance:
 
     def drive_to(self, position: float) -> None:
         """Set the position of the driven joint [rad] ([m])."""
-        self.adjustments.set(f"drives.{DRIVING}.position", position)
+        layout = PrescribedMotion.compiled().LAYOUT
+        first = self.system.drive_blocks[DRIVING] + int(kernels.PARAMETERS)
+        self.program[first : first + layout.itemsize // 8].view(layout)["position"] = position
 
     def accept(self, y: Array) -> None:
         """Take a state as the present one; hysteresis goes on from there."""
@@ -367,6 +378,10 @@ class Balance:
         """Return whether a free direction moves journals in their play, but for what follows from that."""
         moved = np.abs(free.scale @ free.directions[:, k])
         return bool(moved[free.fine].max(initial=0.0) > moved[~free.fine].max(initial=0.0))
+
+    def scale(self, y: Array) -> Array:
+        """Return S, of which S d is a step over what is trusted, (nv, nv)."""
+        return self._scale(y)[0]
 
     def _scale(self, y: Array) -> tuple[Array, NDArray[np.bool_], Array]:
         """Return S, which of its rows are of journals in their play, and depths of these over what is trusted.

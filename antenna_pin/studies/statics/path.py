@@ -92,8 +92,7 @@ class Path:
     def _kinematic(self, y: Array) -> Array | None:
         """Return the velocity of the mechanism over that of the joint, all that is free at rest, or None."""
         balance = self.balance
-        scale = balance.free(y).scale
-        inverse = np.linalg.inv(scale)
+        inverse = np.linalg.inv(balance.scale(y))
         rows = balance.rows(y, driven=False) @ inverse
         lengths = np.linalg.norm(rows, axis=1)
         rows = rows[lengths > 0.0] / lengths[lengths > 0.0, None]
