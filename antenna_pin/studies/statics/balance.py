@@ -11,6 +11,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.base.records import CONTACT, POSE
+from antenna_pin.compiled.decorators import in_python
 from antenna_pin.contact.onset import NO_APPROACH
 from antenna_pin.dynamics import Adjustments, JointMotion, Workspace, acting_in, first_modes, kernels
 from antenna_pin.dynamics.coordinates import reach_of
@@ -52,6 +53,8 @@ _STEP, _STEP_IN_DEPTH = 1e-4, 0.02
 _PURE = 1e-6
 # Below this, over the largest, a row or a singular value counts as zero.
 _DEPENDENT = 1e-9
+# Rate far above those below which friction of gears is rounded off [rad/s].
+_FAST = 1e9
 # Anchor of a spring that slips, of one that is bent as far as it reaches [rad] ([m]).
 _FAR = 1e9
 
@@ -117,7 +120,12 @@ class Balance:
         self._rows = self._rows_of_joints()
         for place in self.frictions:
             self.set_sense(place, 0.0)
-        for place in self.play_motions:
+        self.meshes = {
+            one.place: one
+            for one in on
+            if not 1.0 == getattr(one.element, "efficiency", 1.0) == getattr(one.element, "efficiency_back", 1.0)
+        }
+        for place in (*self.play_motions, *self.meshes):
             self.senses[place] = 0.0
 
     # --- what the mechanism remembers ---
@@ -219,7 +227,31 @@ class Balance:
         tau = np.array(self.workspace.tau)
         if self.static.contact_friction and self.velocity.any():
             tau += self.contact_friction(y)
+        if self.meshes:
+            tau += self.mesh_friction(y)
         return tau + self.play_friction(y)
+
+    def mesh_friction(self, y: Array, place: str | None = None) -> Array:
+        """Return the generalized force of friction in gears on their inputs, by their senses, (nv,)."""
+        tau = np.zeros(self.model.nv)
+        nq = self.model.nq
+        spare = np.zeros(len(self._rates))
+        for own, one in self.meshes.items():
+            sense = self.senses[own]
+            if not sense or place not in (None, own):
+                continue
+            element: Any = one.element
+            partner = kernels.element_at(self.program, one.block).partner
+            angle = kernels.own_motion(self.program, one.block, y, nq)[0]
+            other = kernels.own_motion(self.program, one.block + partner, y, nq)[0]
+            seen = (float(angle), 0.0, float(other), 0.0)
+            torque, _ = kernels.efforts_between(self.program, one.block, self.time, seen, spare, 0)
+            at = one.block + int(kernels.PARAMETERS)
+            drag = in_python(element.compiled().drag)(self.program, at, torque, sense * _FAST)
+            motion = JointMotion(self.system, element.input)
+            v = self.system.mechanism.joint(element.input).v
+            tau += float(drag) * self.slope(motion, v, y)
+        return tau
 
     def _prepare(self, y: Array) -> None:
         workspace, nq = self.workspace, self.model.nq

@@ -10,7 +10,9 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.readable import number
 from antenna_pin.dynamics import JointMotion
+from antenna_pin.elements import BoucWen
 from antenna_pin.errors import MechanismError
+from antenna_pin.mechanism.inertia import mass_matrix
 from antenna_pin.studies.statics.balance import Balance, NotClosedError
 from antenna_pin.studies.statics.reading import components
 from antenna_pin.studies.statics.solver import NotBalancedError, Rest, rested, settled_senses
@@ -80,7 +82,7 @@ class Path:
 
     def _check_freedom(self, y: Array) -> None:
         """Refuse a joint that other constraints hold."""
-        direction = self._kinematic(y)
+        direction = self.kinematic_or_none(y)
         if direction is None:
             held = ", ".join(sorted(self.balance.adjustments.held_joints())) or "none"
             raise MechanismError(
@@ -89,7 +91,7 @@ class Path:
                 "a motion or hold away"
             )
 
-    def _kinematic(self, y: Array) -> Array | None:
+    def kinematic_or_none(self, y: Array) -> Array | None:
         """Return the velocity of the mechanism over that of the joint, all that is free at rest, or None."""
         balance = self.balance
         inverse = np.linalg.inv(balance.scale(y))
@@ -105,6 +107,34 @@ class Path:
         if np.linalg.norm(own) <= _DEPENDENT * np.linalg.norm(slope):
             return None
         return np.asarray(inverse @ (basis @ own) / (own @ own))
+
+    def kinematic(self, y: Array) -> Array:
+        """Return the velocity of the mechanism over that of the joint, all that is free at rest, (nv,)."""
+        found = self.kinematic_or_none(y)
+        if found is None:
+            raise NotClosedError(f"statics: {self.joint} stands in a singular position")
+        return found
+
+    def rate_of(self, joint: str, velocity: Array) -> float:
+        """Return the rate of a joint of a velocity of the mechanism, (nv,); 0 of one without an axis."""
+        try:
+            motion = JointMotion(self.balance.system, joint)
+        except MechanismError:
+            return 0.0
+        v = self.balance.system.mechanism.joint(joint).v
+        return float(self.balance.slope(motion, v, self.balance.y) @ velocity)
+
+    def inertia(self, point: Point) -> float:
+        """Return the inertia of the mechanism reduced to the joint [kg*m^2] ([kg])."""
+        balance = self.balance
+        mass = mass_matrix(balance.model, balance.model.createData(), point.rest.y[: balance.model.nq])
+        return float(point.velocity @ mass @ point.velocity)
+
+    def elastic(self, point: Point, element: BoucWen) -> float:
+        """Return the torque of a Bouc-Wen spring's elastic part along the joint's motion [N*m] ([N])."""
+        angle = JointMotion(self.balance.system, element.joint)(point.rest.y)[0]
+        torque = -element.alpha * element.stiffness * (angle - element.rest_angle)
+        return torque * self.rate_of(element.joint, point.velocity)
 
     def move(self, position: float, sense: float, where: str = "travel") -> Rest:
         """Move the joint to a position, and come into balance there.
@@ -146,7 +176,7 @@ class Path:
     def _at(self, goal: float, sense: float, where: str) -> Rest:
         balance = self.balance
         y, change = balance.y.copy(), goal - self.position
-        kinematic = self._kinematic(y)
+        kinematic = self.kinematic_or_none(y)
         if kinematic is None:
             raise NotClosedError(f"statics: {where}: {self.joint} cannot move on: a singular position")
         direction = kinematic if self._tangent is None else self._tangent
@@ -170,9 +200,7 @@ class Path:
     def tangent(self, rest: Rest) -> Array:
         """Return the velocity of the mechanism along the path over that of the joint, (nv,)."""
         balance, y = self.balance, rest.y
-        kinematic = self._kinematic(y)
-        if kinematic is None:
-            raise NotClosedError(f"statics: {self.joint} stands in a singular position")
+        kinematic = self.kinematic(y)
         directions = rest.free.directions
         if directions.shape[1] == 0:
             return kinematic

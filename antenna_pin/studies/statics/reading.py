@@ -71,7 +71,7 @@ def components(balance: Balance, y: Array, velocity: Array) -> dict[str, float]:
         velocity: (nv,); with a rate of one of a joint these are torques at that joint.
     """
     system, static = balance.system, balance.static
-    model, program = balance.model, balance.program
+    model = balance.model
     y = y.copy()
     balance.forces(y)
     own = [one for one in acting_in(system) if not isinstance(one.element, Motion)]
@@ -99,9 +99,10 @@ def components(balance: Balance, y: Array, velocity: Array) -> dict[str, float]:
                 name = static.place(one.place)
                 found[name] = found.get(name, 0.0) + torque + under_load.get(one.place, 0.0)
             heads[one.place]["on"] = 0.0
+    for place in balance.meshes:
+        found[place] += float(balance.mesh_friction(y, place) @ velocity)
     for place in static.play_friction:
         found[place] += float(balance.play_friction(y, place) @ velocity)
-    _ = program
     return found
 
 
@@ -156,8 +157,7 @@ def holding_of(balance: Balance, y: Array) -> dict[str, float]:
         return {}
     balance.forces(y.copy())
     plan = system.plan
-    closures, joints, forces = _held(balance)
-    _ = closures, forces
+    joints = _held(balance)[1]
     names = [f"drives.{name}" for name in plan.motions] + [f"couplings.{name}" for name in plan.couplings]
     found = dict(zip([*names, *plan.holds], joints.tolist(), strict=True))
     return {name: value for name, value in found.items() if name not in plan.holds or value != 0.0}

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.readable import number
-from antenna_pin.dynamics import kernels
+from antenna_pin.dynamics import JointMotion, kernels
 from antenna_pin.elements import Change, RigidStop
 from antenna_pin.elements import kernels as of_elements
 from antenna_pin.elements import kind_of
@@ -303,4 +303,9 @@ def settled_senses(balance: Balance, y: Array, velocity: Array) -> list[str]:
     for place, (motion, v, _) in balance.play_motions.items():
         rate = float(balance.slope(motion, v, y) @ velocity)
         balance.senses[place] = math.copysign(1.0, rate) if rate else 0.0
+    for place, one in balance.meshes.items():
+        name = str(getattr(one.element, "input", ""))
+        motion, v = JointMotion(balance.system, name), balance.system.mechanism.joint(name).v
+        rate = float(balance.slope(motion, v, y) @ velocity)
+        balance.senses[place] = math.copysign(1.0, rate) if abs(rate) > 1e-12 else 0.0
     return undetermined

@@ -104,7 +104,13 @@ class StaticSystem:
 
 
 def static_system(
-    system: System, y: Array, *, time: float = 0.0, joint: str | None = None, hold: Sequence[str] = ()
+    system: System,
+    y: Array,
+    *,
+    time: float = 0.0,
+    joint: str | None = None,
+    hold: Sequence[str] = (),
+    without: Sequence[str] = (),
 ) -> StaticSystem:
     """Return a system as statics takes it.
 
@@ -114,6 +120,7 @@ def static_system(
         time: At which motions and forces are taken [s].
         joint: Joint to be driven: drives there are taken out.
         hold: Further joints that do not move; ``base`` is held in any case.
+        without: Names of drives to be left out.
 
     Raises:
         AntennaPinError: A joint that does not exist or has no axis, or that a motion prescribes.
@@ -132,6 +139,7 @@ def static_system(
     notes: list[str] = []
     families = {table: dict(elements) for table, elements in system.families.items()}
     families["springs"] = {n: one for n, one in families["springs"].items() if n not in system.elastic}
+    families["drives"] = {n: one for n, one in families["drives"].items() if n not in without}
     _rest_motions(system, families, y, time, joint, [name for name in hold if name != BASE], notes)
     places, play = _with_sticking(system, families)
     clearances, contact = _without_contact_friction(system.clearances)
