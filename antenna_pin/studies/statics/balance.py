@@ -53,6 +53,8 @@ _STEP, _STEP_IN_DEPTH = 1e-4, 0.02
 _PURE = 1e-6
 # Below this, over the largest, a row or a singular value counts as zero.
 _DEPENDENT = 1e-9
+# Acceleration of the whole mass by a force that counts as none [m/s^2].
+_NOTHING = 1e-6
 # Rate far above those below which friction of gears is rounded off [rad/s].
 _FAST = 1e9
 # Anchor of a spring that slips, of one that is bent as far as it reaches [rad] ([m]).
@@ -111,6 +113,8 @@ class Balance:
         if self.system.plan is None:
             reaches = [float(np.linalg.norm(one.translation)) for one in list(self.model.jointPlacements)[1:]]
             length = max(reaches, default=1.0) or 1.0
+        #: Force that counts as none [N].
+        self.nothing = _NOTHING * (float(sum(one.mass for one in self.model.inertias)) or 1.0)
         self.reach = reach_of(self.system.mechanism, length)
         self.length = length
         self.play_motions = {
@@ -379,7 +383,8 @@ class Balance:
             motions = list(constraints.plan.motions)
             if not driven and DRIVING in motions:
                 every = np.delete(every, motions.index(DRIVING), axis=0)
-            rows.append(every[np.linalg.norm(every, axis=1) > 0.0])
+            moved = np.linalg.norm(every * self.reach, axis=1)
+            rows.append(every[moved > _DEPENDENT * self.length])
         if self.system.mechanism.base == "free":
             rows.append(np.eye(self.model.nv)[self.system.mechanism.base_v])
         return np.vstack(rows)

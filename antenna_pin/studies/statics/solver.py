@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 _SOUGHT, _ACCEPTED = 1e-14, 1e-9
 # Rounds of Newton steps and of steps along the forces between them; how many of each; and how many Newton
 # steps may be cut to what is trusted.
-_ROUNDS, _NEWTONS, _DRIFTS, _CUTS = 60, 40, 6, 12
+_ROUNDS, _NEWTONS, _DRIFTS, _CUTS = 40, 40, 8, 6
 # Share of the force out of balance that no step balances, above which the stiffness is singular.
 _UNSOLVED = 1e-3
 # Singular values of the stiffness below this, over the largest, are none.
@@ -87,9 +87,8 @@ def balanced(balance: Balance, y: Array, where: str) -> Rest:
                 break
     else:
         raise NotBalancedError(
-            f"statics: {where}: forces must come into balance, got {number(here.residual)} of the largest "
-            "force left; start nearer to an equilibrium (initial.joints), move the joint in smaller steps, or "
-            "hold joints that nothing holds"
+            f"statics: {where}: forces must come into balance, got {_left(balance, here)}; start nearer to an "
+            "equilibrium (initial.joints), move the joint in smaller steps, or hold a joint that nothing holds"
         )
     stiffness = balance.stiffness(found.y, found.free)
     balance.forces(found.y)
@@ -108,7 +107,19 @@ class _Pose(NamedTuple):
 def _pose(balance: Balance, y: Array) -> _Pose:
     force, size = balance.forces(y)
     free = balance.free(y)
-    return _Pose(y, force, free, _residual(free, force, size))
+    return _Pose(y, force, free, _residual(balance, free, force, size))
+
+
+def _left(balance: Balance, here: _Pose) -> str:
+    """Return the largest force that is out of balance, as text."""
+    pushed = np.zeros(len(here.force))
+    for way in here.free.directions.T:
+        own = int(np.argmax(np.abs(way / balance.reach)))
+        pushed[own] = max(pushed[own], abs(float(way @ here.force / way[own])))
+    worst = int(np.argmax(pushed * balance.reach))
+    name = balance.system.names_v[worst]
+    unit = "N m" if balance.reach[worst] == 1.0 and not name.endswith((".vx", ".vy", ".vz")) else "N or N m"
+    return f"{number(float(pushed[worst]))} {unit} at {name} that nothing balances"
 
 
 def _newton(balance: Balance, start: _Pose) -> _Pose | None:
@@ -152,7 +163,7 @@ def _drift(balance: Balance, here: _Pose, damping: float) -> tuple[_Pose, float]
     for _ in range(40):
         shift = 1.01 * max(0.0, -least) + damping * size
         step = np.linalg.lstsq(reduced + shift * np.eye(len(right)), right, rcond=_SINGULAR)[0]
-        moved = _moved(balance, here, step / max(1.0, _longest(here.free, step)))
+        moved = _moved(balance, here, np.clip(step, -1.0, 1.0))
         if moved is not None:
             break
         damping *= 4.0
@@ -171,17 +182,15 @@ def _moved(balance: Balance, here: _Pose, step: Array) -> _Pose | None:
     return found if np.isfinite(found.force).all() else None
 
 
-def _residual(free: Free, force: Array, size: Array) -> float:
+def _residual(balance: Balance, free: Free, force: Array, size: Array) -> float:
     """Return the largest force out of balance over the largest force."""
     if free.directions.shape[1] == 0:
         return 0.0
     ways = np.abs(free.directions)
     whole = (ways * size[:, None]).max(axis=0, initial=0.0)
-    own = np.maximum(whole, _LEAST * whole.max(initial=0.0))
-    left = np.abs(free.directions.T @ force)
-    if not whole.any():
-        return 0.0 if not left.any() else math.inf
-    return float((left / np.where(own > 0.0, own, 1.0)).max())
+    least = balance.nothing * (ways * balance.length / balance.reach[:, None]).max(axis=0, initial=0.0)
+    own = np.maximum(np.maximum(whole, _LEAST * whole.max(initial=0.0)), least)
+    return float((np.abs(free.directions.T @ force) / own).max())
 
 
 def _longest(free: Free, step: Array) -> float:

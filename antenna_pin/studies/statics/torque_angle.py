@@ -293,7 +293,7 @@ class _March:
             self.path.restore(before)
             self._step *= 0.5
             return torque
-        if sense * (values[-1] - level) > 0.0:
+        if sense * (values[-1] - level) >= 0.0:
             self.path.restore(before)
             length = self._located(start, sense, torque, level, values[-1], before)
             torques = self._torques_over(start, sense, length)
@@ -326,7 +326,16 @@ class _March:
             return sense * (self._at(start + sense * length, sense) - level)
 
         ends = sense * (torque - level), sense * (reached - level)
-        found = root_between(beyond, 0.0, self._step, absolute=1e-18 * self._unit, ends=ends)
+        found = self._step
+        if ends[1] > 0.0:
+            found = root_between(beyond, 0.0, self._step, absolute=1e-18 * self._unit, ends=ends)
+        if beyond(found) == 0.0:  # a torque that stays where it is, as in play: where that begins
+            low = 0.0
+            while found - low > 1e-15 * self._unit + 4e-16 * found:
+                middle = 0.5 * (low + found)
+                if middle in (low, found):
+                    break
+                low, found = (middle, found) if beyond(middle) < 0.0 else (low, middle)
         self.path.restore(before)
         return found
 
@@ -344,10 +353,10 @@ def _angle_at(branch: _Branch, torque: float) -> float:
     values = branch.torque - torque
     hits = np.flatnonzero(values == 0.0)
     if len(hits):
-        return float(branch.angle[hits[-1]])
-    near = int(np.argmin(np.abs(values)))
-    if abs(values[near]) <= 1e-9 * float(np.abs(branch.torque).max()):
-        return float(branch.angle[near])
+        return float(branch.angle[hits[0]])  # where it comes to it, of a branch that stays there
+    near = np.flatnonzero(np.abs(values) <= 1e-12 * float(np.abs(branch.torque).max()))
+    if len(near):
+        return float(branch.angle[near[0]])
     passed = np.flatnonzero(values[:-1] * values[1:] < 0.0)
     if not len(passed):
         return float(branch.angle[0])  # the torque jumped over it where the branch begins
