@@ -204,7 +204,7 @@ class Path:
         sides = []
         for way in (step, -step):
             balance.drive_to(position + way)
-            sides.append(balance.forces(balance.displaced(y, way * kinematic))[0])
+            sides.append(balance.forces(balance.displaced(y, way * kinematic)))
         balance.drive_to(position)
         change = directions.T @ (sides[0] - sides[1]) / (2.0 * step)
         response = np.linalg.lstsq(directions.T @ rest.stiffness, change, rcond=1e-10)[0]

@@ -35,8 +35,8 @@ _SINGULAR = 1e-12
 _PATIENCE = 6
 # Round-off of a stop's position [rad] ([m]), and of a friction's load over its grip.
 _AT_STOP, _SLACK = 1e-12, 1e-9
-# Force on a coordinate below which, over the largest, it counts as this share.
-_LEAST = 1e-6
+# Share of the largest force as which one counts that is less: its round-off is that of the largest.
+_LEAST = 1e-2
 
 
 class NotBalancedError(MechanismError):
@@ -105,7 +105,8 @@ class _Pose(NamedTuple):
 
 
 def _pose(balance: Balance, y: Array) -> _Pose:
-    force, size = balance.forces(y)
+    force = balance.forces(y)
+    size = balance.sizes(y)
     free = balance.free(y)
     return _Pose(y, force, free, _residual(balance, free, force, size))
 
@@ -188,8 +189,9 @@ def _residual(balance: Balance, free: Free, force: Array, size: Array) -> float:
         return 0.0
     ways = np.abs(free.directions)
     whole = (ways * size[:, None]).max(axis=0, initial=0.0)
-    least = balance.nothing * (ways * balance.length / balance.reach[:, None]).max(axis=0, initial=0.0)
-    own = np.maximum(np.maximum(whole, _LEAST * whole.max(initial=0.0)), least)
+    displacements = (ways * (balance.length / balance.reach)[:, None]).max(axis=0, initial=0.0)
+    largest = float((size * balance.reach).max(initial=0.0)) / balance.length
+    own = np.maximum(whole, max(balance.nothing, _LEAST * largest) * displacements)
     return float((np.abs(free.directions.T @ force) / own).max())
 
 

@@ -293,7 +293,7 @@ class _March:
             self.path.restore(before)
             self._step *= 0.5
             return torque
-        if sense * (values[-1] - level) >= 0.0:
+        if sense * (values[-1] - level) >= -_LOCATED * self._size:
             self.path.restore(before)
             length = self._located(start, sense, torque, level, values[-1], before)
             torques = self._torques_over(start, sense, length)
@@ -319,15 +319,18 @@ class _March:
     ) -> float:
         """Return the length of the step on which the torque comes to a level."""
 
+        slack = _LOCATED * self._size
+
         def beyond(length: float) -> float:
             self.path.restore(before)
             if length == 0.0:
-                return sense * (torque - level)
-            return sense * (self._at(start + sense * length, sense) - level)
+                return sense * (torque - level) + slack
+            found = sense * (self._at(start + sense * length, sense) - level) + slack
+            return 0.0 if abs(found - slack) < slack else found
 
-        ends = sense * (torque - level), sense * (reached - level)
+        ends = sense * (torque - level) + slack, sense * (reached - level) + slack
         found = self._step
-        if ends[1] > 0.0:
+        if ends[1] > 2.0 * slack:
             found = root_between(beyond, 0.0, self._step, absolute=1e-18 * self._unit, ends=ends)
         if beyond(found) == 0.0:  # a torque that stays where it is, as in play: where that begins
             low = 0.0
@@ -351,12 +354,9 @@ class _March:
 def _angle_at(branch: _Branch, torque: float) -> float:
     """Return the angle at which a branch passes a torque."""
     values = branch.torque - torque
-    hits = np.flatnonzero(values == 0.0)
-    if len(hits):
-        return float(branch.angle[hits[0]])  # where it comes to it, of a branch that stays there
     near = np.flatnonzero(np.abs(values) <= 1e-12 * float(np.abs(branch.torque).max()))
     if len(near):
-        return float(branch.angle[near[0]])
+        return float(branch.angle[near[0]])  # where it comes to it, of a branch that stays there
     passed = np.flatnonzero(values[:-1] * values[1:] < 0.0)
     if not len(passed):
         return float(branch.angle[0])  # the torque jumped over it where the branch begins
