@@ -157,6 +157,12 @@ class Balance:
         else:
             self.adjustments.change(place, Change(FORWARD if sense > 0.0 else BACKWARD))
 
+    def release(self) -> None:
+        """Let go the joints that stick, until their senses are set again."""
+        for place, sense in self.senses.items():
+            if sense is None:
+                self.adjustments.change(place, Change(UNDECIDED))
+
     def develop(self, senses: Mapping[str, float]) -> None:
         """Bring hysteretic states to their limits, as after a long way.
 

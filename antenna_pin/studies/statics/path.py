@@ -23,7 +23,7 @@ __all__ = ["Path", "Point"]
 Array = NDArray[np.float64]
 
 # Longest step of the driven joint at once, and how often it is halved [rad, or lengths of the mechanism].
-_LONGEST, _HALVINGS = 0.1, 6
+_LONGEST, _HALVINGS = 0.1, 4
 _DEPENDENT = 1e-9
 _STEP = 1e-4
 
@@ -171,6 +171,7 @@ class Path:
     def _at(self, goal: float, sense: float, where: str) -> Rest:
         balance = self.balance
         y, change = balance.y.copy(), goal - self.position
+        balance.release()
         kinematic = self.kinematic_or_none(y)
         if kinematic is None:
             raise NotClosedError(f"statics: {where}: {self.joint} cannot move on: a singular position")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.base.readable import number
@@ -27,6 +28,8 @@ _SOUGHT, _ACCEPTED = 1e-14, 1e-9
 # Rounds of Newton steps and of steps along the forces between them; how many of each; and how many Newton
 # steps may be cut to what is trusted.
 _ROUNDS, _NEWTONS, _DRIFTS, _CUTS = 40, 40, 8, 6
+# Steps as long as is trusted after which a joint is taken to move on without end.
+_FAR = 48
 # Share of the force out of balance that no step balances, above which the stiffness is singular.
 _UNSOLVED = 1e-3
 # Singular values of the stiffness below this, over the largest, are none.
@@ -76,16 +79,19 @@ def balanced(balance: Balance, y: Array, where: str) -> Rest:
         NotBalancedError: None is found.
     """
     here = _pose(balance, balance.projected(y.copy()))
-    damping = 1.0
+    damping, far = 1.0, 0
+    found = _newton(balance, here)
     for _ in range(_ROUNDS):
-        found = _newton(balance, here)
-        if found is not None:
+        if found is not None or far > _FAR:
             break
         for _ in range(_DRIFTS):
+            before = here
             here, damping = _drift(balance, here, damping)
             if here.residual <= _ACCEPTED:
                 break
-    else:
+            far += _goes_far(balance, before, here)
+        found = _newton(balance, here)
+    if found is None:
         raise NotBalancedError(
             f"statics: {where}: forces must come into balance, got {_left(balance, here)}; start nearer to an "
             "equilibrium (initial.joints), move the joint in smaller steps, or hold a joint that nothing holds"
@@ -172,6 +178,13 @@ def _drift(balance: Balance, here: _Pose, damping: float) -> tuple[_Pose, float]
         return here, damping
     factor = 0.5 if moved.residual < 2.0 * here.residual else 2.0
     return moved, min(max(factor * damping, 1e-9), 1e9)
+
+
+def _goes_far(balance: Balance, before: _Pose, here: _Pose) -> bool:
+    """Return whether a step moves a joint, other than a journal in its play, as far as is trusted."""
+    way = pin.difference(balance.model, before.y[: balance.model.nq], here.y[: balance.model.nq])
+    moved = np.abs(before.free.scale @ way)
+    return bool(moved[~before.free.fine].max(initial=0.0) > 0.9)
 
 
 def _moved(balance: Balance, here: _Pose, step: Array) -> _Pose | None:
@@ -296,7 +309,7 @@ def settled_senses(balance: Balance, y: Array, velocity: Array) -> list[str]:
     Args:
         balance: The mechanism.
         y: The state.
-        velocity: Direction of the motion, (nv,), with all that is free at rest.
+        velocity: Direction of the motion, (nv,), with all that is free at rest; no joint sticks.
     """
     free = balance.free(y)
     moved = np.abs(free.scale @ free.directions)  # of each coordinate by what is free
@@ -305,7 +318,7 @@ def settled_senses(balance: Balance, y: Array, velocity: Array) -> list[str]:
         at = balance.system.mechanism.joint(str(one.element.acts_at)).v.start
         if moved[at].max(initial=0.0) > 1e-9:
             undetermined.append(place)
-            if balance.senses[place] in (0.0,):
+            if not balance.senses[place]:
                 balance.set_sense(place, None)
             continue
         rate = float(velocity[at])
