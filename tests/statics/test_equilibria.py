@@ -76,7 +76,7 @@ def test_pin_in_its_bore_under_a_couple():
     mechanism = build_mechanism(Urdf.from_text(body, "b").variant(joints={"hole": "free"}), "fixed")
     force = OutsideForce(at=("body", (0.0, 0.0, 0.0)), torque=(0.0, couple, 0.0), axes="world")
     system = System(mechanism, clearances=[joint], elements={"forces": {"couple": force}})
-    found = equilibria(system, starts=0)[0]
+    found = equilibria(system, hold=["hole"])[0]
 
     def short(tilt: float) -> float:
         depth = 0.5 * length * np.sin(tilt) + (radius - play) - radius * np.cos(tilt)

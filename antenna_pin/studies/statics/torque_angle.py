@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.calculus import root_between
@@ -127,6 +127,7 @@ def torque_angle_loop(
     cycles: int = 1,
     small_torque: float | str | None = None,
     hold: Sequence[str] = (),
+    q: ArrayLike | None = None,
 ) -> TorqueAngleLoop:
     """Return the quasi-static torque-angle loop of a joint about the start position.
 
@@ -143,12 +144,13 @@ def torque_angle_loop(
         small_torque: Torque that determines the lost motion [N*m] ([N]); twice the friction if left out, or
             3 % of the amplitude where there is none.
         hold: Names of further joints that do not move.
+        q: Configuration from which the joint is moved, (nq,); the start if left out.
 
     Raises:
         AntennaPinError: No such joint, an amplitude that friction holds or that nothing resists, or a
             position without balance.
     """
-    begin = start_of(model)
+    begin = start_of(model, q)
     joint = joint_to_drive(begin.system, joint)
     unit = "N" if begin.system.slides(joint) else "N*m"
     size = quantity(amplitude, unit, "amplitude")
