@@ -86,7 +86,9 @@ def test_hinge_by_hand():
     assert found.data["minimum_torque"].values == pytest.approx(minimum, rel=1e-12)
     assert found.margin == pytest.approx(drives / minimum - 1.0, rel=1e-10)
     k = int(np.argmin(drives / minimum))
-    assert (found.smallest, found.position) == pytest.approx((drives[k] / minimum[k] - 1.0, phi[k]), rel=1e-10)
+    assert (found.smallest, found.position) == pytest.approx(
+        (drives[k] / minimum[k] - 1.0, phi[k]), rel=1e-10
+    )
     back = motorization_margin(system, "hinge", travel=(1.0, -1.0), count=11, available={"motor": 60.0})
     # On the way down the harness helps on neither way by its sign: its other table, and the weight drives.
     cable = 0.1 + 0.025 * (back.data["position"].values + 2.0)
@@ -221,11 +223,15 @@ def test_refusals(hinge: Scenario):
         motorization_margin(hinge, "hinge", travel=(0.1, 1.0), count=2, by_measurement=["coyl"])
     with pytest.raises(AntennaPinError, match="class of resistance 'F' is unknown"):
         motorization_margin(hinge, "hinge", travel=(0.1, 1.0), count=2, additional={"F": 1.0})
-    with pytest.raises(AntennaPinError, match="set of factors 'ecss' is unknown; did you mean ecss-e-st-33-01c"):
+    with pytest.raises(
+        AntennaPinError, match="set of factors 'ecss' is unknown; did you mean ecss-e-st-33-01c"
+    ):
         motorization_margin(hinge, "hinge", travel=(0.1, 1.0), count=2, factors="ecss")
     with pytest.raises(AntennaPinError, match="two numbers that rise"):
         motorization_margin(
             hinge, "hinge", travel=(0.1, 1.0), count=2, ranges={"springs.coil.stiffness": (3.0, 2.0)}
         )
     with pytest.raises(AntennaPinError, match="coils"):
-        motorization_margin(hinge, "hinge", travel=(0.1, 1.0), count=2, ranges={"springs.coils.x": (1.0, 2.0)})
+        motorization_margin(
+            hinge, "hinge", travel=(0.1, 1.0), count=2, ranges={"springs.coils.x": (1.0, 2.0)}
+        )

@@ -334,7 +334,7 @@ def _driving(begin: Model, options: _Options) -> list[str]:
                 raise
             continue
         velocity = path.kinematic(path.balance.y)
-        rates = {name: path.rate_of(every[name].joint, velocity) for name in every}
+        rates = {name: path.geared_rate_of(every[name].joint, velocity) for name in every}
         kept = [] if without != others else motions
         return [name for name in every if name not in kept and abs(rates[name]) > _MOVES]
     raise AssertionError("unreachable")
@@ -390,7 +390,7 @@ def _sources(
         found[name] = _Source(symbol, sense * torque, actuates)
     unit = "N" if path.sliding else "N*m"
     for name in driving:
-        torque, cogging = _torque_of(system, path, name, velocity, options)
+        torque, cogging = _torque_of(system, path, name, sense, options)
         found[f"drives.{name}"] = _Source("", torque, factors.motor)
         if cogging:
             found[_COGGING.format(f"drives.{name}")] = _Source("H_M", -cogging, 0.0)
@@ -439,12 +439,10 @@ def _class_of(system: System, place: str, factors: FactorSet) -> tuple[str, floa
     return "S", factors.spring
 
 
-def _torque_of(
-    system: System, path: Path, name: str, velocity: Array, options: _Options
-) -> tuple[float, float]:
+def _torque_of(system: System, path: Path, name: str, sense: float, options: _Options) -> tuple[float, float]:
     """Return a drive's torque along the travel, and the largest of its cogging, at the function's joint."""
     drive: Any = system.drives[name]
-    ratio = path.rate_of(drive.joint, velocity)
+    ratio = path.geared_rate_of(drive.joint, math.copysign(1.0, sense) * path.kinematic(path.balance.y))
     unit = "N" if system.slides(drive.joint) else "N*m"
     known = options.available.get(name, options.available.get(f"drives.{name}"))
     cogging = abs(drive.ratio * drive.cogging * ratio) if isinstance(drive, Motor) else 0.0

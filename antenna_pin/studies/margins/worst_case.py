@@ -56,7 +56,9 @@ class Extremes:
     def _range(self, key: str, pair: Sequence[Any]) -> _Range:
         own = number_of(self._scenario, key, "margin: ranges")
         if isinstance(pair, str) or len(pair) != 2:
-            raise InvalidParameterError("margin: ranges", key, "two numbers, least and greatest", said=str(pair))
+            raise InvalidParameterError(
+                "margin: ranges", key, "two numbers, least and greatest", said=str(pair)
+            )
         low, high = (_number(one, own.unit, key) for one in pair)
         if not low < high:
             raise InvalidParameterError("margin: ranges", key, "two numbers that rise", said=str(pair))

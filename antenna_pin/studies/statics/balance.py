@@ -134,7 +134,9 @@ class Balance:
         self.meshes = {
             one.place: one
             for one in on
-            if not 1.0 == getattr(one.element, "efficiency", 1.0) == getattr(one.element, "efficiency_back", 1.0)
+            if not 1.0
+            == getattr(one.element, "efficiency", 1.0)
+            == getattr(one.element, "efficiency_back", 1.0)
         }
         for place in (*self.play_motions, *self.meshes):
             self.senses[place] = 0.0
@@ -246,7 +248,9 @@ class Balance:
             whole = float(np.abs(self.workspace.table["force"][self._rows[joint.name]]).sum())
             ways = 2 if joint.planar else 3
             size[v.start : v.start + ways] += whole
-            size[v.start + ways : v.stop] += whole * (joint.geometry.half_length or joint.geometry.section_radius)
+            size[v.start + ways : v.stop] += whole * (
+                joint.geometry.half_length or joint.geometry.section_radius
+            )
         with self.alone() as (heads, on):
             rest = self.exerted(y)
             for place, head in heads.items():
@@ -524,9 +528,13 @@ class Balance:
 
     def stiffness(self, y: Array, free: Free) -> Array:
         """Return minus the derivative of the forces along free directions, (nv, k)."""
-        return -np.array(
-            [self.along(y, way, step) for way, step in zip(free.directions.T, free.steps, strict=True)]
-        ).reshape(free.directions.shape[1], self.model.nv).T
+        return (
+            -np.array(
+                [self.along(y, way, step) for way, step in zip(free.directions.T, free.steps, strict=True)]
+            )
+            .reshape(free.directions.shape[1], self.model.nv)
+            .T
+        )
 
     def along(self, y: Array, way: Array, step: float) -> Array:
         """Return the derivative of the forces along a direction by central differences, (nv,)."""

@@ -164,9 +164,7 @@ def _leading_joint(balance: Balance, y: Array) -> str | None:
     return best if moved.max(initial=0.0) > 0.0 else None
 
 
-def _along(
-    balance: Balance, system: System, y: Array, joint: str, hold: Sequence[str]
-) -> Iterator[Array]:
+def _along(balance: Balance, system: System, y: Array, joint: str, hold: Sequence[str]) -> Iterator[Array]:
     """Yield states near the equilibria of a mechanism of one freedom, by signs of the needed torque."""
     try:
         static = static_system(system, y, joint=joint, hold=hold)
@@ -320,7 +318,8 @@ def _act(balance: Balance, y: Array, velocity: Array) -> None:
         rates[name] = float(balance.slope(motion, mechanism.joint(name).v, y) @ velocity)
     largest = max(map(abs, rates.values()), default=0.0)
     senses = {
-        name: math.copysign(1.0, rate) if abs(rate) > _MOVES * largest else 0.0 for name, rate in rates.items()
+        name: math.copysign(1.0, rate) if abs(rate) > _MOVES * largest else 0.0
+        for name, rate in rates.items()
     }
     for place, one in balance.frictions.items():
         balance.set_sense(place, senses.get(str(one.element.acts_at), 0.0))
@@ -330,9 +329,7 @@ def _act(balance: Balance, y: Array, velocity: Array) -> None:
     balance.velocity = velocity if balance.static.contact_friction else balance.velocity
 
 
-def _reading(
-    balance: Balance, rest: Rest, friction: Literal["none", "forward", "backward"]
-) -> Equilibrium:
+def _reading(balance: Balance, rest: Rest, friction: Literal["none", "forward", "backward"]) -> Equilibrium:
     values, stability = stiffness_of(balance, rest)
     return Equilibrium(
         state=balance.static.state_of_original(rest.y),

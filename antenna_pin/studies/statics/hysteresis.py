@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.compiled.decorators import in_python
-from antenna_pin.dynamics import System, acting_in
-from antenna_pin.dynamics import kernels
+from antenna_pin.dynamics import System, acting_in, kernels
 from antenna_pin.elements import Motor
 
 __all__ = ["HystereticState", "hysteretic_states"]

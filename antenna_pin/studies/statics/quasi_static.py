@@ -20,7 +20,6 @@ from antenna_pin.studies.statics.path import Path, Point
 from antenna_pin.studies.statics.reading import positions_of, reactions_of, sources_of, stiffness_of
 from antenna_pin.studies.statics.result import QuasiStaticTravel
 from antenna_pin.studies.statics.static_system import (
-
     check_rate_independent,
     start_of,
     static_system,
@@ -227,5 +226,3 @@ class _Table:
             "component_axis": list(COMPONENTS),
         }
         return xr.Dataset(variables, coords=coordinates, attrs={"joint": self._path.joint})
-
-

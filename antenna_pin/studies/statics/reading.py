@@ -118,7 +118,9 @@ def efforts_of(balance: Balance, y: Array) -> dict[str, float]:
             continue
         if one.element.about == "pose":
             continue
-        effort = float(kernels.element_state(balance.program, one.block, balance.time, y, balance.model.nq)[0])
+        effort = float(
+            kernels.element_state(balance.program, one.block, balance.time, y, balance.model.nq)[0]
+        )
         if one.element.under_load and getattr(one.element, "on", True):
             effort += balance.load(one.place)
         found[balance.static.place(one.place)] = effort
@@ -255,7 +257,7 @@ def stiffness_of(balance: Balance, rest: Rest) -> tuple[Array, StaticStability]:
     whole = np.where(np.outer(kept, kept), whole, 0.0)
     values = np.sort(np.linalg.eigvals(inverse.T @ whole @ inverse).real)
     scaled = whole[np.ix_(kept, kept)] / np.sqrt(np.outer(own[kept], own[kept]))
-    signs = np.linalg.eigvalsh(0.5 * (scaled + scaled.T))
+    signs = np.linalg.eigvals(scaled).real  # friction makes it unsymmetric
     if (signs < -_NEUTRAL).any():
         return values, "unstable"
     if (zero & moves_joint).any() or (np.abs(signs) <= _NEUTRAL).any():

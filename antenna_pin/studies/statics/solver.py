@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.readable import number
 from antenna_pin.dynamics import JointMotion, kernels
-from antenna_pin.elements import Change, RigidStop
+from antenna_pin.elements import Change, RigidStop, kind_of
 from antenna_pin.elements import kernels as of_elements
-from antenna_pin.elements import kind_of
 from antenna_pin.elements.limits import FREE, LOWER, UPPER
 from antenna_pin.errors import MechanismError
 from antenna_pin.studies.statics.balance import Balance, Free
