@@ -22,7 +22,8 @@ JOINT = (
     '<joint name="{0}" type="revolute"><parent link="{1}"/><child link="{2}"/><origin xyz="{3} 0 0"/>'
     '<axis xyz="0 0 1"/><limit lower="-3" upper="3" effort="1" velocity="1"/></joint>'
 )
-BAR = f'<robot name="bar"><link name="bus"/>{LINK.format("bar")}{JOINT.format("hinge", "bus", "bar", 0)}</robot>'
+BAR = f'<robot name="bar"><link name="bus"/>{LINK.format("bar")}'
+BAR += JOINT.format("hinge", "bus", "bar", 0) + "</robot>"
 SCENARIO = """format = 1
 title = "hinge"
 duration = 1
@@ -51,7 +52,7 @@ def _bar(gravity: float = G, **more: object) -> System:
 
 
 def test_hinge_by_hand():
-    """Spring, Coulomb friction under load, harness, weight, adhesion and an asked acceleration: the formula."""
+    """Spring, Coulomb friction under load, harness, weight, adhesion, acceleration: the formula."""
     harness = HarnessSpring(
         joint="hinge",
         angle=(-2.0, 2.0),

@@ -57,7 +57,7 @@ def test_friction_under_load_makes_a_set(bar: Callable[..., Any]):
 
 
 def test_pin_in_its_bore_under_a_couple():
-    """Tilted until both ends of the bore bear: depth, arm and moment by trigonometry, to Newton's round-off."""
+    """Tilted until both ends of the bore bear: depth, arm and moment by trigonometry."""
     body = """<robot name="b"><link name="ground"/><link name="body"><inertial><mass value="2"/>
 <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="hole" type="continuous"><parent link="ground"/><child link="body"/><axis xyz="0 0 1"/></joint>

@@ -198,10 +198,10 @@ def _write(scenario: Scenario, path: Path, silent: bool) -> None:
         typer.echo(f"saved {path}")
 
 
-def _rows(found: MotorizationMargin) -> list[dict[str, Any]]:
+def _rows(result: MotorizationMargin) -> list[dict[str, Any]]:
     """Return one row for each position, by names with units."""
-    data = found.data
-    unit, length = printed_unit(found.unit), "m" if found.sliding else "rad"
+    data = result.data
+    unit, length = printed_unit(result.unit), "m" if result.sliding else "rad"
     rows = []
     for k, place in enumerate(data["position"].values):
         row: dict[str, Any] = {
@@ -217,11 +217,11 @@ def _rows(found: MotorizationMargin) -> list[dict[str, Any]]:
     return rows
 
 
-def _print(title: str, found: MotorizationMargin) -> None:
+def _print(title: str, result: MotorizationMargin) -> None:
     from antenna_pin.studies.margins import WORDS_OF_RESISTANCE
 
-    data, length = found.data, "m" if found.sliding else "rad"
-    unit = printed_unit(found.unit)
+    data, length = result.data, "m" if result.sliding else "rad"
+    unit = printed_unit(result.unit)
     k = int(data["margin"].values.argmin())
     head = ["source", "class", f"resists [{unit}]", f"drives [{unit}]", "factor"]
     rows = []
@@ -233,18 +233,23 @@ def _print(title: str, found: MotorizationMargin) -> None:
         words = f"{symbol} {WORDS_OF_RESISTANCE[symbol]}{measured}" if symbol else "drive"
         factor = f"{float(data[own].values[s]):g}" if resists or drives else "-"
         rows.append([str(source), words, formatted(resists, ".5g"), formatted(drives, ".5g"), factor])
-    where = readable(found.position, length)
-    print_rows(f"{title}: {found.joint} at {where}, where the margin is smallest", head, rows, numbers=False)
+    where = readable(result.position, length)
+    print_rows(f"{title}: {result.joint} at {where}, where the margin is smallest", head, rows, numbers=False)
     minimum, actuation = (float(data[name].values[k]) for name in ("minimum_torque", "actuation"))
     say(f"actuation {readable(actuation, unit)}, at least {readable(minimum, unit)} needed with all factors")
-    say(f"smallest margin {formatted(found.smallest, '.4g')} at {where}; required {found.factors.required:g}")
-    if len(found.cases) > 1:
+    say(
+        f"smallest margin {formatted(result.smallest, '.4g')} at {where}; "
+        f"required {result.factors.required:g}"
+    )
+    if len(result.cases) > 1:
         rows = [
             [one.name, one.origin, formatted(one.margin, ".4g"), formatted(one.position, ".5g")]
-            for one in found.cases[:_CASES]
+            for one in result.cases[:_CASES]
         ]
         head = ["case", "origin", "smallest margin", f"at [{length}]"]
-        print_rows(f"{len(found.cases)} combinations of extremes, the worst first", head, rows, numbers=False)
-    say(f"factors: {found.factors.source}, {found.factors.clause}; numbers, no claim of compliance")
-    for note in found.notes:
+        print_rows(
+            f"{len(result.cases)} combinations of extremes, the worst first", head, rows, numbers=False
+        )
+    say(f"factors: {result.factors.source}, {result.factors.clause}; numbers, no claim of compliance")
+    for note in result.notes:
         say(f"note: {note}")

@@ -125,10 +125,10 @@ def statics(
         _print_travel(title, way)
 
 
-def _numbered(found: list[Equilibrium]) -> list[tuple[str, Equilibrium]]:
+def _numbered(every: list[Equilibrium]) -> list[tuple[str, Equilibrium]]:
     """Return equilibria and the ends of their sets, numbered."""
     rows: list[tuple[str, Equilibrium]] = []
-    for k, one in enumerate(found, 1):
+    for k, one in enumerate(every, 1):
         rows.append((str(k), one))
         rows += [(f"{k} {end.friction}", end) for end in one.ends]
     return rows
@@ -143,23 +143,23 @@ def _row(number: str, one: Equilibrium) -> dict[str, Any]:
     return {name: plain(value) for name, value in row.items()}
 
 
-def _print_equilibria(title: str, found: list[Equilibrium]) -> None:
-    joints = list(found[0].positions)
+def _print_equilibria(title: str, every: list[Equilibrium]) -> None:
+    joints = list(every[0].positions)
     head = ["equilibrium", "stability", *joints, "least stiffness [N m/rad]"]
     rows = []
-    for number, one in _numbered(found):
+    for number, one in _numbered(every):
         least = formatted(float(one.stiffness[0]), ".5g") if len(one.stiffness) else "-"
         where = [formatted(one.positions[name], ".6g") for name in joints]
         rows.append([number, one.stability, *where, least])
     print_rows(title, head, rows, numbers=False)
-    for k, one in enumerate(found, 1):
+    for k, one in enumerate(every, 1):
         if one.contacts:
             largest = max(one.contacts, key=lambda contact: contact.force)
             say(
                 f"{k}: {len(one.contacts)} contacts carry load, {largest.name} most: "
                 f"{readable(largest.force, 'N')} at a depth of {readable(largest.depth, 'm')}"
             )
-    if any(one.ends for one in found):
+    if any(one.ends for one in every):
         say("forward, backward: ends of the sets that friction makes, at which all of it acts one way")
 
 

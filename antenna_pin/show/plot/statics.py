@@ -47,7 +47,7 @@ def _sources(values: np.ndarray, names: np.ndarray) -> list[tuple[int, str]]:
 
 @figure(travel="Dataset of :class:`antenna_pin.studies.statics.QuasiStaticTravel`.")
 def figure_travel(travel: xr.Dataset, *, width: Width = "page") -> Sheet:
-    """Return the torque that a joint needs along its travel and back, and the share of each source."""
+    """Return the torque that a joint needs along its travel, by source."""
     x = np.asarray(travel["position"].values, dtype=float)
     senses = [str(one) for one in travel["sense"].values]
     needed: list[PlotMark] = [ZERO]

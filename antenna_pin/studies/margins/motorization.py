@@ -208,7 +208,7 @@ def _smallest(table: xr.Dataset) -> tuple[float, float]:
 
 
 class _Source(NamedTuple):
-    """What resists or drives at one position: class, torque along the travel, and reduced rate."""
+    """Resistance or drive of one source at one position."""
 
     symbol: str
     torque: float  # positive drives
@@ -235,7 +235,7 @@ def _table(begin: Model, options: _Options) -> tuple[xr.Dataset, tuple[str, ...]
     names = list(dict.fromkeys(name for row in rows for name in row))
     symbols = {name: row[name].symbol for row in rows for name in row}
     actuates = {name: row[name].actuates for row in rows for name in row}
-    measured_sources = _measured(options, names)
+    measured_sources = _sources_by_measurement(options, names)
     torque = np.array([[row[name].torque if name in row else 0.0 for name in names] for row in rows])
     resistance, drive = np.maximum(-torque, 0.0), np.maximum(torque, 0.0)
     by_measurement = np.array([name in measured_sources for name in names])
@@ -352,7 +352,7 @@ def _develop(path: Path, sense: float) -> None:
     balance.develop(senses)
 
 
-def _measured(options: _Options, names: Sequence[str]) -> set[str]:
+def _sources_by_measurement(options: _Options, names: Sequence[str]) -> set[str]:
     """Return the sources whose value is measured."""
     given = options.by_measurement
     wanted = [name for name, on in given.items() if on] if isinstance(given, Mapping) else list(given)
@@ -440,7 +440,7 @@ def _class_of(system: System, place: str, factors: FactorSet) -> tuple[str, floa
 
 
 def _torque_of(system: System, path: Path, name: str, sense: float, options: _Options) -> tuple[float, float]:
-    """Return a drive's torque along the travel, and the largest of its cogging, at the function's joint."""
+    """Return a drive's torque and its largest cogging, reduced to the function's joint."""
     drive: Any = system.drives[name]
     ratio = path.geared_rate_of(drive.joint, math.copysign(1.0, sense) * path.kinematic(path.balance.y))
     unit = "N" if system.slides(drive.joint) else "N*m"
@@ -455,12 +455,12 @@ def _torque_of(system: System, path: Path, name: str, sense: float, options: _Op
         return float(drive.value) * ratio, 0.0
     if isinstance(drive, PDController) and drive.limit is not None:
         return abs(drive.limit * ratio), 0.0
-    rule = f"given for drive {name!r}, whose torque does not follow from itself: available = {{{name!r}: TORQUE}}"
+    rule = f"given for drive {name!r}, whose torque is not known of itself: available = {{{name!r}: TORQUE}}"
     raise InvalidParameterError("margin", "available", rule, said="none")
 
 
 def _motor_torque(name: str, motor: Motor, speed: float) -> float:
-    """Return the torque of a motor at its joint, at the command or its limits, without cogging."""
+    """Return the torque of a motor at its joint, without cogging."""
     back = abs((motor.torque_constant if motor.back_emf is None else motor.back_emf) * motor.ratio * speed)
     voltage = math.inf if motor.voltage_limit is None else motor.voltage_limit
     current = math.inf if motor.current_limit is None else motor.current_limit

@@ -65,7 +65,7 @@ class Extremes:
         return _Range(key, low, high)
 
     def at(self, case: str, shares: Sequence[float]) -> dict[str, Any]:
-        """Return the overrides of a case and of values within the ranges, by their shares from 0 to 1."""
+        """Return the overrides of a case at shares of the ranges, from 0 to 1."""
         values = {
             one.key: one.low + share * (one.high - one.low)
             for one, share in zip(self.ranges, shares, strict=True)

@@ -1,4 +1,4 @@
-"""A joint driven along its positions: poses in balance one after another, friction by the sense of motion."""
+"""Path of a driven joint: poses in balance one after another."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class Path:
             )
 
     def kinematic_or_none(self, y: Array) -> Array | None:
-        """Return the velocity of the mechanism over that of the joint, all that is free at rest, or None."""
+        """Return the velocity ratios of the mechanism, or None at a held joint."""
         balance = self.balance
         inverse = np.linalg.inv(balance.scale(y))
         rows = balance.rows(y, driven=False) @ inverse
@@ -109,14 +109,14 @@ class Path:
         return np.asarray(inverse @ (basis @ own) / (own @ own))
 
     def kinematic(self, y: Array) -> Array:
-        """Return the velocity of the mechanism over that of the joint, all that is free at rest, (nv,)."""
+        """Return the velocity ratios of the mechanism to the joint, (nv,)."""
         found = self.kinematic_or_none(y)
         if found is None:
             raise NotClosedError(f"statics: {self.joint} stands in a singular position")
         return found
 
     def rate_of(self, joint: str, velocity: Array) -> float:
-        """Return the rate of a joint of a velocity of the mechanism, (nv,); 0 of one without an axis."""
+        """Return the rate of a joint of a velocity, 0 without an axis."""
         try:
             motion = JointMotion(self.balance.system, joint)
         except MechanismError:
@@ -125,7 +125,7 @@ class Path:
         return float(self.balance.slope(motion, v, self.balance.y) @ velocity)
 
     def geared_rate_of(self, joint: str, velocity: Array) -> float:
-        """Return the rate of a joint of a velocity, teeth and belts taken as rigid and without play."""
+        """Return the rate of a joint of a velocity with rigid gears."""
         system, balance = self.balance.system, self.balance
         rates = {name: self.rate_of(name, velocity) for name in system.mechanism.joints}
         meshes = [

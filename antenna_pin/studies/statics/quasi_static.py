@@ -151,7 +151,7 @@ def positions_along(
 
 
 def limits_of(system: System, joint: str) -> tuple[float, float]:
-    """Return the limits of a joint, by its URDF and rigid stops; infinite where it has none."""
+    """Return the limits of a joint by URDF and rigid stops; infinite without."""
     lower, upper = -np.inf, np.inf
     limit = system.mechanism.urdf.joint(joint).limit
     if limit is not None and system.mechanism.urdf.joint(joint).type not in ("continuous",):

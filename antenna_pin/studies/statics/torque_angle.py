@@ -131,7 +131,7 @@ class TorqueAngleLoop:
 
 # Of the amplitude: change of the torque in a step, departure from a straight line, and what ends a branch.
 _CHANGE, _BEND, _LOCATED = 0.125, 0.02, 1e-13
-# First step of the angle, the least and the longest one [rad, or lengths of the mechanism]; steps of a branch.
+# First, least and longest step of the angle [rad, or lengths of the mechanism]; steps of a branch.
 _FIRST, _LEAST, _LONGEST, _STEPS = 1e-5, 1e-13, 0.05, 4000
 # How far a joint goes that nothing resists [rad, or lengths of the mechanism].
 _FARTHEST = math.pi
@@ -221,6 +221,8 @@ def torque_angle_loop(
         raise InvalidParameterError("statics", "small_torque", rule, small_torque)
     hysteresis = abs(_angle_at(down, 0.0) - _angle_at(up, 0.0))
     area = up.work + down.work
+    if abs(area) < 1e-13 * size * abs(ends[0] - ends[1]):
+        area = 0.0  # round-off of the work either way
     residual = max(one.residual for one in pieces)
     lost_motion = march.lost_motion(little)
     return TorqueAngleLoop(
@@ -304,7 +306,7 @@ class _March:
         self._torques.append(torque)
 
     def _advance(self, sense: float, torque: float, level: float) -> float:
-        """Make one step, which ends at the level if it would pass it; return the torque there."""
+        """Make one step, at most to a level; return the torque there."""
         start = self.path.position
         if abs(start - self._origin) > _FARTHEST * self._unit:
             raise self._free(sense)
