@@ -202,9 +202,7 @@ def _frictionless(static: StaticSystem) -> StaticSystem:
     return replace(static, contact_friction={}, play_friction={})
 
 
-def _refined(
-    path: Path, start: Any, rows: dict[float, tuple[float, Array]], a: float, b: float
-) -> Array:
+def _refined(path: Path, start: Any, rows: dict[float, tuple[float, Array]], a: float, b: float) -> Array:
     """Return the state of zero torque between two positions."""
     state: dict[float, Array] = {}
 
