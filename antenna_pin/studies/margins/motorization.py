@@ -34,7 +34,7 @@ from antenna_pin.studies.linear.modal_analysis import bodies_of
 from antenna_pin.studies.margins.factors import FactorSet, Resistance, factor_set
 from antenna_pin.studies.margins.result import MarginCase, MotorizationMargin
 from antenna_pin.studies.margins.worst_case import Extremes, worst_cases
-from antenna_pin.studies.statics.path import Path, Point
+from antenna_pin.studies.statics.path import Path, PathPoint
 from antenna_pin.studies.statics.quasi_static import joint_to_drive, positions_along
 from antenna_pin.studies.statics.static_system import Model, check_rate_independent, start_of, static_system
 
@@ -370,7 +370,7 @@ def _sources_by_measurement(options: _Options, names: Sequence[str]) -> set[str]
 def _sources(
     system: System,
     path: Path,
-    point: Point,
+    point: PathPoint,
     sense: float,
     options: _Options,
     n: int,

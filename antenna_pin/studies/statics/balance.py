@@ -259,7 +259,7 @@ class Balance:
                     head["on"] = on[place]
                     size += np.abs(self.exerted(y) - rest)
                     head["on"] = 0.0
-        return size
+        return np.asarray(size)
 
     @contextmanager
     def alone(self) -> Iterator[tuple[dict[str, Any], dict[str, float]]]:

@@ -29,7 +29,7 @@ _AFFINE = 1e-9
 _FAR = 1e6
 
 
-class _Branch(NamedTuple):
+class _RateBranch(NamedTuple):
     """Rate of a state over the way, f = constant + slope z."""
 
     constant: float
@@ -69,14 +69,14 @@ class HystereticState:
         self._kernel(self._words, 1, (0.0, sense * _RATE, 0.0), (own, 0), rates, 0)
         return float(rates[self._integral]) / _RATE
 
-    def _branch(self, sense: float, side: float) -> _Branch:
+    def _branch(self, sense: float, side: float) -> _RateBranch:
         z = side * self._scale * np.array([0.13, 0.55, 0.91])
         f = [self.rate(one, sense) for one in z]
         slope = (f[2] - f[0]) / (z[2] - z[0])
         constant = f[0] - slope * z[0]
         size = max(map(abs, f)) + abs(constant)
         affine = abs(constant + slope * z[1] - f[1]) <= _AFFINE * size
-        return _Branch(float(constant), float(slope), bool(affine))
+        return _RateBranch(float(constant), float(slope), bool(affine))
 
     def advanced(self, offset: float, way: float) -> float:
         """Return the state, less its start, after a signed way of the joint.
@@ -123,7 +123,7 @@ class HystereticState:
         return float(found.y[0, -1])
 
 
-def _along(branch: _Branch, z: float, side: float, way: float) -> tuple[float, float]:
+def _along(branch: _RateBranch, z: float, side: float, way: float) -> tuple[float, float]:
     """Return the state after a way along an affine branch, and the rest."""
     constant, slope, _ = branch
     end = _affine(constant, slope, z, way)

@@ -18,7 +18,7 @@ from antenna_pin.studies.statics.reading import components
 from antenna_pin.studies.statics.solver import NotBalancedError, Rest, rested, settled_senses
 from antenna_pin.studies.statics.static_system import StaticSystem
 
-__all__ = ["Path", "Point"]
+__all__ = ["Path", "PathPoint"]
 
 Array = NDArray[np.float64]
 
@@ -28,7 +28,7 @@ _DEPENDENT = 1e-9
 _STEP = 1e-4
 
 
-class Point(NamedTuple):
+class PathPoint(NamedTuple):
     """A position of the driven joint."""
 
     rest: Rest
@@ -143,13 +143,13 @@ class Path:
                     rates[ends[1]] = -over / over_other * rates[ends[0]]
         return rates[joint]
 
-    def inertia(self, point: Point) -> float:
+    def inertia(self, point: PathPoint) -> float:
         """Return the inertia of the mechanism reduced to the joint [kg*m^2] ([kg])."""
         balance = self.balance
         mass = mass_matrix(balance.model, balance.model.createData(), point.rest.y[: balance.model.nq])
         return float(point.velocity @ mass @ point.velocity)
 
-    def elastic(self, point: Point, element: BoucWen) -> float:
+    def elastic(self, point: PathPoint, element: BoucWen) -> float:
         """Return the torque of a Bouc-Wen spring's elastic part along the joint's motion [N*m] ([N])."""
         angle = JointMotion(self.balance.system, element.joint)(point.rest.y)[0]
         torque = -element.alpha * element.stiffness * (angle - element.rest_angle)
@@ -205,12 +205,12 @@ class Path:
         balance.accept(found.y)
         return found
 
-    def read(self, rest: Rest) -> Point:
+    def read(self, rest: Rest) -> PathPoint:
         """Return what the joint needs at a pose in balance, where it is now."""
         velocity = self.tangent(rest)
         self._tangent = velocity
         parts = components(self.balance, rest.y, velocity)
-        return Point(rest, -sum(parts.values()), parts, velocity)
+        return PathPoint(rest, -sum(parts.values()), parts, velocity)
 
     def tangent(self, rest: Rest) -> Array:
         """Return the velocity of the mechanism along the path over that of the joint, (nv,)."""

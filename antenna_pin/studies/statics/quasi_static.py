@@ -16,7 +16,7 @@ from antenna_pin.dynamics import System
 from antenna_pin.elements import Limits, RigidStop
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import Scenario
-from antenna_pin.studies.statics.path import Path, Point
+from antenna_pin.studies.statics.path import Path, PathPoint
 from antenna_pin.studies.statics.reading import positions_of, reactions_of, sources_of, stiffness_of
 from antenna_pin.studies.statics.result import QuasiStaticTravel
 from antenna_pin.studies.statics.static_system import (
@@ -181,7 +181,7 @@ class _Table:
         self._reactions = np.zeros((*shape, len(self._reacting), 6))
         self.states = np.zeros((*shape, len(balance.static.state_of_original(balance.y))))
 
-    def add(self, way: int, at: int, point: Point) -> None:
+    def add(self, way: int, at: int, point: PathPoint) -> None:
         """Write a position."""
         balance, y = self._path.balance, point.rest.y
         self._torque[way, at], self._residual[way, at] = point.torque, point.rest.residual

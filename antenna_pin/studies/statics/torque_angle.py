@@ -247,7 +247,7 @@ def torque_angle_loop(
     )
 
 
-class _Branch(NamedTuple):
+class _LoopBranch(NamedTuple):
     """Points of a branch of a loop."""
 
     angle: Array  # (n,)
@@ -268,9 +268,9 @@ class _March:
         self._torques: list[float] = []
         self._work = self._residual = 0.0
 
-    def take(self) -> _Branch:
+    def take(self) -> _LoopBranch:
         """Return the points since the last time."""
-        found = _Branch(np.array(self._angles), np.array(self._torques), self._work, self._residual)
+        found = _LoopBranch(np.array(self._angles), np.array(self._torques), self._work, self._residual)
         self._angles, self._torques, self._work = [], [], 0.0
         return found
 
@@ -380,7 +380,7 @@ class _March:
         )
 
 
-def _angle_at(branch: _Branch, torque: float) -> float:
+def _angle_at(branch: _LoopBranch, torque: float) -> float:
     """Return the angle at which a branch passes a torque."""
     values = branch.torque - torque
     near = np.flatnonzero(np.abs(values) <= 1e-12 * float(np.abs(branch.torque).max()))
@@ -394,13 +394,13 @@ def _angle_at(branch: _Branch, torque: float) -> float:
     return float(branch.angle[k] + share * (branch.angle[k + 1] - branch.angle[k]))
 
 
-def _torque_at(branch: _Branch, angle: float) -> float:
+def _torque_at(branch: _LoopBranch, angle: float) -> float:
     """Return the torque of a branch at an angle."""
     order = np.argsort(branch.angle, kind="stable")
     return float(np.interp(angle, branch.angle[order], branch.torque[order]))
 
 
-def _dead_band(branch: _Branch, stiffness: float) -> float:
+def _dead_band(branch: _LoopBranch, stiffness: float) -> float:
     """Return the part of a branch with less than a twentieth of the stiffness."""
     way, change = np.abs(np.diff(branch.angle)), np.abs(np.diff(branch.torque))
     return float(way[change < _NO_STIFFNESS * stiffness * way].sum())
