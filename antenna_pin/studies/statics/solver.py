@@ -93,7 +93,8 @@ def balanced(balance: Balance, y: Array, where: str) -> Rest:
     if found is None:
         raise NotBalancedError(
             f"statics: {where}: forces must come into balance, got {_left(balance, here)}; start "
-            "nearer to an equilibrium (initial.joints), take smaller steps, or hold a joint that nothing holds"
+            "nearer to an equilibrium (initial.joints), take smaller steps, or hold a joint "
+            "that nothing holds"
         )
     stiffness = balance.stiffness(found.y, found.free)
     balance.forces(found.y)
