@@ -49,6 +49,7 @@ def graph():
                 "run.simulation",
                 "studies.linear",
                 "studies.nonlinear",
+                "studies.statics",
             },
         ),
         ("coal", {"joints.geometry", "joints"}),
