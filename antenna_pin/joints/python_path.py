@@ -19,6 +19,7 @@ from antenna_pin.contact.kernels import elastic_energy, elastic_force, normal_fo
 from antenna_pin.contact.normal import normal_questions
 from antenna_pin.joints import kernels
 from antenna_pin.joints.geometry import Distances
+from antenna_pin.joints.geometry.coal_backend import CoalBackend
 from antenna_pin.joints.geometry.coal_revolute import CoalRevolute
 from antenna_pin.joints.geometry.patch_kernels import NODE
 from antenna_pin.joints.layout_kernels import JOINT, JOINT_WORDS, nodes_at, patches_at
@@ -133,8 +134,8 @@ class PythonPath:
         self._pose = np.zeros(1, POSE)
         self._distances = distances
         #: What asks coal, where that is all that is done in Python while contacts touch.
-        self.queried: CoalRevolute | None = None
-        if self.compiled and not self._distributed and isinstance(distances, CoalRevolute):
+        self.queried: CoalBackend | None = None
+        if self.compiled and not self._distributed and isinstance(distances, CoalBackend):
             self.queried = distances
         self._table = table
         # The joint's rows by name, looked up once: a look-up costs as much as a query of coal.
