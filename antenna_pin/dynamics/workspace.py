@@ -20,7 +20,7 @@ from antenna_pin.dynamics.system import System
 from antenna_pin.errors import FunctionError
 from antenna_pin.integrate.manifold_kernels import FACTOR, SPACE_WORDS
 from antenna_pin.joints import PythonPath
-from antenna_pin.joints.geometry.coal_pair_kernels import most_words
+from antenna_pin.joints.geometry.coal_query_kernels import most_words
 from antenna_pin.joints.kernels import unit_normal_force
 from antenna_pin.joints.layout_kernels import JOINT, JOINT_WORDS
 from antenna_pin.joints.pose_kernels import place_journal
@@ -69,9 +69,11 @@ class Workspace:
         table = first + words_of(MEMORY) * contacts
         end = table + system.rows * words_of(CONTACT)
         # Behind the table is room for what may be asked of coal.
-        room = np.zeros(
-            end + sum(query_kernels.HEAD + most_words(joint.contacts) for joint in system.clearances)
-        )
+        most = [
+            most_words(joint.contacts, joint.strips * (joint.load == "distributed"), joint.sectors)
+            for joint in system.clearances
+        ]
+        room = np.zeros(end + sum(most) + query_kernels.HEAD * len(most))
         self.tau = room[:nv]
         self._pose = room[nv:first].view(POSE)
         self.memory = room[first:table].view(MEMORY)

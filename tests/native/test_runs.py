@@ -26,9 +26,7 @@ RUNS = [
 
 def numbers_of(run):
     """Return all numbers of a result, by name."""
-    return {
-        name: run.data[name].values.tobytes() for name in run.data if run.data[name].dtype.kind in "fiub"
-    }
+    return {name: run.data[name].values.tobytes() for name in run.data if run.data[name].dtype.kind in "fiub"}
 
 
 @pytest.mark.parametrize(("model", "case", "changes", "span"), RUNS, ids=lambda one: str(one))

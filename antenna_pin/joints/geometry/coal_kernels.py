@@ -37,8 +37,9 @@ class Query(Record):
 
     wanted: int  # rows
     asked: int  # of them those that coal is still to be called for
-    kind: int  # FLANGED, or PAIRS (:mod:`antenna_pin.joints.geometry.coal_pair_kernels`)
+    kind: int  # FLANGED, PAIRS or PATCHED (``coal_pair_kernels.py``, ``coal_patch_kernels.py``)
     rows: int  # how many there are
+    strips: int  # of PATCHED
     answer: int  # address of the machine code that evaluates them; 0: Python does
     pairs: int  # its object
 
@@ -64,6 +65,7 @@ class End(Record):
     side: float  # where the circle stands, in half lengths
     angle: float  # of the point on the circle [rad]
     inside: int  # 1: the journal's axis passes through the circle
+    asked: int  # of a strip: 1: coal is to be called for it
     normal: Vector3  # in H
     gap: float  # [m]
     answer: float  # coal's last distance [m]
@@ -105,7 +107,7 @@ ANSWER_WORDS = words_of(FLANGE_ANSWER)
 ANSWERS_AT = ENDS_AT + 2 * END_WORDS
 DISCS_AT = ANSWERS_AT + 2 * ANSWER_WORDS
 WORDS = DISCS_AT + words_of(DISCS)
-FLANGED, PAIRS = 1, 2  # kinds of queries
+FLANGED, PAIRS, PATCHED = 1, 2, 3  # kinds of queries
 FLANGES = 12  # the bits of both
 MOST_QUERIES = 12  # about one pose
 _APPROACH = 6  # Newton steps at most to where coal is asked first
@@ -118,17 +120,20 @@ def query_in(work: Floats) -> Query:
 
 
 @inlined
-def _shape_in(work: Floats) -> Revolute:
+def shape_in(work: Floats) -> Revolute:
+    """Return the dimensions of the joint."""
     return record(work[SHAPE_AT:FRAME_AT], REVOLUTE)
 
 
 @inlined
-def _frame_in(work: Floats) -> PlacementRecord:
+def frame_in(work: Floats) -> PlacementRecord:
+    """Return the placement of H in J."""
     return record(work[FRAME_AT:ENDS_AT], FRAME)
 
 
 @inlined
-def _end_in(work: Floats, k: int) -> End:
+def end_in(work: Floats, k: int) -> End:
+    """Return the search on circle k."""
     return record(work[ENDS_AT + k * END_WORDS : ENDS_AT + (k + 1) * END_WORDS], END)
 
 
@@ -146,7 +151,7 @@ def coal_set_out(work: Floats, pose: Records[Pose], wanted: int) -> None:
         pose: POSE, (1,).
         wanted: Rows, as bits.
     """
-    query, at = query_in(work), _frame_in(work)
+    query, at = query_in(work), frame_in(work)
     query.wanted = wanted
     query.asked = wanted & FLANGES
     ox, oy, oz = pose[0].centre[0], pose[0].centre[1], pose[0].centre[2]
@@ -175,7 +180,7 @@ def coal_set_out(work: Floats, pose: Records[Pose], wanted: int) -> None:
     at.rotation[2, 2] = zz
     for i in range(3):
         at.origin[i] = -(at.rotation[i, 0] * ox + at.rotation[i, 1] * oy + at.rotation[i, 2] * oz)
-    shape = _shape_in(work)
+    shape = shape_in(work)
     if shape.flange_radius < shape.outer_radius and query.asked != 0:
         _place_discs(at, shape, record(work[DISCS_AT:WORDS], DISCS))
     for k in range(2):
@@ -205,7 +210,7 @@ def coal_start(work: Floats, k: int, side: float, pose: Records[Pose]) -> bool:
     # Towards the side of the bore that the journal axis is nearest to, where it cuts the circle's plane.
     ox, oy, oz = pose[0].centre[0], pose[0].centre[1], pose[0].centre[2]
     zx, zy, zz = pose[0].axis[0], pose[0].axis[1], pose[0].axis[2]
-    shape, end = _shape_in(work), _end_in(work, k)
+    shape, end = shape_in(work), end_in(work, k)
     radius = shape.bearing_radius
     lift = (side * shape.half_length - oz) / zz if zz != 0.0 else 0.0
     cx = ox + lift * zx
@@ -214,9 +219,9 @@ def coal_start(work: Floats, k: int, side: float, pose: Records[Pose]) -> bool:
     end.side = side
     end.inside = 1 if inside else 0
     end.angle = math.atan2(cy, cx) if (cx != 0.0 or cy != 0.0) else 0.0
-    _place_point(shape, _frame_in(work), end)
+    _place_point(shape, frame_in(work), end)
     if inside:
-        _approach(shape, _frame_in(work), end)
+        _approach(shape, frame_in(work), end)
     return inside
 
 
@@ -299,7 +304,7 @@ def coal_turn(work: Floats, k: int) -> bool:
     exact to 1e-10 in the normal and far below round-off in the gap: no further query is needed. Where the
     minimum is so flat that its angle is lost in round-off the gap decides.
     """
-    shape, at, end = _shape_in(work), _frame_in(work), _end_in(work, k)
+    shape, at, end = shape_in(work), frame_in(work), end_in(work, k)
     gap = end.answer
     hx, hy, hz = _in_bearing(at, end.direction[0], end.direction[1], end.direction[2])
     step, gain, slope = _newton(shape, at, end, (hx, hy, hz), gap)
@@ -347,12 +352,12 @@ def _collect(work: Floats, pose: Records[Pose], table: Records[Contact], row: in
     outside an end circle, which parts cannot do, the closed form's gap stands. A row that is not wanted
     stays as it is.
     """
-    dimensions, at, wanted = _shape_in(work), _frame_in(work), query_in(work).wanted
+    dimensions, at, wanted = shape_in(work), frame_in(work), query_in(work).wanted
     for k in range(2):
         if not wanted >> k & 1:
             continue
         out = table[row + k]
-        end = _end_in(work, k)
+        end = end_in(work, k)
         if end.inside == 0:
             bore_contact(dimensions, 1.0 - 2.0 * k, pose[0], out)
             continue

@@ -24,7 +24,7 @@ from antenna_pin.base.records import (
     words_of,
 )
 from antenna_pin.compiled.decorators import inlined, kernel, record
-from antenna_pin.joints.geometry.coal_kernels import SHAPE_AT, WORDS, query_in
+from antenna_pin.joints.geometry.coal_kernels import SHAPE_AT, query_in
 from antenna_pin.joints.geometry.corner_kernels import CORNER, Corner
 from antenna_pin.joints.geometry.guide_kernels import EDGE, GuideCorner
 from antenna_pin.joints.geometry.kernels import (
@@ -53,11 +53,6 @@ PAIR = layout(PairQuery)
 PAIR_WORDS = words_of(PAIR)
 #: Words of a contact.
 ROW_WORDS = CANDIDATE + PAIR_WORDS
-
-
-def most_words(contacts: int) -> int:
-    """Return the largest size of the work array of a joint, by its number of contacts."""
-    return max(WORDS, SHAPE_AT + contacts * ROW_WORDS)
 
 
 @inlined

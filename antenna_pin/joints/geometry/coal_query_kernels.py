@@ -12,18 +12,32 @@ from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.joints.geometry.coal_kernels import (
     FLANGED,
     MOST_QUERIES,
+    PATCHED,
+    SHAPE_AT,
+    WORDS,
     coal_set_out,
     coal_take_in,
     query_in,
 )
-from antenna_pin.joints.geometry.coal_pair_kernels import pairs_set_out, pairs_take_in
+from antenna_pin.joints.geometry.coal_pair_kernels import ROW_WORDS, pairs_set_out, pairs_take_in
+from antenna_pin.joints.geometry.coal_patch_kernels import patch_words, patches_set_out, patches_take_in
+
+
+def most_words(contacts: int, strips: int, sectors: int) -> int:
+    """Return the largest size of the work array of a joint with some contacts, and under distributed load."""
+    return max(WORDS, SHAPE_AT + contacts * ROW_WORDS, patch_words(strips, sectors) if strips else 0)
 
 
 @inlined
 def set_out(work: Floats, pose: Records[Pose], table: Records[Contact], row: int, wanted: int) -> None:
-    """Write the queries of the wanted contacts of a joint, as bits, whose rows begin at ``row``."""
+    """Write the queries of the wanted contacts of a joint, as bits, whose rows begin at ``row``.
+
+    Of a joint under distributed load all are.
+    """
     if query_in(work).kind == FLANGED:
         coal_set_out(work, pose, wanted)
+    elif query_in(work).kind == PATCHED:
+        patches_set_out(work, pose, table, row)
     else:
         pairs_set_out(work, pose, table, row, wanted)
 
@@ -33,6 +47,8 @@ def take_in(work: Floats, pose: Records[Pose], table: Records[Contact], row: int
     """Write coal's results into the rows; return whether they are final, or coal is to be asked again."""
     if query_in(work).kind == FLANGED:
         return bool(coal_take_in(work, pose, table, row))
+    if query_in(work).kind == PATCHED:
+        return bool(patches_take_in(work, table, row))
     return bool(pairs_take_in(work, table, row))
 
 

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from antenna_pin.compiled.native import FIRST_TURNED, ShapePair
 from antenna_pin.joints.geometry import coal_kernels as kernels
 from antenna_pin.joints.geometry.coal_backend import CoalBackend
-from antenna_pin.joints.geometry.patch_kernels import APART, sector_contacts, strip_contacts
+from antenna_pin.joints.geometry.coal_patches import CoalPatches, PatchFunctors, PatchLayout
 
 __all__ = ["CoalRevolute"]
 
@@ -61,12 +61,15 @@ class CoalRevolute(CoalBackend):
             self._planes = (coal.Halfspace(axis, end), coal.Halfspace(-axis, end))
             self._axial = tuple(coal.ComputeDistance(self._disc, p) for p in self._planes)
         self._radial = coal.ComputeDistance(self._point, self._journal)
-        self._sector_functors = tuple(coal.ComputeDistance(self._point, f) for f in self._faces)
+        first, second = self._faces
+        self._sector_functors = (
+            coal.ComputeDistance(self._point, first),
+            coal.ComputeDistance(self._point, second),
+        )
         self._request = coal.DistanceRequest()
         self._identity = coal.Transform3s()
         self._at_point = coal.Transform3s()
         self._at_cylinder = coal.Transform3s()
-        self._result = coal.DistanceResult()
 
     def prepare(self, work: NDArray[np.float64]) -> Sequence[_Question]:
         """Write the dimensions into an array; return the queries in Python, by the bits of ``asked``."""
@@ -149,63 +152,11 @@ class CoalRevolute(CoalBackend):
 
         return ask
 
-    def query_patches(
-        self,
-        pose: NDArray[Any],
-        strips: int,
-        nodes: NDArray[Any],
-        radius: float,
-        table: NDArray[Any],
-        row: int,
-        start: int,
-    ) -> None:
-        """Fill the rows of the bore's strips, the flanges' sectors, and the patches.
-
-        The strips are those that the closed form loads and their neighbours on the surface, the sectors those
-        of flanges that press; each is asked of coal.
-
-        Args:
-            pose: :data:`antenna_pin.base.records.POSE` of the journal, (1,).
-            strips: Number of strips.
-            nodes: Of the sectors (NODE, sectors).
-            radius: Of the sectors' circle [m].
-            table: Contact table.
-            row: Row of the first patch.
-            start: Row of the first strip.
-        """
-        shape, work = self._shape, self.work
-        kernels.coal_set_out(work, pose, 0)
-        strip_contacts(shape[0], strips, pose[0], table, row, start)
-        for k in range(strips):
-            if table["gap"][start + k] == APART:
-                continue
-            side = (2.0 * k + 1.0) / strips - 1.0
-            if not kernels.coal_start(work, 0, side, pose):
-                continue
-            for _ in range(kernels.MOST_QUERIES):
-                self._questions[0]()
-                if kernels.coal_turn(work, 0):
-                    break
-            table["gap"][start + k] = self._ends["gap"][0]
-            table["normal"][start + k] = self._ends["normal"][0]
-            table["point"][start + k] = self._ends["in_bearing"][0]
-        half = strips // 2
-        for patch, begin in enumerate((start + half, start)):
-            least = begin + int(np.argmin(table["gap"][begin : begin + half]))
-            for name in ("gap", "normal", "point"):
-                table[name][row + patch] = table[name][least]
-        sector_contacts(shape[0], nodes, radius, pose[0], table, row + 2, start + strips)
-        count = len(nodes)
-        rotation, origin = self._rotation, self._origin
-        for patch, functor in enumerate(self._sector_functors):
-            begin = start + strips + patch * count
-            for r in (row + 2 + patch, *range(begin, begin + count)):
-                if table["gap"][r] == APART:
-                    continue
-                self._at_point.setTranslation(rotation @ table["point"][r] + origin)
-                self._result.clear()
-                table["gap"][r] = functor(self._at_point, self._identity, self._request, self._result)
-                table["normal"][r] = rotation.T @ self._result.normal
+    def patches(self, layout: PatchLayout) -> CoalPatches:
+        """Return the distances of the joint under distributed load."""
+        shapes = (self._point, self._journal, *self._faces)
+        functors = PatchFunctors(self._radial, self._sector_functors, shapes)
+        return CoalPatches(self._shape, functors, layout)
 
     def _flange(self, k: int) -> _Question:
         """Return the query of coal for a flange.
