@@ -29,7 +29,7 @@ def call_3(address: float, a: float, b: float, c: float) -> float:
 
 
 def call_back(address: int, t: float, target: int) -> int:
-    """Call a ``CALLED_BACK``, or such a function of machine code, by its address; return its status.
+    """Call a ``CALLED_BACK`` by its address; return its status.
 
     ``target`` is the address of an object of machine code; 0 for functions in Python.
     """

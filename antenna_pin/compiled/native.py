@@ -60,7 +60,7 @@ class _TreeArrays(ctypes.Structure):
     _fields_ = [(name, ctypes.c_void_p) for name in ("state", "effort", "acceleration", "mass", "bias")]
 
 
-class _Pair(ctypes.Structure):
+class _PairAddresses(ctypes.Structure):
     """``ApinPair``."""
 
     _fields_ = [
@@ -72,7 +72,7 @@ class _Pair(ctypes.Structure):
 
 
 class ShapePair(NamedTuple):
-    """A pair of coal's shapes, and the arrays that a query of it reads and writes.
+    """Two of coal's shapes, and the arrays of a query of their distance.
 
     Attributes:
         functor: ``coal.ComputeDistance`` of the shapes.
@@ -112,9 +112,9 @@ class Evaluator:
         address: Address of the object.
     """
 
-    def __init__(self, library: Any, address: int, held: Sequence[Any]) -> None:
+    def __init__(self, library: Any, address: int, references: Sequence[Any]) -> None:
         """Free the object with this one."""
-        self.address, self._library, self._held = address, library, held
+        self.address, self._library, self._references = address, library, references
         weakref.finalize(self, library.apin_free, address)
 
     @property
@@ -186,7 +186,7 @@ class NativeShim:
 
     def pairs(self, pairs: Sequence[ShapePair]) -> Evaluator | None:
         """Return an evaluator of pairs of shapes; None if an address cannot be had."""
-        given = (_Pair * len(pairs))()
+        given = (_PairAddresses * len(pairs))()
         for place, pair in zip(given, pairs, strict=True):
             functor = _address_in_bindings(pair.functor, _FUNCTOR)
             request = _address_in_bindings(pair.request, _REQUEST)
@@ -202,7 +202,7 @@ class NativeShim:
         return Evaluator(self._library, made, list(pairs)) if made else None
 
     def evaluate(self, address: int, evaluator: Evaluator) -> int:
-        """Call a function of an evaluator by its address; return its status, 0 if all is well."""
+        """Call a function of an evaluator by its address; return its status."""
         return call_back(address, 0.0, evaluator.address)
 
 
@@ -240,7 +240,7 @@ def _bindings() -> Any:
 
 
 def _address_in_bindings(value: Any, name: bytes) -> int | None:
-    """Return the address of the C++ object of a type in a Python object; None if it cannot be had."""
+    """Return the address of the C++ object in a Python object; None without one."""
     boost = _bindings()
     if boost is None:
         return None

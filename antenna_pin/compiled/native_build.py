@@ -61,7 +61,7 @@ _LONGEST = 300.0  # that a compiler may take [s]
 
 
 class NativeBuildError(RuntimeError):
-    """The shim cannot be built; the message says why, and the way out."""
+    """Failed build of the shim, with the reason and a way out."""
 
 
 def digest_of_sources(folder: Path = FOLDER) -> str:
@@ -73,7 +73,7 @@ def digest_of_sources(folder: Path = FOLDER) -> str:
 
 
 def prefix_of(package: str) -> Path | None:
-    """Return the folder with headers and libraries of a wheel by cmeel; None if it is not installed."""
+    """Return the cmeel folder of an installed wheel; None without one."""
     try:
         found = Path(str(importlib.metadata.distribution(package).locate_file("cmeel.prefix")))
     except importlib.metadata.PackageNotFoundError:
@@ -82,7 +82,7 @@ def prefix_of(package: str) -> Path | None:
 
 
 def built_of(path: Path) -> dict[str, str | int]:
-    """Return the versions that a built shim tells of itself, read without loading it.
+    """Return the versions stored in a built shim, without loading it.
 
     Raises:
         OSError: It cannot be read.
@@ -106,7 +106,7 @@ def seal(path: Path) -> None:
 
 
 def build(target: Path = FOLDER / NAME, sources: Path = FOLDER) -> str:
-    """Build the shim unless it is built of the same sources and versions; return a sentence on it.
+    """Build the shim unless it is up to date; return a sentence on it.
 
     Of several builds at once one compiles and the others wait; the file is whole or not there.
 
@@ -158,7 +158,7 @@ def _compiler() -> str:
 
 @contextlib.contextmanager
 def _turn(folder: Path) -> Iterator[None]:
-    """Hold a folder's lock: the system lets go of it when the process ends, however it does."""
+    """Hold the lock of a folder, which ends with the process."""
     try:
         held = os.open(folder, os.O_RDONLY)
     except OSError as error:
@@ -212,7 +212,7 @@ def _compile(compiler: str, places: tuple[Path, Path, Path], digest: str, target
 
 
 def main() -> int:
-    """Build into the package's folder; say in one line what came of it."""
+    """Build into the package's folder; print the result in one line."""
     parser = argparse.ArgumentParser(prog="native_build", description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--quiet", action="store_true", help="say nothing of success")
     asked = parser.parse_args()

@@ -50,7 +50,7 @@ def terms_of(model: Any, data: Any, y: Array, mass: Array, bias: Array) -> Answe
 def machine_code_of(
     model: Any, y: Array, effort: Array, acceleration: Array, mass: Array, bias: Array
 ) -> tuple[Evaluator, int, int] | None:
-    """Return machine code for the dynamics of a tree, with the addresses of accelerations and terms.
+    """Return the evaluator of a tree in machine code, and its functions' addresses.
 
     None where there is no shim, or where it does not give Pinocchio's acceleration of the neutral state to
     the last bit, as from a library that is not the bindings'.

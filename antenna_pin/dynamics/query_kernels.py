@@ -82,7 +82,7 @@ def take_in_queries(y: Floats, program: Floats, work: Floats) -> bool:
 
 @kernel
 def answer_queries(y: Floats, program: Floats, work: Floats, everything: bool) -> int:
-    """Measure the gaps of touching contacts, or of all, by coal's machine code at the state y.
+    """Measure the gaps of touching contacts, or of all, by coal's machine code.
 
     Returns:
         Status of the first call that failed, 0 if none did.

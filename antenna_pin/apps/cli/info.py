@@ -208,7 +208,7 @@ def _many(count: int, noun: str) -> str:
 
 
 def _show_versions(wanted: bool) -> None:
-    """Print the versions of this package and its libraries, and whether their machine code is called."""
+    """Print the versions of the libraries, and whether the shim is used."""
     if wanted:
         from antenna_pin.compiled.native import native_state
         from antenna_pin.trajectory import library_versions

@@ -1,4 +1,4 @@
-"""Base of the backends by coal: queries in numbers, answered by machine code or in Python."""
+"""Base of the backends by coal: queries in an array of numbers."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class CoalBackend:
             query["answer"], query["pairs"] = shim.distances, self.evaluator.address
 
     def prepare(self, work: NDArray[np.float64]) -> Sequence[Callable[[], None]]:
-        """Write what is constant into an array; return the queries in Python, by the bits of ``asked``."""
+        """Write constants into an array; return the queries in Python, bit by bit."""
         raise NotImplementedError
 
     def pairs(self) -> Sequence[ShapePair]:

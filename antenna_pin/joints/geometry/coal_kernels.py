@@ -87,7 +87,7 @@ DISCS = layout(Discs)
 
 
 class FlangeAnswer(Record):
-    """coal's answer about a flange, in J; about a small flange in H, from journal to bearing."""
+    """Result of coal for a flange, in J; for a small flange in H, reversed."""
 
     gap: float  # [m]
     normal: Vector3  # from bearing to journal

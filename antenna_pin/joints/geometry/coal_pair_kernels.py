@@ -79,7 +79,7 @@ def pairs_set_out(work: Floats, pose: Records[Pose], table: Records[Contact], ro
 
 @inlined
 def _set_out(work: Floats, k: int, pose: Pose, out: Contact) -> int:
-    """Place the shapes of contact k; return which of its two queries is wanted, as bits."""
+    """Place the shapes of contact k; return its requested queries as bits."""
     at = SHAPE_AT + k * CANDIDATE
     words, pair = work[at : at + CANDIDATE], _pair_in(work, k)
     primitive = record(words, REVOLUTE).primitive
@@ -111,7 +111,7 @@ def _place_corner(shape: Corner, pose: Pose, pair: PairQuery) -> None:
 
 @inlined
 def _place_edge(shape: GuideCorner, out: Contact, pair: PairQuery) -> None:
-    """Place the ball of an edge's rounding, and the plane through the wall's mouth as far as it counts."""
+    """Place the ball of an edge's rounding, and the plane through the mouth."""
     x = -shape.distance * shape.wall[0]
     y = -shape.distance * shape.wall[1]
     z = math.copysign(shape.reach, out.point[2])
@@ -124,7 +124,7 @@ def _place_edge(shape: GuideCorner, out: Contact, pair: PairQuery) -> None:
 
 @inlined
 def _place_rod(reach: float, pose: Pose, out: Contact, pair: PairQuery) -> int:
-    """Place a point of the rim in the guide (1), or of the mouth on the rod (2); 0: neither is met."""
+    """Place a point of the rim (1) or of the mouth (2); 0: neither is near."""
     if abs(out.normal[2]) == 1.0:
         return 0  # out of the guide: nothing round is met
     for i in range(3):

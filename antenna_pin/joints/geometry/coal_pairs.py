@@ -53,7 +53,7 @@ class CoalPairs(CoalBackend):
         ]
 
     def prepare(self, work: NDArray[np.float64]) -> Sequence[Callable[[], None]]:
-        """Write the candidates into an array; return the queries in Python, by the bits of ``asked``."""
+        """Write the candidates into an array; return the queries in Python, bit by bit."""
         end = SHAPE_AT + self._candidates.size
         work[SHAPE_AT:end] = self._candidates.ravel()
         self._numbers = work[end : self.words].view(PAIR)

@@ -1,4 +1,4 @@
-"""Queries to coal about a joint under distributed load, compiled: strips of the bore, sectors of the flanges.
+"""Queries to coal about a joint under distributed load, compiled: strips and sectors.
 
 The strips are those that the closed form loads and their neighbours on the surface, the sectors those of
 flanges that press; each is measured as a point against the journal, or against the inner face of its flange.
@@ -97,7 +97,7 @@ def _point_in(work: Floats, k: int) -> PointQuery:
 
 @inlined
 def _row_of(patches: PatchQuery, row: int, k: int) -> int:
-    """Return the row of point k: of each flange its own row, then those of its sectors."""
+    """Return the row of point k: each flange, followed by its sectors."""
     each = patches.sectors + 1
     flange, sector = k // each, k % each
     if sector == 0:
@@ -107,7 +107,7 @@ def _row_of(patches: PatchQuery, row: int, k: int) -> int:
 
 @kernel
 def patches_set_out(work: Floats, pose: Records[Pose], table: Records[Contact], row: int) -> None:
-    """Fill the rows of patches, strips and sectors in closed form, and request those that are near."""
+    """Fill the rows in closed form; request strips and sectors near contact."""
     coal_set_out(work, pose, 0)
     query, patches, shape = query_in(work), _patches_in(work), shape_in(work)
     first, strips = row + patches.first, patches.strips

@@ -50,13 +50,13 @@ def _corner_on_wall(words: NDArray[np.float64]) -> Sequence[Partners]:
 
 
 def _edge_in_guide(words: NDArray[np.float64]) -> Sequence[Partners]:
-    """Return the ball of a corner or mouth edge, and the plane in contact, which is another in each pose."""
+    """Return the ball of a corner or edge, and a plane, given with each pose."""
     ball = coal.Sphere(float(words.view(EDGE)["radius"][0]))
     return [Partners(ball, coal.Halfspace(np.array([0.0, 0.0, 1.0]), 0.0), PLANE_GIVEN)]
 
 
 def _rod_in_guide(words: NDArray[np.float64]) -> Sequence[Partners]:
-    """Return a point of the rim and the guide, and a point of the mouth and the slider."""
+    """Return the rim's point and the guide, and the mouth's point and slider."""
     shape = words.view(REVOLUTE)[0]
     long = _LONG * (shape["bearing_radius"] + 2.0 * shape["half_distance"])
     return [

@@ -24,13 +24,13 @@ from antenna_pin.joints.geometry.coal_patch_kernels import patch_words, patches_
 
 
 def most_words(contacts: int, strips: int, sectors: int) -> int:
-    """Return the largest size of the work array of a joint with some contacts, and under distributed load."""
+    """Return the largest size of a joint's work array."""
     return max(WORDS, SHAPE_AT + contacts * ROW_WORDS, patch_words(strips, sectors) if strips else 0)
 
 
 @inlined
 def set_out(work: Floats, pose: Records[Pose], table: Records[Contact], row: int, wanted: int) -> None:
-    """Write the queries of the wanted contacts of a joint, as bits, whose rows begin at ``row``.
+    """Write the queries of the wanted contacts of a joint, given as bits.
 
     Of a joint under distributed load all are.
     """
@@ -44,7 +44,7 @@ def set_out(work: Floats, pose: Records[Pose], table: Records[Contact], row: int
 
 @inlined
 def take_in(work: Floats, pose: Records[Pose], table: Records[Contact], row: int) -> bool:
-    """Write coal's results into the rows; return whether they are final, or coal is to be asked again."""
+    """Write coal's results into the rows; return whether they are final."""
     if query_in(work).kind == FLANGED:
         return bool(coal_take_in(work, pose, table, row))
     if query_in(work).kind == PATCHED:
@@ -54,7 +54,7 @@ def take_in(work: Floats, pose: Records[Pose], table: Records[Contact], row: int
 
 @kernel
 def query_coal(work: Floats, pose: Records[Pose], table: Records[Contact], row: int, wanted: int) -> int:
-    """Fill the wanted rows of a joint by coal's machine code; return its status, 0 if all is well."""
+    """Fill the wanted rows of a joint by coal's machine code; return its status."""
     query = query_in(work)
     set_out(work, pose, table, row, wanted)
     for _ in range(MOST_QUERIES):

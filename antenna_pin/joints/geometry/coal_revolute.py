@@ -72,7 +72,7 @@ class CoalRevolute(CoalBackend):
         self._at_cylinder = coal.Transform3s()
 
     def prepare(self, work: NDArray[np.float64]) -> Sequence[_Question]:
-        """Write the dimensions into an array; return the queries in Python, by the bits of ``asked``."""
+        """Write the dimensions into an array; return the queries in Python, bit by bit."""
         work[kernels.SHAPE_AT : kernels.FRAME_AT] = self._shape.view(np.float64)
         frame = work[kernels.FRAME_AT : kernels.ENDS_AT].view(kernels.FRAME)
         self._rotation: NDArray[np.float64] = frame["rotation"][0]

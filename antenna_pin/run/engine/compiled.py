@@ -77,7 +77,7 @@ class Answers:
         self.outside.asked[0][question] = ctypes.cast(called, ctypes.c_void_p).value
 
     def give_machine_code(self, failure: Callable[[], FunctionError | None], **fields: int) -> None:
-        """Let machine code answer: fields of ``ASKED`` by name, and what tells of an exception inside."""
+        """Set addresses of machine code, fields of ``ASKED``, and its source of errors."""
         self._machine.append(failure)
         for name, value in fields.items():
             self.outside.asked[0][name] = value
