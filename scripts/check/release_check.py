@@ -13,7 +13,8 @@ Python that is there gets an empty environment, in which the wheel is installed 
     python scripts/check/release_check.py --tag v0.2.0           # the tag must be the version's, too
 
 A wheel with machine code is one for this platform and one Python: the plain wheel, with all kernels as they
-are compiled in an empty environment. It is tried as the plain one is, and must compile nothing.
+are compiled in an empty environment, and with the shim to Pinocchio's and coal's machine code. It is tried as
+the plain one is, must compile nothing, and use the shim.
 
 It needs nothing but the standard library; packages, pipx and uv come from the index that pip is set to.
 """
@@ -124,6 +125,7 @@ def contents_faults(names: list[str], kind: str) -> list[str]:
         "wheel": [
             "antenna_pin/__init__.py",
             "antenna_pin/py.typed",
+            "antenna_pin/native/shim.cpp",
             "antenna_pin/_models/bai2020/scenario.toml",
         ],
         "source": ["pyproject.toml", "LICENSE", "README.md", "CHANGELOG.md", "models/bai2020/scenario.toml"],
@@ -245,7 +247,9 @@ def with_code(python: str, wheel: Path, folder: Path, out: Path) -> Path:
     """
     told(python, "-m", "venv", folder / "env")
     there = folder / "env" / "bin" / "python"
-    told(there, "-m", "pip", "install", "-q", "-c", ROOT / "constraints.txt", wheel, "wheel")
+    packages = (wheel, "wheel", "cmeel-eigen")
+    told(there, "-m", "pip", "install", "-q", "-c", ROOT / "constraints.txt", *packages)
+    told(there, "-m", "antenna_pin.compiled.native_build", cwd=folder)
     given = ("NUMBA_CACHE_DIR", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "PYTHONPATH")
     without = [word for name in given for word in ("-u", name)]
     told("env", *without, there, ROOT / "scripts" / "compile_kernels.py", "--derivatives", cwd=folder)
@@ -254,7 +258,7 @@ def with_code(python: str, wheel: Path, folder: Path, out: Path) -> Path:
     package, platform, tag = told(there, "-c", where, cwd=folder).splitlines()
     told(there, "-m", "wheel", "unpack", "--dest", folder, wheel)
     (unpacked,) = folder.glob("antenna_pin-*")
-    for path in sorted(Path(package).rglob("*.nb[ic]")):
+    for path in sorted([*Path(package).rglob("*.nb[ic]"), *Path(package, "native").glob("*.so")]):
         target = unpacked / "antenna_pin" / path.relative_to(package)
         target.parent.mkdir(exist_ok=True)
         shutil.copy2(path, target)
@@ -276,7 +280,7 @@ def with_code(python: str, wheel: Path, folder: Path, out: Path) -> Path:
 
 def compiled_by(python: Path, folder: Path) -> str:
     """Return that an installed package compiles nothing for some runs; end this program where it does."""
-    said = told(python, "-W", "ignore", "-c", _COUNTED, cwd=folder).strip()
+    said = told(python, "-W", "ignore", "-c", _COUNTED, cwd=folder, ANTENNA_PIN_NATIVE="required").strip()
     if said != "0":
         raise SystemExit(f"{said} kernels were compiled, where all machine code is installed")
     return "nothing compiled"
