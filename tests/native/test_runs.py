@@ -7,10 +7,11 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from antenna_pin import Outcome, RunSettings, build_system, load_scenario, simulate
+from antenna_pin import Outcome, build_system, load_scenario, simulate
 from antenna_pin.dynamics import Workspace
+from antenna_pin.dynamics.by_pinocchio import machine_code_of
+from antenna_pin.errors import FunctionError
 from antenna_pin.run.engine import Compiled
-from antenna_pin.run.simulation.loop import Run
 from antenna_pin.scenario.assemble import initial_state
 
 #: Model, case, overrides and span [s]: a tree, loops in the plane and in space, round and flanged joints.
@@ -20,7 +21,7 @@ RUNS = [
     ("slider_crank", "3d-friction", (), 2e-3),
     ("chen2021", "friction-010", (), 2e-3),
     ("spherical_pendulum", None, (), 0.02),
-    ("slider", None, ("clearance.guide.geometry=coal",), 0.02),
+    ("slider", None, ("clearance.slide.geometry=coal",), 0.02),
 ]
 
 
@@ -64,25 +65,29 @@ def test_runs_in_threads_are_those_on_their_own(shim):
     assert len({one["v"] for one in alone}) == len(alone)
 
 
-@pytest.mark.parametrize("question", ["acceleration", "queried"])
-def test_an_exception_in_machine_code_ends_the_run_with_what_it_has(question, shim):
+def test_an_exception_of_coal_in_machine_code_ends_the_run_with_what_it_has(shim, monkeypatch):
+    """At the first contact, since nothing is asked before."""
     scenario = load_scenario("bai2020", case="case3")
-    system = build_system(scenario)
-    run = Run(system, system.state(*initial_state(scenario, system)), 0.05, RunSettings())
-    for _ in range(5):
-        run.advance()
-    asked = run.stepper.numbers.outside.asked[0]
-    if question == "acceleration":
-        asked.acceleration = shim.fail
-    else:
-        from antenna_pin.joints.geometry.coal_kernels import QUERY, SHAPE_AT
-
-        (path,) = run.workspace.paths
-        path.queried.work[:SHAPE_AT].view(QUERY)["answer"] = shim.fail
-    while run.outcome is None:
-        run.advance()
+    whole = simulate(scenario, duration=0.05)
+    monkeypatch.setattr(shim, "distances", shim.fail)
+    run = simulate(scenario, duration=0.05)
     assert run.outcome is Outcome.FUNCTION_FAILED
-    assert "asked to fail" in str(run.stepper.answers.refusal)
+    assert "asked to fail" in run.message
+    end = run.data["time"].values[-1]
+    assert 0.0 < end < 0.05
+    begun = whole.data["touching"].values.any(axis=1)
+    assert end <= whole.data["time"].values[begun][0]
+
+
+def test_an_exception_of_pinocchio_in_machine_code_ends_the_run(shim, monkeypatch):
+    def failing(*arguments):
+        evaluator, *_ = machine_code_of(*arguments)
+        return evaluator, shim.fail, shim.fail
+
+    monkeypatch.setattr("antenna_pin.run.engine.compiled.machine_code_of", failing)
+    for model, case in (("bai2020", "case3"), ("slider_crank", "friction")):
+        with pytest.raises(FunctionError, match="Pinocchio .* asked to fail"):
+            simulate(load_scenario(model, case=case), duration=1e-3)
 
 
 def test_the_memory_of_a_run_in_machine_code_is_free_when_the_run_is(shim):
