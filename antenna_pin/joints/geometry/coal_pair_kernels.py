@@ -124,7 +124,7 @@ def _place_edge(shape: GuideCorner, out: Contact, pair: PairQuery) -> None:
 
 @inlined
 def _place_rod(reach: float, pose: Pose, out: Contact, pair: PairQuery) -> int:
-    """Place a point of the rim (1) or of the mouth (2); 0: neither is near."""
+    """Place a point of the rim (1) or the mouth (2); 0: none is near."""
     if abs(out.normal[2]) == 1.0:
         return 0  # out of the guide: nothing round is met
     for i in range(3):
