@@ -187,7 +187,7 @@ def observed(
             workspace.program[:] = programs[first]
             i = sample_kernels.observe(first, last, False, samples, whole, sights)
             while i < last:
-                failures[i] = workspace.coal_failure
+                failures[i] = workspace.failed_query()
                 _leave_out(sights, i)
                 i = sample_kernels.observe(i + 1, last, False, samples, whole, sights)
     others = [place for table in system.others for place in system.element_blocks[table].values()]

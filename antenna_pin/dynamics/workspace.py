@@ -212,7 +212,7 @@ class Workspace:
         """
         trial_kernels.contacts_in(y, self.program, self._pose, self.table)
         if self.is_queried and query_kernels.answer_queries(y, self.program, self.work, True):
-            raise self.coal_failure
+            raise self.failed_query()
         for path in self.python_paths:
             path.prepare(y, everything=True)
 
@@ -243,13 +243,19 @@ class Workspace:
         """Exception of coal in machine code, as an error; None without any."""
         return next((one.failure for one in self._backends if one.failed), None)
 
+    def failed_query(self) -> FunctionError:
+        """Return the exception of a query that has failed in machine code."""
+        found = self.coal_failure
+        assert found is not None
+        return found
+
     def apply_elements(self, t: float, y: Array, rates: Array) -> None:
         """Evaluate the elements: ``tau``, the contacts' ``table``, and x rates behind rates[nv]."""
         self.prepare(t, y)
         if not self.is_queried:
             kernels.evaluate(t, y, self.program, self.work, rates)
         elif query_kernels.evaluate_queried(t, y, self.program, self.work, rates):
-            raise self.coal_failure
+            raise self.failed_query()
         if self._bodies is not None:
             link_kernels.add_forces(t, y, self.program, *self._bodies, self.tau, rates)
             if self.constraints is not None:

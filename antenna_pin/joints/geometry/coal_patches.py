@@ -113,15 +113,15 @@ class CoalPatches(CoalBackend):
     def answer(self) -> None:
         """Evaluate the queries of ``work`` by coal in Python, and write the results there."""
         place, origin = coal.Transform3s(), coal.Transform3s()
-        result, request, functors = coal.DistanceResult(), self._request, self._functors
-        each = len(self._patches.nodes) + 1
-        for records, at, distance, functor_of in (
-            (self._ends, "in_journal", "answer", lambda k: functors.radial),
-            (self._points, "place", "gap", lambda k: functors.faces[k // each]),
-        ):
-            normal = "direction" if at == "in_journal" else "normal"
-            for k in np.flatnonzero(records["asked"]).tolist():
-                place.setTranslation(records[at][k])
-                result.clear()
-                records[distance][k] = functor_of(k)(place, origin, request, result)
-                records[normal][k] = result.normal
+        result, request, (radial, faces, _) = coal.DistanceResult(), self._request, self._functors
+        ends, points, each = self._ends, self._points, len(self._patches.nodes) + 1
+        for k in np.flatnonzero(ends["asked"]).tolist():
+            place.setTranslation(ends["in_journal"][k])
+            result.clear()
+            ends["answer"][k] = radial(place, origin, request, result)
+            ends["direction"][k] = result.normal
+        for k in np.flatnonzero(points["asked"]).tolist():
+            place.setTranslation(points["place"][k])
+            result.clear()
+            points["gap"][k] = faces[k // each](place, origin, request, result)
+            points["normal"][k] = result.normal
