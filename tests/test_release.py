@@ -74,6 +74,7 @@ def test_what_nobody_needs_is_not_in_an_archive(release, name, kind):
         "wheel": [
             "antenna_pin/__init__.py",
             "antenna_pin/py.typed",
+            "antenna_pin/native/shim.cpp",
             "antenna_pin/_models/bai2020/scenario.toml",
             "antenna_pin-1.0.0.dist-info/METADATA",
         ],

@@ -10,8 +10,9 @@ import ctypes
 
 __all__ = ["CALLED_BACK", "call_1", "call_3", "call_back"]
 
-#: A function in Python that kernels call by its address: of a time [s], it gives a status.
-CALLED_BACK = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_double)
+#: A function that kernels call by its address: of a time [s] and the address of an object, which functions in
+#: Python leave aside, it gives a status.
+CALLED_BACK = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_double, ctypes.c_void_p)
 
 _OF_1 = ctypes.CFUNCTYPE(*[ctypes.c_double] * 2)
 _OF_3 = ctypes.CFUNCTYPE(*[ctypes.c_double] * 4)
@@ -27,6 +28,9 @@ def call_3(address: float, a: float, b: float, c: float) -> float:
     return float(_OF_3(int(address))(a, b, c))
 
 
-def call_back(address: int, t: float) -> int:
-    """Call a function that was made a ``CALLED_BACK``, by its address; return its status."""
-    return int(CALLED_BACK(int(address))(t))
+def call_back(address: int, t: float, target: int) -> int:
+    """Call a ``CALLED_BACK`` by its address; return its status.
+
+    ``target`` is the address of an object of machine code; 0 for functions in Python.
+    """
+    return int(CALLED_BACK(int(address))(t, int(target)))

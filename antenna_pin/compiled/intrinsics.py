@@ -60,13 +60,13 @@ def _lowered_call(context: Any, builder: Any, signature: Any, values: Any) -> An
 
 @type_callable(call_back)
 def _type_of_call_back(context: Any) -> Any:
-    return lambda address, t: types.int64
+    return lambda address, t, target: types.int64
 
 
-@lower_builtin(call_back, types.Integer, types.Float)
+@lower_builtin(call_back, types.Integer, types.Float, types.Integer)
 def _lowered_call_back(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-    function = ir.FunctionType(ir.IntType(64), [ir.DoubleType()]).as_pointer()
-    return builder.call(builder.inttoptr(values[0], function), [values[1]])
+    function = ir.FunctionType(ir.IntType(64), [ir.DoubleType(), ir.IntType(64)]).as_pointer()
+    return builder.call(builder.inttoptr(values[0], function), values[1:])
 
 
 _VECTOR = ir.VectorType(ir.DoubleType(), LANES)

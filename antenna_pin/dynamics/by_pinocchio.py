@@ -1,4 +1,8 @@
-"""Dynamics of a tree by Pinocchio, as callbacks of compiled code (:mod:`outside_kernels`)."""
+"""Dynamics of a tree by Pinocchio, as callbacks of compiled code (:mod:`outside_kernels`).
+
+Where the shim to Pinocchio's machine code is there (:mod:`antenna_pin.compiled.native`), compiled code calls
+it by address; else Pinocchio is called in Python. Results are the same to the last bit.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +13,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-__all__ = ["accelerations_of", "terms_of"]
+from antenna_pin.compiled.native import Evaluator, native_shim
+
+__all__ = ["accelerations_of", "machine_code_of", "terms_of"]
 
 Array = NDArray[np.float64]
 Answer = Callable[[float], None]
@@ -39,3 +45,32 @@ def terms_of(model: Any, data: Any, y: Array, mass: Array, bias: Array) -> Answe
         bias[:] = bias_of(model, data, q, v)
 
     return answer
+
+
+def machine_code_of(
+    model: Any, y: Array, effort: Array, acceleration: Array, mass: Array, bias: Array
+) -> tuple[Evaluator, int, int] | None:
+    """Return the evaluator of a tree in machine code, and its functions' addresses.
+
+    None where there is no shim, or where it does not give Pinocchio's acceleration of the neutral state to
+    the last bit, as from a library that is not the bindings'.
+
+    Args:
+        model: Pinocchio's model.
+        y: State [q, v, x] that is read.
+        effort: Generalized force that is read, (nv,).
+        acceleration: Written, (nv,).
+        mass: Mass matrix, (nv, nv), written.
+        bias: Bias forces, (nv,), written.
+    """
+    shim = native_shim()
+    tree = None if shim is None else shim.tree(model, y, effort, acceleration, mass, bias)
+    if shim is None or tree is None:
+        return None
+    nq, nv = model.nq, model.nv
+    y[:nq], y[nq : nq + nv], effort[:] = pin.neutral(model), np.arange(1.0, nv + 1.0), 1.0
+    expected = pin.aba(model, model.createData(), y[:nq], y[nq : nq + nv], effort)
+    failed = shim.evaluate(shim.acceleration, tree)
+    y[:], effort[:] = 0.0, 0.0
+    same = not failed and acceleration.tobytes() == expected.tobytes()
+    return (tree, shim.acceleration, shim.terms) if same else None

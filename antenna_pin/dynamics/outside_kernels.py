@@ -1,8 +1,9 @@
 """Callbacks of compiled code through function pointers: Pinocchio, coal, functions in Python.
 
-Where an address is zero the compiled kernel is called instead. Arguments and results
-are in shared arrays. A failed call leaves its status in ``failed``:
-afterwards nothing is called, and the step's results are invalid. The caller of the step reads it.
+Where an address is zero there is nothing to be asked: the kernel that is there answers. Addresses are those
+of functions in Python, or of machine code (:mod:`antenna_pin.compiled.native`). Questions and answers stand
+in arrays that both sides know. A question that could not be answered leaves its status in ``failed``: from
+there on nothing is asked, and what has been computed counts for nothing. Whoever made the step reads it.
 """
 
 from __future__ import annotations
@@ -28,6 +29,8 @@ class CallbackRecord(Record):
     motions: int  # the same, for constraints only
     acceleration: int  # under ``effort``
     terms: int  # mass matrix and bias
+    tree: int  # object of machine code for ``acceleration`` and ``terms``; 0: they are Python's
+    queried: int  # 1: machine code evaluates coal's distances
     gaps: int  # measured by a backend
     forces: int  # of laws on these gaps, of one ``contact`` or of all
     step: int  # of the loop: a whole trial step of a size [s]
@@ -57,7 +60,7 @@ def ask(outside: Outside, address: int, t: float) -> None:
     """Ask what stands at an address, unless something could not be answered before."""
     asked = outside.asked[0]
     if asked.failed == ANSWERED:
-        status = call_back(address, t)
+        status = call_back(address, t, asked.tree)
         if status != ANSWERED:
             asked.failed = status
 

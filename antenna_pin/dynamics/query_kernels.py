@@ -2,15 +2,17 @@
 
 Behind the contact table, the work array of :func:`antenna_pin.dynamics.kernels.evaluate` has a stretch for
 each joint of which coal measures the gaps and nothing else is done in Python: where its block stands in the
-program, arguments and results (:mod:`antenna_pin.joints.geometry.coal_kernels`).
+program, and what is asked and answered (:mod:`antenna_pin.joints.geometry.coal_query_kernels`). Where coal's
+machine code is called by address, :func:`answer_queries` does all of it; else Python is called back between
+:func:`set_out_queries` and :func:`take_in_queries`.
 """
 
 from __future__ import annotations
 
 from antenna_pin.base.records import CONTACT, MEMORY, POSE, Floats, Program, Record, layout, words_of
 from antenna_pin.compiled.decorators import inlined, kernel, record
-from antenna_pin.dynamics.kernels import CONTACT_WORDS, MEMORY_WORDS, POSE_WORDS, head_of
-from antenna_pin.joints.geometry.coal_kernels import WORDS, coal_set_out, coal_take_in
+from antenna_pin.dynamics.kernels import CONTACT_WORDS, MEMORY_WORDS, POSE_WORDS, evaluate, head_of
+from antenna_pin.joints.geometry.coal_query_kernels import query_coal, set_out, take_in
 from antenna_pin.joints.layout_kernels import joint_at
 from antenna_pin.joints.pose_kernels import journal_state
 
@@ -19,11 +21,11 @@ class Queried(Record):
     """The head of a joint's stretch of queries."""
 
     block: int  # of the joint in the program
+    words: int  # of the stretch
 
 
 QUERIED = layout(Queried)
 HEAD = words_of(QUERIED)
-QUERIED_WORDS = HEAD + WORDS
 
 
 @inlined
@@ -46,15 +48,17 @@ def set_out_queries(y: Floats, program: Floats, work: Floats) -> None:
     pose = work[nv : nv + POSE_WORDS].view(POSE)
     memory = work[nv + POSE_WORDS : nv + POSE_WORDS + MEMORY_WORDS * head.contacts].view(MEMORY)
     at = _first_piece(head)
+    table = work[at - CONTACT_WORDS * head.rows : at].view(CONTACT)
     while at < work.shape[0]:
-        j = joint_at(program, record(work[at : at + HEAD], QUERIED).block)
+        queried = record(work[at : at + HEAD], QUERIED)
+        j = joint_at(program, queried.block)
         wanted = 0
         for k in range(j.contacts):
             if memory[j.row + k].touching != 0.0:
                 wanted |= 1 << k
         journal_state(j, y, head.nq, pose[0])
-        coal_set_out(work[at + HEAD : at + QUERIED_WORDS], pose, wanted)
-        at += QUERIED_WORDS
+        set_out(work[at + HEAD : at + queried.words], pose, table, j.row, wanted)
+        at += queried.words
 
 
 @kernel
@@ -67,9 +71,47 @@ def take_in_queries(y: Floats, program: Floats, work: Floats) -> bool:
     table = work[at - CONTACT_WORDS * head.rows : at].view(CONTACT)
     final = True
     while at < work.shape[0]:
-        j = joint_at(program, record(work[at : at + HEAD], QUERIED).block)
+        queried = record(work[at : at + HEAD], QUERIED)
+        j = joint_at(program, queried.block)
         journal_state(j, y, head.nq, pose[0])
-        if not coal_take_in(work[at + HEAD : at + QUERIED_WORDS], pose, table, j.row):
+        if not take_in(work[at + HEAD : at + queried.words], pose, table, j.row):
             final = False
-        at += QUERIED_WORDS
+        at += queried.words
     return final
+
+
+@kernel
+def answer_queries(y: Floats, program: Floats, work: Floats, everything: bool) -> int:
+    """Measure the gaps of touching contacts, or of all, by coal's machine code.
+
+    Returns:
+        Status of the first call that failed, 0 if none did.
+    """
+    head = head_of(program)
+    nv = head.nv
+    pose = work[nv : nv + POSE_WORDS].view(POSE)
+    memory = work[nv + POSE_WORDS : nv + POSE_WORDS + MEMORY_WORDS * head.contacts].view(MEMORY)
+    at = _first_piece(head)
+    table = work[at - CONTACT_WORDS * head.rows : at].view(CONTACT)
+    while at < work.shape[0]:
+        queried = record(work[at : at + HEAD], QUERIED)
+        j = joint_at(program, queried.block)
+        wanted = 0
+        for k in range(j.contacts):
+            if everything or memory[j.row + k].touching != 0.0:
+                wanted |= 1 << k
+        if wanted != 0:
+            journal_state(j, y, head.nq, pose[0])
+            status = query_coal(work[at + HEAD : at + queried.words], pose, table, j.row, wanted)
+            if status != 0:
+                return int(status)
+        at += queried.words
+    return 0
+
+
+@kernel
+def evaluate_queried(t: float, y: Floats, program: Floats, work: Floats, rates: Floats) -> int:
+    """:func:`antenna_pin.dynamics.kernels.evaluate` on measured gaps; return the status of the queries."""
+    status = answer_queries(y, program, work, False)
+    evaluate(t, y, program, work, rates)
+    return int(status)

@@ -43,6 +43,8 @@ from antenna_pin.dynamics.kernels import (
 )
 from antenna_pin.dynamics.link_kernels import Applied
 from antenna_pin.dynamics.point_kernels import Stretched
+from antenna_pin.dynamics.query_kernels import answer_queries, has_queries
+from antenna_pin.dynamics.trial_kernels import contacts_in
 from antenna_pin.elements import kernels as elements
 from antenna_pin.joints.geometry.kernels import BORE
 from antenna_pin.joints.geometry.revolute_kernels import contact_scenario, revolute_contacts
@@ -198,7 +200,7 @@ class Sights(NamedTuple):
 @kernel
 def observe(
     begin: int, last: int, is_evaluated: bool, samples: SampleArrays, whole: SystemArrays, sights: Sights
-) -> None:
+) -> int:
     """Evaluate the force elements at samples begin to last and write what follows from them.
 
     Args:
@@ -208,6 +210,9 @@ def observe(
         samples: ``SampleArrays``.
         whole: ``SystemArrays``.
         sights: ``Sights``, to write to.
+
+    Returns:
+        Sample at which coal's machine code failed; ``last`` if it did not.
     """
     program, work, table, places = whole.program, whole.work, whole.table, whole.places
     head = head_of(program)
@@ -216,12 +221,18 @@ def observe(
     pose = work[nv:start].view(POSE)
     memory = work[start : start + MEMORY_WORDS * samples.memories.shape[1]].view(MEMORY)
     on_links = head.points < program.shape[0]
+    measured = has_queries(program, work)
     for i in range(begin, last):
         t, y = samples.times[i], samples.states[i]
         if not is_evaluated:
             for c in range(memory.shape[0]):
                 memory[c] = samples.memories[i, c]
-            _apart_in(y, program, memory, pose[0], table)
+            if measured:
+                contacts_in(y, program, pose, table)
+                if answer_queries(y, program, work, True) != 0:
+                    return i
+            else:
+                _apart_in(y, program, memory, pose[0], table)
             evaluate(t, y, program, work, whole.rates)
             if on_links:
                 _links.add_forces(t, y, program, whole.tree, places, work, whole.rates)
@@ -245,6 +256,7 @@ def observe(
             _points.look_at(program, places, sights.stretches[i])
             _links.look_at_links(program, sights.applied[i], sights.kept[i])
             _links.write_wrenches(program, places, sights.wrenches[i])
+    return last
 
 
 @kernel

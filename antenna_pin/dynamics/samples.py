@@ -170,7 +170,7 @@ def observed(
     samples = sample_kernels.SampleArrays(np.ascontiguousarray(times, dtype=float), states, memories)
     sights = _unseen(workspace, n)
     failures: dict[int, FunctionError] = {}
-    if workspace.paths or system.callables:
+    if workspace.python_paths or system.callables:
         for i in range(n):
             workspace.program[:] = programs[i]
             workspace.memory[:] = memories[i]
@@ -181,13 +181,15 @@ def observed(
                 sights.audits[i]["contacts"] += energy_of_python_laws(workspace)
             except FunctionError as error:
                 failures[i] = error
-                for part in sights:
-                    if part is not sights.scenarios:
-                        part[i : i + 1].view(np.float64)[:] = np.nan
+                _leave_out(sights, i)
     else:
         for first, last in program_parts(programs):
             workspace.program[:] = programs[first]
-            sample_kernels.observe(first, last, False, samples, whole, sights)
+            i = sample_kernels.observe(first, last, False, samples, whole, sights)
+            while i < last:
+                failures[i] = workspace.failed_query()
+                _leave_out(sights, i)
+                i = sample_kernels.observe(i + 1, last, False, samples, whole, sights)
     others = [place for table in system.others for place in system.element_blocks[table].values()]
     traced = [system.spring_blocks[name] for name in system.traced]
     done, told = (_done(workspace, samples, programs, whole, blocks) for blocks in (others, traced))
@@ -216,6 +218,13 @@ def observed(
         residual=residual,
         failures=failures,
     )
+
+
+def _leave_out(sights: sample_kernels.Sights, i: int) -> None:
+    """Write not-a-number for a sample at which something has no answer."""
+    for part in sights:
+        if part is not sights.scenarios:
+            part[i : i + 1].view(np.float64)[:] = np.nan
 
 
 def _whole(system: System, workspace: Workspace) -> sample_kernels.SystemArrays:

@@ -17,8 +17,10 @@ from antenna_pin.dynamics import kernels, link_kernels, point_kernels, query_ker
 from antenna_pin.dynamics.constraints import Constraints
 from antenna_pin.dynamics.links import OnLinksInPython
 from antenna_pin.dynamics.system import System
+from antenna_pin.errors import FunctionError
 from antenna_pin.integrate.manifold_kernels import FACTOR, SPACE_WORDS
 from antenna_pin.joints import PythonPath
+from antenna_pin.joints.geometry.coal_query_kernels import most_words
 from antenna_pin.joints.kernels import unit_normal_force
 from antenna_pin.joints.layout_kernels import JOINT, JOINT_WORDS
 from antenna_pin.joints.pose_kernels import place_journal
@@ -67,7 +69,11 @@ class Workspace:
         table = first + words_of(MEMORY) * contacts
         end = table + system.rows * words_of(CONTACT)
         # Behind the table is room for what may be asked of coal.
-        room = np.zeros(end + len(system.clearances) * query_kernels.QUERIED_WORDS)
+        most = [
+            most_words(joint.contacts, joint.strips * (joint.load == "distributed"), joint.sectors)
+            for joint in system.clearances
+        ]
+        room = np.zeros(end + sum(most) + query_kernels.HEAD * len(most))
         self.tau = room[:nv]
         self._pose = room[nv:first].view(POSE)
         self.memory = room[first:table].view(MEMORY)
@@ -85,10 +91,17 @@ class Workspace:
             self.paths.append(path)
             if path.queried is None:
                 continue
-            stretch = room[end : end + query_kernels.QUERIED_WORDS]
-            stretch[: query_kernels.HEAD].view(query_kernels.QUERIED)["block"] = start
-            path.queried.take(stretch[query_kernels.HEAD :])
-            end += query_kernels.QUERIED_WORDS
+            words = query_kernels.HEAD + path.queried.words
+            queried = room[end : end + query_kernels.HEAD].view(query_kernels.QUERIED)
+            queried["block"], queried["words"] = start, words
+            path.queried.take(room[end + query_kernels.HEAD : end + words])
+            end += words
+        backends = [path.queried for path in self.paths if path.queried is not None]
+        #: Whether machine code evaluates coal's distances: of all joints that can be asked so, or of none.
+        self.is_queried = bool(backends) and all(one.evaluator is not None for one in backends)
+        self._backends = backends
+        #: Those of the paths that are Python's to go.
+        self.python_paths = [path for path in self.paths if path.queried is None or not self.is_queried]
         #: Array that contains ``tau``, a pose, ``memory`` and ``table``, as kernels require it.
         self.work = room[:end]
         #: Those whose gaps are what a backend measures and nothing else.
@@ -198,18 +211,20 @@ class Workspace:
         backend.
         """
         trial_kernels.contacts_in(y, self.program, self._pose, self.table)
-        for path in self.paths:
+        if self.is_queried and query_kernels.answer_queries(y, self.program, self.work, True):
+            raise self.failed_query()
+        for path in self.python_paths:
             path.prepare(y, everything=True)
 
     def prepare(self, t: float, y: Array) -> None:
         """Do what of the elements happens in Python: gaps, laws, numbers of drives."""
-        for path in self.paths:
+        for path in self.python_paths:
             path.prepare(y)
         self.prepare_motions(t, y)
 
     def asked_in_steps(self) -> Callable[[float, Array], None]:
         """Return an equivalent of :meth:`prepare` with coal's queries in compiled code."""
-        queried = [path.queried.answer for path in self.paths if path.queried is not None]
+        queried = [] if self.is_queried else [one.answer for one in self._backends]
         paths = [path.prepare for path in self.paths if path.queried is None]
         motions = self.prepare_motions if self.system.callables else None
 
@@ -223,10 +238,24 @@ class Workspace:
 
         return ask
 
+    @property
+    def coal_failure(self) -> FunctionError | None:
+        """Exception of coal in machine code, as an error; None without any."""
+        return next((one.failure for one in self._backends if one.failed), None)
+
+    def failed_query(self) -> FunctionError:
+        """Return the exception of a query that has failed in machine code."""
+        found = self.coal_failure
+        assert found is not None
+        return found
+
     def apply_elements(self, t: float, y: Array, rates: Array) -> None:
         """Evaluate the elements: ``tau``, the contacts' ``table``, and x rates behind rates[nv]."""
         self.prepare(t, y)
-        kernels.evaluate(t, y, self.program, self.work, rates)
+        if not self.is_queried:
+            kernels.evaluate(t, y, self.program, self.work, rates)
+        elif query_kernels.evaluate_queried(t, y, self.program, self.work, rates):
+            raise self.failed_query()
         if self._bodies is not None:
             link_kernels.add_forces(t, y, self.program, *self._bodies, self.tau, rates)
             if self.constraints is not None:

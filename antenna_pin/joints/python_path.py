@@ -20,6 +20,8 @@ from antenna_pin.contact.kernels import elastic_energy, elastic_force, normal_fo
 from antenna_pin.contact.normal import normal_questions
 from antenna_pin.joints import kernels
 from antenna_pin.joints.geometry import Distances
+from antenna_pin.joints.geometry.coal_backend import CoalBackend
+from antenna_pin.joints.geometry.coal_patches import PatchLayout
 from antenna_pin.joints.geometry.coal_revolute import CoalRevolute
 from antenna_pin.joints.geometry.patch_kernels import NODE
 from antenna_pin.joints.layout_kernels import JOINT, JOINT_WORDS, nodes_at, patches_at
@@ -132,10 +134,16 @@ class PythonPath:
         self.row = int(head["row"][0])
         self._distributed = bool(head["distributed"][0])
         self._pose = np.zeros(1, POSE)
+        if bool(head["distributed"][0]) and isinstance(distances, CoalRevolute):
+            patches, nodes = patches_at(block, 0), block[nodes_at(0) :].view(NODE)
+            first = int(patches.first) - self.row
+            distances = distances.patches(
+                PatchLayout(int(patches.strips), first, float(patches.radius), nodes)
+            )
         self._distances = distances
         #: What asks coal, where that is all that is done in Python while contacts touch.
-        self.queried: CoalRevolute | None = None
-        if self.compiled and not self._distributed and isinstance(distances, CoalRevolute):
+        self.queried: CoalBackend | None = None
+        if self.compiled and isinstance(distances, CoalBackend):
             self.queried = distances
         self._table = table
         # The joint's rows by name, looked up once: a look-up costs as much as a query of coal.
@@ -185,14 +193,8 @@ class PythonPath:
             kernels.geometry_alone(self._block, 0, y, self._nq, table, self._pose)
         else:
             place_journal(self._block, 0, y, self._nq, self._pose)
-            if self._distributed and isinstance(distances, CoalRevolute):
-                patches = decorators.in_python(patches_at)(self._block, 0)
-                nodes = self._block[nodes_at(0) :].view(NODE)
-                distances.query_patches(
-                    self._pose, patches.strips, nodes, patches.radius, table, row, patches.first
-                )
-            else:
-                distances.query(self._pose, table, row, None if everything else self._touching.tolist())
+            wanted = None if everything or self._distributed else self._touching.tolist()
+            distances.query(self._pose, table, row, wanted)
         if not self.compiled or (everything and self.measured):
             kernels.rates_alone(self._block, 0, table, self._pose)
         if not self.compiled:

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """Many runs at once in one process: 1 s of case 3 with random parameters, on one thread and on two.
 
-The compiled loop runs without the interpreter's lock. Clearance, friction and restitution of each run are
+The compiled loop runs without the interpreter's lock, and so does the default engine where the shim to
+Pinocchio's and coal's machine code is used (``antenna-pin info --versions``), of which a tenth as many runs
+are made. Clearance, friction and restitution of each run are
 drawn at random (a fixed seed); results are lean. What a run takes besides the loop (its scenario, its system,
 its record) holds the lock, so that the gain of the second thread is less than two. The same runs on both must
 agree to the last bit.
@@ -22,13 +24,18 @@ from antenna_pin import Scenario, Trajectory, build_system, simulate
 
 RUNS = 1000
 SPAN = 1.0  # [s]
-CHANGES = (CLOSED_FORM, "integrator.engine=compiled", "integrator.accuracy=1e-3", "output.form=lean")
+COMMON = ("integrator.accuracy=1e-3", "output.form=lean")
+#: Engines: changes, share of the runs, and limit of all [s].
+ENGINES: dict[str, tuple[tuple[str, ...], float, float | None]] = {
+    "compiled": ((CLOSED_FORM, "integrator.engine=compiled"), 1.0, 30.0),
+    "Pinocchio and coal": ((), 0.1, None),
+}
 
 
-def drawn(count: int) -> list[Scenario]:
+def drawn(count: int, changes: tuple[str, ...]) -> list[Scenario]:
     """Return the scenarios of the runs."""
     rng = np.random.default_rng(7)
-    case = scenario("case3", *CHANGES)
+    case = scenario("case3", *COMMON, *changes)
     joint = "clearance.elevation"
     changed = []
     for _ in range(count):
@@ -48,10 +55,15 @@ def main() -> int:
     """Make the runs."""
     report = Report("threads", __doc__ or "")
     quick = report.parse().quick
-    count = 4 if quick else RUNS
-    began = time.perf_counter()
-    jobs = drawn(count)
-    reading = time.perf_counter() - began
+    for engine, (changes, share, limit) in ENGINES.items():
+        count = 4 if quick else round(share * RUNS)
+        measure(report, engine, drawn(count, changes), None if quick else limit)
+    return report.finish()
+
+
+def measure(report: Report, engine: str, jobs: list[Scenario], limit: float | None) -> None:
+    """Make the runs of an engine on one thread and on two, and add what they take."""
+    count = len(jobs)
     one(jobs[0])  # loads what is compiled
     aba = bare_aba(build_system(jobs[0]).model)()
     some = jobs[: max(4, count // 10)]
@@ -64,15 +76,12 @@ def main() -> int:
     taken = time.perf_counter() - began
     assert all(same(*pair) for pair in zip(serial, both, strict=False)), "threads change results"
     evaluations = sum(run.counts.evaluations for run in both)
-    limit = None if quick else 30.0
-    report.add(f"{count} runs of {SPAN:g} s on 2 threads", taken, "s", limit)
-    report.add("making their scenarios, before that", reading, "s")
-    report.add("a run on 1 thread", 1e3 * alone, "ms")
-    report.add("gain of the second thread", alone * count / taken)
-    report.add("evaluations of a run", evaluations / count)
-    report.add("all, per evaluation, over pin.aba", taken / evaluations / aba)
-    report.add("pin.aba", 1e6 * aba, "us")
-    return report.finish()
+    report.add(f"{engine}: {count} runs of {SPAN:g} s on 2 threads", taken, "s", limit)
+    report.add(f"{engine}: a run on 1 thread", 1e3 * alone, "ms")
+    report.add(f"{engine}: gain of the second thread", alone * count / taken)
+    report.add(f"{engine}: evaluations of a run", evaluations / count)
+    report.add(f"{engine}: all, per evaluation, over pin.aba", taken / evaluations / aba)
+    report.add(f"{engine}: pin.aba", 1e6 * aba, "us")
 
 
 def same(a: Trajectory, b: Trajectory) -> bool:

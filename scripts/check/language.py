@@ -170,7 +170,19 @@ def _misspelt() -> Iterator[Place]:
 
 
 # Words of the field, and names of people, that codespell takes for slips.
-_RIGHT = ("wit", "fro", "lates", "commun", "shepperd", "gere", "numer", "lond", "precesses", "orgin", "statics")
+_RIGHT = (
+    "wit",
+    "fro",
+    "lates",
+    "commun",
+    "shepperd",
+    "gere",
+    "numer",
+    "lond",
+    "precesses",
+    "orgin",
+    "statics",
+)
 
 
 def main(arguments: list[str] | None = None) -> int:

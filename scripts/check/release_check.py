@@ -15,7 +15,8 @@ Python that is there gets an empty environment, in which the wheel is installed 
 
 The plain wheel is installed with its extra ``compile``, which has Numba. A wheel with machine code is one for
 this platform and all Pythons: the plain wheel, with a shared library of all kernels as they are compiled in
-an empty environment of the first Python. It is tried without Numba.
+an empty environment of the first Python, and with the shim to Pinocchio's and coal's machine code. It is tried
+without Numba, and must use the shim.
 
 It needs nothing but the standard library; packages, pipx and uv come from the index that pip is set to.
 """
@@ -135,6 +136,7 @@ def contents_faults(names: list[str], kind: str) -> list[str]:
         "wheel": [
             "antenna_pin/__init__.py",
             "antenna_pin/py.typed",
+            "antenna_pin/native/shim.cpp",
             "antenna_pin/_models/bai2020/scenario.toml",
         ],
         "source": ["pyproject.toml", "LICENSE", "README.md", "CHANGELOG.md", "models/bai2020/scenario.toml"],
@@ -255,7 +257,9 @@ def with_code(python: str, wheel: Path, folder: Path, out: Path) -> Path:
     """
     told(python, "-m", "venv", folder / "env")
     there = folder / "env" / "bin" / "python"
-    told(there, "-m", "pip", "install", "-q", "-c", ROOT / "constraints.txt", f"{wheel}[compile]", "wheel")
+    packages = (f"{wheel}[compile]", "wheel", "cmeel-eigen")
+    told(there, "-m", "pip", "install", "-q", "-c", ROOT / "constraints.txt", *packages)
+    told(there, "-m", "antenna_pin.compiled.native_build", cwd=folder)
     given = ("NUMBA_CACHE_DIR", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "PYTHONPATH")
     without = [word for name in given for word in ("-u", name)]
     told("env", *without, there, ROOT / "scripts" / "compile_kernels.py", "--all", cwd=folder)
@@ -267,6 +271,9 @@ def with_code(python: str, wheel: Path, folder: Path, out: Path) -> Path:
     platform = told("env", *without, there, "-c", linked, unpacked / "antenna_pin" / "compiled").strip()
     index = unpacked / "antenna_pin" / "compiled" / "kernels.json"
     told("env", *without, there, ROOT / "scripts" / "check" / "called_kernels.py", index)
+    where = told(there, "-c", "import antenna_pin; print(antenna_pin.__path__[0])", cwd=folder).strip()
+    for path in Path(where, "native").glob("*.so"):
+        shutil.copy2(path, unpacked / "antenna_pin" / "native" / path.name)
     (folder / "packed").mkdir()
     told(there, "-m", "wheel", "pack", "--dest-dir", folder / "packed", unpacked)
     (packed,) = (folder / "packed").glob("*.whl")
@@ -291,7 +298,9 @@ def without_numba(there: Path, folder: Path, suite: bool) -> str:
         folder: Folder to work in.
         suite: Whether tests run under that machine code.
     """
-    found = told(there / "python", "-W", "ignore", "-c", _WITHOUT, cwd=folder).split()
+    found = told(
+        there / "python", "-W", "ignore", "-c", _WITHOUT, cwd=folder, ANTENNA_PIN_NATIVE="required"
+    ).split()
     if found:
         raise SystemExit(f"{' and '.join(found)} must not be needed, but came with the wheel")
     for command in _COMMANDS:

@@ -9,11 +9,11 @@ from antenna_pin.compiled import intrinsics
 from antenna_pin.compiled.calls import CALLED_BACK
 
 
-def compiled(lowered, address, returns, floats):
+def compiled(lowered, address, returns, floats, *more):
     """Return the address of a function whose body a lowering writes, and the engine that holds it."""
     double = ir.DoubleType()
     module = ir.Module("calls")
-    function = ir.Function(module, ir.FunctionType(returns, [address] + [double] * floats), "called")
+    function = ir.Function(module, ir.FunctionType(returns, [address, *[double] * floats, *more]), "called")
     builder = ir.IRBuilder(function.append_basic_block())
     builder.ret(lowered(None, builder, None, list(function.args)))
     binding.initialize_native_target()
@@ -26,18 +26,18 @@ def compiled(lowered, address, returns, floats):
 
 @pytest.mark.parametrize("status", [0, 3, -1])
 def test_a_function_in_python_is_called_back_with_a_time_and_its_status_returned(status):
-    """``call_back``: a time goes in as it is, a whole number comes out."""
-    times = []
+    """``call_back``: a time and an address go in as they are, a whole number comes out."""
+    asked = []
 
     @CALLED_BACK
-    def answer(t):
-        times.append(t)
+    def answer(t, target):
+        asked.append((t, target))
         return status
 
-    at, engine = compiled(intrinsics._lowered_call_back, ir.IntType(64), ir.IntType(64), 1)
-    call = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, ctypes.c_double)(at)
-    assert call(ctypes.cast(answer, ctypes.c_void_p).value, 0.1) == status
-    assert times == [0.1]
+    at, engine = compiled(intrinsics._lowered_call_back, ir.IntType(64), ir.IntType(64), 1, ir.IntType(64))
+    call = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_int64, ctypes.c_double, ctypes.c_int64)(at)
+    assert call(ctypes.cast(answer, ctypes.c_void_p).value, 0.1, 4096) == status
+    assert asked == [(0.1, 4096)]
     engine.close()
 
 

@@ -207,6 +207,18 @@ def _many(count: int, noun: str) -> str:
     return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
 
 
+def _show_versions(wanted: bool) -> None:
+    """Print the versions of the libraries, and whether the shim is used."""
+    if wanted:
+        from antenna_pin.compiled.native import native_state
+        from antenna_pin.trajectory import library_versions
+
+        for name, one in library_versions().items():
+            say(f"{name:<12} {one}")
+        say(f"{'native shim':<12} {native_state()}")
+        raise typer.Exit
+
+
 def info(
     files: Annotated[
         list[str], typer.Argument(metavar="FILES...", help="Result files of runs, or one scenario.")
@@ -226,6 +238,15 @@ def info(
             "--quantity", metavar="FILE.py:NAME", help="A number by a function of a run. May be repeated."
         ),
     ] = None,
+    versions: Annotated[
+        bool,
+        typer.Option(
+            "--versions",
+            callback=_show_versions,
+            is_eager=True,
+            help="Print the versions of the libraries, and whether their machine code is called directly.",
+        ),
+    ] = False,
 ) -> None:
     """Summarise results: outcome, main numbers, conservation; or describe a scenario.
 

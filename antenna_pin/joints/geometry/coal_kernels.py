@@ -37,6 +37,11 @@ class Query(Record):
 
     wanted: int  # rows
     asked: int  # of them those that coal is still to be called for
+    kind: int  # FLANGED, PAIRS or PATCHED (``coal_pair_kernels.py``, ``coal_patch_kernels.py``)
+    rows: int  # how many there are
+    strips: int  # of PATCHED
+    answer: int  # address of the machine code that evaluates them; 0: Python does
+    pairs: int  # its object
 
 
 QUERY = layout(Query)
@@ -60,6 +65,7 @@ class End(Record):
     side: float  # where the circle stands, in half lengths
     angle: float  # of the point on the circle [rad]
     inside: int  # 1: the journal's axis passes through the circle
+    asked: int  # of a strip: 1: coal is to be called for it
     normal: Vector3  # in H
     gap: float  # [m]
     answer: float  # coal's last distance [m]
@@ -69,8 +75,19 @@ class End(Record):
 END = layout(End)
 
 
+class Discs(Record):
+    """Placement in H of the discs that stand for small flanges."""
+
+    rotation: Matrix3  # from J to H
+    centre: Vector3  # of the disc at +z [m]
+    other: Vector3  # centre of the disc at -z [m]
+
+
+DISCS = layout(Discs)
+
+
 class FlangeAnswer(Record):
-    """coal's answer about a flange, in J."""
+    """Result of coal for a flange, in J; for a small flange in H, reversed."""
 
     gap: float  # [m]
     normal: Vector3  # from bearing to journal
@@ -80,15 +97,17 @@ class FlangeAnswer(Record):
 FLANGE_ANSWER = layout(FlangeAnswer)
 
 # What the kernels are given is one flat array with all of that in it: each array that Python hands over takes
-# its time, twice that if it is one of records. Where QUERY, REVOLUTE, FRAME, END at +z and at -z, and the
-# FLANGE_ANSWERs begin in it, and its size.
+# its time, twice that if it is one of records. Where QUERY, REVOLUTE, FRAME, END at +z and at -z, the
+# FLANGE_ANSWERs and DISCS begin in it, and its size.
 SHAPE_AT = words_of(QUERY)
 FRAME_AT = SHAPE_AT + words_of(REVOLUTE)
 END_WORDS = words_of(END)
 ENDS_AT = FRAME_AT + words_of(FRAME)
 ANSWER_WORDS = words_of(FLANGE_ANSWER)
 ANSWERS_AT = ENDS_AT + 2 * END_WORDS
-WORDS = ANSWERS_AT + 2 * ANSWER_WORDS
+DISCS_AT = ANSWERS_AT + 2 * ANSWER_WORDS
+WORDS = DISCS_AT + words_of(DISCS)
+FLANGED, PAIRS, PATCHED = 1, 2, 3  # kinds of queries
 FLANGES = 12  # the bits of both
 MOST_QUERIES = 12  # about one pose
 _APPROACH = 6  # Newton steps at most to where coal is asked first
@@ -101,17 +120,20 @@ def query_in(work: Floats) -> Query:
 
 
 @inlined
-def _shape_in(work: Floats) -> Revolute:
+def shape_in(work: Floats) -> Revolute:
+    """Return the dimensions of the joint."""
     return record(work[SHAPE_AT:FRAME_AT], REVOLUTE)
 
 
 @inlined
-def _frame_in(work: Floats) -> PlacementRecord:
+def frame_in(work: Floats) -> PlacementRecord:
+    """Return the placement of H in J."""
     return record(work[FRAME_AT:ENDS_AT], FRAME)
 
 
 @inlined
-def _end_in(work: Floats, k: int) -> End:
+def end_in(work: Floats, k: int) -> End:
+    """Return the search on circle k."""
     return record(work[ENDS_AT + k * END_WORDS : ENDS_AT + (k + 1) * END_WORDS], END)
 
 
@@ -129,7 +151,7 @@ def coal_set_out(work: Floats, pose: Records[Pose], wanted: int) -> None:
         pose: POSE, (1,).
         wanted: Rows, as bits.
     """
-    query, at = query_in(work), _frame_in(work)
+    query, at = query_in(work), frame_in(work)
     query.wanted = wanted
     query.asked = wanted & FLANGES
     ox, oy, oz = pose[0].centre[0], pose[0].centre[1], pose[0].centre[2]
@@ -158,9 +180,25 @@ def coal_set_out(work: Floats, pose: Records[Pose], wanted: int) -> None:
     at.rotation[2, 2] = zz
     for i in range(3):
         at.origin[i] = -(at.rotation[i, 0] * ox + at.rotation[i, 1] * oy + at.rotation[i, 2] * oz)
+    shape = shape_in(work)
+    if shape.flange_radius < shape.outer_radius and query.asked != 0:
+        _place_discs(at, shape, record(work[DISCS_AT:WORDS], DISCS))
     for k in range(2):
         if wanted >> k & 1 and coal_start(work, k, 1.0 - 2.0 * k, pose):
             query.asked |= 1 << k
+
+
+@inlined
+def _place_discs(at: PlacementRecord, shape: Revolute, discs: Discs) -> None:
+    """Place the discs of small flanges, half a length behind their inner faces."""
+    reach = shape.half_distance + shape.half_length
+    for i in range(3):
+        for j in range(3):
+            discs.rotation[i, j] = at.rotation[j, i]
+        along = at.rotation[0, i] * at.origin[0] + at.rotation[1, i] * at.origin[1]
+        along = -(along + at.rotation[2, i] * at.origin[2])
+        discs.centre[i] = along + reach * at.rotation[2, i]
+        discs.other[i] = along - reach * at.rotation[2, i]
 
 
 @kernel
@@ -172,7 +210,7 @@ def coal_start(work: Floats, k: int, side: float, pose: Records[Pose]) -> bool:
     # Towards the side of the bore that the journal axis is nearest to, where it cuts the circle's plane.
     ox, oy, oz = pose[0].centre[0], pose[0].centre[1], pose[0].centre[2]
     zx, zy, zz = pose[0].axis[0], pose[0].axis[1], pose[0].axis[2]
-    shape, end = _shape_in(work), _end_in(work, k)
+    shape, end = shape_in(work), end_in(work, k)
     radius = shape.bearing_radius
     lift = (side * shape.half_length - oz) / zz if zz != 0.0 else 0.0
     cx = ox + lift * zx
@@ -181,9 +219,9 @@ def coal_start(work: Floats, k: int, side: float, pose: Records[Pose]) -> bool:
     end.side = side
     end.inside = 1 if inside else 0
     end.angle = math.atan2(cy, cx) if (cx != 0.0 or cy != 0.0) else 0.0
-    _place_point(shape, _frame_in(work), end)
+    _place_point(shape, frame_in(work), end)
     if inside:
-        _approach(shape, _frame_in(work), end)
+        _approach(shape, frame_in(work), end)
     return inside
 
 
@@ -266,7 +304,7 @@ def coal_turn(work: Floats, k: int) -> bool:
     exact to 1e-10 in the normal and far below round-off in the gap: no further query is needed. Where the
     minimum is so flat that its angle is lost in round-off the gap decides.
     """
-    shape, at, end = _shape_in(work), _frame_in(work), _end_in(work, k)
+    shape, at, end = shape_in(work), frame_in(work), end_in(work, k)
     gap = end.answer
     hx, hy, hz = _in_bearing(at, end.direction[0], end.direction[1], end.direction[2])
     step, gain, slope = _newton(shape, at, end, (hx, hy, hz), gap)
@@ -314,12 +352,12 @@ def _collect(work: Floats, pose: Records[Pose], table: Records[Contact], row: in
     outside an end circle, which parts cannot do, the closed form's gap stands. A row that is not wanted
     stays as it is.
     """
-    dimensions, at, wanted = _shape_in(work), _frame_in(work), query_in(work).wanted
+    dimensions, at, wanted = shape_in(work), frame_in(work), query_in(work).wanted
     for k in range(2):
         if not wanted >> k & 1:
             continue
         out = table[row + k]
-        end = _end_in(work, k)
+        end = end_in(work, k)
         if end.inside == 0:
             bore_contact(dimensions, 1.0 - 2.0 * k, pose[0], out)
             continue
@@ -333,20 +371,32 @@ def _collect(work: Floats, pose: Records[Pose], table: Records[Contact], row: in
         out = table[row + 2 + k]
         answer = _answer_in(work, k)
         out.gap = answer.gap
+        covers = dimensions.flange_radius >= dimensions.outer_radius
         nx, ny, nz = answer.normal[0], answer.normal[1], answer.normal[2]
         for i in range(3):
-            out.normal[i] = at.rotation[0, i] * nx + at.rotation[1, i] * ny + at.rotation[2, i] * nz
+            if covers:
+                out.normal[i] = at.rotation[0, i] * nx + at.rotation[1, i] * ny + at.rotation[2, i] * nz
+            else:
+                out.normal[i] = -answer.normal[i]
         if pose[0].sine < 1e-11:
             # Is the nearest point on the axis of the cylinder asked, or at its rim?
-            px, py = answer.point[0], answer.point[1]
-            if dimensions.flange_radius >= dimensions.outer_radius:
+            px, py, pz = answer.point[0], answer.point[1], answer.point[2]
+            if covers:
                 px -= at.origin[0]
                 py -= at.origin[1]
+            else:
+                x = at.rotation[0, 0] * px + at.rotation[0, 1] * py + at.rotation[0, 2] * pz + at.origin[0]
+                y = at.rotation[1, 0] * px + at.rotation[1, 1] * py + at.rotation[1, 2] * pz + at.origin[1]
+                px, py = x, y
             edge = min(dimensions.outer_radius, dimensions.flange_radius)
             if px * px + py * py < 0.25 * edge * edge:
                 flange_contact(dimensions, 1.0 - 2.0 * k, pose[0], out)
                 out.gap = answer.gap + 1e-10 * dimensions.half_length - edge * pose[0].sine
                 continue
+        if not covers:
+            for i in range(3):
+                out.point[i] = answer.point[i]
+            continue
         px = answer.point[0] - at.origin[0]
         py = answer.point[1] - at.origin[1]
         pz = answer.point[2] - at.origin[2]

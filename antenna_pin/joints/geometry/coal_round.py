@@ -5,20 +5,19 @@ The hollow part is queried at the point on the line of centres, as a sphere of r
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import coal
 import numpy as np
-from numpy.typing import NDArray
 
 from antenna_pin.joints.geometry import kernels
+from antenna_pin.joints.geometry.coal_pairs import CoalPairs, Partners
 from antenna_pin.joints.geometry.round_kernels import ROUND
 
 __all__ = ["CoalPlanar", "CoalSpherical"]
 
 
-class _CoalRound:
+class _CoalRound(CoalPairs):
     """A point of the hollow against the solid inside.
 
     Args:
@@ -29,28 +28,9 @@ class _CoalRound:
     """
 
     def __init__(self, primitive: int, bearing_radius: float, journal_radius: float, solid: Any) -> None:
-        """Build shapes, functors and buffers once."""
+        """Build the shapes once."""
         numbers = np.array([(primitive, bearing_radius, journal_radius, (0.0,) * 6)], dtype=ROUND)
-        self._candidate = numbers.view(np.float64)
-        self._point = coal.Sphere(0.0)
-        self._solid = solid
-        self._functor = coal.ComputeDistance(self._point, self._solid)
-        self._request = coal.DistanceRequest()
-        self._result = coal.DistanceResult()
-        self._at_point = coal.Transform3s()
-        self._at_solid = coal.Transform3s()
-
-    def query(
-        self, pose: NDArray[Any], table: NDArray[Any], row: int, wanted: Sequence[float] | None = None
-    ) -> None:
-        """Fill the one row (see :class:`antenna_pin.joints.geometry.Distances`)."""
-        rows = table[row : row + 1]
-        kernels.fill(self._candidate, pose, rows)
-        self._at_point.setTranslation(rows["point"][0])
-        self._at_solid.setTranslation(pose["centre"][0])
-        self._result.clear()
-        rows["gap"] = self._functor(self._at_point, self._at_solid, self._request, self._result)
-        rows["normal"] = self._result.normal
+        super().__init__(numbers.view(np.float64).reshape(1, -1), [[Partners(coal.Sphere(0.0), solid)]])
 
 
 class CoalPlanar(_CoalRound):

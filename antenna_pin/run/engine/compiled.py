@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from antenna_pin.base.records import POSE
 from antenna_pin.base.settings import Engine
 from antenna_pin.compiled.calls import CALLED_BACK
+from antenna_pin.compiled.native import Evaluator
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.dynamics import outside_kernels as kernels
-from antenna_pin.dynamics.by_pinocchio import accelerations_of, terms_of
+from antenna_pin.dynamics.by_pinocchio import accelerations_of, machine_code_of, terms_of
 from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.errors import FunctionError, MechanismError
 from antenna_pin.integrate import Method, Stepper
@@ -52,6 +53,7 @@ class Answers:
         )
         self._raised: list[BaseException] = []
         self._kept: dict[str, Any] = {}
+        self._machine: list[Callable[[], FunctionError | None]] = []
 
     def give(self, question: str, function: Callable[[float], None]) -> None:
         """Let a function answer a question, a field of ``ASKED``.
@@ -60,7 +62,7 @@ class Answers:
         """
         raised = self._raised
 
-        def answer(t: float) -> int:
+        def answer(t: float, _: int | None) -> int:
             try:
                 function(t)
             except FunctionError as error:
@@ -74,32 +76,41 @@ class Answers:
         called = self._kept[question] = CALLED_BACK(answer)
         self.outside.asked[0][question] = ctypes.cast(called, ctypes.c_void_p).value
 
+    def give_machine_code(self, failure: Callable[[], FunctionError | None], **fields: int) -> None:
+        """Set addresses of machine code, fields of ``ASKED``, and its source of errors."""
+        self._machine.append(failure)
+        for name, value in fields.items():
+            self.outside.asked[0][name] = value
+
     def asks(self, question: str) -> bool:
-        """Return whether a callback is given."""
+        """Return whether a callback in Python is given."""
         return question in self._kept
 
     @property
     def refusal(self) -> FunctionError | None:
         """Return the last refusal of a user's function."""
-        return next((error for error in self._raised if isinstance(error, FunctionError)), None)
+        found = next((error for error in self._raised if isinstance(error, FunctionError)), None)
+        return found or next((error for failure in self._machine if (error := failure())), None)
 
     def check(self) -> None:
         """Raise what has been raised where compiled code asked last, if anything was."""
         asked: kernels.CallbackRecord = self.outside.asked[0]
         if asked.failed != kernels.ANSWERED:
             asked.failed = kernels.ANSWERED
-            raise self._raised.pop()
+            raise self._raised.pop() if self._raised else self.refusal or AssertionError("no callback failed")
 
 
 def give_python(answers: Answers, workspace: Workspace, table: NDArray[Any]) -> None:
     """Register the callbacks of a system's elements in Python."""
     state = answers.outside.state
     asked: kernels.CallbackRecord = answers.outside.asked[0]
-    if workspace.paths or workspace.system.callables:
+    if workspace.is_queried:
+        answers.give_machine_code(lambda: workspace.coal_failure, queried=1)
+    if workspace.python_paths or workspace.system.callables:
         ask = workspace.asked_in_steps()
         answers.give("elements", lambda t: ask(t, state))
         # Forces of laws in Python are zero again only once they have been asked after a release.
-        compiled = all(path.compiled for path in workspace.paths)
+        compiled = all(path.compiled for path in workspace.python_paths)
         asked.touching = compiled and not workspace.system.callables
     if workspace.system.callables and workspace.constraints is not None:
         answers.give("motions", lambda t: workspace.prepare_motions(t, state))
@@ -111,13 +122,28 @@ def give_python(answers: Answers, workspace: Workspace, table: NDArray[Any]) -> 
 
 def give_pinocchio(answers: Answers, workspace: Workspace, mass: Array, bias: Array) -> None:
     """Let Pinocchio answer for the dynamics of the tree."""
-    tree = workspace.model, workspace.data, answers.outside.state
+    outside = answers.outside
+    code = machine_code_of(workspace.model, outside.state, outside.effort, outside.acceleration, mass, bias)
+    if code is not None:
+        evaluator, acceleration_at, terms_at = code
+        free = workspace.constraints is None
+        asked = {"acceleration": acceleration_at} if free else {"terms": terms_at}
+        answers.give_machine_code(lambda: _failure_of(evaluator), tree=evaluator.address, **asked)
+        return
+    tree = workspace.model, workspace.data, outside.state
     if workspace.constraints is None:
         function, acceleration = accelerations_of(*tree, answers.outside.effort)
         answers.outside = answers.outside._replace(acceleration=acceleration)
         answers.give("acceleration", function)
     else:
         answers.give("terms", terms_of(*tree, mass, bias))
+
+
+def _failure_of(evaluator: Evaluator) -> FunctionError | None:
+    """Return an exception of Pinocchio in machine code, as an error; None without any."""
+    if not evaluator.error:
+        return None
+    return FunctionError("Pinocchio", "a state", "the dynamics of the tree", evaluator.error)
 
 
 def check_compiled(system: System) -> None:

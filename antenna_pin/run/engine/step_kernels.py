@@ -16,8 +16,13 @@ from antenna_pin.dynamics.constraints.rows_kernels import write_rows
 from antenna_pin.dynamics.kernels import evaluate, head_of
 from antenna_pin.dynamics.link_kernels import add_forces, write_wrenches
 from antenna_pin.dynamics.numbers_kernels import Numbers
-from antenna_pin.dynamics.outside_kernels import ask_at, has_failed
-from antenna_pin.dynamics.query_kernels import has_queries, set_out_queries, take_in_queries
+from antenna_pin.dynamics.outside_kernels import ANSWERED, ask_at, has_failed
+from antenna_pin.dynamics.query_kernels import (
+    answer_queries,
+    has_queries,
+    set_out_queries,
+    take_in_queries,
+)
 from antenna_pin.integrate.explicit_kernels import (
     ASK,
     Tableau,
@@ -62,6 +67,8 @@ def accelerate(t: float, y: Floats, tau: Floats, numbers: Numbers, rates: Floats
 def ask_elements(t: float, y: Floats, numbers: Numbers) -> None:
     """Call back for uncompiled elements at t [s] and y, before their evaluation."""
     asked = numbers.outside.asked[0]
+    if asked.queried != 0 and asked.failed == ANSWERED:
+        asked.failed = answer_queries(y, numbers.program, numbers.work, False)
     if asked.elements == 0:
         return
     due = asked.touching == 0
@@ -69,7 +76,7 @@ def ask_elements(t: float, y: Floats, numbers: Numbers) -> None:
         due = due or numbers.memory[c].touching != 0.0
     if not due:
         return
-    if not has_queries(numbers.program, numbers.work):
+    if asked.queried != 0 or not has_queries(numbers.program, numbers.work):
         ask_at(numbers.outside, asked.elements, t, y)
         return
     set_out_queries(y, numbers.program, numbers.work)
