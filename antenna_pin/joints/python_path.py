@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import AskedFunction, told_numbers
 from antenna_pin.base.records import POSE
-from antenna_pin.compiled import decorators
 from antenna_pin.compiled.given_functions import callable_of
 from antenna_pin.contact import FrictionLaw, NormalLaw
 from antenna_pin.contact.friction_kernels import friction_force

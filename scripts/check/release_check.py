@@ -15,8 +15,8 @@ Python that is there gets an empty environment, in which the wheel is installed 
 
 The plain wheel is installed with its extra ``compile``, which has Numba. A wheel with machine code is one for
 this platform and all Pythons: the plain wheel, with a shared library of all kernels as they are compiled in
-an empty environment of the first Python, and with the shim to Pinocchio's and coal's machine code. It is tried
-without Numba, and must use the shim.
+an empty environment of the first Python, and with the shim to Pinocchio's and coal's machine code. It is
+tried without Numba, and must use the shim.
 
 It needs nothing but the standard library; packages, pipx and uv come from the index that pip is set to.
 """
