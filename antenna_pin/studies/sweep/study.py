@@ -16,7 +16,7 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.merge import merge
 from antenna_pin.scenario.runs_file import RunsFile, nested
 from antenna_pin.scenario.spec import Count, Folder, Spec, refuse, refuse_name
-from antenna_pin.studies.sweep.parameters import ParameterSpec
+from antenna_pin.scenario.parameters import ParameterSpec
 from antenna_pin.studies.sweep.responses import ResponseSpec
 
 __all__ = ["ComparisonSpec", "SamplingSpec", "Study", "list_studies", "load_study"]
