@@ -111,6 +111,7 @@ from antenna_pin.analysis.scenarios import scenario_rows as scenario_rows
 from antenna_pin.analysis.settling import Settling as Settling
 from antenna_pin.analysis.settling import settling as settling
 from antenna_pin.analysis.settling import touching_intervals as touching_intervals
+from antenna_pin.analysis.interface import interface_loads as interface_loads
 from antenna_pin.analysis.shaken import base_loads as base_loads
 from antenna_pin.analysis.shaken import base_quantity as base_quantity
 from antenna_pin.analysis.shaken import shaken_link as shaken_link

@@ -1,0 +1,558 @@
+"""Quantities of requirements: numbers of a run, or of a scenario without a run.
+
+Those of a run are the measures of studies, and every row of the catalogue of quantities that has a number for
+each named thing; statistics, spectra and densities of a signal are beside them. Each belongs to one of the
+analyses of a report.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from antenna_pin.analysis import (
+    closure_loads,
+    coupling_loads,
+    drive_loads,
+    elastic_motion,
+    impact_statistics,
+    impacts,
+    load_statistics,
+    own_number,
+    quantity,
+)
+from antenna_pin.errors import InvalidParameterError, ScenarioError, UnknownNameError
+from antenna_pin.scenario import Scenario
+from antenna_pin.scenario.requirements import OPTIONS, RequirementSpec
+from antenna_pin.studies.sweep.measures import MEASURES
+from antenna_pin.trajectory import Trajectory
+from antenna_pin.trajectory.columns import Variable
+from antenna_pin.trajectory.quantities import TABLES, names_along
+
+__all__ = ["ANALYSES", "QUANTITIES", "Case", "VerifiedQuantity", "quantity_of"]
+
+Analysis = Literal[
+    "functional",
+    "motorization",
+    "loads",
+    "shocks",
+    "disturbance",
+    "preload",
+    "stress",
+    "control",
+    "integrity",
+]
+
+#: Analyses of a report, and their titles.
+ANALYSES: dict[str, str] = {
+    "functional": "Functional performance",
+    "motorization": "Motorization and statics",
+    "loads": "Loads",
+    "shocks": "Shocks",
+    "disturbance": "Disturbance and vibration",
+    "preload": "Preload and tolerances",
+    "stress": "Contact stress",
+    "control": "Control",
+    "integrity": "Integrity of the runs",
+}
+
+
+@dataclass
+class Case:
+    """Scenario at one point of its uncertain numbers, with what has been computed of it.
+
+    Attributes:
+        scenario: The scenario.
+        make: Returns its run, once.
+        reference: Returns the run of the reference, once.
+        sources: Texts of the files of functions, by name.
+        memo: Results of analyses that several quantities share.
+    """
+
+    scenario: Scenario
+    make: Callable[[], Trajectory]
+    reference: Callable[[], Trajectory | None] = lambda: None
+    sources: Mapping[str, str] = field(default_factory=dict)
+    memo: dict[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def run(self) -> Trajectory:
+        """The run."""
+        return self.make()
+
+    @property
+    def has_run(self) -> bool:
+        """True once the run has been made."""
+        return "run" in self.__dict__
+
+
+#: Value of a quantity in SI units, with its unit where its object decides that.
+Value = float | tuple[float, str]
+Find = Callable[[Case, RequirementSpec], Value]
+
+
+@dataclass(frozen=True, slots=True)
+class VerifiedQuantity:
+    """Quantity that a requirement may bound.
+
+    Attributes:
+        name: Name in files.
+        units: Unit, behind a bar that of what slides; "" where it depends on the object.
+        meaning: Description.
+        analysis: Analysis of the report that it belongs to.
+        of: Kind of its objects; "" for the whole.
+        find: Returns its value in SI units.
+        options: Keys of a requirement that it takes.
+        needs_run: True for a number of a run, False for one of the scenario alone.
+        needs_series: True if a lean result does not have it.
+        compares: True if it needs the reference.
+    """
+
+    name: str
+    units: str
+    meaning: str
+    analysis: Analysis
+    of: str
+    find: Find
+    options: tuple[str, ...] = ()
+    needs_run: bool = True
+    needs_series: bool = False
+    compares: bool = False
+
+    def refuse_options(self, place: str, spec: RequirementSpec) -> None:
+        """Refuse keys that the quantity does not take.
+
+        Raises:
+            ScenarioError: A key is given in vain.
+        """
+        taken = {*self.options} | ({"of"} if self.of else set())
+        for key in (*OPTIONS, "of"):
+            if key in spec.given and key not in taken:
+                known = f"; it takes {', '.join(sorted(taken))}" if taken else ""
+                raise ScenarioError(f"{place}.{key} must be left out: {self.name} has none{known}")
+
+
+class _Measure(NamedTuple):
+    """Requirement as the arguments of a study's measure."""
+
+    measure: str
+    of: str | None
+    index: str
+    component: str
+    value: str
+    window: float | None
+    drift_spacing: float | None
+    period: float | None
+    confidence: float
+
+
+_POINTING = ("index", "component", "value", "window", "drift_spacing", "period", "level")
+_BOOKS = ("energy_", "linear_momentum", "angular_momentum", "gross_work")
+
+
+def _analysis_of(name: str) -> Analysis:
+    if name.startswith(_BOOKS):
+        return "integrity"
+    if name in ("blows", "impacts", "approach_speed", "impulse", "largest_blow", "fastest_touch"):
+        return "shocks"
+    loads = ("force", "torque", "effort", "moment", "load", "tension")
+    return "loads" if any(part in name for part in loads) else "functional"
+
+
+def _measured(name: str) -> Find:
+    def find(case: Case, spec: RequirementSpec) -> float:
+        about = _Measure(
+            name, spec.of, spec.index, spec.component, spec.value,
+            spec.window, spec.drift_spacing, spec.period, spec.level,
+        )  # fmt: skip
+        reference = case.reference() if MEASURES[name].compares else None
+        return float(MEASURES[name].find(case.run, about, reference))
+
+    return find
+
+
+def _of_measures() -> Iterator[VerifiedQuantity]:
+    for name, one in MEASURES.items():
+        units = one.units
+        yield VerifiedQuantity(
+            name,
+            units if not one.sliding else "",
+            one.meaning,
+            "functional" if name == "pointing" else _analysis_of(name),
+            one.of,
+            _measured(name),
+            options=_POINTING if name == "pointing" else (),
+            needs_series=one.series,
+            compares=one.compares,
+        )
+
+
+# --- elements in a summary: stops, latches, gears ---
+
+_FAMILIES = ("stops", "latches", "gears")
+
+
+def _of_element(variable: Variable) -> Find:
+    keys = {variable.key(), variable.key(slides=True)}
+
+    def find(case: Case, spec: RequirementSpec) -> float:
+        if "summary" not in case.memo:
+            case.memo["summary"] = case.run.summary()
+        summary = case.memo["summary"]
+        found: dict[str, float] = {}
+        for family in _FAMILIES:
+            for name, numbers in summary.get(family, {}).items():
+                for key in keys & numbers.keys():
+                    value = numbers[key]
+                    number = math.nan if value is None else float(value)
+                    found[f"{family}.{name}"] = number
+        return _chosen(variable.name, "element", spec.of, found)
+
+    return find
+
+
+def _chosen(name: str, what: str, of: str | None, found: Mapping[str, float]) -> float:
+    """Return the number of one thing, or the worst of all: the least of what is held, else the largest."""
+    if of is None and found:
+        values = list(found.values())
+        if any(math.isnan(one) for one in values):
+            return math.nan
+        return min(values) if name == "held_at_end" else max(values)
+    exact = [key for key in found if of in (key, key.partition(".")[2])]
+    if len(exact) != 1:
+        raise UnknownNameError(name, what, of or "any", found)
+    return found[exact[0]]
+
+
+# --- tables with a row for each named thing ---
+
+_TABLES: dict[str, tuple[Callable[[Trajectory], xr.Dataset], Analysis]] = {
+    "closure loads": (closure_loads, "loads"),
+    "coupling loads": (coupling_loads, "loads"),
+    "drive loads": (drive_loads, "loads"),
+    "elastic motion": (elastic_motion, "functional"),
+    "loads": (load_statistics, "loads"),
+    "joint loads": (load_statistics, "loads"),
+    "impact statistics": (lambda run: impact_statistics(impacts(run)), "shocks"),
+}
+
+
+def _of_table(table: str, variable: Variable) -> Find:
+    make, _ = _TABLES[table]
+    (dim,) = variable.dims
+
+    def find(case: Case, spec: RequirementSpec) -> float:
+        if table not in case.memo:
+            case.memo[table] = make(case.run)
+        data = case.memo[table]
+        names = names_along(data, dim)
+        values = np.asarray(data[variable.name].values, dtype=float)
+        return _chosen(variable.name, dim.replace("_", " "), spec.of, dict(zip(names, values, strict=True)))
+
+    return find
+
+
+def _of_series(variable: Variable) -> Find:
+    """Return the reduction of a series, as peak and end of controllers, motors and springs."""
+    assert variable.reduced is not None
+    by, of = variable.reduced
+    (dim,) = variable.dims
+
+    def find(case: Case, spec: RequirementSpec) -> float:
+        data = case.run.data
+        if of not in data:
+            raise UnknownNameError(variable.name, "series of the result", of, ())
+        values = np.asarray(data[of].values, dtype=float)
+        reduced = np.abs(values).max(axis=0) if by == "peak" else values[-1]
+        own = str(data[of].dims[1])
+        return _chosen(
+            variable.name,
+            dim.replace("_", " "),
+            spec.of,
+            dict(zip(names_along(data, own), reduced, strict=True)),
+        )
+
+    return find
+
+
+_SERIES = ("controllers", "motors", "traced springs", "point springs", "frictions")
+
+
+def _of_tables(known: set[str]) -> Iterator[VerifiedQuantity]:
+    for variable in TABLES["elements"].values():
+        if variable.name not in known:
+            units = "" if variable.sliding else variable.units
+            analysis: Analysis = _analysis_of(variable.name)
+            yield VerifiedQuantity(
+                variable.name, units, variable.meaning, analysis, "element", _of_element(variable)
+            )
+    for table in _SERIES:
+        for variable in TABLES[table].values():
+            if variable.reduced is None:
+                continue
+            units = "" if variable.sliding else variable.units
+            analysis = "control" if table == "controllers" else _analysis_of(variable.name)
+            yield VerifiedQuantity(
+                variable.name, units, variable.meaning, analysis, variable.dims[0], _of_series(variable),
+                needs_series=True,
+            )  # fmt: skip
+    for table, (_, analysis) in _TABLES.items():
+        for variable in TABLES[table].values():
+            name = f"{table.replace(' ', '_')}.{variable.name}"
+            units = "" if variable.sliding else variable.units
+            yield VerifiedQuantity(
+                name, units, variable.meaning, analysis, variable.dims[0], _of_table(table, variable),
+                needs_series=True,
+            )  # fmt: skip
+
+
+# --- signals: any quantity over time of a run ---
+
+
+def _signal(case: Case, spec: RequirementSpec) -> tuple[Any, Any, str]:
+    """Return times [s] and values of a signal in its time span, and the unit."""
+    if spec.of is None:
+        raise InvalidParameterError(
+            spec.quantity, "of", "the name of a signal, as phase --list shows them", None
+        )
+    name = f"signal {spec.of}"
+    if name not in case.memo:
+        case.memo[name] = quantity(case.run, spec.of)
+    found = case.memo[name]
+    time, values = np.asarray(found.time, dtype=float), np.asarray(found.values, dtype=float)
+    if values.ndim > 1:
+        values = np.linalg.norm(values, axis=1)
+    low = -math.inf if spec.after is None else spec.after
+    high = math.inf if spec.before is None else spec.before
+    inside = (time >= low) & (time <= high)
+    if not inside.any():
+        said = f"{spec.after} s to {spec.before} s of {time[-1]:g} s"
+        raise InvalidParameterError(spec.quantity, "after", "a time within the run", said=said)
+    return time[inside], values[inside], found.units
+
+
+def _rms(time: Any, values: Any) -> float:
+    if len(time) < 2:
+        return float(abs(values[0]))
+    return math.sqrt(float(np.trapezoid(values**2, time)) / float(time[-1] - time[0]))
+
+
+_STATISTICS: dict[str, tuple[str, Callable[[Any, Any], float]]] = {
+    "signal_peak": ("largest size of a signal", lambda time, values: float(np.abs(values).max())),
+    "signal_largest": ("largest value of a signal", lambda time, values: float(values.max())),
+    "signal_least": ("least value of a signal", lambda time, values: float(values.min())),
+    "signal_range": ("largest less least value of a signal", lambda time, values: float(np.ptp(values))),
+    "signal_rms": ("root mean square of a signal", _rms),
+    "signal_end": ("last value of a signal", lambda time, values: float(values[-1])),
+}
+
+
+def _statistic(reduce: Callable[[Any, Any], float]) -> Find:
+    def find(case: Case, spec: RequirementSpec) -> Value:
+        time, values, units = _signal(case, spec)
+        return reduce(time, values), units
+
+    return find
+
+
+def _shock(case: Case, spec: RequirementSpec) -> Value:
+    from antenna_pin.analysis import shock_spectrum
+
+    time, values, units = _signal(case, spec)
+    found = shock_spectrum(time, values, quality=spec.quality, units=units)
+    frequency, response = found["frequency"].values, found["maximum"].values
+    if spec.band is not None:
+        inside = (frequency >= spec.band[0]) & (frequency <= spec.band[1])
+        if not inside.any():
+            rule = (
+                f"one with natural frequencies of the spectrum, {frequency[0]:.3g} to {frequency[-1]:.3g} Hz"
+            )
+            raise InvalidParameterError(spec.quantity, "band", rule, said=f"{spec.band} Hz")
+        response = response[inside]
+    return float(response.max()), units
+
+
+def _band_rms(case: Case, spec: RequirementSpec) -> Value:
+    from antenna_pin.analysis import band_rms, power_density
+
+    time, values, units = _signal(case, spec)
+    density = power_density(time, values, units=units)
+    return float(band_rms(density, None if spec.band is None else [spec.band])["rms"].values[0]), units
+
+
+def _of_signals() -> Iterator[VerifiedQuantity]:
+    span = ("after", "before")
+    for name, (meaning, reduce) in _STATISTICS.items():
+        yield VerifiedQuantity(
+            name, "", meaning, "functional", "signal", _statistic(reduce), span, needs_series=True
+        )
+    yield VerifiedQuantity(
+        "shock", "", "largest value of the shock response spectrum of a signal", "shocks", "signal", _shock,
+        (*span, "band", "quality"), needs_series=True,
+    )  # fmt: skip
+    yield VerifiedQuantity(
+        "band_rms", "", "root mean square of a signal in a band of frequencies", "disturbance", "signal",
+        _band_rms, (*span, "band"), needs_series=True,
+    )  # fmt: skip
+
+
+# --- disturbance at the interface ---
+
+
+def _interface(column: str, unit: str) -> Find:
+    def find(case: Case, spec: RequirementSpec) -> float:
+        from antenna_pin.analysis import band_rms, interface_loads, power_density
+
+        if "interface" not in case.memo:
+            case.memo["interface"] = interface_loads(case.run)
+        loads = case.memo["interface"]
+        time, values = np.asarray(loads["time"].values), np.asarray(loads[column].values)
+        if spec.of is None:
+            signal = np.linalg.norm(values, axis=1)
+        elif spec.of in ("x", "y", "z"):
+            signal = values[:, "xyz".index(spec.of)]
+        else:
+            raise UnknownNameError(spec.quantity, "axis", spec.of, ("x", "y", "z"))
+        if spec.band is None:
+            return float(np.abs(signal).max())
+        density = power_density(time, signal, units=unit)
+        return float(band_rms(density, [spec.band])["rms"].values[0])
+
+    return find
+
+
+def _of_interface() -> Iterator[VerifiedQuantity]:
+    for name, units, column in (("interface_force", "N", "force"), ("interface_moment", "N m", "moment")):
+        meaning = f"largest {column} of the mechanism on its base; in a band its root mean square"
+        yield VerifiedQuantity(
+            name, units, meaning, "disturbance", "axis", _interface(column, units), ("band",),
+            needs_series=True,
+        )  # fmt: skip
+
+
+# --- small motions ---
+
+
+def _modes(case: Case) -> Any:
+    from antenna_pin.studies.linear import modes
+
+    found = case.memo.get("modes")
+    if found is None:
+        found = case.memo["modes"] = modes(case.scenario)
+    return found
+
+
+def _mode(column: str) -> Find:
+    def find(case: Case, spec: RequirementSpec) -> float:
+        found = _modes(case)
+        elastic = [k for k, kind in enumerate(found.data["kind"].values) if kind == "elastic"]
+        if spec.number > len(elastic):
+            rule = f"of the vibrations, from 1 to {len(elastic)}"
+            raise InvalidParameterError(spec.quantity, "number", rule, spec.number)
+        return float(found.data[column].values[elastic[spec.number - 1]])
+
+    return find
+
+
+def _response_gain(case: Case, spec: RequirementSpec) -> float:
+    from antenna_pin.studies.linear import first_source, frequency_response
+
+    found = _modes(case)
+    source = spec.source or first_source(found, "source")
+    response = frequency_response(found, source, spec.of)
+    gain, frequency = response["gain"].values, response["frequency"].values
+    if spec.band is not None:
+        gain = gain[(frequency >= spec.band[0]) & (frequency <= spec.band[1])]
+    return float(gain.max()) if gain.size else math.nan
+
+
+def _of_small_motions() -> Iterator[VerifiedQuantity]:
+    yield VerifiedQuantity(
+        "frequency", "Hz", "natural frequency of a vibration about the start", "functional", "",
+        _mode("frequency"), ("number",), needs_run=False,
+    )  # fmt: skip
+    yield VerifiedQuantity(
+        "damping_ratio", "1", "damping ratio of a vibration about the start", "functional", "",
+        _mode("damping_ratio"), ("number",), needs_run=False,
+    )  # fmt: skip
+    yield VerifiedQuantity(
+        "response_gain", "", "largest gain of a frequency response about the start", "disturbance", "target",
+        _response_gain, ("source", "band"), needs_run=False,
+    )  # fmt: skip
+
+
+# --- control: the sampled loop about the start ---
+
+
+def _loop(column: str) -> Find:
+    def find(case: Case, spec: RequirementSpec) -> float:
+        from antenna_pin.studies.linear.sampled_loop import loop_margins
+
+        name = f"loop {spec.of}"
+        found = case.memo.get(name)
+        if found is None:
+            found = case.memo[name] = loop_margins(case.scenario, spec.of)
+        return float(getattr(found, column))
+
+    return find
+
+
+def _of_loops() -> Iterator[VerifiedQuantity]:
+    for name, units, meaning in (
+        ("gain_margin", "1", "factor on the loop gain that makes the sampled loop unstable, the nearer way"),
+        ("phase_margin", "rad", "least phase lag that makes the sampled loop unstable"),
+        ("modulus_margin", "1", "least distance of the sampled loop's frequency response from -1"),
+        ("loop_damping", "1", "least damping ratio of the closed sampled loop"),
+        ("bandwidth", "Hz", "highest frequency at which the loop gain is 1"),
+    ):
+        yield VerifiedQuantity(name, units, meaning, "control", "controller", _loop(name), needs_run=False)
+
+
+# --- a user's function ---
+
+
+def _own(case: Case, spec: RequirementSpec) -> float:
+    return own_number(spec.quantity, case.sources.get(spec.quantity, ""), spec.quantity, case.run)
+
+
+def _all() -> dict[str, VerifiedQuantity]:
+    found = {one.name: one for one in _of_measures()}
+    for made in (
+        _of_tables(set(found)), _of_signals(), _of_interface(), _of_small_motions(), _of_loops()
+    ):  # fmt: skip
+        for one in made:
+            found.setdefault(one.name, one)
+    return found
+
+
+#: Quantities of requirements by name.
+QUANTITIES: dict[str, VerifiedQuantity] = _all()
+
+
+def quantity_of(spec: RequirementSpec, place: str) -> VerifiedQuantity:
+    """Return the quantity of a requirement.
+
+    Args:
+        spec: The requirement.
+        place: Place of the requirement, for messages.
+
+    Raises:
+        UnknownNameError: There is no such quantity.
+        ScenarioError: A key is given that the quantity does not take.
+    """
+    if ":" in spec.quantity:
+        found = VerifiedQuantity(
+            spec.quantity, spec.units, f"function {spec.quantity}", "functional", "", _own, ("units",)
+        )
+    elif spec.quantity in QUANTITIES:
+        found = QUANTITIES[spec.quantity]
+    else:
+        raise UnknownNameError(f"{place}.quantity", "quantity", spec.quantity, QUANTITIES)
+    found.refuse_options(place, spec)
+    return found
