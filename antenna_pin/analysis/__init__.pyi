@@ -49,6 +49,7 @@ from antenna_pin.analysis.impacts import blow_statistics as blow_statistics
 from antenna_pin.analysis.impacts import blows as blows
 from antenna_pin.analysis.impacts import impact_statistics as impact_statistics
 from antenna_pin.analysis.impacts import impacts as impacts
+from antenna_pin.analysis.interface import interface_loads as interface_loads
 from antenna_pin.analysis.journal import STEADY as STEADY
 from antenna_pin.analysis.journal import bearing_up as bearing_up
 from antenna_pin.analysis.journal import bore_load as bore_load
@@ -111,7 +112,6 @@ from antenna_pin.analysis.scenarios import scenario_rows as scenario_rows
 from antenna_pin.analysis.settling import Settling as Settling
 from antenna_pin.analysis.settling import settling as settling
 from antenna_pin.analysis.settling import touching_intervals as touching_intervals
-from antenna_pin.analysis.interface import interface_loads as interface_loads
 from antenna_pin.analysis.shaken import base_loads as base_loads
 from antenna_pin.analysis.shaken import base_quantity as base_quantity
 from antenna_pin.analysis.shaken import shaken_link as shaken_link

@@ -31,7 +31,7 @@ def _probability(value: object) -> float:
 def _band(value: object) -> tuple[float, float]:
     if not isinstance(value, list | tuple) or len(value) != 2:
         refuse(f"must be an array of a lower and a higher frequency, got {shown(value)}", value=value)
-    low, high = (read_quantity(one, "Hz", "not negative", k) for k, one in enumerate(value))
+    low, high = (read_quantity(one, "Hz", "zero or more", k) for k, one in enumerate(value))
     if not low < high:
         refuse(f"must rise, got {shown(value[0])} to {shown(value[1])}", value=value)
     return low, high
@@ -92,7 +92,7 @@ class RequirementSpec(Spec):
     confidence: Probability = 0.95
     method: Literal["sampling", "subset", "importance"] = "sampling"
     runs: Annotated[int, BeforeValidator(Count(1, 1_000_000).read)] | None = None
-    after: Annotated[float, QuantityRule("s", "not negative")] | None = None
+    after: Annotated[float, QuantityRule("s", "zero or more")] | None = None
     before: PositiveTime | None = None
     band: Annotated[tuple[float, float], BeforeValidator(_band)] | None = None
     quality: Annotated[float, QuantityRule("1", "positive")] = 10.0

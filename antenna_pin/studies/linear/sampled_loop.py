@@ -169,7 +169,8 @@ def _phase_margin(frequency: Array, response: Complex) -> tuple[float, float, fl
 def loop_margins(scenario: Scenario, controller: str | None = None) -> LoopMargins:
     """Return the margins of a PID loop about the start of a scenario.
 
-    Other controllers' commands are held as they are at the start.
+    Other controllers' commands are held as they are at the start. Coulomb friction of ``[springs]`` counts as
+    constant, as of joints that move: regularised, it would damp a joint at rest as no friction does.
 
     Args:
         scenario: The scenario.
@@ -191,10 +192,16 @@ def loop_margins(scenario: Scenario, controller: str | None = None) -> LoopMargi
     if drive not in scenario.drives:
         raise InvalidParameterError("loop margins", f"{controller}.acts_on", "a drive", made.acts_on)
     joint = _joint_of(made, scenario.drives[drive])
-    found = modes(scenario)
+    found = modes(_slipping(scenario))
     factor = _effort_per_command(found, drive)
     plant = plant_of(found, drive, joint)
     return margins_of(_sampled(plant, factor, made), controller)
+
+
+def _slipping(scenario: Scenario) -> Scenario:
+    """Return a scenario without the Coulomb part of friction elements."""
+    rubs = [name for name, one in scenario.springs.items() if one.kind == "friction" and one.friction]
+    return scenario.with_overrides({f"springs.{name}.friction": 0.0 for name in rubs}) if rubs else scenario
 
 
 def _joint_of(controller: Any, drive: Any) -> str:

@@ -13,6 +13,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from antenna_pin.analysis import own_source
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.readable import readable
 from antenna_pin.base.units import QuantityError, any_quantity, quantity, shown, with_signs
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
 from antenna_pin.scenario import Scenario, list_scenarios, load_scenario
@@ -92,6 +93,7 @@ class UncertainNumber:
         levels: Values at limits, or those of a list, as they are set.
         texts: The same as text.
         spec: Its table.
+        set_unit: SI unit of values that are set; "" for none.
         note: Note on its limits, or "".
     """
 
@@ -104,6 +106,7 @@ class UncertainNumber:
     levels: tuple[Any, ...]
     texts: tuple[str, ...]
     spec: ParameterSpec
+    set_unit: str = ""
     note: str = ""
 
     @property
@@ -126,7 +129,7 @@ class UncertainNumber:
         return self.spec.drawn([probability]).values[0].set
 
     def _set(self, number: float) -> Any:
-        return f"{number!r} {self.unit}" if self.unit not in ("", "1") else number
+        return f"{number!r} {self.set_unit}" if self.set_unit not in ("", "1") else number
 
 
 @dataclass(frozen=True, slots=True)
@@ -288,16 +291,17 @@ def _number(name: str, spec: ParameterSpec, base: Scenario, place: str) -> Uncer
             raise ScenarioError(f"{place}.values must hold two values at least, got {len(levels)}")
         return UncertainNumber(name, spec.keys_set, nominal, settings.unit, low, high, levels, texts, spec)
     known = number_of(base, first, f"{place}.key")
-    nominal, unit = known.value, known.unit
-    distribution, _ = spec.frozen()
+    distribution, own = spec.frozen()
+    nominal, unit = known.value, known.unit or own
     low, high = (float(one) for one in distribution.support())
     if not np.isfinite([low, high]).all():
         tail = 0.5 * (1.0 - _WITHIN)
         low, high = float(distribution.ppf(tail)), float(distribution.ppf(1.0 - tail))
         note = f"limits that hold {100.0 * _WITHIN:.2f} % of the distribution"
     ends = [spec.drawn([float(distribution.cdf(end))]).values[0] for end in (low, high)]
-    levels, texts = tuple(one.set for one in ends), tuple(one.text for one in ends)
-    return UncertainNumber(name, spec.keys_set, nominal, unit, low, high, levels, texts, spec, note)
+    levels = tuple(one.set for one in ends)
+    texts = tuple(readable(one.number, unit or "1") for one in ends)
+    return UncertainNumber(name, spec.keys_set, nominal, unit, low, high, levels, texts, spec, own, note)
 
 
 def _check_limits(plan: Verification) -> None:

@@ -503,7 +503,48 @@ def _loop(column: str) -> Find:
     return find
 
 
+def _ticks(case: Case, spec: RequirementSpec, signals: tuple[str, ...]) -> list[Any]:
+    """Return signals of a sampled controller at its sampling times within the time span."""
+    data = case.run.data
+    known = names_along(data, "signal") if "tick_signal" in data else []
+    own = sorted({name.partition(".")[0] for name in known})
+    of = spec.of if spec.of is not None or len(own) != 1 else own[0]
+    if of not in own:
+        raise UnknownNameError(spec.quantity, "sampled controller", of or "any", own)
+    time = np.asarray(data["tick_time"].values, dtype=float)
+    low, high = spec.after or 0.0, math.inf if spec.before is None else spec.before
+    columns = []
+    for signal in signals:
+        if f"{of}.{signal}" not in known:
+            raise UnknownNameError(spec.quantity, f"signal of {of}", signal, known)
+        columns.append(np.asarray(data["tick_signal"].sel(signal=f"{of}.{signal}").values, dtype=float))
+    mine = np.isfinite(columns[0]) & (time >= low) & (time <= high)
+    if not mine.any():
+        said = f"{low:g} s to {high:g} s"
+        raise InvalidParameterError(spec.quantity, "after", "a time span with sampling times", said=said)
+    return [column[mine] for column in columns]
+
+
+def _tracking_error(case: Case, spec: RequirementSpec) -> Value:
+    measured, reference = _ticks(case, spec, ("measured", "reference"))
+    return float(np.abs(reference - measured).max())
+
+
+def _saturated_share(case: Case, spec: RequirementSpec) -> Value:
+    (saturated,) = _ticks(case, spec, ("saturated",))
+    return float(saturated.mean())
+
+
 def _of_loops() -> Iterator[VerifiedQuantity]:
+    span = ("after", "before")
+    yield VerifiedQuantity(
+        "tracking_error", "", "largest size of reference less measurement at the sampling times", "control",
+        "controller", _tracking_error, span,
+    )  # fmt: skip
+    yield VerifiedQuantity(
+        "saturated_share", "1", "share of the sampling times at which limits held the command", "control",
+        "controller", _saturated_share, span,
+    )  # fmt: skip
     for name, units, meaning in (
         ("gain_margin", "1", "factor on the loop gain that makes the sampled loop unstable, the nearer way"),
         ("phase_margin", "rad", "least phase lag that makes the sampled loop unstable"),
