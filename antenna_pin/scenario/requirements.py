@@ -7,7 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import BeforeValidator, model_validator
 
 from antenna_pin.base.units import any_quantity, shown
-from antenna_pin.scenario.parameters import AnyQuantity, ParameterSpec
+from antenna_pin.scenario.parameters import AnyQuantity, OptionalQuantity, ParameterSpec
 from antenna_pin.scenario.spec import (
     Count,
     PositiveTime,
@@ -83,8 +83,8 @@ class RequirementSpec(Spec):
     clause: str = ""
     quantity: str
     of: str | None = None
-    at_most: AnyQuantity = None
-    at_least: AnyQuantity = None
+    at_most: OptionalQuantity = None
+    at_least: OptionalQuantity = None
     units: str = ""
     over: Literal["nominal", "corners", "worst-case", "study"] = "nominal"
     varies: tuple[str, ...] | None = None
@@ -108,7 +108,7 @@ class RequirementSpec(Spec):
     travel: tuple[AnyQuantity, AnyQuantity] | None = None
     positions: Annotated[int, BeforeValidator(Count(2, 100_000).read)] | None = None
     factors: str | None = None
-    torque: AnyQuantity = None
+    torque: OptionalQuantity = None
 
     @model_validator(mode="after")
     def _check_choice(self) -> Self:

@@ -26,7 +26,8 @@ def linear(variables, probability):
 
 
 def parabola(variables, beta, bend):
-    """Return beta - u_n + bend |u_others|^2, and its probability by one integral over a chi-square variable."""
+    """Return beta - u_n + bend |u_others|^2, and its probability by one integral."""
+
     def limit(u):
         return beta - u[:, -1] + bend * (u[:, :-1] ** 2).sum(axis=1)
 
@@ -57,7 +58,7 @@ def test_rare_failures_lie_within_the_stated_interval(case):
 
 @pytest.mark.parametrize("case", CASES)
 def test_importance_sampling_is_sharp_about_one_failure(case):
-    """Its interval holds in 18 of 20 (19 of 20 with a chance of 0.26 missed), and is within a factor of two."""
+    """Its interval holds in 18 of 20 (19 are missed with a chance of 0.26), and is within a factor of two."""
     variables, limit, exact = CASES[case]
     found = [importance_sampling(limit, variables, samples=1000, seed=k) for k in range(REPEATS)]
     assert max(one.runs for one in found) < 3000
@@ -67,7 +68,7 @@ def test_importance_sampling_is_sharp_about_one_failure(case):
 
 
 def test_two_failures_far_apart_are_both_counted_by_subsets():
-    """Of |u| beyond 4.2645 subset simulation finds both sides, importance sampling one: its docstring warns."""
+    """Of |u| beyond 4.2645 subset simulation finds both sides; importance sampling takes one."""
     exact = 2.0 * stats.norm.sf(4.2645)
 
     def limit(u):

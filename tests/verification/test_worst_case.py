@@ -10,7 +10,7 @@ from antenna_pin.studies.verification.worst_case import MOST_CORNERS, corners_of
 
 @pytest.mark.parametrize("variables", [1, 2, 5])
 def test_worst_case_of_a_monotone_response_is_its_corner(variables):
-    """Products of rising and falling factors have their largest value at one corner, which no search beats."""
+    """Products of rising and falling factors have their largest value at one corner; no search beats it."""
     signs = np.array([1.0 if k % 2 == 0 else -1.0 for k in range(variables)])
 
     def response(x):
@@ -40,6 +40,7 @@ def test_search_beats_every_corner_of_a_smooth_maximum_inside():
 @pytest.mark.parametrize("seed", range(5))
 def test_search_finds_the_highest_of_many_maxima(seed):
     """cos(6 pi (x - c)) - 3 (x - c)^2 has seven maxima, of which the one at c = 0.37 alone reaches 1."""
+
     def response(x):
         return np.cos(6.0 * np.pi * (x[:, 0] - 0.37)) - 3.0 * (x[:, 0] - 0.37) ** 2
 

@@ -28,8 +28,8 @@ def verify(
         str | None,
         typer.Argument(
             metavar="[FILE]",
-            help="Requirements file, scenario with requirements, or name of a shipped one; lists those if left"
-            " out.",
+            help="Requirements file, scenario with requirements, or name of a shipped one; lists those if"
+            " left out.",
         ),
     ] = None,
     output: Annotated[
@@ -154,15 +154,14 @@ def _print(facts: Mapping[str, Any]) -> None:
     rows = []
     for one in facts["requirements"]:
         units = one["units"]
-        bounds = [f">= {readable(one['at_least'], units)}"] if one["at_least"] is not None else []
-        bounds += [f"<= {readable(one['at_most'], units)}"] if one["at_most"] is not None else []
+        bounds = [one["bound"]]
         chance = one.get("probability")
         result = "-" if one["result"] is None else readable(one["result"], units)
         margin = "-" if one["margin"] is None else readable(one["margin"], units, 3)
         if chance:
             result = f"fails {chance['low']:.2g} to {chance['high']:.2g}"
-            margin = f"{one['margin']:.2g}"
-            bounds.append(f"fails <= {chance['allowed']:.2g}")
+            margin = f"{one['margin']:.3g}"
+            bounds.append(f"probability {1.0 - chance['allowed']:.6g}")
         worst = ", ".join(f"{key.rpartition('.')[2]} {value}" for key, value in one["worst_case"].items())
         rows.append(
             [one["requirement"], ", ".join(bounds), result, margin, one["verdict"], worst or "nominal"]

@@ -118,12 +118,10 @@ def _text(value: float | None, units: str, digits: int = 4) -> str:
 
 
 def _bound(one: Mapping[str, Any]) -> str:
-    low, high, units = one["at_least"], one["at_most"], one["units"]
-    parts = [f"at least {_text(low, units)}"] if low is not None else []
-    parts += [f"at most {_text(high, units)}"] if high is not None else []
-    text = " and ".join(parts)
     chance = one.get("probability")
-    return f"{text}, with a probability of {1.0 - chance['allowed']:.6g}" if chance else text
+    if not chance:
+        return str(one["bound"])
+    return f"{one['bound']}, with a probability of {1.0 - chance['allowed']:.6g}"
 
 
 def _result(one: Mapping[str, Any]) -> str:
@@ -178,9 +176,9 @@ def _matrix(facts: Mapping[str, Any], figures: bool) -> Section:
         "behaviour. Whether the product complies is for its customer to judge.",
     )
     meaning = (
-        "Margin: distance of the worst result to the nearer bound, in the unit of the result, negative beyond; "
-        "of a probability, allowed failure probability less the upper end of its interval. Not shown: a point "
-        "without a number, or an interval that holds the allowed probability.",
+        "Margin: distance of the worst result to the nearer bound, negative beyond; of a probability, allowed "
+        "failure probability less the upper end of its interval. Not shown: a point without a number, or an "
+        "interval that holds the allowed probability.",
     )
     return Section(
         key="matrix", title="Verification matrix", lead=lead, items=tuple(items), meaning=meaning,
@@ -518,9 +516,7 @@ def _budget(facts: Mapping[str, Any]) -> Section:
         caption="Tolerance budget: changes of one number at a time, summed",
         key="budget",
     )
-    meaning = (
-        "Sums hold where effects add; the worst case above has all interactions.",
-    )
+    meaning = ("Sums hold where effects add; the worst case above has all interactions.",)
     return Section(key="budget", title="Tolerance budget", items=(table,), meaning=meaning)
 
 

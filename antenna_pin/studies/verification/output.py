@@ -19,6 +19,7 @@ from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.run.simulation import simulate
 from antenna_pin.scenario import Scenario, found_from, scenario_toml
+from antenna_pin.scenario.requirements import RequirementSpec
 from antenna_pin.studies.verification.plan import UncertainNumber
 from antenna_pin.studies.verification.quantities import ANALYSES
 from antenna_pin.studies.verification.verify import Demonstration, Verified
@@ -77,6 +78,13 @@ def _distribution(one: UncertainNumber) -> str:
     return "even" if spec.spacing == "linear" else "even in its logarithm"
 
 
+def _bound(spec: RequirementSpec) -> str:
+    """Return the bounds as they are written."""
+    parts = [f"at least {spec.at_least}"] if spec.at_least is not None else []
+    parts += [f"at most {spec.at_most}"] if spec.at_most is not None else []
+    return " and ".join(parts)
+
+
 def _requirement(verified: Verified, shown: Demonstration) -> dict[str, Any]:
     plan = verified.plan
     spec, quantity = plan.requirements[shown.name], plan.quantities[shown.name]
@@ -92,6 +100,7 @@ def _requirement(verified: Verified, shown: Demonstration) -> dict[str, Any]:
         "units": shown.units,
         "at_least": _number(shown.low),
         "at_most": _number(shown.high),
+        "bound": _bound(spec),
         "over": spec.over,
         "method": shown.method,
         "nominal": _number(shown.nominal),
@@ -116,7 +125,7 @@ def _requirement(verified: Verified, shown: Demonstration) -> dict[str, Any]:
                 key: _number(value) if isinstance(value, float) else value
                 for key, value in asdict(chance).items()
             },
-            "allowed": 1.0 - float(spec.probability or 0.0),
+            "allowed": round(1.0 - float(spec.probability or 0.0), 12),
         }
     return found
 

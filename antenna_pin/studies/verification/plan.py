@@ -37,6 +37,8 @@ __all__ = [
 
 # Share of a distribution without ends that counts as within its limits: three standard deviations.
 _WITHIN = 0.9973002039367398
+# Significant digits of a value inside its limits, and of a limit.
+_DIGITS, _EXACT = 9, 14
 
 
 class ReferenceSpec(Spec):
@@ -126,9 +128,11 @@ class UncertainNumber:
 
     def drawn(self, probability: float) -> Any:
         """Return the value at a cumulative probability, as it is set."""
-        return self.spec.drawn([probability]).values[0].set
+        return self._set(self.spec.drawn([probability]).values[0].number)
 
     def _set(self, number: float) -> Any:
+        # As many digits as anybody reads; limits stay what they are.
+        number = min(max(float(f"{number:.{_DIGITS}g}"), self.low), self.high)
         return f"{number!r} {self.set_unit}" if self.set_unit not in ("", "1") else number
 
 
@@ -298,9 +302,11 @@ def _number(name: str, spec: ParameterSpec, base: Scenario, place: str) -> Uncer
         tail = 0.5 * (1.0 - _WITHIN)
         low, high = float(distribution.ppf(tail)), float(distribution.ppf(1.0 - tail))
         note = f"limits that hold {100.0 * _WITHIN:.2f} % of the distribution"
-    ends = [spec.drawn([float(distribution.cdf(end))]).values[0] for end in (low, high)]
-    levels = tuple(one.set for one in ends)
-    texts = tuple(readable(one.number, unit or "1") for one in ends)
+    # Sums of decimals, so without the last digit of their doubles: 0.5 - 0.05 is 0.45.
+    low, high = (float(f"{one:.{_EXACT}g}") for one in (low, high))
+    suffix = f" {own}" if own not in ("", "1") else ""
+    levels = tuple(f"{one!r}{suffix}" if suffix else one for one in (low, high))
+    texts = tuple(readable(one, unit or "1") for one in (low, high))
     return UncertainNumber(name, spec.keys_set, nominal, unit, low, high, levels, texts, spec, own, note)
 
 

@@ -31,9 +31,9 @@ from antenna_pin.errors import InvalidParameterError, ScenarioError, UnknownName
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.requirements import OPTIONS, RequirementSpec
 from antenna_pin.studies.sweep.measures import MEASURES
-from antenna_pin.trajectory import Trajectory
+from antenna_pin.trajectory import Trajectory, names_along
 from antenna_pin.trajectory.columns import Variable
-from antenna_pin.trajectory.quantities import TABLES, names_along
+from antenna_pin.trajectory.quantities import SUMMARIES, TABLES, slides_along
 
 __all__ = ["ANALYSES", "QUANTITIES", "Case", "VerifiedQuantity", "quantity_of"]
 
@@ -165,14 +165,19 @@ def _analysis_of(name: str) -> Analysis:
     return "loads" if any(part in name for part in loads) else "functional"
 
 
+_ROWS = {one.name: one for one in SUMMARIES}
+
+
 def _measured(name: str) -> Find:
-    def find(case: Case, spec: RequirementSpec) -> float:
+    def find(case: Case, spec: RequirementSpec) -> Value:
         about = _Measure(
             name, spec.of, spec.index, spec.component, spec.value,
             spec.window, spec.drift_spacing, spec.period, spec.level,
         )  # fmt: skip
-        reference = case.reference() if MEASURES[name].compares else None
-        return float(MEASURES[name].find(case.run, about, reference))
+        measure = MEASURES[name]
+        reference = case.reference() if measure.compares else None
+        value = float(measure.find(case.run, about, reference))
+        return (value, _unit(_ROWS[name], case.run.data, measure.of, spec.of)) if measure.sliding else value
 
     return find
 
@@ -201,7 +206,7 @@ _FAMILIES = ("stops", "latches", "gears")
 def _of_element(variable: Variable) -> Find:
     keys = {variable.key(), variable.key(slides=True)}
 
-    def find(case: Case, spec: RequirementSpec) -> float:
+    def find(case: Case, spec: RequirementSpec) -> Value:
         if "summary" not in case.memo:
             case.memo["summary"] = case.run.summary()
         summary = case.memo["summary"]
@@ -212,7 +217,8 @@ def _of_element(variable: Variable) -> Find:
                     value = numbers[key]
                     number = math.nan if value is None else float(value)
                     found[f"{family}.{name}"] = number
-        return _chosen(variable.name, "element", spec.of, found)
+        value = _chosen(variable.name, "element", spec.of, found)
+        return value, _unit(variable, case.run.data, "element", spec.of)
 
     return find
 
@@ -243,17 +249,27 @@ _TABLES: dict[str, tuple[Callable[[Trajectory], xr.Dataset], Analysis]] = {
 }
 
 
+def _unit(variable: Variable, data: xr.Dataset, dim: str, of: str | None) -> str:
+    """Return the unit of a quantity of what turns or slides; "" where several differ."""
+    if not variable.sliding:
+        return variable.units
+    slides = slides_along(data, dim)
+    mine = {one for name, one in slides.items() if of is None or of in (name, name.partition(".")[2])}
+    return variable.unit(mine.pop()) if len(mine) == 1 else ""
+
+
 def _of_table(table: str, variable: Variable) -> Find:
     make, _ = _TABLES[table]
     (dim,) = variable.dims
 
-    def find(case: Case, spec: RequirementSpec) -> float:
+    def find(case: Case, spec: RequirementSpec) -> Value:
         if table not in case.memo:
             case.memo[table] = make(case.run)
         data = case.memo[table]
         names = names_along(data, dim)
         values = np.asarray(data[variable.name].values, dtype=float)
-        return _chosen(variable.name, dim.replace("_", " "), spec.of, dict(zip(names, values, strict=True)))
+        value = _chosen(variable.name, dim.replace("_", " "), spec.of, dict(zip(names, values, strict=True)))
+        return value, _unit(variable, case.run.data, dim, spec.of)
 
     return find
 
@@ -264,19 +280,16 @@ def _of_series(variable: Variable) -> Find:
     by, of = variable.reduced
     (dim,) = variable.dims
 
-    def find(case: Case, spec: RequirementSpec) -> float:
+    def find(case: Case, spec: RequirementSpec) -> Value:
         data = case.run.data
         if of not in data:
             raise UnknownNameError(variable.name, "series of the result", of, ())
         values = np.asarray(data[of].values, dtype=float)
         reduced = np.abs(values).max(axis=0) if by == "peak" else values[-1]
         own = str(data[of].dims[1])
-        return _chosen(
-            variable.name,
-            dim.replace("_", " "),
-            spec.of,
-            dict(zip(names_along(data, own), reduced, strict=True)),
-        )
+        found = dict(zip(names_along(data, own), reduced.tolist(), strict=True))
+        value = _chosen(variable.name, dim.replace("_", " "), spec.of, found)
+        return value, _unit(variable, data, own, spec.of)
 
     return find
 

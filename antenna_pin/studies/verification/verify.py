@@ -343,7 +343,7 @@ class _Demonstrator:
             )
         else:
             found = plain_sampling(limit, count, runs=runs or _STUDY, seed=seed, confidence=confidence)
-        allowed = 1.0 - spec.probability
+        allowed = round(1.0 - spec.probability, 12)
         verdict = MET if found.high <= allowed else NOT_MET if found.low > allowed else NOT_SHOWN
         message = (
             f"{len(unknown)} samples have no number and count as failures: {unknown[0]}" if unknown else ""
