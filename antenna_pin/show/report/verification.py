@@ -176,8 +176,8 @@ def _matrix(facts: Mapping[str, Any], figures: bool) -> Section:
         "behaviour. Whether the product complies is for its customer to judge.",
     )
     meaning = (
-        "Margin: distance of the worst result to the nearer bound, negative beyond; of a probability, allowed "
-        "failure probability less the upper end of its interval. Not shown: a point without a number, or an "
+        "Margin: distance of the worst result to the nearer bound, negative beyond; of a probability, "
+        "allowed failure probability less the upper end of its interval. Not shown: a point without a number, or an "
         "interval that holds the allowed probability.",
     )
     return Section(
