@@ -1,4 +1,4 @@
-"""Studies made of many runs or states: linear, nonlinear, sensitivities, fits, sweeps."""
+"""Studies of many runs or states: linear, nonlinear, sensitivities, fits, sweeps, statics, margins."""
 
 from antenna_pin.base.lazy import exported
 

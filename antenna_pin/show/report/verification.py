@@ -177,8 +177,8 @@ def _matrix(facts: Mapping[str, Any], figures: bool) -> Section:
     )
     meaning = (
         "Margin: distance of the worst result to the nearer bound, negative beyond; of a probability, "
-        "allowed failure probability less the upper end of its interval. Not shown: a point without a number, or an "
-        "interval that holds the allowed probability.",
+        "allowed failure probability less the upper end of its interval. Not shown: a point without a number, "
+        "or an interval that holds the allowed probability.",
     )
     return Section(
         key="matrix", title="Verification matrix", lead=lead, items=tuple(items), meaning=meaning,

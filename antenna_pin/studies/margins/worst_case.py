@@ -1,0 +1,167 @@
+"""Worst case of a margin: corners of given ranges, and a search within them."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.base.readable import number
+from antenna_pin.base.units import quantity
+from antenna_pin.errors import AntennaPinError, InvalidParameterError, MechanismError
+from antenna_pin.scenario import Scenario, number_of, with_number
+from antenna_pin.studies.margins.result import MarginCase
+
+__all__ = ["Extremes", "worst_cases"]
+
+Array = NDArray[np.float64]
+
+# Most ranges whose corners are all evaluated; evaluations of a search; least step over the range.
+_MOST, _EVALUATIONS, _LEAST = 10, 120, 1e-3
+# Points of a search beside corners and middle, for each range.
+_SAMPLES = 4
+
+
+class _Range(NamedTuple):
+    """Least and greatest value of a number of a scenario, in SI units."""
+
+    key: str
+    low: float
+    high: float
+
+
+class Extremes:
+    """Cases and ranges of a scenario.
+
+    Args:
+        scenario: The nominal scenario.
+        cases: Overrides by name.
+        ranges: Least and greatest value by key, numbers in SI units or text with units.
+    """
+
+    def __init__(
+        self, scenario: Scenario, cases: Mapping[str, Mapping[str, Any]], ranges: Mapping[str, Sequence[Any]]
+    ) -> None:
+        """Read the ranges."""
+        self._scenario = scenario
+        self.cases: dict[str, Mapping[str, Any]] = dict(cases) or {"": {}}
+        self.ranges = [self._range(key, pair) for key, pair in ranges.items()]
+        if len(self.ranges) > _MOST:
+            rule = f"at most {_MOST}, as all their corners are evaluated; leave out those that matter least"
+            raise InvalidParameterError("margin", "ranges", rule, said=f"{len(self.ranges)}")
+
+    def _range(self, key: str, pair: Sequence[Any]) -> _Range:
+        own = number_of(self._scenario, key, "margin: ranges")
+        if isinstance(pair, str) or len(pair) != 2:
+            raise InvalidParameterError("margin: ranges", key, "two numbers, least and greatest", said=str(pair))
+        low, high = (
+            float(one) if isinstance(one, int | float) else quantity(one, own.unit or "1", key) for one in pair
+        )
+        if not low < high:
+            raise InvalidParameterError("margin: ranges", key, "two numbers that rise", said=str(pair))
+        return _Range(key, low, high)
+
+    def at(self, case: str, shares: Sequence[float]) -> dict[str, Any]:
+        """Return the overrides of a case and of values within the ranges, by their shares from 0 to 1."""
+        values = {
+            one.key: one.low + share * (one.high - one.low)
+            for one, share in zip(self.ranges, shares, strict=True)
+        }
+        return {**self.cases[case], **values}
+
+    def scenario(self, case: MarginCase) -> Scenario:
+        """Return the scenario of a combination of extremes."""
+        return self.with_values(case.overrides)
+
+    def with_values(self, overrides: Mapping[str, Any]) -> Scenario:
+        """Return the scenario with overrides, numbers of ranges in SI units."""
+        keys = {one.key for one in self.ranges}
+        others = {key: value for key, value in overrides.items() if key not in keys}
+        found = self._scenario.with_overrides(others) if others else self._scenario
+        for key in keys & overrides.keys():
+            found = with_number(found, key, float(overrides[key]))
+        return found
+
+
+def worst_cases(
+    extremes: Extremes, margin_of: Callable[[Scenario], tuple[float, float]], *, search: bool
+) -> list[MarginCase]:
+    """Return the margins of all corners, and of what a search comes by.
+
+    The search is a compass search (Kolda, Lewis and Torczon 2003) in the case of the smallest margin, from
+    its worst corner, the middle and points of a Halton sequence; corners of a monotone margin are its end.
+
+    Args:
+        extremes: Cases and ranges.
+        margin_of: Smallest margin of a scenario, and its position.
+        search: Whether to search within the ranges.
+
+    Raises:
+        MechanismError: A combination has no margin, with the reason.
+    """
+    found: list[MarginCase] = []
+
+    def evaluate(case: str, shares: Sequence[float], origin: str) -> MarginCase:
+        overrides = extremes.at(case, shares)
+        words = [case] if case else []
+        words += [f"{one.key}={number(overrides[one.key], 6)}" for one in extremes.ranges]
+        name = ", ".join(words)
+        try:
+            margin, position = margin_of(extremes.with_values(overrides))
+        except AntennaPinError as error:
+            raise MechanismError(f"margin: case {name}: {error}") from None
+        found.append(MarginCase(name, overrides, margin, position, origin))
+        return found[-1]
+
+    count = len(extremes.ranges)
+    corners: list[tuple[MarginCase, str, tuple[float, ...]]] = []
+    for case in extremes.cases:
+        for shares in itertools.product((0.0, 1.0), repeat=count):
+            one = evaluate(case, shares, "corner" if count else "case")
+            corners.append((one, case, shares))
+    if search and count:
+        worst, case, shares = min(corners, key=lambda item: item[0].margin)
+        _search(lambda at: evaluate(case, at, "search").margin, np.array(shares), worst.margin)
+    return found
+
+
+def _search(margin_at: Callable[[Sequence[float]], float], corner: Array, at_corner: float) -> None:
+    """Search the least margin within a unit cube."""
+    count = len(corner)
+    left = _EVALUATIONS
+    points: list[tuple[float, Array]] = [(at_corner, corner)]
+    samples = [np.full(count, 0.5), *(_halton(k + 1, count) for k in range(_SAMPLES * count))]
+    for one in samples:
+        points.append((margin_at(one.tolist()), one))
+        left -= 1
+    points.sort(key=lambda item: item[0])
+    for value, start in points[:2]:
+        best, place, step = value, start.copy(), 0.25
+        while step > _LEAST and left > 0:
+            better = False
+            for axis, sign in itertools.product(range(count), (1.0, -1.0)):
+                trial = place.copy()
+                trial[axis] = min(max(trial[axis] + sign * step, 0.0), 1.0)
+                if trial[axis] == place[axis] or left <= 0:
+                    continue
+                left -= 1
+                margin = margin_at(trial.tolist())
+                if margin < best:
+                    best, place, better = margin, trial, True
+            step = step if better else 0.5 * step
+
+
+def _halton(k: int, count: int) -> Array:
+    """Return point k of the Halton sequence in a unit cube, (count,)."""
+    primes = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29)
+    found = np.zeros(count)
+    for axis in range(count):
+        base, share, rest = primes[axis], 1.0, k
+        while rest:
+            share /= base
+            found[axis] += share * (rest % base)
+            rest //= base
+    return found

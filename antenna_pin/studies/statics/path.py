@@ -1,0 +1,217 @@
+"""A joint driven along its positions: poses in balance one after another, friction by the sense of motion."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.base.readable import number
+from antenna_pin.dynamics import JointMotion
+from antenna_pin.elements import BoucWen
+from antenna_pin.errors import MechanismError
+from antenna_pin.mechanism.inertia import mass_matrix
+from antenna_pin.studies.statics.balance import Balance, NotClosedError
+from antenna_pin.studies.statics.reading import components
+from antenna_pin.studies.statics.solver import NotBalancedError, Rest, rested, settled_senses
+from antenna_pin.studies.statics.static_system import StaticSystem
+
+__all__ = ["Path", "Point"]
+
+Array = NDArray[np.float64]
+
+# Longest step of the driven joint at once, and how often it is halved [rad, or lengths of the mechanism].
+_LONGEST, _HALVINGS = 0.1, 12
+_DEPENDENT = 1e-9
+_STEP = 1e-4
+
+
+class Point(NamedTuple):
+    """A position of the driven joint."""
+
+    rest: Rest
+    torque: float  # that it needs on its child [N*m] ([N])
+    components: dict[str, float]  # of all sources, along the joint's motion [N*m] ([N])
+    velocity: Array  # of the mechanism over that of the joint, (nv,)
+
+
+class Path:
+    """Positions of a joint, driven one after another.
+
+    Args:
+        static: The system with its driven joint.
+        y: State of the original system at which it begins; it comes into balance there.
+        time: At which motions and forces are taken [s].
+        saturated: Whether friction that slips has that up to which it sticks.
+    """
+
+    def __init__(self, static: StaticSystem, y: Array, time: float = 0.0, saturated: bool = False) -> None:
+        """Bring the mechanism into balance where it starts."""
+        assert static.joint is not None
+        self.joint = static.joint
+        self.balance = Balance(static, static.state_from(y), time)
+        self.balance.saturated = saturated
+        self._motion = JointMotion(static.system, self.joint)
+        self._v = static.system.mechanism.joint(self.joint).v
+        self.sliding = static.system.slides(self.joint)
+        self._longest = _LONGEST * (self.balance.length if self.sliding else 1.0)
+        self._tangent: Array | None = None
+        y0 = self.balance.projected(self.balance.y.copy())
+        self.balance.accept(y0)
+        self._check_freedom(y0)
+
+    @property
+    def position(self) -> float:
+        """Position of the joint [rad] ([m])."""
+        return self._motion(self.balance.y)[0]
+
+    def snapshot(self) -> Any:
+        """Return what is needed to come back here."""
+        return self.balance.snapshot(), self._tangent
+
+    def restore(self, snapshot: Any) -> None:
+        """Come back to where a snapshot was taken."""
+        present, self._tangent = snapshot
+        self.balance.restore(present)
+
+    def forget(self) -> None:
+        """Begin anew, with no motion before."""
+        self._tangent = None
+
+    def _check_freedom(self, y: Array) -> None:
+        """Refuse a joint that other constraints hold."""
+        direction = self.kinematic_or_none(y)
+        if direction is None:
+            held = ", ".join(sorted(self.balance.adjustments.held_joints())) or "none"
+            raise MechanismError(
+                f"statics: joint {self.joint!r} must be free to be driven, got one that closures, couplings, "
+                f"motions or latches hold (held by elements: {held}); drive the joint that leads it, or take "
+                "a motion or hold away"
+            )
+
+    def kinematic_or_none(self, y: Array) -> Array | None:
+        """Return the velocity of the mechanism over that of the joint, all that is free at rest, or None."""
+        balance = self.balance
+        inverse = np.linalg.inv(balance.scale(y))
+        rows = balance.rows(y, driven=False) @ inverse
+        lengths = np.linalg.norm(rows, axis=1)
+        rows = rows[lengths > 0.0] / lengths[lengths > 0.0, None]
+        basis = np.eye(balance.model.nv)
+        if len(rows):
+            _, values, right = np.linalg.svd(rows)
+            basis = right[int(np.count_nonzero(values > _DEPENDENT)) :].T
+        slope = balance.slope(self._motion, self._v, y) @ inverse
+        own = basis.T @ slope
+        if np.linalg.norm(own) <= _DEPENDENT * np.linalg.norm(slope):
+            return None
+        return np.asarray(inverse @ (basis @ own) / (own @ own))
+
+    def kinematic(self, y: Array) -> Array:
+        """Return the velocity of the mechanism over that of the joint, all that is free at rest, (nv,)."""
+        found = self.kinematic_or_none(y)
+        if found is None:
+            raise NotClosedError(f"statics: {self.joint} stands in a singular position")
+        return found
+
+    def rate_of(self, joint: str, velocity: Array) -> float:
+        """Return the rate of a joint of a velocity of the mechanism, (nv,); 0 of one without an axis."""
+        try:
+            motion = JointMotion(self.balance.system, joint)
+        except MechanismError:
+            return 0.0
+        v = self.balance.system.mechanism.joint(joint).v
+        return float(self.balance.slope(motion, v, self.balance.y) @ velocity)
+
+    def inertia(self, point: Point) -> float:
+        """Return the inertia of the mechanism reduced to the joint [kg*m^2] ([kg])."""
+        balance = self.balance
+        mass = mass_matrix(balance.model, balance.model.createData(), point.rest.y[: balance.model.nq])
+        return float(point.velocity @ mass @ point.velocity)
+
+    def elastic(self, point: Point, element: BoucWen) -> float:
+        """Return the torque of a Bouc-Wen spring's elastic part along the joint's motion [N*m] ([N])."""
+        angle = JointMotion(self.balance.system, element.joint)(point.rest.y)[0]
+        torque = -element.alpha * element.stiffness * (angle - element.rest_angle)
+        return torque * self.rate_of(element.joint, point.velocity)
+
+    def move(self, position: float, sense: float, where: str = "travel") -> Rest:
+        """Move the joint to a position, and come into balance there.
+
+        Args:
+            position: To which [rad] ([m]).
+            sense: Sense in which the joint moves there, 1 or -1, that of friction.
+            where: The pose, for messages.
+        """
+        start = self.position
+        parts = max(1, math.ceil(abs(position - start) / self._longest - 1e-9))
+        found: Rest | None = None
+        for k in range(1, parts + 1):
+            goal = position if k == parts else start + (position - start) * k / parts
+            found = self._step(goal, sense, where, _HALVINGS)
+        assert found is not None
+        return found
+
+    def _step(self, goal: float, sense: float, where: str, halvings: int) -> Rest:
+        before = self.balance.snapshot()
+        start, tangent = self.position, self._tangent
+        try:
+            return self._at(goal, sense, where)
+        except (NotBalancedError, NotClosedError):
+            self.balance.restore(before)
+            self._tangent = tangent
+            if halvings == 0 or goal == start:
+                raise self._out_of_reach(goal, where) from None
+        self._step(0.5 * (start + goal), sense, where, halvings - 1)
+        return self._step(goal, sense, where, halvings - 1)
+
+    def _out_of_reach(self, goal: float, where: str) -> MechanismError:
+        unit = "m" if self.sliding else "rad"
+        return NotBalancedError(
+            f"statics: {where}: {self.joint} must come into balance at {number(goal)} {unit}, got none that is "
+            "found; take a shorter travel, more positions (count), or hold joints that nothing holds"
+        )
+
+    def _at(self, goal: float, sense: float, where: str) -> Rest:
+        balance = self.balance
+        y, change = balance.y.copy(), goal - self.position
+        kinematic = self.kinematic_or_none(y)
+        if kinematic is None:
+            raise NotClosedError(f"statics: {where}: {self.joint} cannot move on: a singular position")
+        direction = kinematic if self._tangent is None else self._tangent
+        balance.drive_to(goal)
+        if change:
+            balance.workspace.retract(y, direction * change)
+        balance.velocity = sense * direction if balance.static.contact_friction else balance.velocity
+        y = balance.projected(y)
+        undetermined = settled_senses(balance, y, sense * kinematic)
+        found = rested(balance, y, where, undetermined)
+        balance.accept(found.y)
+        return found
+
+    def read(self, rest: Rest) -> Point:
+        """Return what the joint needs at a pose in balance, where it is now."""
+        velocity = self.tangent(rest)
+        self._tangent = velocity
+        parts = components(self.balance, rest.y, velocity)
+        return Point(rest, -sum(parts.values()), parts, velocity)
+
+    def tangent(self, rest: Rest) -> Array:
+        """Return the velocity of the mechanism along the path over that of the joint, (nv,)."""
+        balance, y = self.balance, rest.y
+        kinematic = self.kinematic(y)
+        directions = rest.free.directions
+        if directions.shape[1] == 0:
+            return kinematic
+        position = self._motion(y)[0]
+        step = _STEP / max(1.0, float(np.abs(rest.free.scale @ kinematic).max()))
+        sides = []
+        for way in (step, -step):
+            balance.drive_to(position + way)
+            sides.append(balance.forces(balance.displaced(y, way * kinematic))[0])
+        balance.drive_to(position)
+        change = directions.T @ (sides[0] - sides[1]) / (2.0 * step)
+        response = np.linalg.lstsq(directions.T @ rest.stiffness, change, rcond=1e-10)[0]
+        balance.forces(y.copy())
+        return np.asarray(kinematic + directions @ response)

@@ -1,0 +1,311 @@
+"""Newton's method on the constraints for poses in balance, with friction that sticks or slips."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from antenna_pin.base.readable import number
+from antenna_pin.dynamics import JointMotion, kernels
+from antenna_pin.elements import Change, RigidStop
+from antenna_pin.elements import kernels as of_elements
+from antenna_pin.elements import kind_of
+from antenna_pin.elements.limits import FREE, LOWER, UPPER
+from antenna_pin.errors import MechanismError
+from antenna_pin.studies.statics.balance import Balance, Free
+
+__all__ = ["NotBalancedError", "Rest", "balanced", "rested", "settled_senses"]
+
+Array = NDArray[np.float64]
+
+# Force out of balance over the largest force: sought, and accepted where round-off leaves no better.
+_SOUGHT, _ACCEPTED = 1e-14, 1e-9
+# Rounds of Newton steps and of steps along the forces between them; how many of each; and how many Newton
+# steps may be cut to what is trusted.
+_ROUNDS, _NEWTONS, _DRIFTS, _CUTS = 60, 40, 6, 12
+# Share of the force out of balance that no step balances, above which the stiffness is singular.
+_UNSOLVED = 1e-3
+# Singular values of the stiffness below this, over the largest, are none.
+_SINGULAR = 1e-12
+# Rounds without a better balance after which round-off is reached.
+_PATIENCE = 6
+# Round-off of a stop's position [rad] ([m]), and of a friction's load over its grip.
+_AT_STOP, _SLACK = 1e-12, 1e-9
+# Force on a coordinate below which, over the largest, it counts as this share.
+_LEAST = 1e-6
+
+
+class NotBalancedError(MechanismError):
+    """A pose in balance that is not found."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rest:
+    """A pose in balance.
+
+    Attributes:
+        y: The state [q, v, x], with v = 0.
+        residual: Largest force out of balance over the largest force [-].
+        free: Directions that are free there.
+        stiffness: Minus the derivative of forces along them, (nv, k).
+    """
+
+    y: Array
+    residual: float
+    free: Free
+    stiffness: Array
+
+
+def balanced(balance: Balance, y: Array, where: str) -> Rest:
+    """Return the pose in balance next to a state, friction as it is set.
+
+    Newton's method, also over humps of the force out of balance, which a journal that rolls along its bore
+    has to pass. Where it leads nowhere, as where a journal is in flight, pseudo-transient continuation: steps
+    along the forces, as long as is trusted.
+
+    Args:
+        balance: The mechanism.
+        y: Where the search begins; loops are closed first.
+        where: The pose, for the message.
+
+    Raises:
+        NotBalancedError: None is found.
+    """
+    here = _pose(balance, balance.projected(y.copy()))
+    damping = 1.0
+    for _ in range(_ROUNDS):
+        found = _newton(balance, here)
+        if found is not None:
+            break
+        for _ in range(_DRIFTS):
+            here, damping = _drift(balance, here, damping)
+            if here.residual <= _ACCEPTED:
+                break
+    else:
+        raise NotBalancedError(
+            f"statics: {where}: forces must come into balance, got {number(here.residual)} of the largest "
+            "force left; start nearer to an equilibrium (initial.joints), move the joint in smaller steps, or "
+            "hold joints that nothing holds"
+        )
+    stiffness = balance.stiffness(found.y, found.free)
+    balance.forces(found.y)
+    return Rest(found.y, found.residual, found.free, stiffness)
+
+
+class _Pose(NamedTuple):
+    """A pose with its forces out of balance."""
+
+    y: Array
+    force: Array  # (nv,)
+    free: Free
+    residual: float  # over the largest force
+
+
+def _pose(balance: Balance, y: Array) -> _Pose:
+    force, size = balance.forces(y)
+    free = balance.free(y)
+    return _Pose(y, force, free, _residual(free, force, size))
+
+
+def _newton(balance: Balance, start: _Pose) -> _Pose | None:
+    """Return the pose in balance by Newton's method, or None where it leads nowhere."""
+    here = best = start
+    patience, cut = _PATIENCE, 0
+    for _ in range(_NEWTONS):
+        if here.residual <= _SOUGHT:
+            return here
+        directions = here.free.directions
+        reduced = directions.T @ balance.stiffness(here.y, here.free)
+        right = directions.T @ here.force
+        step = np.linalg.lstsq(reduced, right, rcond=_SINGULAR)[0]
+        if np.linalg.norm(reduced @ step - right) > _UNSOLVED * np.linalg.norm(right):
+            break
+        longest = _longest(here.free, step)
+        cut += longest > 1.0
+        if cut > _CUTS:
+            break
+        moved = _moved(balance, here, step / max(1.0, longest))
+        if moved is None:
+            break
+        here = moved
+        if here.residual < 0.5 * best.residual:
+            best, patience = here, _PATIENCE
+        else:
+            best = here if here.residual < best.residual else best
+            patience -= 1
+            if patience == 0 and best.residual <= _ACCEPTED:
+                break
+    return best if best.residual <= _ACCEPTED else None
+
+
+def _drift(balance: Balance, here: _Pose, damping: float) -> tuple[_Pose, float]:
+    """Return the pose after a step along the forces, and the damping of the next."""
+    directions = here.free.directions
+    reduced = directions.T @ balance.stiffness(here.y, here.free)
+    right = directions.T @ here.force
+    size = float(np.linalg.norm(right))
+    least = float(np.linalg.eigvalsh(0.5 * (reduced + reduced.T)).min(initial=0.0)) if len(right) else 0.0
+    for _ in range(40):
+        shift = 1.01 * max(0.0, -least) + damping * size
+        step = np.linalg.lstsq(reduced + shift * np.eye(len(right)), right, rcond=_SINGULAR)[0]
+        moved = _moved(balance, here, step / max(1.0, _longest(here.free, step)))
+        if moved is not None:
+            break
+        damping *= 4.0
+    else:
+        return here, damping
+    factor = 0.5 if moved.residual < 2.0 * here.residual else 2.0
+    return moved, min(max(factor * damping, 1e-9), 1e9)
+
+
+def _moved(balance: Balance, here: _Pose, step: Array) -> _Pose | None:
+    """Return the pose after a step; None where loops do not close or a force is none."""
+    try:
+        found = _pose(balance, balance.displaced(here.y, here.free.directions @ step))
+    except MechanismError:
+        return None
+    return found if np.isfinite(found.force).all() else None
+
+
+def _residual(free: Free, force: Array, size: Array) -> float:
+    """Return the largest force out of balance over the largest force."""
+    if free.directions.shape[1] == 0:
+        return 0.0
+    ways = np.abs(free.directions)
+    whole = (ways * size[:, None]).max(axis=0, initial=0.0)
+    own = np.maximum(whole, _LEAST * whole.max(initial=0.0))
+    left = np.abs(free.directions.T @ force)
+    if not whole.any():
+        return 0.0 if not left.any() else math.inf
+    return float((left / np.where(own > 0.0, own, 1.0)).max())
+
+
+def _longest(free: Free, step: Array) -> float:
+    """Return the longest part of a step over what is trusted."""
+    moved = free.scale @ (free.directions @ step)
+    return float(np.abs(moved).max(initial=0.0))
+
+
+# --- friction that sticks, rigid stops ----------------------------------------------------------------------
+
+
+def rested(balance: Balance, y: Array, where: str, undetermined: list[str]) -> Rest:
+    """Return the pose in balance, with rigid stops and frictions that stick in consistent states.
+
+    Args:
+        balance: The mechanism.
+        y: Where the search begins.
+        where: The pose, for messages.
+        undetermined: Places of dry friction at joints that the driven joint does not move along by itself:
+            they stick, or slip as far as the balance needs.
+    """
+    seen: set[tuple[object, ...]] = set()
+    for _ in range(4 * (1 + len(undetermined) + len(balance.rigid)) ** 2):
+        _seat(balance, y)
+        found = balanced(balance, y, where)
+        wrong = _wrong_stops(balance, found.y)
+        wrong = wrong or _wrong_frictions(balance, found.y, undetermined)
+        if not wrong:
+            return found
+        state = tuple(sorted((place, str(balance.senses[place])) for place in balance.senses))
+        stops = tuple(balance.adjustments.elements[place].mode for place in balance.rigid)  # type: ignore[attr-defined]
+        if (state, stops) in seen:
+            wrong = wrong[:1]
+        seen.add((state, stops))
+        for place, change in wrong:
+            if isinstance(change, Change):
+                balance.adjustments.change(place, change)
+            else:
+                balance.set_sense(place, change)
+        y = found.y
+    raise NotBalancedError(
+        f"statics: {where}: frictions and stops must come to rest together, got none that do; hold a joint, "
+        "or take friction off one"
+    )
+
+
+def _seat(balance: Balance, y: Array) -> None:
+    """Put joints beyond a rigid stop on it, in place of letting them pass."""
+    for place, one in balance.rigid.items():
+        stop = balance.adjustments.elements[place]
+        assert isinstance(stop, RigidStop)
+        if stop.mode != FREE:
+            continue
+        angle = balance.met(one, y).angle
+        if angle < stop.lowest - _AT_STOP or angle > stop.highest + _AT_STOP:
+            balance.adjustments.change(place, Change(LOWER if angle < stop.lowest else UPPER))
+
+
+def _wrong_stops(balance: Balance, y: Array) -> list[tuple[str, Change | float | None]]:
+    """Return the changes of rigid stops that pull, or are passed."""
+    found: list[tuple[str, Change | float | None]] = []
+    for place, one in balance.rigid.items():
+        stop = balance.adjustments.elements[place]
+        assert isinstance(stop, RigidStop)
+        if stop.mode == FREE:
+            angle = balance.met(one, y).angle
+            if angle < stop.lowest - _AT_STOP:
+                found.append((place, Change(LOWER)))
+            elif angle > stop.highest + _AT_STOP:
+                found.append((place, Change(UPPER)))
+        elif balance.load(place) * (1.0 if stop.mode == LOWER else -1.0) < 0.0:
+            found.append((place, Change(FREE)))
+    return found
+
+
+def _wrong_frictions(
+    balance: Balance, y: Array, undetermined: list[str]
+) -> list[tuple[str, Change | float | None]]:
+    """Return the senses of frictions that hold too much, or slip the wrong way."""
+    found: list[tuple[str, Change | float | None]] = []
+    nq = balance.model.nq
+    for place in undetermined:
+        one, sense = balance.frictions[place], balance.senses[place]
+        if sense is None:
+            first = one.block + int(kernels.PARAMETERS)
+            grip = float(of_elements.grip(kind_of(type(one.element)), balance.program, first))
+            load = balance.load(place)
+            if abs(load) > grip * (1.0 + _SLACK):
+                found.append((place, -math.copysign(1.0, load)))
+            continue
+        before = float(kernels.joint_motion(balance.program, one.block, balance.y, nq)[0])
+        after = float(kernels.joint_motion(balance.program, one.block, y, nq)[0])
+        if sense * (after - before) < 0.0:
+            found.append((place, None))
+    return found
+
+
+def settled_senses(balance: Balance, y: Array, velocity: Array) -> list[str]:
+    """Set the senses of dry friction of a motion; return the places that it does not determine.
+
+    Args:
+        balance: The mechanism.
+        y: The state.
+        velocity: Direction of the motion, (nv,), with all that is free at rest.
+    """
+    free = balance.free(y)
+    moved = np.abs(free.scale @ free.directions)  # of each coordinate by what is free
+    undetermined = []
+    for place, one in balance.frictions.items():
+        at = balance.system.mechanism.joint(str(one.element.acts_at)).v.start
+        if moved[at].max(initial=0.0) > 1e-9:
+            undetermined.append(place)
+            if balance.senses[place] in (0.0,):
+                balance.set_sense(place, None)
+            continue
+        rate = float(velocity[at])
+        size = float(np.abs(velocity / balance.reach).max(initial=0.0))
+        balance.set_sense(place, math.copysign(1.0, rate) if abs(rate) > 1e-12 * size else 0.0)
+    for place, (motion, v, _) in balance.play_motions.items():
+        rate = float(balance.slope(motion, v, y) @ velocity)
+        balance.senses[place] = math.copysign(1.0, rate) if rate else 0.0
+    for place, one in balance.meshes.items():
+        name = str(getattr(one.element, "input", ""))
+        motion, v = JointMotion(balance.system, name), balance.system.mechanism.joint(name).v
+        rate = float(balance.slope(motion, v, y) @ velocity)
+        balance.senses[place] = math.copysign(1.0, rate) if abs(rate) > 1e-12 else 0.0
+    return undetermined
