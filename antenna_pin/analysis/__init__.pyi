@@ -31,6 +31,7 @@ from antenna_pin.analysis.closures import drive_loads as drive_loads
 from antenna_pin.analysis.closures import drive_power as drive_power
 from antenna_pin.analysis.closures import drives_of as drives_of
 from antenna_pin.analysis.closures import effort_unit as effort_unit
+from antenna_pin.analysis.contact_stress import contact_stress as contact_stress
 from antenna_pin.analysis.deviation import Deviation as Deviation
 from antenna_pin.analysis.deviation import DeviationMeasures as DeviationMeasures
 from antenna_pin.analysis.deviation import Growth as Growth
@@ -135,6 +136,16 @@ from antenna_pin.analysis.stops import gears_of as gears_of
 from antenna_pin.analysis.stops import latch_events as latch_events
 from antenna_pin.analysis.stops import stop_impacts as stop_impacts
 from antenna_pin.analysis.stops import stops_and_latches as stops_and_latches
+from antenna_pin.analysis.stress_results import BearingRating as BearingRating
+from antenna_pin.analysis.stress_results import BushingLoad as BushingLoad
+from antenna_pin.analysis.stress_results import ContactStress as ContactStress
+from antenna_pin.analysis.stress_results import SurfaceStress as SurfaceStress
+from antenna_pin.analysis.stress_results import numbers_of_row as numbers_of_row
+from antenna_pin.analysis.surface_file import FlankSurface as FlankSurface
+from antenna_pin.analysis.surface_file import JointSurface as JointSurface
+from antenna_pin.analysis.surface_file import StopSurface as StopSurface
+from antenna_pin.analysis.surface_file import SurfaceFile as SurfaceFile
+from antenna_pin.analysis.surface_file import read_surfaces as read_surfaces
 from antenna_pin.analysis.swept import following as following
 from antenna_pin.analysis.swept import swept_response as swept_response
 from antenna_pin.analysis.transients import Settled as Settled

@@ -257,6 +257,8 @@ _KINDS = {
     "W": ("a power", ""),
     "Pa": ("a pressure", "Pa, MPa, psi"),
     "kg/m**3": ("a density", "kg/m^3, g/cm^3"),
+    "K": ("a temperature", "K, degC, degF"),
+    "1/K": ("a coefficient of thermal expansion", "1/K, um/m/K"),
     "kg*m**2": ("a moment of inertia", "kg*m^2, g*cm^2, lb*in^2"),
 }
 _PURE = ("1", "-", "")
@@ -324,6 +326,8 @@ def any_quantity(value: object) -> tuple[float, str] | None:
             return None
         return (number, "") if math.isfinite(number) else None
     match = _QUANTITY.fullmatch(_pointed(value)) if len(value) <= _LONGEST else None
+    if match is not None and match.group(2) in _SCALES:
+        return _kelvin(*match.groups()), "K"
     seen = None if match is None else _parse_unit(match.group(2))
     if match is None or seen is None:
         return None
@@ -447,6 +451,8 @@ def _from_text(written: str, units: tuple[str, ...]) -> float:
     if match is None:
         raise _Refused("; write a number" + ("" if units[0] in _PURE else f" and its unit: '1 {units[0]}'"))
     digits, name = match.groups()
+    if "K" in units and name in _SCALES:
+        return _kelvin(digits, name)
     seen = _parse_unit(name)
     if seen is None:
         raise _Refused(f" (unit {name!r} is unknown{_examples(units)})")
@@ -463,6 +469,26 @@ def _from_text(written: str, units: tuple[str, ...]) -> float:
     if not math.isfinite(number):
         raise _Refused(" (not finite)")
     return number
+
+
+# Scales of temperature with another zero: kelvin of one degree, and of its zero.
+_SCALES = {
+    **dict.fromkeys(("degC", "°C", "celsius"), (Fraction(1), Fraction(27315, 100))),
+    **dict.fromkeys(("degF", "°F", "fahrenheit"), (Fraction(5, 9), Fraction(45967, 180))),
+}
+
+
+def _kelvin(digits: str, scale: str) -> float:
+    """Return a temperature on another scale in kelvin, rounded once."""
+    number = float(digits)
+    if not abs(number) < _HOTTEST:
+        raise _Refused(f" (above {_HOTTEST:g} degrees in size)")
+    degree, zero = _SCALES[scale]
+    return float(Fraction(digits) * degree + zero)
+
+
+# Degrees beyond which nothing is solid or liquid; exact fractions of larger numbers would be long.
+_HOTTEST = 1e6
 
 
 def _is_any(own: Unit, units: tuple[str, ...]) -> bool:

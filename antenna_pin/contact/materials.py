@@ -1,9 +1,10 @@
-"""Bearing materials and pairs of them: elastic constants, density, typical restitution and friction.
+"""Bearing materials and pairs of them: elastic constants, strength, expansion, restitution, friction.
 
 The tables are short on purpose, and every entry says where it comes from. Elastic constants of one alloy
 differ by a few per cent between sources; restitution and friction are no constants of a pair at all (they
 change with speed, finish, film and vacuum), so that their numbers are a place to start from. A scenario
-brings its own materials under ``[materials.NAME]``.
+brings its own materials under ``[materials.NAME]``. Strengths depend on the heat treatment, which each
+source names; a material whose name says none (steel, bronze, brass) has none.
 """
 
 from __future__ import annotations
@@ -66,6 +67,10 @@ class MaterialPair:
 
 
 _DELFT = "table of the course AEASM1x, Introduction to Aerospace Structures and Materials, TU Delft"
+_CALLISTER = "Callister, Materials Science and Engineering, appendix B"
+_ROLLED = "Rolled Alloys, data sheet of 440C: hardened from 1900 degF, tempered at 600 degF"
+# Pascals of a Brinell or Vickers number, a load in kilogram-force over an area in square millimetres.
+_KGF_MM2 = 9.80665e6
 
 MATERIALS: Mapping[str, Material] = MappingProxyType(
     {
@@ -74,30 +79,72 @@ MATERIALS: Mapping[str, Material] = MappingProxyType(
             poisson=0.3,
             density=7800.0,
             source="assumed: usual in the literature on clearance joints; Bai and Zhao 2020 give none",
+            expansion=11.7e-6,
+            expansion_source=f"{_CALLISTER}.6: AISI 1020",
         ),
         "steel-52100": Material(
             young=203e9,
             poisson=0.3,
             density=7830.0,
             source="data sheet of AISI 52100 bearing balls (29.5e6 psi, 0.283 lb/in^3); poisson assumed",
+            expansion=11.9e-6,
+            expansion_source="recalled: usual in data sheets of AISI 52100",
         ),
         "steel-440c": Material(
             young=200e9,
             poisson=0.28,
             density=7700.0,
             source="makeitfrom.com, annealed AISI 440C; 7650 kg/m^3 elsewhere",
+            yield_strength=1896e6,
+            ultimate_strength=1965e6,
+            strength_source=f"{_ROLLED} (275 and 285 ksi); 450 and 710 MPa annealed, makeitfrom.com",
+            hardness=580.0 * _KGF_MM2,
+            hardness_source=f"{_ROLLED} (580 HB)",
+            expansion=10.2e-6,
+            expansion_source="ss440c.com; 5.6e-6 per degF in the data sheet of Rolled Alloys",
         ),
         "steel-301": Material(young=193e9, poisson=0.3, density=8000.0, source=f"{_DELFT}, AISI 301"),
         "aluminium-2024-t3": Material(
-            young=72e9, poisson=0.33, density=2780.0, source=f"{_DELFT}, AA 2024-T3"
+            young=72e9,
+            poisson=0.33,
+            density=2780.0,
+            source=f"{_DELFT}, AA 2024-T3",
+            yield_strength=345e6,
+            ultimate_strength=485e6,
+            strength_source=f"{_CALLISTER}.4: alloy 2024, T3 (recalled)",
+            expansion=22.9e-6,
+            expansion_source=f"{_CALLISTER}.6: alloy 2024 (recalled)",
         ),
-        "titanium-6al-4v": Material(young=114e9, poisson=0.34, density=4430.0, source=f"{_DELFT}, Ti6Al-4V"),
+        "aluminium-7075-t6": Material(
+            young=71e9,
+            poisson=0.33,
+            density=2800.0,
+            source=f"{_CALLISTER}: alloy 7075 (recalled); 72 GPa elsewhere",
+            yield_strength=505e6,
+            ultimate_strength=572e6,
+            strength_source=f"{_CALLISTER}.4: alloy 7075, T6 (recalled)",
+            expansion=23.4e-6,
+            expansion_source=f"{_CALLISTER}.6: alloy 7075",
+        ),
+        "titanium-6al-4v": Material(
+            young=114e9,
+            poisson=0.34,
+            density=4430.0,
+            source=f"{_DELFT}, Ti6Al-4V",
+            yield_strength=828e6,
+            ultimate_strength=897e6,
+            strength_source="data sheets of annealed Ti-6Al-4V: the least (910 and 1000 MPa typical)",
+            expansion=8.6e-6,
+            expansion_source=f"{_CALLISTER}.6: Ti-6Al-4V",
+        ),
         "brass": Material(
             young=101e9,
             poisson=0.35,
             density=8490.0,
             source="Dowling, Mechanical Behavior of Materials, table 5.2 (70Cu-30Zn); density: middle of the "
             "520 to 540 lb/ft^3 of Gere, Mechanics of Materials",
+            expansion=19.9e-6,
+            expansion_source=f"{_CALLISTER}.6: cartridge brass, C26000 (recalled)",
         ),
         "bronze": Material(
             young=104e9,
@@ -105,12 +152,29 @@ MATERIALS: Mapping[str, Material] = MappingProxyType(
             density=8490.0,
             source="Gere, Mechanics of Materials: 96 to 120 GPa, 510 to 550 lb/ft^3, a middle taken; 104 GPa "
             "in teaching tables",
+            expansion=18.0e-6,
+            expansion_source=f"{_CALLISTER}.6: bearing bronze C93200",
+        ),
+        "bronze-c93200": Material(
+            young=100e9,
+            poisson=0.34,
+            density=8930.0,
+            source="azom.com, article 6294: bearing bronze UNS C93200, SAE 660",
+            yield_strength=125e6,
+            ultimate_strength=240e6,
+            strength_source="azom.com, article 6294; yield at 0.5 % of strain; 138 MPa if continuously cast",
+            hardness=65.0 * _KGF_MM2,
+            hardness_source="azom.com, article 6294 (65 HB)",
+            expansion=18.0e-6,
+            expansion_source=f"{_CALLISTER}.6: bearing bronze C93200",
         ),
         "silicon-nitride": Material(
             young=310e9,
             poisson=0.27,
             density=3290.0,
             source="Lily Bearing, ceramic materials and their properties, HP-Si3N4",
+            expansion=2.7e-6,
+            expansion_source=f"{_CALLISTER}.6: silicon nitride, hot pressed (recalled)",
         ),
         "nylon-66": Material(
             young=2.7e9,
@@ -118,6 +182,8 @@ MATERIALS: Mapping[str, Material] = MappingProxyType(
             density=1130.0,
             source="Dowling, Mechanical Behavior of Materials, table 5.2 (dry); density: middle of 1.10 to "
             "1.15 g/cm^3, finemech.com",
+            expansion=144e-6,
+            expansion_source=f"{_CALLISTER}.6: nylon 6,6 (recalled)",
         ),
     }
 )

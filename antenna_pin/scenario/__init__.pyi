@@ -79,3 +79,9 @@ from antenna_pin.scenario.shipped import scenario_cases as scenario_cases
 from antenna_pin.scenario.shipped import scenario_summary as scenario_summary
 from antenna_pin.scenario.stops import joint_limits as joint_limits
 from antenna_pin.scenario.stops import moved_joints as moved_joints
+from antenna_pin.scenario.temperature import JointPlay as JointPlay
+from antenna_pin.scenario.temperature import TemperatureSpec as TemperatureSpec
+from antenna_pin.scenario.temperature import TemperatureTable as TemperatureTable
+from antenna_pin.scenario.temperature import ThermalBearing as ThermalBearing
+from antenna_pin.scenario.tolerances import ChainSpec as ChainSpec
+from antenna_pin.scenario.tolerances import DimensionSpec as DimensionSpec

@@ -6,8 +6,11 @@ import operator
 from collections.abc import Callable, Mapping
 from typing import Annotated, Any, ClassVar, Literal, Self, get_args
 
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
+from antenna_pin.base.iso_fits import IsoFit, read_fit
+from antenna_pin.base.units import shown
+from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario.laws import (
     Family,
     LawChange,
@@ -23,7 +26,16 @@ from antenna_pin.scenario.laws import (
     title,
     unit_of,
 )
-from antenna_pin.scenario.spec import Count, Length, PositiveLength, PositiveSpeed, QuantityRule, Spec, refuse
+from antenna_pin.scenario.spec import (
+    Count,
+    Length,
+    PositiveLength,
+    PositiveSpeed,
+    QuantityRule,
+    Spec,
+    read_quantity,
+    refuse,
+)
 
 __all__ = ["KINDS", "RADIAL_PLAY", "Clearance", "Kind", "Variant", "check_play", "law_tables"]
 
@@ -50,6 +62,10 @@ class Clearance(Spec):
     """Base of the models of a joint with play.
 
     Attributes:
+        fit: Fit of hole and shaft by ISO 286, as ``"20 H7/g6"`` with the diameter in millimetres, instead of
+            the radii; sizes are in the middle of their zones unless the next two say otherwise.
+        fit_hole: Place of the hole's size in its zone, from -1 at the lower limit to 1 at the upper one [-].
+        fit_shaft: Likewise of the shaft [-].
         bearing_radius: R_i, radius of the bore [m].
         radial_clearance: C_r = R_i - R_j, if not given by the journal's radius [m].
         journal_radius: R_j, if not given by the clearance [m].
@@ -95,6 +111,9 @@ class Clearance(Spec):
     kinds: ClassVar[tuple[Kind, ...]] = ()
     slides: ClassVar[bool] = False
 
+    fit: str | None = None
+    fit_hole: Annotated[float, QuantityRule("1")] = 0.0
+    fit_shaft: Annotated[float, QuantityRule("1")] = 0.0
     bearing_radius: PositiveLength | None = None
     radial_clearance: PositiveLength | None = None
     journal_radius: PositiveLength | None = None
@@ -138,6 +157,24 @@ class Clearance(Spec):
             return data
         return dict(data) | _read_law_tables(data)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _read_fit(cls, data: Any) -> Any:
+        """Complete the radii by the fit, or refuse one beside radii or without play."""
+        return _with_fit(data) if isinstance(data, Mapping) else data
+
+    @model_serializer(mode="wrap")
+    def _as_in_files(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Return the table without what follows from the fit."""
+        found: dict[str, Any] = handler(self)
+        of_fit = _OF_FIT if self.fit is not None else ("fit", "fit_hole", "fit_shaft")
+        return {key: value for key, value in found.items() if key not in of_fit}
+
+    @property
+    def limits_of_fit(self) -> IsoFit | None:
+        """The fit, with the limits of hole and shaft; None without one."""
+        return None if self.fit is None else read_fit(self.fit)
+
     @model_validator(mode="after")
     def _check_dimensions(self) -> Self:
         for pair in (RADIAL_PLAY, _AXIAL_PLAY):
@@ -175,6 +212,51 @@ class Clearance(Spec):
     def assumed(self) -> dict[str, float | str]:
         """Assumed values, by key: SI numbers, names."""
         return {}
+
+
+# What a fit decides.
+_OF_FIT = ("bearing_radius", "radial_clearance", "journal_radius")
+
+
+def _with_fit(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the table of a joint with the radii that its fit decides."""
+    text, done = data.get("fit"), dict(data)
+    positions = {key: data[key] for key in ("fit_hole", "fit_shaft") if data.get(key) is not None}
+    if text is None:
+        for key, value in positions.items():
+            if read_quantity(value, "1", "", key) != 0.0:
+                refuse("must be left out without fit, in whose zone it is a place", key, value=value)
+        return done
+    if not isinstance(text, str):
+        refuse(f'must be text such as "20 H7/g6", got {shown(text)}', "fit", value=text)
+    if data.get("model") == "prismatic":
+        refuse(
+            "must be left out of a rectangular slider: give guide_width and slider_width", "fit", value=text
+        )
+    for key in _OF_FIT:
+        if data.get(key) is not None:
+            refuse(f"must be left out beside fit = {shown(text)}, which decides it", key, value=data[key])
+    try:
+        fit = read_fit(text)
+    except InvalidParameterError as error:
+        refuse(f"must be {error.rule}, got {shown(text)}", "fit", value=text)
+    hole, shaft = (read_quantity(positions.get(key, 0.0), "1", "", key) for key in ("fit_hole", "fit_shaft"))
+    for key, value in (("fit_hole", hole), ("fit_shaft", shaft)):
+        if not -1.0 <= value <= 1.0:
+            refuse(f"must be from -1 to 1, the limits of the zone, got {value:g}", key, value=value)
+    play = fit.radial_clearance(hole, shaft)
+    if not play > 0.0:
+        most = f"{1e6 * fit.largest:.3g} um at most" if fit.largest > 0.0 else "none at any size"
+        refuse(
+            f"must leave play, got {shown(text)} with a radial clearance of {1e6 * play:.3g} um at these "
+            f"sizes, {most}; take a fit with play, or fit_hole and fit_shaft",
+            "fit",
+            value=text,
+        )
+    return done | {
+        "bearing_radius": 0.5 * fit.hole.size(hole),
+        "journal_radius": 0.5 * fit.shaft.size(shaft),
+    }
 
 
 def law_tables(joint: Clearance) -> dict[str, dict[str, Any]]:

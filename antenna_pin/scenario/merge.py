@@ -21,6 +21,10 @@ _ALTERNATIVES: dict[tuple[str, ...], tuple[tuple[frozenset[str], frozenset[str]]
     ("clearance", "*"): (
         (frozenset({"radial_clearance"}), frozenset({"journal_radius"})),
         (frozenset({"axial_clearance"}), frozenset({"flange_distance"})),
+        (
+            frozenset({"fit", "fit_hole", "fit_shaft"}),
+            frozenset({"bearing_radius", "radial_clearance", "journal_radius"}),
+        ),
     ),
     ("integrator",): ((frozenset({"accuracy"}), frozenset({"method", "rtol"})),),
     ("drives", "*"): ((frozenset({"file"}), frozenset({"time", "torque", "reference"})),),

@@ -47,6 +47,8 @@ from antenna_pin.scenario.run import InitialBaseSpec, InitialSpec, IntegratorSpe
 from antenna_pin.scenario.shipped import tables
 from antenna_pin.scenario.spec import Folder, PositiveTime, Version, refuse, refuse_name
 from antenna_pin.scenario.stops import with_urdf_limits
+from antenna_pin.scenario.temperature import OneTemperature
+from antenna_pin.scenario.tolerances import ChainSpec
 
 if TYPE_CHECKING:
     from antenna_pin.contact import Material
@@ -89,6 +91,8 @@ class Scenario(FamilyTables):
         pointing: Where the antenna looks and should look; None where nothing does.
         uncertain: Uncertain numbers of the scenario by name, with their limits or distributions.
         requirements: Requirements by name, as ``antenna-pin verify`` shows them.
+        temperature: Of the parts, all or each; None where all numbers hold as they are.
+        tolerances: Chains of dimensions with their tolerances, by name; the motion does not see them.
         name: Name of the scenario: its folder's, or its file's.
         case: Name of the case, or None.
         description: Of the case.
@@ -121,6 +125,8 @@ class Scenario(FamilyTables):
     pointing: PointingSpec | None = None
     uncertain: dict[str, ParameterSpec] = Field(default_factory=dict)
     requirements: dict[str, RequirementSpec] = Field(default_factory=dict)
+    temperature: OneTemperature | None = None
+    tolerances: dict[str, ChainSpec] = Field(default_factory=dict)
     name: str = ""
     case: str | None = None
     description: str = ""

@@ -39,6 +39,7 @@ from antenna_pin.scenario import (
 from antenna_pin.scenario.assemble.closures import closures_of, link_of
 from antenna_pin.scenario.assemble.laws import clearance_joint
 from antenna_pin.scenario.assemble.places import check_known, check_motion, slides, where
+from antenna_pin.scenario.assemble.temperature import at_temperature, said_of_temperature
 from antenna_pin.scenario.assemble.variant import (
     armature_of,
     as_written,
@@ -320,6 +321,8 @@ def build_system(scenario: Scenario) -> System:
     Raises:
         AntennaPinError: Names, dimensions or laws that do not go together; one line that says where.
     """
+    thermal = tuple(said_of_temperature(scenario))
+    scenario = at_temperature(scenario)
     urdf, parts = variant_and_parts(scenario)
     said = scenario.mechanism
     mechanism = build_mechanism(
@@ -338,7 +341,7 @@ def build_system(scenario: Scenario) -> System:
     if dry or own.sticking:
         found["frictions"] = {**dry, **own.sticking}
     left_out = (*_urdf_warnings(as_written(scenario), mechanism), *own.left_out)
-    assumed = (*said_of_assumed(scenario.clearance), *own.assumed)
+    assumed = (*said_of_assumed(scenario.clearance), *thermal, *own.assumed)
     for lines, category in ((left_out, NotSimulatedWarning), (assumed, AssumedWarning)):
         for line in lines:
             warnings.warn(line, category, stacklevel=2)

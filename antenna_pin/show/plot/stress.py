@@ -1,0 +1,89 @@
+"""Figures of contact stress over time, and of play over temperature."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from antenna_pin.analysis import ContactStress
+from antenna_pin.errors import InvalidParameterError
+from antenna_pin.scenario import JointPlay
+from antenna_pin.show.plot._style import Width
+from antenna_pin.show.plot.grammar import Axis, Panel, PlotCurve, PlotMark, Points, Rule, Sheet, figure
+
+if TYPE_CHECKING:
+    from antenna_pin.trajectory import Trajectory
+
+__all__ = ["figure_contact_stress", "figure_play_over_temperature"]
+
+# Surfaces that a panel shows at most, those with the largest pressures.
+_MOST = 6
+
+
+@figure(run="The run, for its name.", stress="Its contact stress.")
+def figure_contact_stress(run: Trajectory, stress: ContactStress, *, width: Width = "page") -> Sheet:
+    """Return contact pressures and PV of bushings over time."""
+    met = [one for one in stress.surfaces if one.history.size and np.nanmax(one.history, initial=0.0) > 0.0]
+    if not met:
+        raise InvalidParameterError(
+            "figure_contact_stress", "stress", "that of a run with samples in which surfaces met", said="none"
+        )
+    shown = sorted(met, key=lambda one: -one.pressure)[:_MOST]
+    limits = sorted(
+        {stress.yield_share / stress.factor * one.limit for one in shown if one.surface != "raceway"}
+    )
+    marks: list[PlotMark] = [
+        PlotCurve(one.place, stress.time, one.history, {"color": f"C{k}"}) for k, one in enumerate(shown)
+    ]
+    marks += [
+        Points(np.array([[one.time, one.pressure]]), {"color": f"C{k}"})
+        for k, one in enumerate(shown)
+        if math.isfinite(one.time)
+    ]
+    largest = max(one.pressure for one in shown)
+    marks += [
+        Rule(limit, {"color": "#999999", "linewidth": 0.8}) for limit in limits if limit < 3.0 * largest
+    ]
+    rows: list[list[Panel | None]] = [[Panel("contact pressure", marks, Axis("pressure", "Pa"))]]
+    if stress.bushings:
+        curves = [
+            PlotCurve(one.joint, stress.time, 1e-6 * one.history, {"color": f"C{k}"})
+            for k, one in enumerate(stress.bushings, start=len(shown))
+        ]
+        rows.append([Panel("PV of bushings", curves, Axis("pressure times speed [MPa m/s]"))])
+    notes = [f"{run.data.attrs.get('case') or 'run'}: dots, peaks between samples too"]
+    if len(met) > len(shown):
+        notes.append(f"of {len(met)} surfaces the {len(shown)} with the largest pressures")
+    if limits and any(limit < 3.0 * largest for limit in limits):
+        notes.append(f"grey: {stress.yield_share:g} of the yield limit over a factor of {stress.factor:g}")
+    return Sheet(rows, width, 65.0 * len(rows), notes)
+
+
+@figure(plays="Plays of each joint, by name, one a temperature of all parts.")
+def figure_play_over_temperature(plays: Mapping[str, Sequence[JointPlay]], *, width: Width = "page") -> Sheet:
+    """Return the radial play of joints over a temperature of all parts.
+
+    Of a fit also the plays of its extreme sizes, as thin lines.
+    """
+    if not plays:
+        rule = "those of a joint with play at least"
+        raise InvalidParameterError("figure_play_over_temperature", "plays", rule, said="none")
+    marks: list[PlotMark] = []
+    for k, (name, several) in enumerate(plays.items()):
+        degrees = np.array([one.bearing_temperature - 273.15 for one in several])
+        radial = np.array([one.radial for one in several])
+        marks.append(PlotCurve(name, degrees, radial, {"color": f"C{k}"}))
+        fit = several[0].fit
+        if fit is not None:
+            grown = radial - several[0].reference
+            marks += [
+                PlotCurve("", degrees, end + grown, {"color": f"C{k}", "linewidth": 0.6})
+                for end in (fit.least, fit.largest)
+            ]
+    marks.append(Rule(0.0))
+    panel = Panel("radial play", marks, Axis("radial play", "m"), Axis("temperature of all parts [°C]"))
+    fits = any(several[0].fit is not None for several in plays.values())
+    return Sheet([[panel]], width, 70.0, ["thin: least and largest play of a fit"] if fits else [])
