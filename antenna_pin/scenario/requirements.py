@@ -77,6 +77,7 @@ class RequirementSpec(Spec):
         positions: Number of positions over the travel.
         factors: Set of factors of a motorization margin.
         torque: Amplitude of a torque-angle loop.
+        hold: Joints that do not move in a torque-angle loop, beside those that the scenario holds.
     """
 
     text: str = ""
@@ -109,6 +110,7 @@ class RequirementSpec(Spec):
     positions: Annotated[int, BeforeValidator(Count(2, 100_000).read)] | None = None
     factors: str | None = None
     torque: OptionalQuantity = None
+    hold: tuple[str, ...] = ()
 
     @model_validator(mode="after")
     def _check_choice(self) -> Self:
@@ -153,7 +155,7 @@ def _read(value: object) -> tuple[float, str]:
 #: Keys that some quantities have and others do not.
 OPTIONS = (
     *("units", "after", "before", "band", "quality", "source", "number", "index", "component", "value"),
-    *("window", "drift_spacing", "period", "level", "travel", "positions", "factors", "torque"),
+    *("window", "drift_spacing", "period", "level", "travel", "positions", "factors", "torque", "hold"),
 )
 
 

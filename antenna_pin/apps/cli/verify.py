@@ -119,7 +119,7 @@ def _report(
     from antenna_pin.studies.verification import analyses_of, nominal_run
 
     run, path = nominal_run(result, folder)
-    loops, curves = analyses_of(result, folder, complain)
+    loops, curves = analyses_of(result, run, complain)
     made = verification_report(
         facts,
         nominal=run,

@@ -76,8 +76,8 @@ def verification_report(
         nominal: The nominal run, for figures.
         file: Its file.
         loops: Sampled loops: ``controller``, ``frequency`` [Hz], ``response`` [-], and their margins.
-        curves: Further tables and figures of analyses: ``analysis``, ``title``, ``figure``, ``caption``,
-            ``command``.
+        curves: Further tables of analyses: ``analysis``, ``key``, ``title``, ``head`` and ``rows``, and what
+            a figure with a ``caption`` is drawn of.
         figures: Whether to draw figures.
         processes: How many draw figures, at most.
     """
@@ -177,8 +177,8 @@ def _matrix(facts: Mapping[str, Any], figures: bool) -> Section:
     )
     meaning = (
         "Margin: distance of the worst result to the nearer bound, negative beyond; of a probability, "
-        "allowed failure probability less the upper end of its interval. Not shown: a point without a number, "
-        "or an interval that holds the allowed probability.",
+        "allowed failure probability less the upper end of its interval. Not shown: a point without a "
+        "number, or an interval that holds the allowed probability.",
     )
     return Section(
         key="matrix", title="Verification matrix", lead=lead, items=tuple(items), meaning=meaning,
@@ -289,7 +289,7 @@ def _analysis(
         )
     for one in curves:
         if one["analysis"] == key:
-            items += list(_curve(one, figures))
+            items += list(_curve(one, runs[0].run if runs else None, figures))
             notes += [str(note) for note in one.get("notes", ())]
     extra = {"shocks": _shocks, "disturbance": _interface}.get(key)
     if extra is not None and runs:
@@ -306,12 +306,21 @@ def _analysis(
     return Section(key=key, title=title, items=tuple(items), notes=tuple(notes))
 
 
-def _curve(one: Mapping[str, Any], figures: bool) -> Iterator[Item]:
+def _curve(one: Mapping[str, Any], run: Trajectory | None, figures: bool) -> Iterator[Item]:
     if "rows" in one:
         rows = tuple(Row(str(name), tuple(Cell(str(cell)) for cell in cells)) for name, *cells in one["rows"])
         yield PageTable(columns=tuple(one["head"]), rows=rows, caption=str(one["title"]), key=str(one["key"]))
-    if figures and one.get("figure") is not None:
-        yield picture(one["figure"], str(one["caption"]), str(one["key"]))
+    if not figures:
+        return
+    key, caption = f"figure-of-{one['key']}", str(one.get("caption", ""))
+    if "data" in one:
+        yield picture(plot.figure_motorization(one["data"], one["sliding"]), caption, key)
+    if "loop" in one:
+        angle, torque = one["loop"]
+        labels = ("displacement [m]", "force [N]") if one["sliding"] else ("angle [rad]", "torque [N m]")
+        yield picture(plot.figure_loop_of_torque(angle, torque, *labels), caption, key)
+    if "stress" in one and run is not None and one["stress"].time.size:
+        yield picture(plot.figure_contact_stress(run, one["stress"]), caption, key)
 
 
 def _shocks(mine: Sequence[Mapping[str, Any]], run: Trajectory, figures: bool) -> Iterator[Item | str]:

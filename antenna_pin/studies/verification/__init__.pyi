@@ -10,7 +10,7 @@ from antenna_pin.studies.verification.plan import Verification as Verification
 from antenna_pin.studies.verification.plan import list_verifications as list_verifications
 from antenna_pin.studies.verification.plan import load_verification as load_verification
 from antenna_pin.studies.verification.quantities import QUANTITIES as QUANTITIES
-from antenna_pin.studies.verification.quantities import VerifiedQuantity as VerifiedQuantity
+from antenna_pin.studies.verification.quantity import VerifiedQuantity as VerifiedQuantity
 from antenna_pin.studies.verification.reliability import FailureProbability as FailureProbability
 from antenna_pin.studies.verification.reliability import clopper_pearson as clopper_pearson
 from antenna_pin.studies.verification.reliability import importance_sampling as importance_sampling

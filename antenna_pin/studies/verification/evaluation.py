@@ -23,7 +23,8 @@ from antenna_pin.scenario.requirements import OPTIONS, RequirementSpec
 from antenna_pin.studies.sweep.executor import Executor, Here, Lost
 from antenna_pin.studies.sweep.journal import open_journal
 from antenna_pin.studies.verification.plan import Verification
-from antenna_pin.studies.verification.quantities import Case, quantity_of
+from antenna_pin.studies.verification.quantities import quantity_of
+from antenna_pin.studies.verification.quantity import Case
 from antenna_pin.trajectory import Trajectory, library_versions
 
 __all__ = ["Evaluated", "Evaluator", "Point", "evaluate_points", "key_of"]

@@ -21,7 +21,7 @@ from antenna_pin.run.simulation import simulate
 from antenna_pin.scenario import Scenario, found_from, scenario_toml
 from antenna_pin.scenario.requirements import RequirementSpec
 from antenna_pin.studies.verification.plan import UncertainNumber
-from antenna_pin.studies.verification.quantities import ANALYSES
+from antenna_pin.studies.verification.quantity import ANALYSES
 from antenna_pin.studies.verification.verify import Demonstration, Verified
 from antenna_pin.trajectory import Trajectory, library_versions
 

@@ -24,7 +24,8 @@ from antenna_pin.scenario.runs_file import RunsFile, nested
 from antenna_pin.scenario.shipped import models_path, read_toml
 from antenna_pin.scenario.spec import Count, Folder, Spec
 from antenna_pin.studies.sweep.design import put_value
-from antenna_pin.studies.verification.quantities import VerifiedQuantity, quantity_of
+from antenna_pin.studies.verification.quantities import quantity_of
+from antenna_pin.studies.verification.quantity import VerifiedQuantity
 
 __all__ = [
     "RequirementsFile",
