@@ -141,13 +141,18 @@ def _margin(one: Mapping[str, Any]) -> str:
     return _text(one["margin"], one["units"], 3)
 
 
+def _said(one: Mapping[str, Any]) -> str:
+    text = one["text"] or one["meaning"]
+    return f"{text} [{one['clause']}]" if one["clause"] else str(text)
+
+
 def _matrix(facts: Mapping[str, Any], figures: bool) -> Section:
     """Return the verification matrix."""
     rows = [
         Row(
             one["requirement"],
             (
-                Cell(one["text"] or one["meaning"]),
+                Cell(_said(one)),
                 Cell(_bound(one)),
                 Cell(_result(one)),
                 Cell(_margin(one)),
@@ -160,9 +165,6 @@ def _matrix(facts: Mapping[str, Any], figures: bool) -> Section:
     ]
     head = ("requirement", "text", "bound", "worst result", "margin", "verdict", "method", "shown under")
     table = PageTable(columns=head, rows=tuple(rows), caption="Verification matrix", key="matrix")
-    clauses = tuple(
-        statement(one["requirement"], one["clause"]) for one in facts["requirements"] if one["clause"]
-    )
     items: list[Item] = [table]
     if figures:
         try:
@@ -182,7 +184,6 @@ def _matrix(facts: Mapping[str, Any], figures: bool) -> Section:
     )
     return Section(
         key="matrix", title="Verification matrix", lead=lead, items=tuple(items), meaning=meaning,
-        statements=clauses,
     )  # fmt: skip
 
 
