@@ -1,4 +1,4 @@
-"""Disturbance at the interface: force and moment of a mechanism on the base that carries it."""
+"""Disturbance at the interface: force and moment of a mechanism on its base."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ __all__ = ["interface_loads"]
 
 @takes()
 def interface_loads(run: RunLike) -> xr.Dataset:
-    """Return force and moment of a mechanism on its root link, by inverse dynamics of the recorded motion.
+    """Return force and moment of a mechanism on its root link.
 
-    They are the sum over all joints that the root link carries, and over closures and springs between it and
-    other links; its own inertia and weight take no part. On a fixed base they are what the interface has to
-    hold, less that weight.
+    They follow by inverse dynamics from the recorded motion: the sum over all joints that the root link
+    carries, and over closures and springs between it and other links; its own inertia and weight take no part.
+    On a fixed base they are what the interface has to hold, less that weight.
 
     Args:
         run: A run with series, or its data.

@@ -123,15 +123,15 @@ class RequirementSpec(Spec):
             if not low <= high:
                 rule = f"must not be above at_most, {shown(self.at_most)}"
                 refuse(f"{rule}, got {shown(self.at_least)}", "at_least")
-        given = self.given
+        options = self.options
         if self.over == "study" and self.probability is None:
             refuse("is missing: a study shows a probability", "probability")
         for key in ("probability", "confidence", "method"):
-            if self.over != "study" and key in given:
+            if self.over != "study" and key in options:
                 refuse(f'must be left out but for over = "study", got over = "{self.over}"', key)
-        if self.over in ("nominal", "corners") and "runs" in given:
+        if self.over in ("nominal", "corners") and "runs" in options:
             refuse('must be left out but for over = "worst-case" or "study"', "runs")
-        if self.over == "nominal" and "varies" in given:
+        if self.over == "nominal" and "varies" in options:
             refuse('must be left out for over = "nominal", where nothing varies', "varies")
         if self.varies == ():
             refuse("must name an uncertain number, got none", "varies")
@@ -140,8 +140,8 @@ class RequirementSpec(Spec):
         return self
 
     @property
-    def given(self) -> set[str]:
-        """Names of the keys with other than default values; those of a copied scenario are all set."""
+    def options(self) -> set[str]:
+        """Names of the keys with other than default values."""
         fields = type(self).model_fields
         return {name for name, field in fields.items() if getattr(self, name) != field.get_default()}
 

@@ -183,7 +183,7 @@ def figure_spectrum(
     data="``margin``, ``actuation`` and ``minimum_torque`` over ``position``.", sliding="True for a slide."
 )
 def figure_motorization(data: xr.Dataset, sliding: bool = False, *, width: Width = "page") -> Sheet:
-    """Return the motorization curve of a joint: what drives, what is needed, and the margin over the travel."""
+    """Return actuation, minimum torque and margin of a joint over its travel."""
     position = np.asarray(data["position"].values, dtype=float)
     across = position if sliding else np.degrees(position)
     x = Axis("position [m]" if sliding else "position [deg]", shared="position")

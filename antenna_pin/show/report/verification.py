@@ -141,7 +141,7 @@ def _margin(one: Mapping[str, Any]) -> str:
     return _text(one["margin"], one["units"], 3)
 
 
-def _said(one: Mapping[str, Any]) -> str:
+def _requirement_text(one: Mapping[str, Any]) -> str:
     text = one["text"] or one["meaning"]
     return f"{text} [{one['clause']}]" if one["clause"] else str(text)
 
@@ -152,7 +152,7 @@ def _matrix(facts: Mapping[str, Any], figures: bool) -> Section:
         Row(
             one["requirement"],
             (
-                Cell(_said(one)),
+                Cell(_requirement_text(one)),
                 Cell(_bound(one)),
                 Cell(_result(one)),
                 Cell(_margin(one)),

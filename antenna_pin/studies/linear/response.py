@@ -250,7 +250,7 @@ def frequency_response(
 
 
 class Plant(NamedTuple):
-    """Linear system from the effort of a drive to the angle (way) of a joint and its rate.
+    """Linear system from the effort of a drive to the position of a joint.
 
     Attributes:
         matrix: A, (n, n).

@@ -67,7 +67,7 @@ class SampledLoop:
         return found
 
     def closed_roots(self) -> Complex:
-        """Return the roots z of the closed loop that the feedback moves, (some of n,) [-]."""
+        """Return the roots z of the closed loop that the feedback moves [-]."""
         closed = self.matrix - np.outer(self.input, self.output)
         roots = np.asarray(np.linalg.eigvals(closed), dtype=complex)
         for old in np.linalg.eigvals(self.matrix):
@@ -129,7 +129,7 @@ def margins_of(loop: SampledLoop, name: str = "loop") -> LoopMargins:
 
 
 def _least_damping(roots: Complex, period: float) -> float:
-    """Return the least damping ratio of continuous roots of sampled ones; those at 0 are infinitely fast."""
+    """Return the least damping ratio of sampled roots."""
     some = np.abs(roots) > 1e-12
     s = np.log(roots[some]) / period
     vibrates = np.abs(s.imag) > 1e-9 * np.abs(s) + 1e-12
@@ -151,7 +151,7 @@ def _gain_margin(response: Complex) -> float:
 
 
 def _phase_margin(frequency: Array, response: Complex) -> tuple[float, float, float]:
-    """Return the least phase lag to -1 where the gain is 1 [rad], its frequency, and the highest one [Hz]."""
+    """Return least phase margin [rad], its frequency and the highest crossing [Hz]."""
     size = np.log(np.abs(response))
     at = np.flatnonzero((size[:-1] < 0.0) != (size[1:] < 0.0))
     if not at.size:
@@ -192,9 +192,9 @@ def loop_margins(scenario: Scenario, controller: str | None = None) -> LoopMargi
     if drive not in scenario.drives:
         raise InvalidParameterError("loop margins", f"{controller}.acts_on", "a drive", made.acts_on)
     joint = _joint_of(made, scenario.drives[drive])
-    found = modes(_slipping(scenario))
-    factor = _effort_per_command(found, drive)
-    plant = plant_of(found, drive, joint)
+    small = modes(_slipping(scenario))
+    factor = _effort_per_command(small, drive)
+    plant = plant_of(small, drive, joint)
     return margins_of(_sampled(plant, factor, made), controller)
 
 
@@ -213,9 +213,9 @@ def _joint_of(controller: Any, drive: Any) -> str:
     return str(name)
 
 
-def _effort_per_command(found: Any, name: str) -> float:
+def _effort_per_command(small: Any, name: str) -> float:
     """Return the effort of a drive per unit of its command [N m or N]."""
-    drive = found.linearisation.system.drives[name]
+    drive = small.linearisation.system.drives[name]
     kind = type(drive).__name__
     if kind == "ConstantDrive":
         return 1.0
@@ -270,7 +270,7 @@ def _sampled(plant: Plant, factor: float, pid: Any) -> SampledLoop:
 
 
 def _with_pid(pid: Any, h: float, matrix: Array, column: Array, angle: Array, rate: Array) -> SampledLoop:
-    """Return a plant in series with a PID, which reads the states at a sampling time.
+    """Return a plant in series with a PID.
 
     States of the PID: the integral before the sampling time, the measurement before, and the derivative's.
     The answer is minus the command for a reference of zero, so that the loop closes by u = -answer.

@@ -1,4 +1,4 @@
-"""Quantities of a scenario without its run, or of its contacts: modes, loops, margins, statics, stress."""
+"""Quantities of a design: modes, loops, margins, statics, contact stress, tolerances."""
 
 from __future__ import annotations
 

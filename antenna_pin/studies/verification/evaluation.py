@@ -1,4 +1,4 @@
-"""Quantities evaluated at points of the uncertain numbers, side by side, each kept in a journal."""
+"""Evaluation of quantities at points of the uncertain numbers, with a journal."""
 
 from __future__ import annotations
 
@@ -73,8 +73,8 @@ class Evaluated:
 
 def key_of(spec: RequirementSpec) -> str:
     """Return the identity of a requirement's quantity: its name, object and options."""
-    given = spec.given
-    about = {key: getattr(spec, key) for key in ("quantity", "of", *OPTIONS) if key in given}
+    options = spec.options
+    about = {key: getattr(spec, key) for key in ("quantity", "of", *OPTIONS) if key in options}
     return json.dumps({"quantity": spec.quantity, **about}, sort_keys=True, default=str)
 
 

@@ -1,4 +1,4 @@
-"""Files of a verification: numbers as JSON and CSV, nominal run, worst cases as scenario files."""
+"""Files of a verification: JSON, CSV, nominal run, worst cases as scenarios."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ def _requirement(verified: Verified, shown: Demonstration) -> dict[str, Any]:
         "integrity": {key: value for key, value in shown.facts.items() if key != "wall_time"},
         "options": {
             key: getattr(spec, key)
-            for key in sorted(spec.given)
+            for key in sorted(spec.options)
             if key in ("band", "after", "before", "quality")
         },
         "message": shown.message,
@@ -195,7 +195,7 @@ def _budget(verified: Verified) -> Iterator[dict[str, Any]]:
 
 @takes()
 def nominal_run(verified: Verified, folder: Path) -> tuple[Trajectory | None, Path | None]:
-    """Return the nominal run and its file, made if missing; None where no requirement needs a run.
+    """Return the nominal run and its file; None where nothing needs it.
 
     Args:
         verified: The result.

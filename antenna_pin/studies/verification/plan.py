@@ -118,7 +118,7 @@ class UncertainNumber:
         return self.spec.values is not None
 
     def at(self, share: float) -> Any:
-        """Return the value at a share of the way from the lower to the upper limit, as it is set."""
+        """Return the value at a share of the range, as it is set."""
         if self.listed:
             return self.levels[round(share * (len(self.levels) - 1))]
         if share in (0.0, 1.0):
@@ -256,7 +256,7 @@ def _is_scenario(path: Path, label: str) -> bool:
 
 
 def unit_of(units: str) -> str:
-    """Return a unit of the catalogue as the reader of quantities writes it: ``N m`` as ``N*m``."""
+    """Return a unit of the catalogue for the reader of quantities: ``N*m``."""
     return with_signs(units.replace("^", "**")) if units else units
 
 

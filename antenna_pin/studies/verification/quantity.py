@@ -1,4 +1,4 @@
-"""Quantity of a requirement: a number of a run, or of a scenario without a run."""
+"""Quantity of a requirement: number of a run or of a scenario."""
 
 from __future__ import annotations
 
@@ -111,19 +111,19 @@ class VerifiedQuantity:
         """
         taken = {*self.options} | ({"of"} if self.of else set())
         for key in (*OPTIONS, "of"):
-            if key in spec.given and key not in taken:
+            if key in spec.options and key not in taken:
                 known = f"; it takes {', '.join(sorted(taken))}" if taken else ""
                 raise ScenarioError(f"{place}.{key} must be left out: {self.name} has none{known}")
 
 
-def chosen(name: str, what: str, of: str | None, found: Mapping[str, float]) -> float:
-    """Return the number of one thing, or the worst of all: the least of what is held, else the largest."""
-    if of is None and found:
-        values = list(found.values())
+def chosen(name: str, what: str, of: str | None, values_by_name: Mapping[str, float]) -> float:
+    """Return the number of one object, or the worst of all."""
+    if of is None and values_by_name:
+        values = list(values_by_name.values())
         if any(math.isnan(one) for one in values):
             return math.nan
         return min(values) if name == "held_at_end" else max(values)
-    exact = [key for key in found if of in (key, key.partition(".")[2])]
+    exact = [key for key in values_by_name if of in (key, key.partition(".")[2])]
     if len(exact) != 1:
-        raise UnknownNameError(name, what, of or "any", found)
-    return found[exact[0]]
+        raise UnknownNameError(name, what, of or "any", values_by_name)
+    return values_by_name[exact[0]]

@@ -211,9 +211,9 @@ def subset_simulation(
         if runs + samples - seeds > most_runs:
             message = f"{most_runs} runs end at a level above failure: the probability is at most this"
             break
-        start, first = points[reached], values[reached]
+        start, start_values = points[reached], values[reached]
         chains, points, values, spread = _conditional(
-            limit, start, first, threshold, samples, spread, generator
+            limit, start, start_values, threshold, samples, spread, generator
         )
         runs += samples - len(start)
     squares, total = sum(one**2 for one in variations), sum(variations)
@@ -247,7 +247,7 @@ def _level_variation(reached: NDArray[np.bool_], chains: NDArray[np.int64], shar
 def _conditional(
     limit: LimitState,
     start: Array,
-    first: Array,
+    start_values: Array,
     threshold: float,
     samples: int,
     spread: float,
@@ -257,7 +257,7 @@ def _conditional(
     count, variables = start.shape
     length = -(-samples // count)
     order = generator.permutation(count)
-    now, value = start[order], first[order]
+    now, value = start[order], start_values[order]
     points, values = [now], [value]
     for step in range(1, length):
         sigma = min(spread, 1.0)

@@ -60,7 +60,7 @@ def _analysis_of(name: str) -> Analysis:
 _ROWS = {one.name: one for one in SUMMARIES}
 
 
-def _measured(name: str) -> Find:
+def _measure(name: str) -> Find:
     def find(case: Case, spec: RequirementSpec) -> Value:
         about = _Measure(
             name, spec.of, spec.index, spec.component, spec.value,
@@ -83,7 +83,7 @@ def _of_measures() -> Iterator[VerifiedQuantity]:
             one.meaning,
             "functional" if name == "pointing" else _analysis_of(name),
             one.of,
-            _measured(name),
+            _measure(name),
             options=_POINTING if name == "pointing" else (),
             needs_series=one.series,
             compares=one.compares,

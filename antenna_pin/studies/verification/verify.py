@@ -132,7 +132,7 @@ class Verified:
 
     @property
     def met(self) -> bool:
-        """True if all requirements are shown to be met."""
+        """True if every requirement is met."""
         return all(one.verdict == MET for one in self.demonstrations.values())
 
 
@@ -211,14 +211,14 @@ class _Demonstrator:
         if spec.over == "nominal":
             return self._worst_of(name, [({}, self.nominal)], "nominal run", 1)
         if spec.over == "study":
-            return self._studied(name, spec)
-        return self._searched(name, spec)
+            return self._by_study(name, spec)
+        return self._by_search(name, spec)
 
     def _value(self, name: str, at: Evaluated) -> float:
         return at.values.get(key_of(self.plan.requirements[name]), math.nan)
 
     def _margin(self, name: str, value: float) -> float:
-        """Return the distance of a value to the nearer bound, negative beyond it; NaN of none."""
+        """Return the distance of a value to the nearer bound, negative beyond."""
         low, high = self.plan.bounds[name]
         return float(min(value - low, high - value)) if math.isfinite(value) else math.nan
 
@@ -229,19 +229,19 @@ class _Demonstrator:
     def _worst_of(
         self,
         name: str,
-        seen: Sequence[tuple[Mapping[str, Any], Evaluated]],
+        points: Sequence[tuple[Mapping[str, Any], Evaluated]],
         method: str,
         runs: int,
         inside: bool = False,
     ) -> Demonstration:
         """Return the demonstration by the worst of some points."""
-        margins = [self._margin(name, self._value(name, at)) for _, at in seen]
+        margins = [self._margin(name, self._value(name, at)) for _, at in points]
         missing = [k for k, margin in enumerate(margins) if math.isnan(margin)]
         k = missing[0] if missing else int(np.argmin(margins))
-        values, at = seen[k]
+        values, at = points[k]
         message = at.errors.get(key_of(self.plan.requirements[name]), "")
-        if missing and len(seen) > 1:
-            message = f"{len(missing)} of {len(seen)} points have no number: {message}"
+        if missing and len(points) > 1:
+            message = f"{len(missing)} of {len(points)} points have no number: {message}"
         margin = margins[k]
         verdict = NOT_SHOWN if missing else (MET if margin >= 0.0 else NOT_MET)
         if verdict == MET and at.facts.get("outcome", "COMPLETED") not in ("COMPLETED", "STOPPED"):
@@ -264,7 +264,7 @@ class _Demonstrator:
     def _values(numbers: Sequence[UncertainNumber], point: Array) -> dict[str, Any]:
         return {one.name: one.at(float(x)) for one, x in zip(numbers, point, strict=True)}
 
-    def _beside(self, name: str, over: tuple[str, ...]) -> list[str]:
+    def _with_same_numbers(self, name: str, over: tuple[str, ...]) -> list[str]:
         """Return the requirements that vary the same numbers, which share their points."""
         mine = [one.name for one in self.plan.varies(name)]
         return [
@@ -273,38 +273,38 @@ class _Demonstrator:
             if spec.over in over and [one.name for one in self.plan.varies(other)] == mine
         ]
 
-    def _searched(self, name: str, spec: RequirementSpec) -> Demonstration:
+    def _by_search(self, name: str, spec: RequirementSpec) -> Demonstration:
         numbers = self.plan.varies(name)
         try:
-            points, corners = self._corner_values(numbers)
+            shares, corners = self._corner_values(numbers)
         except Exception as error:
             raise ScenarioError(f"{self.plan.label}: requirements.{name}: {error}") from None
-        shared = self._beside(name, ("corners", "worst-case"))
+        shared = self._with_same_numbers(name, ("corners", "worst-case"))
         at_corners = self._evaluator.at(corners, shared, f"{len(corners)} corners")
-        seen: list[tuple[Mapping[str, Any], Evaluated]] = [({}, self.nominal)]
-        seen += list(zip(corners, at_corners, strict=True))
+        points: list[tuple[Mapping[str, Any], Evaluated]] = [({}, self.nominal)]
+        points += list(zip(corners, at_corners, strict=True))
         method = f"all {len(corners)} corners of {_counted(len(numbers))}"
         if spec.over == "corners":
-            return self._worst_of(name, seen, method, len(seen))
+            return self._worst_of(name, points, method, len(points))
         runs = spec.runs or _SEARCH_PER_NUMBER * len(numbers)
 
         def worse(batch: Array) -> Array:
             values = [self._values(numbers, point) for point in batch]
             found = self._evaluator.at(values, [name], f"{name}: search")
-            seen.extend(zip(values, found, strict=True))
+            points.extend(zip(values, found, strict=True))
             return np.array([-self._margin(name, self._value(name, one)) for one in found])
 
         if any(not one.listed for one in numbers):
-            found = worst_case(worse, len(numbers), runs=runs, seed=self.plan.seed, corners=points)
+            found = worst_case(worse, len(numbers), runs=runs, seed=self.plan.seed, corners=shares)
             inside = found.inside
             method += f", and a search of {found.runs - len(corners)} points inside"
         else:
             inside = False
-        return self._worst_of(name, seen, method, len(seen), inside)
+        return self._worst_of(name, points, method, len(points), inside)
 
     # --- studies with a probability ---
 
-    def _studied(self, name: str, spec: RequirementSpec) -> Demonstration:
+    def _by_study(self, name: str, spec: RequirementSpec) -> Demonstration:
         numbers = self.plan.varies(name)
         units, facts = self._units(name), self.nominal.facts
         low, high = self.plan.bounds[name]
@@ -364,7 +364,7 @@ class _Demonstrator:
         """Return the requirements whose plain samples are the same points."""
         return [
             other
-            for other in self._beside(name, ("study",))
+            for other in self._with_same_numbers(name, ("study",))
             if self.plan.requirements[other].method == "sampling"
             and (self.plan.requirements[other].runs or _STUDY) == (spec.runs or _STUDY)
         ]

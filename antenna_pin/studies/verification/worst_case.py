@@ -72,7 +72,7 @@ def corners_of(levels: ArrayLike) -> Array:
 
 
 class _Evaluated:
-    """Response whose points are counted and the best kept; runs without a number count as worst."""
+    """Response with a count of points and the largest value."""
 
     def __init__(self, response: Response) -> None:
         self._response = response
@@ -115,41 +115,43 @@ def worst_case(
     if not variables >= 1:
         raise InvalidParameterError("worst_case", "variables", "at least 1", variables)
     ends = corners_of(np.full(variables, 2)) if corners is None else np.asarray(corners, dtype=float)
-    seen = _Evaluated(response)
-    at_ends = seen(ends)
-    corner, at_corner = seen.point.copy(), seen.value
+    evaluated = _Evaluated(response)
+    at_ends = evaluated(ends)
+    corner, at_corner = evaluated.point.copy(), evaluated.value
     if runs > 0:
-        _search(seen, ends[np.argsort(-at_ends, kind="stable")], variables, runs, seed)
-    value = seen.value if np.isfinite(seen.value) else np.nan
-    return WorstCase(seen.point, value, corner, at_corner if np.isfinite(at_corner) else np.nan, seen.runs)
+        _search(evaluated, ends[np.argsort(-at_ends, kind="stable")], variables, runs, seed)
+    value = evaluated.value if np.isfinite(evaluated.value) else np.nan
+    return WorstCase(
+        evaluated.point, value, corner, at_corner if np.isfinite(at_corner) else np.nan, evaluated.runs
+    )
 
 
-def _search(seen: _Evaluated, ends: Array, variables: int, runs: int, seed: int) -> None:
+def _search(evaluated: _Evaluated, ends: Array, variables: int, runs: int, seed: int) -> None:
     """Search the cube by differential evolution and a pattern search, with so many evaluations."""
     from scipy.stats import qmc
 
     generator = np.random.default_rng(seed)
-    most = seen.runs + runs
+    most = evaluated.runs + runs
     size = int(np.clip(_MEMBERS * variables, _FEWEST, _MOST))
     first = max(int(_FIRST * runs), min(size, runs))
     power = int(np.ceil(np.log2(max(first, 2))))
     sobol = qmc.Sobol(variables, scramble=True, rng=generator).random_base2(power)[:first]
-    inside = seen(sobol)
+    inside = evaluated(sobol)
     # The best corners take part; their values are known, and asking for them again costs nothing new.
     kept = ends[: max(size // 4, 1)]
     members = np.concatenate([kept, sobol])
-    values = np.concatenate([seen(kept), inside])
-    seen.runs -= len(kept)
+    values = np.concatenate([evaluated(kept), inside])
+    evaluated.runs -= len(kept)
     best = np.argsort(-values, kind="stable")[:size]
     members, values = members[best], values[best]
     local = int(_LOCAL * runs)
-    while most - local - seen.runs >= len(members):
+    while most - local - evaluated.runs >= len(members):
         trials = _trials(members, values, generator)
-        found = seen(trials)
+        found = evaluated(trials)
         better = found >= values
         members = np.where(better[:, None], trials, members)
         values = np.where(better, found, values)
-    _pattern(seen, variables, most)
+    _pattern(evaluated, variables, most)
 
 
 def _trials(members: Array, values: Array, generator: np.random.Generator) -> Array:
@@ -169,24 +171,24 @@ def _trials(members: Array, values: Array, generator: np.random.Generator) -> Ar
     return np.asarray(np.where(high, members + (1.0 - members) * between, trials))
 
 
-def _pattern(seen: _Evaluated, variables: int, most: int) -> None:
+def _pattern(evaluated: _Evaluated, variables: int, most: int) -> None:
     """Improve the best point by a compass search with a parabola along each axis."""
     step = 0.1
-    while seen.runs + 2 * variables <= most and step > 1e-9:
-        centre, value = seen.point.copy(), seen.value
+    while evaluated.runs + 2 * variables <= most and step > 1e-9:
+        centre, value = evaluated.point.copy(), evaluated.value
         moves = np.concatenate([np.eye(variables), -np.eye(variables)]) * step
         points = np.clip(centre + moves, 0.0, 1.0)
-        found = seen(points)
+        found = evaluated(points)
         up, down = found[:variables], found[variables:]
-        if seen.runs < most:
+        if evaluated.runs < most:
             with np.errstate(invalid="ignore", divide="ignore"):
                 bend = up + down - 2.0 * value
                 vertex = np.where(bend < 0.0, 0.5 * step * (down - up) / bend, 0.0)
             free = np.all([points[:variables].diagonal() - centre == step, bend < 0.0], axis=0)
             jump = np.where(free & np.isfinite(vertex), np.clip(vertex, -step, step), 0.0)
             if jump.any():
-                seen(np.clip(centre + jump, 0.0, 1.0)[None, :])
-        if seen.value <= value:
+                evaluated(np.clip(centre + jump, 0.0, 1.0)[None, :])
+        if evaluated.value <= value:
             step *= 0.25
-        elif np.abs(seen.point - centre).max() < 0.5 * step:
+        elif np.abs(evaluated.point - centre).max() < 0.5 * step:
             step *= 0.5
