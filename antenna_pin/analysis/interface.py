@@ -19,8 +19,8 @@ def interface_loads(run: RunLike) -> xr.Dataset:
     """Return force and moment of a mechanism on its root link.
 
     They follow by inverse dynamics from the recorded motion: the sum over all joints that the root link
-    carries, and over closures and springs between it and other links; its own inertia and weight take no part.
-    On a fixed base they are what the interface has to hold, less that weight.
+    carries, and over closures and springs between it and other links; its own inertia and weight take no
+    part. On a fixed base they are what the interface has to hold, less that weight.
 
     Args:
         run: A run with series, or its data.

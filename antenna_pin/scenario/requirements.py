@@ -77,6 +77,7 @@ class RequirementSpec(Spec):
         positions: Number of positions over the travel.
         factors: Set of factors of a motorization margin.
         torque: Amplitude of a torque-angle loop.
+        amplitude: Amplitude of the sine references of a loop measured in runs.
         hold: Joints that do not move in a torque-angle loop, beside those that the scenario holds.
     """
 
@@ -110,6 +111,7 @@ class RequirementSpec(Spec):
     positions: Annotated[int, BeforeValidator(Count(2, 100_000).read)] | None = None
     factors: str | None = None
     torque: OptionalQuantity = None
+    amplitude: OptionalQuantity = None
     hold: tuple[str, ...] = ()
 
     @model_validator(mode="after")
@@ -155,7 +157,8 @@ def _read(value: object) -> tuple[float, str]:
 #: Keys that some quantities have and others do not.
 OPTIONS = (
     *("units", "after", "before", "band", "quality", "source", "number", "index", "component", "value"),
-    *("window", "drift_spacing", "period", "level", "travel", "positions", "factors", "torque", "hold"),
+    *("window", "drift_spacing", "period", "level", "travel", "positions", "factors"),
+    *("torque", "hold", "amplitude"),
 )
 
 

@@ -129,3 +129,18 @@ def test_loops_without_a_pid_are_refused(wheel):
     """Names that there are, and motors whose current is a state of its own."""
     with pytest.raises(AntennaPinError, match="pid controller 'lop' is unknown; did you mean loop"):
         loop_margins(wheel("kp = 1"), "lop")
+
+
+def test_a_loop_measured_in_runs_is_the_linear_one_where_nothing_bends(wheel):
+    """Y / E of a sine equals the exact response to what the start leaves after four periods."""
+    from antenna_pin.studies.verification import measured_loop
+
+    scenario = wheel(
+        'kp = 40\nkd = 6\ndelay_periods = 1\nderivative = "error"\nfollows = "slow"',
+        '[references.slow]\nkind = "constant"\nvalue = 0.0',
+    )
+    found = loop_margins(scenario)
+    (point,) = measured_loop(scenario, "loop", [2.0], 0.1)
+    z = np.exp(2j * np.pi * 2.0 * PERIOD)
+    assert point.gain == pytest.approx(double_integrator(z, 40.0, 6.0, 1), rel=1e-3)
+    assert point.distortion < 1e-3 and found.bandwidth > 1.0

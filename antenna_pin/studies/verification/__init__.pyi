@@ -1,6 +1,9 @@
 from antenna_pin.studies.verification.analyses import analyses_of as analyses_of
 from antenna_pin.studies.verification.evaluation import Evaluated as Evaluated
 from antenna_pin.studies.verification.evaluation import Evaluator as Evaluator
+from antenna_pin.studies.verification.measured_loop import LoopPoint as LoopPoint
+from antenna_pin.studies.verification.measured_loop import measured_loop as measured_loop
+from antenna_pin.studies.verification.measured_loop import measured_phase_margin as measured_phase_margin
 from antenna_pin.studies.verification.output import facts_of as facts_of
 from antenna_pin.studies.verification.output import nominal_run as nominal_run
 from antenna_pin.studies.verification.output import save_verification as save_verification

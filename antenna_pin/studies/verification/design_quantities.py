@@ -91,6 +91,25 @@ def _of_loops() -> Iterator[VerifiedQuantity]:
         yield VerifiedQuantity(name, units, meaning, "control", "controller", _loop(name), needs_run=False)
 
 
+def _by_runs(case: Case, spec: RequirementSpec) -> Value:
+    from antenna_pin.studies.verification.measured_loop import measured_phase_margin
+
+    if spec.of is None or spec.amplitude is None:
+        missing = "of" if spec.of is None else "amplitude"
+        raise InvalidParameterError(
+            spec.quantity, missing, "given: a controller, and a sine's amplitude", None
+        )
+    margin, _ = measured_phase_margin(case.scenario, spec.of, spec.amplitude)
+    return margin
+
+
+def _of_measured_loops() -> Iterator[VerifiedQuantity]:
+    yield VerifiedQuantity(
+        "measured_phase_margin", "rad", "phase margin of a loop in runs with sine references, through play",
+        "control", "controller", _by_runs, ("amplitude",), needs_run=False,
+    )  # fmt: skip
+
+
 # --- motorization and statics ---
 
 
@@ -251,5 +270,7 @@ def _of_contacts() -> Iterator[VerifiedQuantity]:
 
 def design_quantities() -> Iterator[VerifiedQuantity]:
     """Yield all quantities of scenarios and contacts."""
-    for made in (_of_small_motions(), _of_loops(), _of_statics(), _of_contacts()):
+    for made in (
+        _of_small_motions(), _of_loops(), _of_measured_loops(), _of_statics(), _of_contacts()
+    ):  # fmt: skip
         yield from made
