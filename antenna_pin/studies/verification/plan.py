@@ -305,7 +305,9 @@ def _number(name: str, spec: ParameterSpec, base: Scenario, place: str) -> Uncer
         note = f"limits that hold {100.0 * _WITHIN:.2f} % of the distribution"
     # Sums of decimals, so without the last digit of their doubles: 0.5 - 0.05 is 0.45.
     low, high = (float(f"{one:.{_EXACT}g}") for one in (low, high))
-    suffix = f" {own}" if own not in ("", "1") else ""
+    # In the key's own unit: both are SI's.
+    own = (known.unit or own) if own not in ("", "1") else ""
+    suffix = f" {own}" if own else ""
     levels = tuple(f"{one!r}{suffix}" if suffix else one for one in (low, high))
     texts = tuple(readable(one, unit or "1") for one in (low, high))
     return UncertainNumber(name, spec.keys_set, nominal, unit, low, high, levels, texts, spec, own, note)

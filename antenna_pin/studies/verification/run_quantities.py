@@ -353,9 +353,20 @@ def _ticks(case: Case, spec: RequirementSpec, signals: tuple[str, ...]) -> list[
     return [column[mine] for column in columns]
 
 
+def _unit_of_controller(case: Case, spec: RequirementSpec) -> str:
+    """Return the unit of what a controller measures: that of a joint's angle or way; "" of others."""
+    tables = case.scenario.controllers
+    table = tables.get(spec.of or next(iter(tables), ""))
+    measures = str(getattr(table, "measures", "") or "")
+    kind, _, joint = measures.partition(" ")
+    if kind != "angle" or not joint:
+        return ""
+    return "m" if joint in names_along(case.run.data, "sliding_joint") else "rad"
+
+
 def _tracking_error(case: Case, spec: RequirementSpec) -> Value:
     measured, reference = _ticks(case, spec, ("measured", "reference"))
-    return float(np.abs(reference - measured).max())
+    return float(np.abs(reference - measured).max()), _unit_of_controller(case, spec)
 
 
 def _saturated_share(case: Case, spec: RequirementSpec) -> Value:
