@@ -68,6 +68,7 @@ def motorization_margin(
     drives: Sequence[str] | None = None,
     available: Mapping[str, float | str] | None = None,
     hold: Sequence[str] = (),
+    q: ArrayLike | None = None,
     cases: Mapping[str, Mapping[str, Any]] | None = None,
     ranges: Mapping[str, Sequence[Any]] | None = None,
     search: bool = False,
@@ -107,6 +108,7 @@ def motorization_margin(
         available: Torque of a drive at its own joint, by name [N*m] ([N]), where it does not follow from the
             drive itself.
         hold: Names of further joints that do not move.
+        q: Configuration from which the joint is moved to its travel, (nq,); the start if left out.
         cases: Overrides of scenario keys by name of the case: temperatures, gravity of a test.
         ranges: Least and greatest value of scenario keys: supplies, tolerances. All corners are evaluated, in
             each case.
@@ -116,7 +118,7 @@ def motorization_margin(
         AntennaPinError: No such joint, drive, source or class, nothing that drives, a travel beyond the
             joint's limits, or a position without balance.
     """
-    begin = start_of(model)
+    begin = start_of(model, q)
     options = _Options(
         joint=joint_to_drive(begin.system, joint),
         travel=travel,

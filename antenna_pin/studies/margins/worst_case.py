@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.readable import number
-from antenna_pin.base.units import quantity
+from antenna_pin.base.units import any_quantity, quantity
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, MechanismError
 from antenna_pin.scenario import Scenario, number_of, with_number
 from antenna_pin.studies.margins.result import MarginCase
@@ -57,9 +57,7 @@ class Extremes:
         own = number_of(self._scenario, key, "margin: ranges")
         if isinstance(pair, str) or len(pair) != 2:
             raise InvalidParameterError("margin: ranges", key, "two numbers, least and greatest", said=str(pair))
-        low, high = (
-            float(one) if isinstance(one, int | float) else quantity(one, own.unit or "1", key) for one in pair
-        )
+        low, high = (_number(one, own.unit, key) for one in pair)
         if not low < high:
             raise InvalidParameterError("margin: ranges", key, "two numbers that rise", said=str(pair))
         return _Range(key, low, high)
@@ -84,6 +82,16 @@ class Extremes:
         for key in keys & overrides.keys():
             found = with_number(found, key, float(overrides[key]))
         return found
+
+
+def _number(value: Any, unit: str, key: str) -> float:
+    """Return a number in SI units, of text with a unit too."""
+    if unit:
+        return quantity(value, unit, key)
+    read = any_quantity(value)  # whose unit depends on what else stands there
+    if read is None:
+        raise InvalidParameterError("margin: ranges", key, "numbers", said=str(value))
+    return read[0]
 
 
 def worst_cases(

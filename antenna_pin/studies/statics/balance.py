@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ from antenna_pin.elements import (
     EndStop,
     MaxwellSlip,
     Met,
+    Motion,
     Motor,
     PrescribedMotion,
     RigidStop,
@@ -53,6 +55,8 @@ _STEP, _STEP_IN_DEPTH = 1e-4, 0.02
 _PURE = 1e-6
 # Below this, over the largest, a row or a singular value counts as zero.
 _DEPENDENT = 1e-9
+# Acceleration of the whole mass by a force that counts as none [m/s^2].
+_NOTHING = 1e-6
 # Rate far above those below which friction of gears is rounded off [rad/s].
 _FAST = 1e9
 # Anchor of a spring that slips, of one that is bent as far as it reaches [rad] ([m]).
@@ -94,6 +98,11 @@ class Balance:
         self.adjustments = Adjustments(self.system, self.program)
         for place, value in first_modes(self.system, y, time):
             self.adjustments.set(place, bool(value) if place.endswith(".on") else value)
+        self._heads = {
+            one.place: self.program[one.block : one.block + kernels.PARAMETERS].view(kernels.ELEMENT)
+            for one in acting_in(self.system)
+            if not isinstance(one.element, Motion)
+        }
         self._rates = np.zeros(self.model.nv + self.system.manifold.nx)
         self.y = y.copy()
         own = list(acting_in(self.system))
@@ -111,6 +120,8 @@ class Balance:
         if self.system.plan is None:
             reaches = [float(np.linalg.norm(one.translation)) for one in list(self.model.jointPlacements)[1:]]
             length = max(reaches, default=1.0) or 1.0
+        #: Force that counts as none [N].
+        self.nothing = _NOTHING * (float(sum(one.mass for one in self.model.inertias)) or 1.0)
         self.reach = reach_of(self.system.mechanism, length)
         self.length = length
         self.play_motions = {
@@ -145,6 +156,12 @@ class Balance:
             self.adjustments.change(place, Change(PUSHED if sense > 0.0 else PULLED))
         else:
             self.adjustments.change(place, Change(FORWARD if sense > 0.0 else BACKWARD))
+
+    def release(self) -> None:
+        """Let go the joints that stick, until their senses are set again."""
+        for place, sense in self.senses.items():
+            if sense is None:
+                self.adjustments.change(place, Change(UNDECIDED))
 
     def develop(self, senses: Mapping[str, float]) -> None:
         """Bring hysteretic states to their limits, as after a long way.
@@ -196,8 +213,8 @@ class Balance:
 
     # --- forces ---
 
-    def forces(self, y: Array) -> tuple[Array, Array]:
-        """Return forces out of balance, and the size of what balances, (nv,) each; writes states to y.
+    def forces(self, y: Array) -> Array:
+        """Return forces out of balance, (nv,); writes states to y.
 
         Under constraints they are those that accelerate: no force of constraint is in them along the
         directions that are free.
@@ -205,10 +222,9 @@ class Balance:
         tau = self.applied(y)
         q = y[: self.model.nq]
         weight = np.array(pin.computeGeneralizedGravity(self.model, self._data, q))
-        size = np.abs(tau) + np.abs(weight)
         constraints = self.workspace.constraints
         if constraints is None:
-            return tau - weight, size
+            return tau - weight
         constraints.accelerate(self.time, y, self.program, tau, self._rates)
         acceleration = self._rates[: self.model.nv]
         if not np.isfinite(acceleration).all():
@@ -217,8 +233,45 @@ class Balance:
                 f"statics: friction under load must have a solution, got none: the joint jams ({names}); "
                 "lower its coefficient, or move the joint the other way"
             )
-        size += np.abs(constraints.jacobian.T @ constraints.force)
-        return mass_matrix(self.model, self._data, q) @ acceleration, size
+        return np.asarray(mass_matrix(self.model, self._data, q) @ acceleration)
+
+    def sizes(self, y: Array) -> Array:
+        """Return the sum of the sizes of all that balances in a state whose forces are known, (nv,)."""
+        size = np.abs(np.array(pin.computeGeneralizedGravity(self.model, self._data, y[: self.model.nq])))
+        constraints = self.workspace.constraints
+        if constraints is not None:
+            size += np.abs(constraints.jacobian).T @ np.abs(constraints.force)
+        for joint in self.system.clearances:
+            v = self.system.mechanism.joint(joint.name).v
+            whole = float(np.abs(self.workspace.table["force"][self._rows[joint.name]]).sum())
+            ways = 2 if joint.planar else 3
+            size[v.start : v.start + ways] += whole
+            size[v.start + ways : v.stop] += whole * (joint.geometry.half_length or joint.geometry.section_radius)
+        with self.alone() as (heads, on):
+            rest = self.exerted(y)
+            for place, head in heads.items():
+                if on[place]:
+                    head["on"] = on[place]
+                    size += np.abs(self.exerted(y) - rest)
+                    head["on"] = 0.0
+        return size
+
+    @contextmanager
+    def alone(self) -> Iterator[tuple[dict[str, Any], dict[str, float]]]:
+        """Switch all elements off; yield their heads and whether they were on."""
+        on = {place: float(head["on"][0]) for place, head in self._heads.items()}
+        for head in self._heads.values():
+            head["on"] = 0.0
+        try:
+            yield self._heads, on
+        finally:
+            for place, head in self._heads.items():
+                head["on"] = on[place]
+
+    def exerted(self, y: Array) -> Array:
+        """Return the generalized force of the elements that are on, and of contacts, (nv,)."""
+        self.workspace.apply_elements(self.time, y, self._rates)
+        return np.array(self.workspace.tau)
 
     def applied(self, y: Array) -> Array:
         """Return the generalized force of all elements and of friction of contacts, (nv,)."""
@@ -379,7 +432,8 @@ class Balance:
             motions = list(constraints.plan.motions)
             if not driven and DRIVING in motions:
                 every = np.delete(every, motions.index(DRIVING), axis=0)
-            rows.append(every[np.linalg.norm(every, axis=1) > 0.0])
+            moved = np.linalg.norm(every * self.reach, axis=1)
+            rows.append(every[moved > _DEPENDENT * self.length])
         if self.system.mechanism.base == "free":
             rows.append(np.eye(self.model.nv)[self.system.mechanism.base_v])
         return np.vstack(rows)
@@ -476,8 +530,8 @@ class Balance:
 
     def along(self, y: Array, way: Array, step: float) -> Array:
         """Return the derivative of the forces along a direction by central differences, (nv,)."""
-        ahead, _ = self.forces(self.displaced(y, step * way))
-        behind, _ = self.forces(self.displaced(y, -step * way))
+        ahead = self.forces(self.displaced(y, step * way))
+        behind = self.forces(self.displaced(y, -step * way))
         return (ahead - behind) / (2.0 * step)
 
     def met(self, acting: Any, y: Array) -> Met:

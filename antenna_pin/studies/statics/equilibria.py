@@ -43,8 +43,8 @@ _SAME = 1e-7
 _SCAN = 73
 # A coordinate that moves by less, of the largest, does not move.
 _MOVES = 1e-9
-# Largest number of independent dry frictions whose ends are combined.
-_MOST = 4
+# Starts in a row that lead nowhere, after which no further ones are tried.
+_FAILURES = 4
 
 
 @takes()
@@ -82,14 +82,18 @@ def equilibria(
     origin = balance.snapshot()
     found: list[tuple[float, Rest, Equilibrium]] = []
     first_error: AntennaPinError | None = None
+    failures = 0
     _check_loops(balance)
     for y in _starts(balance, begin.system, begin.state, hold, starts, seed):
         balance.restore(origin)
         try:
             rest = rested(balance, y, "equilibrium", [])
         except NotBalancedError as error:
-            first_error = first_error or error
+            first_error, failures = first_error or error, failures + 1
+            if failures >= _FAILURES:
+                break
             continue
+        failures = 0
         place = _coordinates(balance, rest.y)
         if any(np.abs(place - _coordinates(balance, one.y)).max(initial=0.0) < _SAME for _, one, _ in found):
             continue

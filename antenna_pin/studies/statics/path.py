@@ -23,7 +23,7 @@ __all__ = ["Path", "Point"]
 Array = NDArray[np.float64]
 
 # Longest step of the driven joint at once, and how often it is halved [rad, or lengths of the mechanism].
-_LONGEST, _HALVINGS = 0.1, 12
+_LONGEST, _HALVINGS = 0.1, 4
 _DEPENDENT = 1e-9
 _STEP = 1e-4
 
@@ -158,24 +158,20 @@ class Path:
         start, tangent = self.position, self._tangent
         try:
             return self._at(goal, sense, where)
-        except (NotBalancedError, NotClosedError):
+        except (NotBalancedError, NotClosedError) as error:
             self.balance.restore(before)
             self._tangent = tangent
             if halvings == 0 or goal == start:
-                raise self._out_of_reach(goal, where) from None
+                unit = "m" if self.sliding else "rad"
+                at = f"{self.joint} at {number(goal)} {unit}"
+                raise NotBalancedError(str(error).replace(where, f"{where}, {at}")) from None
         self._step(0.5 * (start + goal), sense, where, halvings - 1)
         return self._step(goal, sense, where, halvings - 1)
-
-    def _out_of_reach(self, goal: float, where: str) -> MechanismError:
-        unit = "m" if self.sliding else "rad"
-        return NotBalancedError(
-            f"statics: {where}: {self.joint} must come into balance at {number(goal)} {unit}, got none that is "
-            "found; take a shorter travel, more positions (count), or hold joints that nothing holds"
-        )
 
     def _at(self, goal: float, sense: float, where: str) -> Rest:
         balance = self.balance
         y, change = balance.y.copy(), goal - self.position
+        balance.release()
         kinematic = self.kinematic_or_none(y)
         if kinematic is None:
             raise NotClosedError(f"statics: {where}: {self.joint} cannot move on: a singular position")
@@ -209,7 +205,7 @@ class Path:
         sides = []
         for way in (step, -step):
             balance.drive_to(position + way)
-            sides.append(balance.forces(balance.displaced(y, way * kinematic))[0])
+            sides.append(balance.forces(balance.displaced(y, way * kinematic)))
         balance.drive_to(position)
         change = directions.T @ (sides[0] - sides[1]) / (2.0 * step)
         response = np.linalg.lstsq(directions.T @ rest.stiffness, change, rcond=1e-10)[0]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number
@@ -45,6 +45,7 @@ def travel(
     count: int = 61,
     back: bool = True,
     hold: Sequence[str] = (),
+    q: ArrayLike | None = None,
 ) -> QuasiStaticTravel:
     """Return the torque that a joint needs along its travel at vanishing rate, and back.
 
@@ -61,12 +62,13 @@ def travel(
         count: Number of positions, evenly spaced.
         back: Whether the joint is moved back too.
         hold: Names of further joints that do not move.
+        q: Configuration from which the joint is moved, (nq,); the start if left out.
 
     Raises:
         AntennaPinError: No such joint, a travel beyond its limits, a joint that something else holds, or a
             position without balance.
     """
-    begin = start_of(model)
+    begin = start_of(model, q)
     joint = joint_to_drive(begin.system, joint)
     places = positions_along(begin.system, joint, positions, start, stop, count)
     static = static_system(begin.system, begin.state, joint=joint, hold=hold)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -84,8 +82,8 @@ def components(balance: Balance, y: Array, velocity: Array) -> dict[str, float]:
     if GRAVITY in found:
         weight = pin.computeGeneralizedGravity(model, model.createData(), y[: model.nq])
         found[GRAVITY] = -float(np.array(weight) @ velocity)
-    with _alone(balance) as (heads, on):
-        tau = _applied(balance, y)
+    with balance.alone() as (heads, on):
+        tau = balance.exerted(y)
         for joint in system.clearances:
             v = system.mechanism.joint(joint.name).v
             found[f"clearance.{joint.name}"] = float(tau[v] @ velocity[v])
@@ -95,7 +93,7 @@ def components(balance: Balance, y: Array, velocity: Array) -> dict[str, float]:
         for one in own:
             heads[one.place]["on"] = on[one.place]
             if on[one.place]:
-                torque = float((_applied(balance, y) - tau) @ velocity)
+                torque = float((balance.exerted(y) - tau) @ velocity)
                 name = static.place(one.place)
                 found[name] = found.get(name, 0.0) + torque + under_load.get(one.place, 0.0)
             heads[one.place]["on"] = 0.0
@@ -108,29 +106,6 @@ def components(balance: Balance, y: Array, velocity: Array) -> dict[str, float]:
 
 def _at(balance: Balance, one: Any) -> int:
     return int(balance.system.mechanism.joint(str(one.element.acts_at)).v.start)
-
-
-@contextmanager
-def _alone(balance: Balance) -> Iterator[tuple[dict[str, Any], dict[str, float]]]:
-    """Switch all elements off; yield their heads and whether they were on."""
-    program = balance.program
-    before = program.copy()
-    heads = {
-        one.place: program[one.block : one.block + kernels.PARAMETERS].view(kernels.ELEMENT)
-        for one in acting_in(balance.system)
-    }
-    on = {place: float(head["on"][0]) for place, head in heads.items()}
-    for head in heads.values():
-        head["on"] = 0.0
-    try:
-        yield heads, on
-    finally:
-        program[:] = before
-
-
-def _applied(balance: Balance, y: Array) -> Array:
-    balance.workspace.apply_elements(balance.time, y, np.zeros(balance.model.nv + balance.system.manifold.nx))
-    return np.array(balance.workspace.tau)
 
 
 def efforts_of(balance: Balance, y: Array) -> dict[str, float]:
@@ -270,7 +245,8 @@ def stiffness_of(balance: Balance, rest: Rest) -> tuple[Array, StaticStability]:
     inverse = np.linalg.inv(triangle)
     whole = directions.T @ rest.stiffness
     # Signs do not depend on scales: those in which each direction counts alike tell them best.
-    _, size = balance.forces(rest.y.copy())
+    balance.forces(rest.y.copy())
+    size = balance.sizes(rest.y)
     work = (np.abs(directions) * size[:, None]).max(axis=0, initial=0.0)
     own = np.abs(np.diag(whole))
     zero = own <= _NEUTRAL * np.maximum(work, _NEUTRAL * own.max())

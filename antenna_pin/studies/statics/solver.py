@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.base.readable import number
@@ -26,7 +27,9 @@ Array = NDArray[np.float64]
 _SOUGHT, _ACCEPTED = 1e-14, 1e-9
 # Rounds of Newton steps and of steps along the forces between them; how many of each; and how many Newton
 # steps may be cut to what is trusted.
-_ROUNDS, _NEWTONS, _DRIFTS, _CUTS = 60, 40, 6, 12
+_ROUNDS, _NEWTONS, _DRIFTS, _CUTS = 40, 40, 8, 6
+# Steps as long as is trusted after which a joint is taken to move on without end.
+_FAR = 48
 # Share of the force out of balance that no step balances, above which the stiffness is singular.
 _UNSOLVED = 1e-3
 # Singular values of the stiffness below this, over the largest, are none.
@@ -35,8 +38,8 @@ _SINGULAR = 1e-12
 _PATIENCE = 6
 # Round-off of a stop's position [rad] ([m]), and of a friction's load over its grip.
 _AT_STOP, _SLACK = 1e-12, 1e-9
-# Force on a coordinate below which, over the largest, it counts as this share.
-_LEAST = 1e-6
+# Share of the largest force as which one counts that is less: its round-off is that of the largest.
+_LEAST = 1e-2
 
 
 class NotBalancedError(MechanismError):
@@ -76,20 +79,22 @@ def balanced(balance: Balance, y: Array, where: str) -> Rest:
         NotBalancedError: None is found.
     """
     here = _pose(balance, balance.projected(y.copy()))
-    damping = 1.0
+    damping, far = 1.0, 0
+    found = _newton(balance, here)
     for _ in range(_ROUNDS):
-        found = _newton(balance, here)
-        if found is not None:
+        if found is not None or far > _FAR:
             break
         for _ in range(_DRIFTS):
+            before = here
             here, damping = _drift(balance, here, damping)
             if here.residual <= _ACCEPTED:
                 break
-    else:
+            far += _goes_far(balance, before, here)
+        found = _newton(balance, here)
+    if found is None:
         raise NotBalancedError(
-            f"statics: {where}: forces must come into balance, got {number(here.residual)} of the largest "
-            "force left; start nearer to an equilibrium (initial.joints), move the joint in smaller steps, or "
-            "hold joints that nothing holds"
+            f"statics: {where}: forces must come into balance, got {_left(balance, here)}; start nearer to an "
+            "equilibrium (initial.joints), move the joint in smaller steps, or hold a joint that nothing holds"
         )
     stiffness = balance.stiffness(found.y, found.free)
     balance.forces(found.y)
@@ -106,9 +111,22 @@ class _Pose(NamedTuple):
 
 
 def _pose(balance: Balance, y: Array) -> _Pose:
-    force, size = balance.forces(y)
+    force = balance.forces(y)
+    size = balance.sizes(y)
     free = balance.free(y)
-    return _Pose(y, force, free, _residual(free, force, size))
+    return _Pose(y, force, free, _residual(balance, free, force, size))
+
+
+def _left(balance: Balance, here: _Pose) -> str:
+    """Return the largest force that is out of balance, as text."""
+    pushed = np.zeros(len(here.force))
+    for way in here.free.directions.T:
+        own = int(np.argmax(np.abs(way / balance.reach)))
+        pushed[own] = max(pushed[own], abs(float(way @ here.force / way[own])))
+    worst = int(np.argmax(pushed * balance.reach))
+    name = balance.system.names_v[worst]
+    unit = "N m" if balance.reach[worst] == 1.0 and not name.endswith((".vx", ".vy", ".vz")) else "N or N m"
+    return f"{number(float(pushed[worst]))} {unit} at {name} that nothing balances"
 
 
 def _newton(balance: Balance, start: _Pose) -> _Pose | None:
@@ -152,7 +170,7 @@ def _drift(balance: Balance, here: _Pose, damping: float) -> tuple[_Pose, float]
     for _ in range(40):
         shift = 1.01 * max(0.0, -least) + damping * size
         step = np.linalg.lstsq(reduced + shift * np.eye(len(right)), right, rcond=_SINGULAR)[0]
-        moved = _moved(balance, here, step / max(1.0, _longest(here.free, step)))
+        moved = _moved(balance, here, np.clip(step, -1.0, 1.0))
         if moved is not None:
             break
         damping *= 4.0
@@ -160,6 +178,13 @@ def _drift(balance: Balance, here: _Pose, damping: float) -> tuple[_Pose, float]
         return here, damping
     factor = 0.5 if moved.residual < 2.0 * here.residual else 2.0
     return moved, min(max(factor * damping, 1e-9), 1e9)
+
+
+def _goes_far(balance: Balance, before: _Pose, here: _Pose) -> bool:
+    """Return whether a step moves a joint, other than a journal in its play, as far as is trusted."""
+    way = pin.difference(balance.model, before.y[: balance.model.nq], here.y[: balance.model.nq])
+    moved = np.abs(before.free.scale @ way)
+    return bool(moved[~before.free.fine].max(initial=0.0) > 0.9)
 
 
 def _moved(balance: Balance, here: _Pose, step: Array) -> _Pose | None:
@@ -171,17 +196,16 @@ def _moved(balance: Balance, here: _Pose, step: Array) -> _Pose | None:
     return found if np.isfinite(found.force).all() else None
 
 
-def _residual(free: Free, force: Array, size: Array) -> float:
+def _residual(balance: Balance, free: Free, force: Array, size: Array) -> float:
     """Return the largest force out of balance over the largest force."""
     if free.directions.shape[1] == 0:
         return 0.0
     ways = np.abs(free.directions)
     whole = (ways * size[:, None]).max(axis=0, initial=0.0)
-    own = np.maximum(whole, _LEAST * whole.max(initial=0.0))
-    left = np.abs(free.directions.T @ force)
-    if not whole.any():
-        return 0.0 if not left.any() else math.inf
-    return float((left / np.where(own > 0.0, own, 1.0)).max())
+    displacements = (ways * (balance.length / balance.reach)[:, None]).max(axis=0, initial=0.0)
+    largest = float((size * balance.reach).max(initial=0.0)) / balance.length
+    own = np.maximum(whole, max(balance.nothing, _LEAST * largest) * displacements)
+    return float((np.abs(free.directions.T @ force) / own).max())
 
 
 def _longest(free: Free, step: Array) -> float:
@@ -285,7 +309,7 @@ def settled_senses(balance: Balance, y: Array, velocity: Array) -> list[str]:
     Args:
         balance: The mechanism.
         y: The state.
-        velocity: Direction of the motion, (nv,), with all that is free at rest.
+        velocity: Direction of the motion, (nv,), with all that is free at rest; no joint sticks.
     """
     free = balance.free(y)
     moved = np.abs(free.scale @ free.directions)  # of each coordinate by what is free
@@ -294,7 +318,7 @@ def settled_senses(balance: Balance, y: Array, velocity: Array) -> list[str]:
         at = balance.system.mechanism.joint(str(one.element.acts_at)).v.start
         if moved[at].max(initial=0.0) > 1e-9:
             undetermined.append(place)
-            if balance.senses[place] in (0.0,):
+            if not balance.senses[place]:
                 balance.set_sense(place, None)
             continue
         rate = float(velocity[at])

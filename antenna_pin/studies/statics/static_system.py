@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.contact import NoFriction
-from antenna_pin.dynamics import BASE, JointMotion, System, check_closed
+from antenna_pin.dynamics import BASE, JointMotion, System, assemble, check_closed
 from antenna_pin.elements import GonthierFriction, JointFriction, Motion, PrescribedMotion, StickingFriction
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.joints import ClearanceJoint
@@ -57,6 +57,9 @@ def start_of(model: Scenario | System | str | os.PathLike[str], q: ArrayLike | N
     y = system.state(first if q is None else q, np.zeros(system.model.nv), angles)
     if q is not None:
         check_closed(system, y)
+    elif not isinstance(given, Scenario):
+        assemble(system, y, (), ())
+        y[system.model.nq : system.model.nq + system.model.nv] = 0.0
     return Model(system, y, given if isinstance(given, Scenario) else None)
 
 

@@ -10,7 +10,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.calculus import root_between
@@ -127,6 +127,7 @@ def torque_angle_loop(
     cycles: int = 1,
     small_torque: float | str | None = None,
     hold: Sequence[str] = (),
+    q: ArrayLike | None = None,
 ) -> TorqueAngleLoop:
     """Return the quasi-static torque-angle loop of a joint about the start position.
 
@@ -143,12 +144,13 @@ def torque_angle_loop(
         small_torque: Torque that determines the lost motion [N*m] ([N]); twice the friction if left out, or
             3 % of the amplitude where there is none.
         hold: Names of further joints that do not move.
+        q: Configuration from which the joint is moved, (nq,); the start if left out.
 
     Raises:
         AntennaPinError: No such joint, an amplitude that friction holds or that nothing resists, or a
             position without balance.
     """
-    begin = start_of(model)
+    begin = start_of(model, q)
     joint = joint_to_drive(begin.system, joint)
     unit = "N" if begin.system.slides(joint) else "N*m"
     size = quantity(amplitude, unit, "amplitude")
@@ -293,7 +295,7 @@ class _March:
             self.path.restore(before)
             self._step *= 0.5
             return torque
-        if sense * (values[-1] - level) > 0.0:
+        if sense * (values[-1] - level) >= -_LOCATED * self._size:
             self.path.restore(before)
             length = self._located(start, sense, torque, level, values[-1], before)
             torques = self._torques_over(start, sense, length)
@@ -319,14 +321,26 @@ class _March:
     ) -> float:
         """Return the length of the step on which the torque comes to a level."""
 
+        slack = _LOCATED * self._size
+
         def beyond(length: float) -> float:
             self.path.restore(before)
             if length == 0.0:
-                return sense * (torque - level)
-            return sense * (self._at(start + sense * length, sense) - level)
+                return sense * (torque - level) + slack
+            found = sense * (self._at(start + sense * length, sense) - level) + slack
+            return 0.0 if abs(found - slack) < slack else found
 
-        ends = sense * (torque - level), sense * (reached - level)
-        found = root_between(beyond, 0.0, self._step, absolute=1e-18 * self._unit, ends=ends)
+        ends = sense * (torque - level) + slack, sense * (reached - level) + slack
+        found = self._step
+        if ends[1] > 2.0 * slack:
+            found = root_between(beyond, 0.0, self._step, absolute=1e-18 * self._unit, ends=ends)
+        if beyond(found) == 0.0:  # a torque that stays where it is, as in play: where that begins
+            low = 0.0
+            while found - low > 1e-15 * self._unit + 4e-16 * found:
+                middle = 0.5 * (low + found)
+                if middle in (low, found):
+                    break
+                low, found = (middle, found) if beyond(middle) < 0.0 else (low, middle)
         self.path.restore(before)
         return found
 
@@ -342,12 +356,9 @@ class _March:
 def _angle_at(branch: _Branch, torque: float) -> float:
     """Return the angle at which a branch passes a torque."""
     values = branch.torque - torque
-    hits = np.flatnonzero(values == 0.0)
-    if len(hits):
-        return float(branch.angle[hits[-1]])
-    near = int(np.argmin(np.abs(values)))
-    if abs(values[near]) <= 1e-9 * float(np.abs(branch.torque).max()):
-        return float(branch.angle[near])
+    near = np.flatnonzero(np.abs(values) <= 1e-12 * float(np.abs(branch.torque).max()))
+    if len(near):
+        return float(branch.angle[near[0]])  # where it comes to it, of a branch that stays there
     passed = np.flatnonzero(values[:-1] * values[1:] < 0.0)
     if not len(passed):
         return float(branch.angle[0])  # the torque jumped over it where the branch begins
