@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from antenna_pin.contact import MATERIALS, Material
 from antenna_pin.elements import BallBearing
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import Scenario
+from antenna_pin.scenario.merge import key_parts
 from antenna_pin.trajectory import Trajectory, elements_of, is_lean, names_along
 
 __all__ = ["contact_stress"]
@@ -106,12 +108,27 @@ def _materials(described: SurfaceFile, scenario: Scenario | None) -> Callable[[s
             made: Material = described.materials[name].build()
             return made
         if scenario is not None:
-            return scenario.material(name)
+            return _at_temperature(scenario, name)
         if name not in MATERIALS:
             raise UnknownNameError("contact_stress", "material", name, {*described.materials, *MATERIALS})
         return MATERIALS[name]
 
     return known
+
+
+def _at_temperature(scenario: Scenario, name: str) -> Material:
+    """Return a material of a scenario with the numbers that tables give at its temperatures."""
+    found, spec = scenario.material(name), scenario.temperature
+    for table in () if spec is None else spec.tables.values():
+        parts = key_parts(table.key)
+        if spec is None or parts[:2] != ["materials", name] or len(parts) != 3:
+            continue
+        value = table.at(spec.of(table.part))
+        if value is not None:
+            own = float(getattr(found, parts[2])) if table.factor is not None else 1.0
+            change: dict[str, Any] = {parts[2]: value * own}
+            found = replace(found, **change)
+    return found
 
 
 def _pair_of_joint(run: Trajectory, joint: str, own: JointSurface, known: Callable[[str], Material]) -> Pair:

@@ -17,6 +17,8 @@ from antenna_pin.analysis.stress_results import BushingLoad, SurfaceStress
 from antenna_pin.analysis.surface_file import JointSurface
 from antenna_pin.contact import Material, effective_modulus, make_normal_law
 from antenna_pin.contact.pressure import hertz_line, hertz_point, persson_line
+from antenna_pin.contact.socket_pressure import ball_in_socket
+from antenna_pin.errors import AntennaPinError
 from antenna_pin.trajectory import names_along
 from antenna_pin.trajectory.read import is_lean
 
@@ -302,8 +304,15 @@ def _socket(
     def hertz(force: Array, slope: Array) -> Stresses:
         return _point(hertz_point(force, curvature, curvature, pair.modulus, pair.poisson))
 
+    def conformal(force: Array, slope: Array) -> Stresses:
+        bearing, journal = pair.materials
+        return _point(ball_in_socket(force, math.sqrt(outer * inner), outer - inner, journal, bearing))
+
     share = float(hertz(np.array([peak.force]), np.zeros(1)).half_width[0]) / inner
-    return f"Hertz, point (half-width {share:.2g} of the radius)", hertz, []
+    if share <= limits.conformal_above or not pair.materials:
+        return f"Hertz, point (half-width {share:.2g} of the radius)", hertz, []
+    criterion = f"Hertz's half-width {share:.2g} of the radius, above {limits.conformal_above:g}"
+    return f"elastic ball in a spherical hollow, conformal ({criterion})", conformal, []
 
 
 def _corner(
@@ -468,12 +477,14 @@ def _notes_of_law(
     try:
         numbers = {name: value for name, (value, _) in law["parameters"].items()}
         elastic = make_normal_law(law["law"], numbers)
-    except Exception:  # noqa: BLE001 - a law of a user's, of which a result holds the name alone
+    except AntennaPinError:  # a law of a user's, of which a result holds the name alone
         return [f"law {law['law']} is a user's own: its stiffness was not compared with the geometry"]
     depth = _depth_at_peak(data, contact)
     notes = []
-    by_geometry = _approach(about, pair, length, facts["kind"], peak.force)
-    if by_geometry > 0.0 and math.isfinite(depth):
+    springs = float(elastic.force(depth, 0.0, 1.0)) if math.isfinite(depth) else math.nan
+    share = 1.0 - springs / peak.force
+    by_geometry = _approach(about, pair, length, facts["kind"], springs) if springs > 0.0 else math.nan
+    if by_geometry > 0.0 and not _is_of_geometry(numbers, about):
         ratio = depth / by_geometry
         if not 1.0 / _AGREES <= ratio <= _AGREES:
             how = "softer" if ratio > 1.0 else "stiffer"
@@ -481,8 +492,6 @@ def _notes_of_law(
                 f"law {law['law']} gives {ratio:.3g} times the approach of this geometry, so it is {how}: "
                 "the peak force of an impact is the law's, and its pressure not that of the real pair"
             )
-    springs = float(elastic.force(depth, 0.0, 1.0)) if math.isfinite(depth) else math.nan
-    share = 1.0 - springs / peak.force
     if share > _DAMPED:
         name = law.get("dissipation", law)["law"]
         notes.append(
@@ -490,6 +499,15 @@ def _notes_of_law(
             "elastic pressure stands for it"
         )
     return notes
+
+
+def _is_of_geometry(numbers: Mapping[str, float], about: Mapping[str, Any]) -> bool:
+    """Return whether a law along a line has the joint's own radii."""
+    size = about["dimensions"]
+    return all(
+        name in numbers and math.isclose(numbers[name], float(size.get(name, math.nan)), rel_tol=1e-9)
+        for name in ("bearing_radius", "journal_radius")
+    )
 
 
 def _depth_at_peak(data: xr.Dataset, contact: str) -> float:

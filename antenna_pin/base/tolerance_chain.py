@@ -185,9 +185,9 @@ class ToleranceChain:
             spectrum *= np.fft.rfft(mass)
         found = np.fft.irfft(spectrum, size)
         ordered = np.maximum(np.concatenate([found[-_CELLS:], found[:_CELLS]]), 0.0)
-        places = self.mean + (np.arange(-_CELLS, _CELLS + 1) - 0.5) * width
+        places = np.asarray(self.mean + (np.arange(-_CELLS, _CELLS + 1) - 0.5) * width, dtype=float)
         below = np.concatenate([[0.0], np.cumsum(ordered)])
-        return places, below / below[-1]
+        return places, np.asarray(below / below[-1], dtype=float)
 
     def probability_below(self, limit: float) -> float:
         """Return the probability that the sum lies below a limit [-].

@@ -45,18 +45,19 @@ __all__ = [
 #: Of the powers in a unit, their product.
 LARGEST_POWER = 100.0
 
-# Of SI, whose products are units without a factor: exponents of length, mass, time, radian. A test compares
-# all of them with pint.
+# Of SI, whose products are units without a factor: exponents of length, mass, time, radian, temperature. A
+# test compares all of them with pint.
 _COHERENT = {
-    "1": (0, 0, 0, 0),
-    "rad": (0, 0, 0, 1),
-    "m": (1, 0, 0, 0),
-    "s": (0, 0, 1, 0),
-    "kg": (0, 1, 0, 0),
-    "N": (1, 1, -2, 0),
-    "J": (2, 1, -2, 0),
-    "W": (2, 1, -3, 0),
-    "Pa": (-1, 1, -2, 0),
+    "1": (0, 0, 0, 0, 0),
+    "rad": (0, 0, 0, 1, 0),
+    "m": (1, 0, 0, 0, 0),
+    "s": (0, 0, 1, 0, 0),
+    "kg": (0, 1, 0, 0, 0),
+    "N": (1, 1, -2, 0, 0),
+    "J": (2, 1, -2, 0, 0),
+    "W": (2, 1, -3, 0, 0),
+    "Pa": (-1, 1, -2, 0, 0),
+    "K": (0, 0, 0, 0, 1),
 }
 # A unit of SI, and how often it has one that is written.
 _SCALED = {
@@ -135,7 +136,7 @@ def common_unit(name: str) -> Unit | None:
     unit, factor = _SCALED.get(name, (name or "1", 1.0))
     if not _PRODUCT.fullmatch(unit):
         return None
-    sums, largest = [0.0, 0.0, 0.0, 0.0], 1.0
+    sums, largest = [0.0] * 5, 1.0
     for found in _FACTOR.finditer(unit):
         power = float(found[2] or 1.0)
         largest *= max(1.0, abs(power))
@@ -143,7 +144,8 @@ def common_unit(name: str) -> Unit | None:
         sums = [total + sign * one for total, one in zip(sums, _COHERENT[found[1]], strict=True)]
     if largest > LARGEST_POWER:
         return None
-    named = zip(("[length]", "[mass]", "[time]"), (round(total, 12) for total in sums[:3]), strict=True)
+    bases = ("[length]", "[mass]", "[time]", "", "[temperature]")
+    named = ((base, round(total, 12)) for base, total in zip(bases, sums, strict=True) if base)
     return Unit(factor, frozenset((base, power) for base, power in named if power), sums[3], False)
 
 

@@ -111,3 +111,7 @@ from antenna_pin.contact.registry import is_elastic as is_elastic
 from antenna_pin.contact.registry import law_parameters as law_parameters
 from antenna_pin.contact.registry import make_normal_law as make_normal_law
 from antenna_pin.contact.registry import normal_parameters as normal_parameters
+from antenna_pin.contact.socket_pressure import WIDEST_CAP as WIDEST_CAP
+from antenna_pin.contact.socket_pressure import SocketContact as SocketContact
+from antenna_pin.contact.socket_pressure import ball_in_socket as ball_in_socket
+from antenna_pin.contact.socket_pressure import socket_contact as socket_contact

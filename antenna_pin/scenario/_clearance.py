@@ -228,7 +228,7 @@ def _with_fit(data: Mapping[str, Any]) -> dict[str, Any]:
                 refuse("must be left out without fit, in whose zone it is a place", key, value=value)
         return done
     if not isinstance(text, str):
-        refuse(f'must be text such as "20 H7/g6", got {shown(text)}', "fit", value=text)
+        refuse(f"must be text, got {shown(text)}", "fit", value=text)
     if data.get("model") == "prismatic":
         refuse(
             "must be left out of a rectangular slider: give guide_width and slider_width", "fit", value=text

@@ -22,6 +22,7 @@ from antenna_pin.scenario import (
     SPRING_SPECS,
     AnchorSpec,
     AngleEvent,
+    ChainSpec,
     ChangeEvent,
     ClearanceSpec,
     ClosureSpec,
@@ -29,6 +30,7 @@ from antenna_pin.scenario import (
     ControllerSpec,
     CouplingSpec,
     DifferentialSpec,
+    DimensionSpec,
     ForceEvent,
     GapEvent,
     InitialBaseSpec,
@@ -53,6 +55,9 @@ from antenna_pin.scenario import (
     Scenario,
     SensorSpec,
     ShapeSpec,
+    TemperatureSpec,
+    TemperatureTable,
+    ThermalBearing,
     TimeEvent,
 )
 from antenna_pin.scenario.parameters import ParameterSpec
@@ -450,6 +455,35 @@ def _run() -> list[Part]:
             line="when samples are taken",
             more="`times` are met to the bit, stand beside those of the `rate`, and change no step.",
             rows=keys_of(OutputSpec),
+        ),
+        Part(
+            title="[temperature]",
+            line="temperatures of the parts: play, lengths, preload follow ([more](../fits.md))",
+            more='One temperature for all parts is `temperature = "60 degC"`.',
+            rows=[
+                *keys_of(TemperatureSpec, without=("parts", "tables", "bearings")),
+                Row("`parts`", "K", "", "Of links, a table by their names"),
+            ],
+        ),
+        Part(
+            title="[temperature.tables.NAME]",
+            line="a number of the scenario over temperature",
+            rows=keys_of(TemperatureTable),
+        ),
+        Part(
+            title="[temperature.bearings.NAME]",
+            line="materials around a pair of ball bearings, whose preload follows",
+            rows=keys_of(ThermalBearing),
+        ),
+        Part(
+            title="[tolerances.NAME]",
+            line="a chain of dimensions and the play that it leaves ([more](../fits.md))",
+            rows=keys_of(ChainSpec, without=("dimensions",)),
+        ),
+        Part(
+            title="[tolerances.NAME.dimensions.NAME]",
+            line="a dimension of a chain with its limits",
+            rows=keys_of(DimensionSpec),
         ),
         Part(
             title="[pointing]",

@@ -182,3 +182,13 @@ def test_typed_units_and_signs_of_print_are_read():
     assert knob.read(" 150 µm ") == 150e-6
     assert knob.read("\N{MINUS SIGN}0.1\N{NO-BREAK SPACE}mm") == -0.1e-3
     assert knob.read("2e-4") == 2e-4
+
+
+def test_a_fit_is_turned_by_places_in_its_zones():
+    """Hole and shaft, in place of a play that the fit decides."""
+    scenario = load_scenario("pendulum", overrides={"clearance.hinge.fit": "20 H7/g6"})
+    knobs = {knob.place: knob for knob in knobs_of(scenario, "hinge")}
+    assert "clearance.hinge.journal_radius" not in knobs
+    hole = knobs["clearance.hinge.fit_hole"]
+    turned = scenario.with_overrides(hole.settings(1.0)).clearance["hinge"]
+    assert turned.bearing_radius == pytest.approx(10.0105e-3, rel=1e-15)

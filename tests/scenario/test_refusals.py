@@ -30,7 +30,7 @@ WHOLE = "law lankarani-nikravesh brings its own; elastic laws are " + ", ".join(
 TOP = (
     "format, title, source, duration, mechanism, materials, clearance, flexible, closures, couplings, "
     "rotors, references, drives, springs, stops, latches, frictions, gears, bearings, shake, forces, events, "
-    "controllers, initial, integrator, output, pointing"
+    "controllers, initial, integrator, output, pointing, temperature, tolerances"
 )
 
 REFUSALS = [
@@ -451,7 +451,7 @@ def test_every_key_refuses_what_it_does_not_declare(folder):
         annotations = [*field.metadata, *(one for kind in kinds for one in get_args(kind))]
         wrong = [(3, "must be text, got 3")] if kinds == [str] else []
         for quantity in (one for one in annotations if isinstance(one, QuantityRule)):
-            wrong.append(("1 K", f"must be {describe_unit(quantity.unit)}, got '1 K' (K)"))
+            wrong.append(("1 cd", f"must be {describe_unit(quantity.unit)}, got '1 cd' (cd)"))
             wrong += [(-1, f"must be {quantity.rule}, got -1")] if quantity.rule else []
         for value, rule in wrong:
             assert folder.refusal({place: value}) == f"{place} {rule}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from types import MappingProxyType
 from typing import Any
 
@@ -182,6 +182,19 @@ def _of_play(scenario: Scenario, joint: str | None) -> Iterator[Knob]:
     widest = _WIDEST_PLAY * min(
         size for size in (spec.bearing_radius, spec.guide_width, spec.guide_height) if size is not None
     )
+    if spec.fit is not None:  # its radii follow from places in the zones of hole and shaft
+        shown -= {"journal_radius"}
+        for key, name in (("fit_hole", "hole in its zone"), ("fit_shaft", "shaft in its zone")):
+            ends: dict[str, Any] = {"low": -1.0, "high": 1.0, "logarithmic": False}
+            place = f"clearance.{joint}.{key}"
+            yield Knob(
+                group=f"Play in {joint}",
+                name=name,
+                place=place,
+                unit="1",
+                value=getattr(spec, key),
+                **ends,
+            )
     for key, (name, start, factor) in sizes.items():
         written = getattr(spec, key)
         if written is None or key not in shown:
@@ -256,7 +269,7 @@ def _of_material(scenario: Scenario, name: str, group: str) -> Knob:
     place = f"materials.{name}"
     beside: dict[str, Any] = {}
     if name not in scenario.materials:
-        for key in ("poisson", "density", "source"):
+        for key in (item.name for item in fields(material) if item.name != "young"):
             if getattr(material, key) not in (None, ""):
                 beside[f"{place}.{key}"] = getattr(material, key)
     return Knob(

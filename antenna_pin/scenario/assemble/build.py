@@ -341,7 +341,7 @@ def build_system(scenario: Scenario) -> System:
     if dry or own.sticking:
         found["frictions"] = {**dry, **own.sticking}
     left_out = (*_urdf_warnings(as_written(scenario), mechanism), *own.left_out)
-    assumed = (*said_of_assumed(scenario.clearance), *thermal, *own.assumed)
+    assumed = (*said_of_assumed(scenario.clearance), *own.assumed)
     for lines, category in ((left_out, NotSimulatedWarning), (assumed, AssumedWarning)):
         for line in lines:
             warnings.warn(line, category, stacklevel=2)
@@ -365,7 +365,7 @@ def build_system(scenario: Scenario) -> System:
         couplings=couplings_of(scenario, mechanism),
         elastic=by_name(scenario, parts),
         left_out=left_out,
-        assumed=assumed,
+        assumed=(*thermal, *assumed),
     )
     _check_events(scenario, system)
     _check_controllers(scenario, system)

@@ -11,14 +11,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree as ET
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import readable
 from antenna_pin.base.tolerance_chain import Dimension, ToleranceChain
 from antenna_pin.base.units import any_quantity
-from antenna_pin.elements import BallBearing
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario._clearance import law_tables
@@ -26,6 +25,9 @@ from antenna_pin.scenario.assemble.places import check_known, where
 from antenna_pin.scenario.clearance import TouchingSpec
 from antenna_pin.scenario.numbers import number_of, with_number
 from antenna_pin.scenario.temperature import JointPlay, TemperatureSpec, ThermalBearing
+
+if TYPE_CHECKING:
+    from antenna_pin.elements import BallBearing
 
 __all__ = [
     "at_temperature",
@@ -299,6 +301,8 @@ def _numbers(scenario: Scenario, spec: TemperatureSpec) -> Iterator[tuple[str, f
 
 def _preload(scenario: Scenario, spec: TemperatureSpec, name: str, thermal: ThermalBearing) -> float:
     """Return the preload of a pair at its temperatures [N], or refuse a lost one."""
+    from antenna_pin.elements import BallBearing
+
     known = scenario.families.get("bearings", {})
     check_known(scenario, [name], "bearing", known, "temperature", "bearings")
     place = where(scenario, "temperature", "bearings", name)
@@ -335,7 +339,7 @@ def axial_load(bearing: BallBearing, way: float) -> float:
     moved = along + way
     length = math.hypot(off, moved)
     depth = max(length - rest, 0.0)
-    return bearing.count * hertz * depth**1.5 * moved / length
+    return float(bearing.count * hertz * depth**1.5 * moved / length)
 
 
 def _free_way(bearing: BallBearing) -> float:

@@ -214,6 +214,10 @@ def words_of_clearances(scenario: Scenario) -> Iterator[tuple[str, str]]:
         if not isinstance(spec, TouchingSpec):
             continue
         parts = LOOKS[spec.kind].dimensions(spec.sizes())
+        if spec.fit is not None:
+            parts.append(f"fit {spec.fit}")
+        if scenario.temperature is not None:
+            parts.append("dimensions at the reference temperature; the assumptions say the play used")
         if spec.offset:
             parts.append(f"{readable(spec.offset, 'm', GIVEN)} along the axis from the joint's origin")
         if spec.bearing_on == "child":
