@@ -115,7 +115,7 @@ def figure_effects(
     frequency="Frequencies, rising, (n,) [Hz].",
     responses="Open loop's responses by name, complex, (n,) [-].",
 )
-def figure_loop(frequency: Array, responses: Mapping[str, Array], *, width: Width = "page") -> Sheet:
+def figure_loop(frequency: Array, responses: Mapping[str, Any], *, width: Width = "page") -> Sheet:
     """Return gain and phase of sampled loops, opened at the command."""
     gains: list[PlotMark] = [Rule(1.0, _THIN)]
     phases: list[PlotMark] = [Rule(-180.0, _THIN)]
@@ -164,7 +164,7 @@ def figure_interface(densities: xr.Dataset, *, width: Width = "page") -> Sheet:
 )
 def figure_spectrum(
     frequency: Array,
-    lines: Mapping[str, Array],
+    lines: Mapping[str, Any],
     label: str,
     across: str = "frequency [Hz]",
     *,
