@@ -54,7 +54,7 @@ def figure_margins(requirements: Sequence[Mapping[str, Any]], *, width: Width = 
     def finish(axes: Axes) -> None:
         axes.invert_yaxis()
         axes.grid(axis="y", visible=False)
-        axes.set_xlim(100.0 * min(float(shares.min(initial=0.0)), 0.0) - 2.0, 190.0)
+        axes.set_xlim(100.0 * max(min(float(shares.min(initial=0.0)), 0.0), -limit) - 2.0, 190.0)
 
     y = Axis(named={float(k): literal(name) for k, name in enumerate(names)})
     x = Axis("margin, of the bound [%]", ticks=0)
@@ -175,7 +175,7 @@ def figure_spectrum(
         PlotCurve(name, np.asarray(frequency), np.asarray(values), {"color": COLOURS[k % len(COLOURS)]})
         for k, (name, values) in enumerate(lines.items())
     ]
-    y, x = Axis(label, scale="log", ticks=0), Axis(across, scale="log", ticks=0)
+    y, x = Axis(label, scale="log", ticks=0), Axis(across, scale="plain", ticks=0)
     return Sheet([[Panel("", marks, y, x, lettered=False)]], width, 80.0)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from antenna_pin.analysis import interface_loads, power_density, quantity, shock_spectrum
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.readable import number, readable
+from antenna_pin.base.readable import number, printed_unit, readable
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.show import plot
 from antenna_pin.show.report._page import (
@@ -100,7 +100,7 @@ def verification_report(
     said = (
         f"{len(requirements) - len(short)} of {len(requirements)} requirements are met by the runs shown here"
     )
-    statuses = [Status(facts["name"], not short, "all met" if not short else "not all met", said)]
+    statuses = [Status("verification", not short, "all met" if not short else "not all met", said)]
     statuses += [
         Status(one["requirement"], False, _VERDICTS[one["verdict"]], _sentence(one)) for one in short
     ]
@@ -129,7 +129,7 @@ def _result(one: Mapping[str, Any]) -> str:
     if chance:
         percent = 100.0 * chance["confidence"]
         return (
-            f"fails with {number(chance['probability'], 2)} ({number(chance['low'], 2)} to "
+            f"probability of failure {number(chance['probability'], 2)} ({number(chance['low'], 2)} to "
             f"{number(chance['high'], 2)} at {percent:g} %)"
         )
     return _text(one["result"], one["units"])
@@ -207,7 +207,7 @@ def _worst(facts: Mapping[str, Any]) -> Section:
                     ),
                     Cell(str(one["points"])),
                     Cell(_integrity(one["integrity"])),
-                    Cell(f"antenna-pin run {one['shown_in']}"),
+                    Cell(one["shown_in"]),
                 ),
             )
         )
@@ -219,7 +219,7 @@ def _worst(facts: Mapping[str, Any]) -> Section:
         "where",
         "points",
         "integrity of that run",
-        "shown by",
+        "scenario to run",
     )
     table = PageTable(
         columns=head, rows=tuple(rows), caption="Worst cases found, and the runs that show them", key="worst"
@@ -344,7 +344,10 @@ def _shocks(mine: Sequence[Mapping[str, Any]], run: Trajectory, figures: bool) -
         )  # fmt: skip
         if figures:
             drawn_ = plot.figure_spectrum(
-                frequency, {one: largest}, f"largest acceleration [{signal.units}]", "natural frequency [Hz]"
+                frequency,
+                {one: largest},
+                f"largest acceleration [{printed_unit(signal.units)}]",
+                "natural frequency [Hz]",
             )
             yield picture(drawn_, f"Shock response spectrum of {one}", f"srs-{_slug(one)}")
 
