@@ -200,11 +200,7 @@ def _worst(facts: Mapping[str, Any]) -> Section:
                     Cell(sets),
                     Cell(_text(one["nominal"], one["units"])),
                     Cell(_text(one["result"], one["units"])),
-                    Cell(
-                        "inside the corners"
-                        if one["inside"]
-                        else ("a corner or end" if one["worst_case"] else "-")
-                    ),
+                    Cell(_kind_of_point(one)),
                     Cell(str(one["points"])),
                     Cell(_integrity(one["integrity"])),
                     Cell(one["shown_in"]),
@@ -229,6 +225,14 @@ def _worst(facts: Mapping[str, Any]) -> Section:
         "momentum likewise; a run beyond them is not taken as shown.",
     )
     return Section(key="worst", title="Worst cases", items=(table,), meaning=meaning)
+
+
+def _kind_of_point(one: Mapping[str, Any]) -> str:
+    if one.get("probability"):
+        return "a sample"
+    if not one["worst_case"]:
+        return "nominal"
+    return "inside the corners" if one["inside"] else "a corner"
 
 
 def _integrity(books: Mapping[str, Any]) -> str:

@@ -43,7 +43,7 @@ class LoopPoint(NamedTuple):
 def measured_loop(
     scenario: Scenario, controller: str, frequencies: Sequence[float], amplitude: float | str
 ) -> list[LoopPoint]:
-    """Return the loop gain of a PID loop by runs with sine references, one for each frequency.
+    """Return the loop gain of a PID loop by runs with sine references.
 
     The fundamentals of measurement y and error r - y at the sampling times give L = Y / E, as a describing
     function does, but with all harmonics in the loop. It depends on the
@@ -111,7 +111,7 @@ def _signal(run: Trajectory, controller: str, name: str) -> tuple[np.ndarray, np
 def measured_phase_margin(
     scenario: Scenario, controller: str, amplitude: float | str
 ) -> tuple[float, list[LoopPoint]]:
-    """Return the phase margin of a loop measured in runs [rad], and the points that it is read from.
+    """Return the phase margin of a loop measured in runs [rad], with its points.
 
     Five frequencies about the crossing of small motions; the logarithm of the gain and the phase are taken as
     straight between them. NaN where none of them has the gain 1 beside it.

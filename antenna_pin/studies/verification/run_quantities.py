@@ -354,7 +354,7 @@ def _ticks(case: Case, spec: RequirementSpec, signals: tuple[str, ...]) -> list[
 
 
 def _unit_of_controller(case: Case, spec: RequirementSpec) -> str:
-    """Return the unit of what a controller measures: that of a joint's angle or way; "" of others."""
+    """Return the unit of a controller's measurement; "" if unknown."""
     tables = case.scenario.controllers
     table = tables.get(spec.of or next(iter(tables), ""))
     measures = str(getattr(table, "measures", "") or "")
