@@ -146,7 +146,7 @@ def _misspelt() -> Iterator[Place]:
 
 
 # Words of the field, and names of people, that codespell takes for slips.
-_RIGHT = ("wit", "fro", "lates", "commun", "shepperd", "gere", "numer", "lond", "precesses", "orgin")
+_RIGHT = ("wit", "fro", "lates", "commun", "shepperd", "gere", "numer", "lond", "precesses", "orgin", "statics")
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -22,7 +22,8 @@ JOINT = (
     '<joint name="{0}" type="revolute"><parent link="{1}"/><child link="{2}"/><origin xyz="{3} 0 0"/>'
     '<axis xyz="0 0 1"/><limit lower="-3" upper="3" effort="1" velocity="1"/></joint>'
 )
-BAR = f'<robot name="bar"><link name="bus"/>{LINK.format("bar")}{JOINT.format("hinge", "bus", "bar", 0)}</robot>'
+BAR = f'<robot name="bar"><link name="bus"/>{LINK.format("bar")}'
+BAR += JOINT.format("hinge", "bus", "bar", 0) + "</robot>"
 SCENARIO = """format = 1
 title = "hinge"
 duration = 1
@@ -51,7 +52,7 @@ def _bar(gravity: float = G, **more: object) -> System:
 
 
 def test_hinge_by_hand():
-    """Spring, Coulomb friction under load, harness, weight, adhesion and an asked acceleration: the formula."""
+    """Spring, Coulomb friction under load, harness, weight, adhesion, acceleration: the formula."""
     harness = HarnessSpring(
         joint="hinge",
         angle=(-2.0, 2.0),
@@ -86,7 +87,9 @@ def test_hinge_by_hand():
     assert found.data["minimum_torque"].values == pytest.approx(minimum, rel=1e-12)
     assert found.margin == pytest.approx(drives / minimum - 1.0, rel=1e-10)
     k = int(np.argmin(drives / minimum))
-    assert (found.smallest, found.position) == pytest.approx((drives[k] / minimum[k] - 1.0, phi[k]), rel=1e-10)
+    assert (found.smallest, found.position) == pytest.approx(
+        (drives[k] / minimum[k] - 1.0, phi[k]), rel=1e-10
+    )
     back = motorization_margin(system, "hinge", travel=(1.0, -1.0), count=11, available={"motor": 60.0})
     # On the way down the harness helps on neither way by its sign: its other table, and the weight drives.
     cable = 0.1 + 0.025 * (back.data["position"].values + 2.0)
@@ -221,11 +224,15 @@ def test_refusals(hinge: Scenario):
         motorization_margin(hinge, "hinge", travel=(0.1, 1.0), count=2, by_measurement=["coyl"])
     with pytest.raises(AntennaPinError, match="class of resistance 'F' is unknown"):
         motorization_margin(hinge, "hinge", travel=(0.1, 1.0), count=2, additional={"F": 1.0})
-    with pytest.raises(AntennaPinError, match="set of factors 'ecss' is unknown; did you mean ecss-e-st-33-01c"):
+    with pytest.raises(
+        AntennaPinError, match="set of factors 'ecss' is unknown; did you mean ecss-e-st-33-01c"
+    ):
         motorization_margin(hinge, "hinge", travel=(0.1, 1.0), count=2, factors="ecss")
     with pytest.raises(AntennaPinError, match="two numbers that rise"):
         motorization_margin(
             hinge, "hinge", travel=(0.1, 1.0), count=2, ranges={"springs.coil.stiffness": (3.0, 2.0)}
         )
     with pytest.raises(AntennaPinError, match="coils"):
-        motorization_margin(hinge, "hinge", travel=(0.1, 1.0), count=2, ranges={"springs.coils.x": (1.0, 2.0)})
+        motorization_margin(
+            hinge, "hinge", travel=(0.1, 1.0), count=2, ranges={"springs.coils.x": (1.0, 2.0)}
+        )

@@ -10,7 +10,8 @@ import pytest
 from antenna_pin import Mechanism, Urdf, build_mechanism
 from antenna_pin.dynamics.constraints import Anchor, Closure
 
-BAR = """<robot name="bar"><link name="bus"/><link name="bar"><inertial><origin xyz="0.5 0 0"/><mass value="2"/>
+BAR = """<robot name="bar"><link name="bus"/><link name="bar"><inertial>
+<origin xyz="0.5 0 0"/><mass value="2"/>
 <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="hinge" type="{kind}"><parent link="bus"/><child link="bar"/><axis xyz="0 0 1"/>
 <limit lower="-1.5" upper="1.5" effort="1" velocity="1"/></joint></robot>"""

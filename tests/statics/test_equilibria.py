@@ -57,7 +57,7 @@ def test_friction_under_load_makes_a_set(bar: Callable[..., Any]):
 
 
 def test_pin_in_its_bore_under_a_couple():
-    """Tilted until both ends of the bore bear: depth, arm and moment by trigonometry, to Newton's round-off."""
+    """Tilted until both ends of the bore bear: depth, arm and moment by trigonometry."""
     body = """<robot name="b"><link name="ground"/><link name="body"><inertial><mass value="2"/>
 <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
 <joint name="hole" type="continuous"><parent link="ground"/><child link="body"/><axis xyz="0 0 1"/></joint>
@@ -129,7 +129,9 @@ def test_two_coupled_bars_have_four_equilibria(bar: Callable[..., Any]):
     """A double pendulum: each bar up or down, one of four stable; random starts find them."""
     link = '<link name="{0}"><inertial><origin xyz="0.5 0 0"/><mass value="2"/><inertia ixx="0.1" iyy="0.1" '
     link += 'izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
-    joint = '<joint name="{0}" type="continuous"><parent link="{1}"/><child link="{2}"/><origin xyz="{3} 0 0"/>'
+    joint = (
+        '<joint name="{0}" type="continuous"><parent link="{1}"/><child link="{2}"/><origin xyz="{3} 0 0"/>'
+    )
     joint += '<axis xyz="0 0 1"/></joint>'
     text = f'<robot name="two"><link name="bus"/>{link.format("a")}{link.format("b")}'
     text += f"{joint.format('one', 'bus', 'a', 0)}{joint.format('two', 'a', 'b', 1)}</robot>"

@@ -26,8 +26,7 @@ def test_area_of_a_bouc_wen_loop(bar: Callable[..., Any]):
     assert top == pytest.approx(1.0, abs=1e-9)  # so that the first loading is forgotten
     # Lobatto's rule with five points over steps of an eighth of the amplitude.
     assert found.area == pytest.approx(area, rel=1e-8)
-    # At zero torque alpha k phi = -(1 - alpha) k d z, on a branch where z = -1 but for round-off... of the two
-    # branches, one half of the width each.
+    # Both branches pass zero torque once.
     angle = found.angle[found.cycle == 1]
     torque = found.torque[found.cycle == 1]
     assert np.abs(torque).max() == pytest.approx(0.29, rel=1e-12)

@@ -148,7 +148,7 @@ def test_friction_of_a_free_joint_sticks_and_slips():
 
 
 def test_contact_friction_of_a_hinge_with_play():
-    """A pendulum in its bearing: the friction circle, W (r - depth) sin(arctan mu) beside the weight's torque."""
+    """A pendulum in its bearing: the friction circle, W (r - depth) sin(arctan mu)."""
     scenario = load_scenario("pendulum", "planar")
     found = travel(scenario, "hinge", start=-0.4, stop=0.4, count=5)
     weight = found.data["reaction"].sel(sense="out", reacting="hinge", component_axis="fz").values

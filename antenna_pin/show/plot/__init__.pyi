@@ -76,6 +76,9 @@ from antenna_pin.show.plot.spectra import figure_shock as figure_shock
 from antenna_pin.show.plot.spectra import figure_spectra as figure_spectra
 from antenna_pin.show.plot.spectra import figure_spectrogram as figure_spectrogram
 from antenna_pin.show.plot.spectra import figure_swept as figure_swept
+from antenna_pin.show.plot.statics import figure_margin as figure_margin
+from antenna_pin.show.plot.statics import figure_torque_angle as figure_torque_angle
+from antenna_pin.show.plot.statics import figure_travel as figure_travel
 from antenna_pin.show.plot.stress import figure_contact_stress as figure_contact_stress
 from antenna_pin.show.plot.stress import figure_play_over_temperature as figure_play_over_temperature
 from antenna_pin.show.plot.study import QUANTILES as QUANTILES

@@ -146,7 +146,8 @@ def factor_set(wanted: str | FactorSet | Mapping[str, Any]) -> FactorSet:
         return FACTOR_SETS[wanted]
     changes = dict(wanted)
     base = factor_set(str(changes.pop("base", "ecss-e-st-33-01c")))
-    factors, numbers = dict(base.factors), {}
+    factors = dict(base.factors)
+    numbers: dict[str, Any] = {}
     for name, value in changes.items():
         if name in factors:
             pair = value if isinstance(value, tuple | list) else (value, value)

@@ -208,7 +208,7 @@ def _smallest(table: xr.Dataset) -> tuple[float, float]:
 
 
 class _Source(NamedTuple):
-    """What resists or drives at one position: class, torque along the travel, and reduced rate."""
+    """Resistance or drive of one source at one position."""
 
     symbol: str
     torque: float  # positive drives
@@ -235,7 +235,7 @@ def _table(begin: Model, options: _Options) -> tuple[xr.Dataset, tuple[str, ...]
     names = list(dict.fromkeys(name for row in rows for name in row))
     symbols = {name: row[name].symbol for row in rows for name in row}
     actuates = {name: row[name].actuates for row in rows for name in row}
-    measured_sources = _measured(options, names)
+    measured_sources = _sources_by_measurement(options, names)
     torque = np.array([[row[name].torque if name in row else 0.0 for name in names] for row in rows])
     resistance, drive = np.maximum(-torque, 0.0), np.maximum(torque, 0.0)
     by_measurement = np.array([name in measured_sources for name in names])
@@ -334,7 +334,7 @@ def _driving(begin: Model, options: _Options) -> list[str]:
                 raise
             continue
         velocity = path.kinematic(path.balance.y)
-        rates = {name: path.rate_of(every[name].joint, velocity) for name in every}
+        rates = {name: path.geared_rate_of(every[name].joint, velocity) for name in every}
         kept = [] if without != others else motions
         return [name for name in every if name not in kept and abs(rates[name]) > _MOVES]
     raise AssertionError("unreachable")
@@ -352,7 +352,7 @@ def _develop(path: Path, sense: float) -> None:
     balance.develop(senses)
 
 
-def _measured(options: _Options, names: Sequence[str]) -> set[str]:
+def _sources_by_measurement(options: _Options, names: Sequence[str]) -> set[str]:
     """Return the sources whose value is measured."""
     given = options.by_measurement
     wanted = [name for name, on in given.items() if on] if isinstance(given, Mapping) else list(given)
@@ -390,7 +390,7 @@ def _sources(
         found[name] = _Source(symbol, sense * torque, actuates)
     unit = "N" if path.sliding else "N*m"
     for name in driving:
-        torque, cogging = _torque_of(system, path, name, velocity, options)
+        torque, cogging = _torque_of(system, path, name, sense, options)
         found[f"drives.{name}"] = _Source("", torque, factors.motor)
         if cogging:
             found[_COGGING.format(f"drives.{name}")] = _Source("H_M", -cogging, 0.0)
@@ -439,12 +439,10 @@ def _class_of(system: System, place: str, factors: FactorSet) -> tuple[str, floa
     return "S", factors.spring
 
 
-def _torque_of(
-    system: System, path: Path, name: str, velocity: Array, options: _Options
-) -> tuple[float, float]:
-    """Return a drive's torque along the travel, and the largest of its cogging, at the function's joint."""
+def _torque_of(system: System, path: Path, name: str, sense: float, options: _Options) -> tuple[float, float]:
+    """Return a drive's torque and its largest cogging, reduced to the function's joint."""
     drive: Any = system.drives[name]
-    ratio = path.rate_of(drive.joint, velocity)
+    ratio = path.geared_rate_of(drive.joint, math.copysign(1.0, sense) * path.kinematic(path.balance.y))
     unit = "N" if system.slides(drive.joint) else "N*m"
     known = options.available.get(name, options.available.get(f"drives.{name}"))
     cogging = abs(drive.ratio * drive.cogging * ratio) if isinstance(drive, Motor) else 0.0
@@ -457,12 +455,12 @@ def _torque_of(
         return float(drive.value) * ratio, 0.0
     if isinstance(drive, PDController) and drive.limit is not None:
         return abs(drive.limit * ratio), 0.0
-    rule = f"given for drive {name!r}, whose torque does not follow from itself: available = {{{name!r}: TORQUE}}"
+    rule = f"given for drive {name!r}, whose torque is not known of itself: available = {{{name!r}: TORQUE}}"
     raise InvalidParameterError("margin", "available", rule, said="none")
 
 
 def _motor_torque(name: str, motor: Motor, speed: float) -> float:
-    """Return the torque of a motor at its joint, at the command or its limits, without cogging."""
+    """Return the torque of a motor at its joint, without cogging."""
     back = abs((motor.torque_constant if motor.back_emf is None else motor.back_emf) * motor.ratio * speed)
     voltage = math.inf if motor.voltage_limit is None else motor.voltage_limit
     current = math.inf if motor.current_limit is None else motor.current_limit

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 
 class MarginCase(NamedTuple):
-    """One combination of extremes, and the smallest margin in it."""
+    """Combination of extremes with its smallest margin."""
 
     name: str  # such as "cold, drives.motor.voltage_limit=24"
     overrides: Mapping[str, Any]  # of the scenario's keys

@@ -56,14 +56,16 @@ class Extremes:
     def _range(self, key: str, pair: Sequence[Any]) -> _Range:
         own = number_of(self._scenario, key, "margin: ranges")
         if isinstance(pair, str) or len(pair) != 2:
-            raise InvalidParameterError("margin: ranges", key, "two numbers, least and greatest", said=str(pair))
+            raise InvalidParameterError(
+                "margin: ranges", key, "two numbers, least and greatest", said=str(pair)
+            )
         low, high = (_number(one, own.unit, key) for one in pair)
         if not low < high:
             raise InvalidParameterError("margin: ranges", key, "two numbers that rise", said=str(pair))
         return _Range(key, low, high)
 
     def at(self, case: str, shares: Sequence[float]) -> dict[str, Any]:
-        """Return the overrides of a case and of values within the ranges, by their shares from 0 to 1."""
+        """Return the overrides of a case at shares of the ranges, from 0 to 1."""
         values = {
             one.key: one.low + share * (one.high - one.low)
             for one, share in zip(self.ranges, shares, strict=True)

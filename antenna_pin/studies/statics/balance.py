@@ -1,4 +1,4 @@
-"""Forces out of balance of a mechanism at rest, and their derivative over what is free."""
+"""Forces out of balance of a mechanism at rest, and their tangent stiffness."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class Free(NamedTuple):
 
 
 class Balance:
-    """A mechanism at rest: forces out of balance in any pose, with what it remembers of its way.
+    """Mechanism at rest with its forces out of balance and its history.
 
     Friction of joints acts by senses: 0 off, 1 or -1 in full against a motion up or down, None for a joint
     that sticks.
@@ -134,7 +134,9 @@ class Balance:
         self.meshes = {
             one.place: one
             for one in on
-            if not 1.0 == getattr(one.element, "efficiency", 1.0) == getattr(one.element, "efficiency_back", 1.0)
+            if not 1.0
+            == getattr(one.element, "efficiency", 1.0)
+            == getattr(one.element, "efficiency_back", 1.0)
         }
         for place in (*self.play_motions, *self.meshes):
             self.senses[place] = 0.0
@@ -142,7 +144,7 @@ class Balance:
     # --- what the mechanism remembers ---
 
     def set_sense(self, place: str, sense: float | None) -> None:
-        """Let dry friction act against a sense, be off (0), or stick (None) where its joint is."""
+        """Set the sense of dry friction: 1, -1, 0 for off, None for sticking."""
         self.senses[place] = sense
         if place not in self.frictions:
             return
@@ -177,7 +179,8 @@ class Balance:
         for place, acting in self.slipping.items():
             sense = senses.get(str(acting.element.acts_at), 0.0)
             if sense:
-                names = [f"anchor_{k}" for k in range(1, len(acting.element.slip) + 1)]
+                element: Any = acting.element
+                names = [f"anchor_{k}" for k in range(1, len(element.slip) + 1)]
                 self.adjustments.change(place, Change(0, memory=dict.fromkeys(names, -sense * _FAR)))
 
     def drive_to(self, position: float) -> None:
@@ -224,7 +227,7 @@ class Balance:
         weight = np.array(pin.computeGeneralizedGravity(self.model, self._data, q))
         constraints = self.workspace.constraints
         if constraints is None:
-            return tau - weight
+            return np.asarray(tau - weight)
         constraints.accelerate(self.time, y, self.program, tau, self._rates)
         acceleration = self._rates[: self.model.nv]
         if not np.isfinite(acceleration).all():
@@ -236,7 +239,7 @@ class Balance:
         return np.asarray(mass_matrix(self.model, self._data, q) @ acceleration)
 
     def sizes(self, y: Array) -> Array:
-        """Return the sum of the sizes of all that balances in a state whose forces are known, (nv,)."""
+        """Return the sum of the sizes of all forces of the last evaluation, (nv,)."""
         size = np.abs(np.array(pin.computeGeneralizedGravity(self.model, self._data, y[: self.model.nq])))
         constraints = self.workspace.constraints
         if constraints is not None:
@@ -246,7 +249,9 @@ class Balance:
             whole = float(np.abs(self.workspace.table["force"][self._rows[joint.name]]).sum())
             ways = 2 if joint.planar else 3
             size[v.start : v.start + ways] += whole
-            size[v.start + ways : v.stop] += whole * (joint.geometry.half_length or joint.geometry.section_radius)
+            size[v.start + ways : v.stop] += whole * (
+                joint.geometry.half_length or joint.geometry.section_radius
+            )
         with self.alone() as (heads, on):
             rest = self.exerted(y)
             for place, head in heads.items():
@@ -282,7 +287,7 @@ class Balance:
             tau += self.contact_friction(y)
         if self.meshes:
             tau += self.mesh_friction(y)
-        return tau + self.play_friction(y)
+        return np.asarray(tau + self.play_friction(y))
 
     def mesh_friction(self, y: Array, place: str | None = None) -> Array:
         """Return the generalized force of friction in gears on their inputs, by their senses, (nv,)."""
@@ -314,10 +319,10 @@ class Balance:
             workspace.memory["touching"] = touching
             workspace.memory["approach_speed"] = self.system.approach_speed_floors
             workspace.memory["effective_mass"] = 1.0
-        for one in self.states:
-            before = float(kernels.joint_motion(self.program, one.block, self.y, nq)[0])
-            after = float(kernels.joint_motion(self.program, one.block, y, nq)[0])
-            y[one.x] = one.advanced(float(self.y[one.x]), after - before)
+        for state in self.states:
+            before = float(kernels.joint_motion(self.program, state.block, self.y, nq)[0])
+            after = float(kernels.joint_motion(self.program, state.block, y, nq)[0])
+            y[state.x] = state.advanced(float(self.y[state.x]), after - before)
         for one in self._stops:
             element: Any = one.element
             record = element.compiled().LAYOUT
@@ -423,7 +428,7 @@ class Balance:
         return y
 
     def rows(self, y: Array, *, driven: bool = True) -> Array:
-        """Return the constraints that hold in a state, (rows, nv), the base among them if it is free."""
+        """Return the active constraint rows of a state, a free base included, (rows, nv)."""
         rows = [np.zeros((0, self.model.nv))]
         constraints = self.workspace.constraints
         if constraints is not None:
@@ -461,7 +466,7 @@ class Balance:
         return Free(inverse @ basis, steps, scale, fine)
 
     def in_play(self, free: Free, k: int) -> bool:
-        """Return whether a free direction moves journals in their play, but for what follows from that."""
+        """Return whether a free direction mainly moves journals in their play."""
         moved = np.abs(free.scale @ free.directions[:, k])
         return bool(moved[free.fine].max(initial=0.0) > moved[~free.fine].max(initial=0.0))
 
@@ -470,7 +475,7 @@ class Balance:
         return self._scale(y)[0]
 
     def _scale(self, y: Array) -> tuple[Array, NDArray[np.bool_], Array]:
-        """Return S, which of its rows are of journals in their play, and depths of these over what is trusted.
+        """Return S, its rows of journals in their play, and their relative depths.
 
         A step d is S d over what is trusted.
         """
@@ -524,9 +529,13 @@ class Balance:
 
     def stiffness(self, y: Array, free: Free) -> Array:
         """Return minus the derivative of the forces along free directions, (nv, k)."""
-        return -np.array(
-            [self.along(y, way, step) for way, step in zip(free.directions.T, free.steps, strict=True)]
-        ).reshape(free.directions.shape[1], self.model.nv).T
+        return (
+            -np.array(
+                [self.along(y, way, step) for way, step in zip(free.directions.T, free.steps, strict=True)]
+            )
+            .reshape(free.directions.shape[1], self.model.nv)
+            .T
+        )
 
     def along(self, y: Array, way: Array, step: float) -> Array:
         """Return the derivative of the forces along a direction by central differences, (nv,)."""

@@ -7,7 +7,7 @@ import math
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -114,7 +114,7 @@ def _check_loops(balance: Balance) -> None:
 
 
 def _coordinates(balance: Balance, y: Array) -> Array:
-    """Return numbers of a pose, one for one: positions over lengths of the mechanism, turns as rotations."""
+    """Return numbers that identify a pose: relative positions, and rotations as matrices."""
     parts = [np.zeros(0)]
     for slot in balance.system.mechanism.joints.values():
         own = y[slot.q].astype(float)
@@ -144,7 +144,7 @@ def _starts(
 
 
 def _leading_joint(balance: Balance, y: Array) -> str | None:
-    """Return the joint that leads a mechanism of one freedom, journals in their play aside; else None."""
+    """Return the leading joint of a mechanism of one freedom; else None."""
     free = balance.free(y)
     coarse = [k for k in range(len(free.steps)) if not balance.in_play(free, k)]
     if len(coarse) != 1:
@@ -164,10 +164,8 @@ def _leading_joint(balance: Balance, y: Array) -> str | None:
     return best if moved.max(initial=0.0) > 0.0 else None
 
 
-def _along(
-    balance: Balance, system: System, y: Array, joint: str, hold: Sequence[str]
-) -> Iterator[Array]:
-    """Yield states near the equilibria of a mechanism of one freedom, by signs of the needed torque."""
+def _along(balance: Balance, system: System, y: Array, joint: str, hold: Sequence[str]) -> Iterator[Array]:
+    """Yield states near equilibria along the motion of a leading joint."""
     try:
         static = static_system(system, y, joint=joint, hold=hold)
         kept = {name: one for name, one in system.drives.items() if one.joint == joint}
@@ -204,9 +202,7 @@ def _frictionless(static: StaticSystem) -> StaticSystem:
     return replace(static, contact_friction={}, play_friction={})
 
 
-def _refined(
-    path: Path, start: tuple[object, ...], rows: dict[float, tuple[float, Array]], a: float, b: float
-) -> Array:
+def _refined(path: Path, start: Any, rows: dict[float, tuple[float, Array]], a: float, b: float) -> Array:
     """Return the state of zero torque between two positions."""
     state: dict[float, Array] = {}
 
@@ -262,7 +258,7 @@ def _random(balance: Balance, y: Array, hold: Sequence[str], starts: int, seed: 
 # --- equilibria with the ends of their sets -----------------------------------------------------------------
 
 
-def _with_ends(balance: Balance, rest: Rest, origin: tuple[object, ...]) -> Equilibrium:
+def _with_ends(balance: Balance, rest: Rest, origin: tuple[Any, ...]) -> Equilibrium:
     """Return an equilibrium with the ends of its set."""
     middle = _reading(balance, rest, "none")
     hysteretic = bool(
@@ -278,7 +274,7 @@ def _with_ends(balance: Balance, rest: Rest, origin: tuple[object, ...]) -> Equi
     velocity = _softest(balance, rest)
     words: tuple[tuple[Literal["forward", "backward"], float], ...] = (("backward", -1.0), ("forward", 1.0))
     for word, sense in words:
-        balance.restore(origin)  # type: ignore[arg-type]
+        balance.restore(origin)
         balance.y = rest.y.copy()
         balance.saturated = True
         _act(balance, rest.y, sense * velocity)
@@ -289,12 +285,12 @@ def _with_ends(balance: Balance, rest: Rest, origin: tuple[object, ...]) -> Equi
             pass
         finally:
             balance.saturated = False
-    balance.restore(origin)  # type: ignore[arg-type]
+    balance.restore(origin)
     return replace(middle, ends=tuple(ends))
 
 
 def _softest(balance: Balance, rest: Rest) -> Array:
-    """Return the direction of least stiffness among those that move joints, (nv,), its largest rate positive."""
+    """Return the direction of least stiffness that moves joints, (nv,)."""
     directions = rest.free.directions
     keep = [k for k in range(directions.shape[1]) if not balance.in_play(rest.free, k)]
     directions = directions[:, keep] if keep else directions
@@ -320,7 +316,8 @@ def _act(balance: Balance, y: Array, velocity: Array) -> None:
         rates[name] = float(balance.slope(motion, mechanism.joint(name).v, y) @ velocity)
     largest = max(map(abs, rates.values()), default=0.0)
     senses = {
-        name: math.copysign(1.0, rate) if abs(rate) > _MOVES * largest else 0.0 for name, rate in rates.items()
+        name: math.copysign(1.0, rate) if abs(rate) > _MOVES * largest else 0.0
+        for name, rate in rates.items()
     }
     for place, one in balance.frictions.items():
         balance.set_sense(place, senses.get(str(one.element.acts_at), 0.0))
@@ -330,9 +327,7 @@ def _act(balance: Balance, y: Array, velocity: Array) -> None:
     balance.velocity = velocity if balance.static.contact_friction else balance.velocity
 
 
-def _reading(
-    balance: Balance, rest: Rest, friction: Literal["none", "forward", "backward"]
-) -> Equilibrium:
+def _reading(balance: Balance, rest: Rest, friction: Literal["none", "forward", "backward"]) -> Equilibrium:
     values, stability = stiffness_of(balance, rest)
     return Equilibrium(
         state=balance.static.state_of_original(rest.y),

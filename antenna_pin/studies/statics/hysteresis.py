@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.compiled.decorators import in_python
-from antenna_pin.dynamics import System, acting_in
-from antenna_pin.dynamics import kernels
+from antenna_pin.dynamics import System, acting_in, kernels
 from antenna_pin.elements import Motor
 
 __all__ = ["HystereticState", "hysteretic_states"]
@@ -31,7 +30,7 @@ _FAR = 1e6
 
 
 class _Branch(NamedTuple):
-    """Rate of a state over the way on one side of zero: f = constant + slope z."""
+    """Rate of a state over the way, f = constant + slope z."""
 
     constant: float
     slope: float
@@ -63,7 +62,7 @@ class HystereticState:
         }
 
     def rate(self, z: float, sense: float) -> float:
-        """Return the state's change over the size of the joint's way, dz/ds, of a motion of a sense."""
+        """Return dz/ds of a motion of a sense."""
         own = np.zeros(self._count)
         own[self._integral] = z - self.start
         rates = np.zeros(self._count)
@@ -80,7 +79,7 @@ class HystereticState:
         return _Branch(float(constant), float(slope), bool(affine))
 
     def advanced(self, offset: float, way: float) -> float:
-        """Return the state (less that at the start of a run) after a signed way of the joint.
+        """Return the state, less its start, after a signed way of the joint.
 
         Args:
             offset: The state before, less its start.
@@ -125,7 +124,7 @@ class HystereticState:
 
 
 def _along(branch: _Branch, z: float, side: float, way: float) -> tuple[float, float]:
-    """Return the state after a way along an affine branch, and the way left at zero."""
+    """Return the state after a way along an affine branch, and the rest."""
     constant, slope, _ = branch
     end = _affine(constant, slope, z, way)
     if side * end >= 0.0 or z == 0.0:

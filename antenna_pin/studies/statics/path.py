@@ -1,4 +1,4 @@
-"""A joint driven along its positions: poses in balance one after another, friction by the sense of motion."""
+"""Path of a driven joint: poses in balance one after another."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.readable import number
-from antenna_pin.dynamics import JointMotion
-from antenna_pin.elements import BoucWen
+from antenna_pin.dynamics import JointMotion, acting_in, kernels
+from antenna_pin.elements import BetweenJoints, BoucWen
 from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism.inertia import mass_matrix
 from antenna_pin.studies.statics.balance import Balance, NotClosedError
@@ -92,7 +92,7 @@ class Path:
             )
 
     def kinematic_or_none(self, y: Array) -> Array | None:
-        """Return the velocity of the mechanism over that of the joint, all that is free at rest, or None."""
+        """Return the velocity ratios of the mechanism, or None at a held joint."""
         balance = self.balance
         inverse = np.linalg.inv(balance.scale(y))
         rows = balance.rows(y, driven=False) @ inverse
@@ -109,20 +109,39 @@ class Path:
         return np.asarray(inverse @ (basis @ own) / (own @ own))
 
     def kinematic(self, y: Array) -> Array:
-        """Return the velocity of the mechanism over that of the joint, all that is free at rest, (nv,)."""
+        """Return the velocity ratios of the mechanism to the joint, (nv,)."""
         found = self.kinematic_or_none(y)
         if found is None:
             raise NotClosedError(f"statics: {self.joint} stands in a singular position")
         return found
 
     def rate_of(self, joint: str, velocity: Array) -> float:
-        """Return the rate of a joint of a velocity of the mechanism, (nv,); 0 of one without an axis."""
+        """Return the rate of a joint of a velocity, 0 without an axis."""
         try:
             motion = JointMotion(self.balance.system, joint)
         except MechanismError:
             return 0.0
         v = self.balance.system.mechanism.joint(joint).v
         return float(self.balance.slope(motion, v, self.balance.y) @ velocity)
+
+    def geared_rate_of(self, joint: str, velocity: Array) -> float:
+        """Return the rate of a joint of a velocity with rigid gears."""
+        system, balance = self.balance.system, self.balance
+        rates = {name: self.rate_of(name, velocity) for name in system.mechanism.joints}
+        meshes = [
+            (one, kernels.joint_motion(balance.program, one.block, balance.y, balance.model.nq)[2:])
+            for one in acting_in(system)
+            if isinstance(one.element, BetweenJoints)
+        ]
+        for _ in meshes:
+            for one, (over, over_other) in meshes:
+                element: Any = one.element
+                ends = element.input, element.output
+                if rates[ends[0]] == 0.0 != rates[ends[1]] and over:
+                    rates[ends[0]] = -over_other / over * rates[ends[1]]
+                elif rates[ends[1]] == 0.0 != rates[ends[0]] and over_other:
+                    rates[ends[1]] = -over / over_other * rates[ends[0]]
+        return rates[joint]
 
     def inertia(self, point: Point) -> float:
         """Return the inertia of the mechanism reduced to the joint [kg*m^2] ([kg])."""

@@ -20,7 +20,6 @@ from antenna_pin.studies.statics.path import Path, Point
 from antenna_pin.studies.statics.reading import positions_of, reactions_of, sources_of, stiffness_of
 from antenna_pin.studies.statics.result import QuasiStaticTravel
 from antenna_pin.studies.statics.static_system import (
-
     check_rate_independent,
     start_of,
     static_system,
@@ -152,7 +151,7 @@ def positions_along(
 
 
 def limits_of(system: System, joint: str) -> tuple[float, float]:
-    """Return the limits of a joint, by its URDF and rigid stops; infinite where it has none."""
+    """Return the limits of a joint by URDF and rigid stops; infinite without."""
     lower, upper = -np.inf, np.inf
     limit = system.mechanism.urdf.joint(joint).limit
     if limit is not None and system.mechanism.urdf.joint(joint).type not in ("continuous",):
@@ -227,5 +226,3 @@ class _Table:
             "component_axis": list(COMPONENTS),
         }
         return xr.Dataset(variables, coords=coordinates, attrs={"joint": self._path.joint})
-
-

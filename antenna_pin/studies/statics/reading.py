@@ -109,7 +109,7 @@ def _at(balance: Balance, one: Any) -> int:
 
 
 def efforts_of(balance: Balance, y: Array) -> dict[str, float]:
-    """Return the torque of each element at a joint on its child [N*m] ([N]), by place."""
+    """Return the torque of each element at a joint, by place."""
     y = y.copy()
     balance.forces(y)
     found = {}
@@ -118,7 +118,9 @@ def efforts_of(balance: Balance, y: Array) -> dict[str, float]:
             continue
         if one.element.about == "pose":
             continue
-        effort = float(kernels.element_state(balance.program, one.block, balance.time, y, balance.model.nq)[0])
+        effort = float(
+            kernels.element_state(balance.program, one.block, balance.time, y, balance.model.nq)[0]
+        )
         if one.element.under_load and getattr(one.element, "on", True):
             effort += balance.load(one.place)
         found[balance.static.place(one.place)] = effort
@@ -132,13 +134,13 @@ def holding_of(balance: Balance, y: Array) -> dict[str, float]:
         return {}
     balance.forces(y.copy())
     plan = system.plan
-    joints = _held(balance)[1]
+    joints = _closure_forces(balance)[1]
     names = [f"drives.{name}" for name in plan.motions] + [f"couplings.{name}" for name in plan.couplings]
     found = dict(zip([*names, *plan.holds], joints.tolist(), strict=True))
     return {name: value for name, value in found.items() if name not in plan.holds or value != 0.0}
 
 
-def _held(balance: Balance) -> tuple[Array, Array, Array]:
+def _closure_forces(balance: Balance) -> tuple[Array, Array, Array]:
     """Return wrenches of closures, forces of motions, couplings and holds, and multipliers."""
     constraints, plan = balance.workspace.constraints, balance.system.plan
     assert constraints is not None and plan is not None
@@ -165,7 +167,7 @@ def reactions_of(balance: Balance, y: Array) -> dict[str, Array]:
     outer = [np.zeros(6) for _ in range(model.njoints)]  # force, and moment about the world's origin
     found_closures = {}
     if system.plan is not None and system.plan.closures:
-        wrenches, _, _ = _held(balance)
+        wrenches, _, _ = _closure_forces(balance)
         for name, wrench in zip(system.plan.closures, wrenches, strict=True):
             found_closures[name] = _add_closure(balance, data, name, wrench, outer)
     bodies = balance.workspace.bodies
@@ -190,7 +192,7 @@ def reactions_of(balance: Balance, y: Array) -> dict[str, Array]:
 
 
 def _add_closure(balance: Balance, data: Any, name: str, wrench: Array, outer: list[Array]) -> Array:
-    """Add a closure's wrench to bodies, and return it in world axes about the second side's point."""
+    """Add a closure's wrench to its bodies; return it in world axes."""
     closure, mechanism = balance.system.closures[name], balance.system.mechanism
     places, joints = [], []
     for side in (closure.first, closure.second):
@@ -255,7 +257,7 @@ def stiffness_of(balance: Balance, rest: Rest) -> tuple[Array, StaticStability]:
     whole = np.where(np.outer(kept, kept), whole, 0.0)
     values = np.sort(np.linalg.eigvals(inverse.T @ whole @ inverse).real)
     scaled = whole[np.ix_(kept, kept)] / np.sqrt(np.outer(own[kept], own[kept]))
-    signs = np.linalg.eigvalsh(0.5 * (scaled + scaled.T))
+    signs = np.linalg.eigvals(scaled).real  # friction makes it unsymmetric
     if (signs < -_NEUTRAL).any():
         return values, "unstable"
     if (zero & moves_joint).any() or (np.abs(signs) <= _NEUTRAL).any():

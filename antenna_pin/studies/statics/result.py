@@ -120,7 +120,7 @@ class QuasiStaticTravel:
 
     @property
     def torque_back(self) -> Array:
-        """Needed torque on the way back, (n,) in the order of the way out [N*m] ([N])."""
+        """Needed torque on the way back, in outward order, (n,) [N*m] ([N])."""
         return np.asarray(self.data["torque"].sel(sense="back").values)
 
     @property
@@ -159,6 +159,6 @@ class QuasiStaticTravel:
         p, t = self.position, self.data["torque"].values
         unit = "m" if self.sliding else "rad"
         return (
-            f"QuasiStaticTravel({self.joint!r}, {number(p[0])} to {number(p[-1])} {unit}, {len(p)} positions, "
-            f"torque {number(float(t.min()))} to {number(float(t.max()))} {self.unit})"
+            f"QuasiStaticTravel({self.joint!r}, {number(p[0])} to {number(p[-1])} {unit}, {len(p)} "
+            f"positions, torque {number(float(t.min()))} to {number(float(t.max()))} {self.unit})"
         )

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.readable import number
 from antenna_pin.dynamics import JointMotion, kernels
-from antenna_pin.elements import Change, RigidStop
+from antenna_pin.elements import Change, RigidStop, kind_of
 from antenna_pin.elements import kernels as of_elements
-from antenna_pin.elements import kind_of
 from antenna_pin.elements.limits import FREE, LOWER, UPPER
 from antenna_pin.errors import MechanismError
 from antenna_pin.studies.statics.balance import Balance, Free
@@ -93,8 +92,9 @@ def balanced(balance: Balance, y: Array, where: str) -> Rest:
         found = _newton(balance, here)
     if found is None:
         raise NotBalancedError(
-            f"statics: {where}: forces must come into balance, got {_left(balance, here)}; start nearer to an "
-            "equilibrium (initial.joints), move the joint in smaller steps, or hold a joint that nothing holds"
+            f"statics: {where}: forces must come into balance, got {_left(balance, here)}; start "
+            "nearer to an equilibrium (initial.joints), move the joint in smaller steps, or hold a joint that "
+            "nothing holds"
         )
     stiffness = balance.stiffness(found.y, found.free)
     balance.forces(found.y)
@@ -139,7 +139,7 @@ def _newton(balance: Balance, start: _Pose) -> _Pose | None:
         directions = here.free.directions
         reduced = directions.T @ balance.stiffness(here.y, here.free)
         right = directions.T @ here.force
-        step = np.linalg.lstsq(reduced, right, rcond=_SINGULAR)[0]
+        step: Array = np.linalg.lstsq(reduced, right, rcond=_SINGULAR)[0].astype(float)
         if np.linalg.norm(reduced @ step - right) > _UNSOLVED * np.linalg.norm(right):
             break
         longest = _longest(here.free, step)
@@ -181,14 +181,14 @@ def _drift(balance: Balance, here: _Pose, damping: float) -> tuple[_Pose, float]
 
 
 def _goes_far(balance: Balance, before: _Pose, here: _Pose) -> bool:
-    """Return whether a step moves a joint, other than a journal in its play, as far as is trusted."""
+    """Return whether a step moves a joint as far as is trusted."""
     way = pin.difference(balance.model, before.y[: balance.model.nq], here.y[: balance.model.nq])
     moved = np.abs(before.free.scale @ way)
     return bool(moved[~before.free.fine].max(initial=0.0) > 0.9)
 
 
 def _moved(balance: Balance, here: _Pose, step: Array) -> _Pose | None:
-    """Return the pose after a step; None where loops do not close or a force is none."""
+    """Return the pose after a step; None without closed loops or finite forces."""
     try:
         found = _pose(balance, balance.displaced(here.y, here.free.directions @ step))
     except MechanismError:
@@ -304,7 +304,7 @@ def _wrong_frictions(
 
 
 def settled_senses(balance: Balance, y: Array, velocity: Array) -> list[str]:
-    """Set the senses of dry friction of a motion; return the places that it does not determine.
+    """Set the senses of dry friction of a motion; return undetermined places.
 
     Args:
         balance: The mechanism.

@@ -1,4 +1,4 @@
-"""System without time for statics: motions at rest, dry friction by sense, a joint that is driven."""
+"""System without time: motions at rest, dry friction by sense, a driven joint."""
 
 from __future__ import annotations
 
@@ -47,13 +47,14 @@ def start_of(model: Scenario | System | str | os.PathLike[str], q: ArrayLike | N
         model: A scenario, or its name or path, or a system.
         q: Configuration instead of that at the start, (nq,).
     """
-    given = scenario_named(model)
+    given: Any = scenario_named(model)
     if isinstance(given, Scenario):
         system = build_system(given)
         first, _ = initial_state(given, system)
         angles = initial_angles(given, system) if q is None else None
     else:
-        system, first, angles = given, given.neutral(), None
+        system = given
+        first, angles = system.neutral(), None
     y = system.state(first if q is None else q, np.zeros(system.model.nv), angles)
     if q is not None:
         check_closed(system, y)
@@ -88,14 +89,14 @@ class StaticSystem:
     notes: tuple[str, ...]
 
     def state_from(self, y: Array) -> Array:
-        """Return the state of ``system`` at rest in the pose of a state of the original."""
+        """Return the static state in the pose of an original state."""
         model = self.system.model
         nq, nv = model.nq, model.nv
         angles = {name: float(y[nq + nv + x]) for name, x in self.original.turn_x.items()}
         return self.system.state(y[:nq], np.zeros(nv), angles)
 
     def state_of_original(self, y: Array) -> Array:
-        """Return the state of the original at rest in the pose of a state of ``system``."""
+        """Return the original state, at rest, in the pose of a static state."""
         model = self.system.model
         nq, nv = model.nq, model.nv
         angles = {name: float(y[nq + nv + x]) for name, x in self.system.turn_x.items()}
@@ -147,10 +148,11 @@ def static_system(
     places, play = _with_sticking(system, families)
     clearances, contact = _without_contact_friction(system.clearances)
     own = mechanism.urdf.mimics
+    drives: dict[str, Any] = dict(families.pop("drives"))
     found = System(
         mechanism,
         clearances=clearances,
-        drives=families.pop("drives"),
+        drives=drives,
         springs=families.pop("springs"),
         held=system.held,
         closures={name: one for name, one in system.closures.items() if name not in system.held},

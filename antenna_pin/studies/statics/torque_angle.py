@@ -10,11 +10,12 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.calculus import root_between
-from antenna_pin.base.readable import brief, number
+from antenna_pin.base.readable import brief, number, readable
 from antenna_pin.base.units import quantity
 from antenna_pin.dynamics import System
 from antenna_pin.errors import InvalidParameterError
@@ -86,9 +87,32 @@ class TorqueAngleLoop:
     notes: tuple[str, ...] = ()
     scenario: Scenario | None = None
 
+    @property
+    def data(self) -> xr.Dataset:
+        """Angle, torque and cycle of each point, and the measures in words."""
+        unit, length = ("N", "m") if self.sliding else ("N*m", "rad")
+        words = [
+            f"stiffness {readable(self.stiffness, 'N/m' if self.sliding else 'N m/rad')}",
+            *(
+                f"{name.replace('_', ' ')} {readable(getattr(self, name), length)}"
+                for name in ("lost_motion", "dead_band", "hysteresis")
+            ),
+            f"area {readable(self.area, 'J')}",
+        ]
+        return xr.Dataset(
+            {
+                "angle": ("point", self.angle, {"units": length}),
+                "torque": ("point", self.torque, {"units": unit}),
+                "cycle": ("point", self.cycle),
+            },
+            attrs={"joint": self.joint, "measures": words},
+        )
+
     def to_dict(self) -> dict[str, Any]:
         """Return the loop in plain numbers, with the definition of each measure."""
-        measures = {name: {"value": getattr(self, name), "definition": DEFINITIONS[name]} for name in DEFINITIONS}
+        measures = {
+            name: {"value": getattr(self, name), "definition": DEFINITIONS[name]} for name in DEFINITIONS
+        }
         return {
             "joint": self.joint,
             "unit": "N" if self.sliding else "N*m",
@@ -107,7 +131,7 @@ class TorqueAngleLoop:
 
 # Of the amplitude: change of the torque in a step, departure from a straight line, and what ends a branch.
 _CHANGE, _BEND, _LOCATED = 0.125, 0.02, 1e-13
-# First step of the angle, the least and the longest one [rad, or lengths of the mechanism]; steps of a branch.
+# First, least and longest step of the angle [rad, or lengths of the mechanism]; steps of a branch.
 _FIRST, _LEAST, _LONGEST, _STEPS = 1e-5, 1e-13, 0.05, 4000
 # How far a joint goes that nothing resists [rad, or lengths of the mechanism].
 _FARTHEST = math.pi
@@ -197,6 +221,8 @@ def torque_angle_loop(
         raise InvalidParameterError("statics", "small_torque", rule, small_torque)
     hysteresis = abs(_angle_at(down, 0.0) - _angle_at(up, 0.0))
     area = up.work + down.work
+    if abs(area) < 1e-13 * size * abs(ends[0] - ends[1]):
+        area = 0.0  # round-off of the work either way
     residual = max(one.residual for one in pieces)
     lost_motion = march.lost_motion(little)
     return TorqueAngleLoop(
@@ -280,7 +306,7 @@ class _March:
         self._torques.append(torque)
 
     def _advance(self, sense: float, torque: float, level: float) -> float:
-        """Make one step, which ends at the level if it would pass it; return the torque there."""
+        """Make one step, at most to a level; return the torque there."""
         start = self.path.position
         if abs(start - self._origin) > _FARTHEST * self._unit:
             raise self._free(sense)
@@ -320,7 +346,6 @@ class _March:
         self, start: float, sense: float, torque: float, level: float, reached: float, before: object
     ) -> float:
         """Return the length of the step on which the torque comes to a level."""
-
         slack = _LOCATED * self._size
 
         def beyond(length: float) -> float:
@@ -350,7 +375,9 @@ class _March:
             f"one that something resists: joint {self.path.joint!r} moves on without end; hold the other end "
             "(hold), or take a smaller one"
         )
-        return InvalidParameterError("statics", "amplitude", rule, said=f"{number(sense * self._size)} {unit}")
+        return InvalidParameterError(
+            "statics", "amplitude", rule, said=f"{number(sense * self._size)} {unit}"
+        )
 
 
 def _angle_at(branch: _Branch, torque: float) -> float:
