@@ -55,7 +55,7 @@ class SocketContact(NamedTuple):
 def socket_contact(
     half_angle: float, ball: tuple[float, float], socket: tuple[float, float]
 ) -> SocketContact:
-    """Return load and pressure of a ball in a socket over the half-angle of their contact.
+    """Return load and pressure of a ball in a socket at a half-angle.
 
     Args:
         half_angle: epsilon, above 0 and up to 80 deg [rad].
@@ -105,7 +105,7 @@ def _gauss_jacobi() -> tuple[Array, Array]:
 
 
 def _disc(power: int, x: Array) -> Array:
-    """Return the flat disc's integral of (1 - rho^2 / a^2)^(power - 1/2) over distance, over a."""
+    """Return the potential of a pressure on a flat disc, over its radius."""
     half = power + 0.5
     front = math.pi * math.sqrt(math.pi) * math.gamma(half) / math.gamma(half + 0.5)
     term, total = np.ones_like(x), np.ones_like(x)
@@ -116,7 +116,7 @@ def _disc(power: int, x: Array) -> Array:
 
 
 def _rest(ball: tuple[float, float], socket: tuple[float, float]) -> Array:
-    """Return s_n less the part of a half-space, 4 / (2 n + 1), in units of R / E*."""
+    """Return s_n less the half-space's 4 / (2 n + 1), over R / E*."""
     n = np.arange(_TERMS, dtype=float)
     modulus = 1.0 / sum((1.0 - nu * nu) / young for young, nu in (ball, socket))
     total = np.zeros(_TERMS)
@@ -130,7 +130,7 @@ def _rest(ball: tuple[float, float], socket: tuple[float, float]) -> Array:
 
 
 def _of_ball(n: Array, nu: float) -> Array:
-    """Return the inward displacement of a ball's surface under p_n P_n, times 2 G / R."""
+    """Return the inward displacement of a ball's surface, scaled by 2 G / R."""
     with np.errstate(divide="ignore", invalid="ignore"):
         bend = n * (n * n + 2.0 * n - 1.0 + 2.0 * nu) / (n - 1.0) - (n + 1.0) * (n - 2.0 + 4.0 * nu)
     found: Array = bend / (2.0 * (n * n + n + 1.0) + 2.0 * nu * (2.0 * n + 1.0))
@@ -139,7 +139,7 @@ def _of_ball(n: Array, nu: float) -> Array:
 
 
 def _of_hollow(n: Array, nu: float) -> Array:
-    """Return the outward displacement of a hollow's surface under p_n P_n, times 2 G / R."""
+    """Return the outward displacement of a hollow's surface, scaled by 2 G / R."""
     bend = n * (n + 3.0 - 4.0 * nu) - (n + 1.0) * (n * n - 2.0 + 2.0 * nu) / (n + 2.0)
     found: Array = bend / (2.0 * (n * n + n + 1.0) - 2.0 * nu * (2.0 * n + 1.0))
     found[0], found[1] = 0.5, 0.0
