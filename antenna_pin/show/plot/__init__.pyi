@@ -94,7 +94,5 @@ from antenna_pin.show.plot.tables import table_figures as table_figures
 from antenna_pin.show.plot.verification import figure_effects as figure_effects
 from antenna_pin.show.plot.verification import figure_interface as figure_interface
 from antenna_pin.show.plot.verification import figure_loop as figure_loop
-from antenna_pin.show.plot.verification import figure_loop_of_torque as figure_loop_of_torque
 from antenna_pin.show.plot.verification import figure_margins as figure_margins
-from antenna_pin.show.plot.verification import figure_motorization as figure_motorization
 from antenna_pin.show.plot.verification import figure_spectrum as figure_spectrum

@@ -17,9 +17,7 @@ __all__ = [
     "figure_effects",
     "figure_interface",
     "figure_loop",
-    "figure_loop_of_torque",
     "figure_margins",
-    "figure_motorization",
     "figure_spectrum",
 ]
 
@@ -177,42 +175,3 @@ def figure_spectrum(
     ]
     y, x = Axis(label, scale="log", ticks=0), Axis(across, scale="plain", ticks=0)
     return Sheet([[Panel("", marks, y, x, lettered=False)]], width, 80.0)
-
-
-@figure(
-    data="``margin``, ``actuation`` and ``minimum_torque`` over ``position``.", sliding="True for a slide."
-)
-def figure_motorization(data: xr.Dataset, sliding: bool = False, *, width: Width = "page") -> Sheet:
-    """Return actuation, minimum torque and margin of a joint over its travel."""
-    position = np.asarray(data["position"].values, dtype=float)
-    across = position if sliding else np.degrees(position)
-    x = Axis("position [m]" if sliding else "position [deg]", shared="position")
-    unit = "N" if sliding else "N m"
-    torques = [
-        PlotCurve("what drives, factored", across, data["actuation"].values, {"color": COLOURS[0]}),
-        PlotCurve("minimum actuation torque", across, data["minimum_torque"].values, {"color": COLOURS[1]}),
-        PlotCurve(
-            "needed, unfactored",
-            across,
-            data["needed_torque"].values,
-            {"color": COLOURS[2], "ls": "--"},
-        ),
-    ]
-    margin = PlotCurve("", across, data["margin"].values, {"color": COLOURS[3]})
-    top = Panel("", torques, Axis(f"torque [{unit}]" if not sliding else "force [N]"), x, lettered=False)
-    below = Panel("", [margin, Rule(0.0, _THIN)], Axis("margin [-]"), x, lettered=False)
-    return Sheet([[top], [below]], width, 110.0, heights=[1.4, 1.0])
-
-
-@figure(
-    angle="Of the joint, (n,) [rad] ([m]).",
-    torque="On its child, (n,) [N*m] ([N]).",
-    across="Label of the angle.",
-    up="Label of the torque.",
-)
-def figure_loop_of_torque(
-    angle: Array, torque: Array, across: str, up: str, *, width: Width = "column"
-) -> Sheet:
-    """Return a torque-angle loop."""
-    curve = PlotCurve("", np.asarray(angle), np.asarray(torque), {"color": COLOURS[0]})
-    return Sheet([[Panel("", [curve], Axis(up), Axis(across), lettered=False)]], width, 70.0)

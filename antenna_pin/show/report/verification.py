@@ -318,12 +318,10 @@ def _curve(one: Mapping[str, Any], run: Trajectory | None, figures: bool) -> Ite
     if not figures:
         return
     key, caption = f"figure-of-{one['key']}", str(one.get("caption", ""))
-    if "data" in one:
-        yield picture(plot.figure_motorization(one["data"], one["sliding"]), caption, key)
+    if "margin" in one:
+        yield picture(plot.figure_margin(one["margin"]), caption, key)
     if "loop" in one:
-        angle, torque = one["loop"]
-        labels = ("displacement [m]", "force [N]") if one["sliding"] else ("angle [rad]", "torque [N m]")
-        yield picture(plot.figure_loop_of_torque(angle, torque, *labels), caption, key)
+        yield picture(plot.figure_torque_angle(one["loop"]), caption, key)
     if "stress" in one and run is not None and one["stress"].time.size:
         yield picture(plot.figure_contact_stress(run, one["stress"]), caption, key)
 

@@ -105,8 +105,7 @@ def _margins(verified: Verified, case: Case) -> Iterator[dict[str, Any]]:
             "title": f"Motorization of {found.joint} at {place}, where its margin is smallest",
             "head": ("source", "class", "resists", "factor", "drives", "factor", "value"),
             "rows": rows,
-            "data": found.data,
-            "sliding": found.sliding,
+            "margin": found.data,
             "caption": f"Motorization of {found.joint} over its travel, {found.factors.source}",
             "notes": (*found.notes, f"Factors: {found.factors.source}, {found.factors.clause}."),
         }
@@ -131,8 +130,7 @@ def _torque_angle(verified: Verified, case: Case) -> Iterator[dict[str, Any]]:
             "title": f"Torque-angle loop of {found.joint}, {readable(found.amplitude, units['friction'])}",
             "head": ("measure", "value", "definition"),
             "rows": rows,
-            "loop": (found.angle, found.torque),
-            "sliding": found.sliding,
+            "loop": found.data,
             "caption": f"Torque-angle loop of {found.joint}",
             "notes": found.notes,
         }
