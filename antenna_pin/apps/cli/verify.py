@@ -162,7 +162,7 @@ def _print(facts: Mapping[str, Any]) -> None:
             result = f"fails {chance['low']:.2g} to {chance['high']:.2g}"
             margin = f"{one['margin']:.3g}"
             bounds.append(f"probability {1.0 - chance['allowed']:.6g}")
-        worst = ", ".join(f"{key.rpartition('.')[2]} {value}" for key, value in one["worst_case"].items())
+        worst = ", ".join(f"{name} {value}" for name, value in one["worst_values"].items())
         rows.append(
             [one["requirement"], ", ".join(bounds), result, margin, one["verdict"], worst or "nominal"]
         )

@@ -110,6 +110,7 @@ def _requirement(verified: Verified, shown: Demonstration) -> dict[str, Any]:
         "points": shown.runs,
         "inside": shown.inside,
         "worst_case": {key: str(value) for key, value in shown.overrides.items()},
+        "worst_values": {name: str(value) for name, value in shown.worst.items()},
         "shown_in": f"worst/{shown.name}.toml",
         "integrity": {key: value for key, value in shown.facts.items() if key != "wall_time"},
         "options": {

@@ -199,7 +199,7 @@ class _Demonstrator:
         for name, spec in plan.requirements.items():
             error = nominal.errors.get(key_of(spec))
             asked = "is unknown" in (error or "") or " must be " in (error or "")
-            if error is not None and asked and "outcome" not in nominal.facts.get("message", ""):
+            if error is not None and asked:
                 raise ScenarioError(f"{plan.label}: requirements.{name}: {error}")
         return nominal
 
@@ -244,13 +244,14 @@ class _Demonstrator:
             message = f"{len(missing)} of {len(points)} points have no number: {message}"
         margin = margins[k]
         verdict = NOT_SHOWN if missing else (MET if margin >= 0.0 else NOT_MET)
-        if verdict == MET and at.facts.get("outcome", "COMPLETED") not in ("COMPLETED", "STOPPED"):
-            verdict, message = NOT_SHOWN, f"the run is {at.facts['outcome']}: {at.facts.get('message', '')}"
+        facts = dict(at.facts) if self.plan.quantities[name].needs_run else {}
+        if verdict == MET and facts.get("outcome", "COMPLETED") not in ("COMPLETED", "STOPPED"):
+            verdict, message = NOT_SHOWN, f"the run is {facts['outcome']}: {facts.get('message', '')}"
         low, high = self.plan.bounds[name]
         return Demonstration(
             name=name, verdict=verdict, method=method, units=self._units(name), low=low, high=high,
             nominal=self._value(name, self.nominal), result=self._value(name, at), margin=margin,
-            worst=dict(values), overrides=dict(at.overrides), runs=runs, inside=inside, facts=dict(at.facts),
+            worst=dict(values), overrides=dict(at.overrides), runs=runs, inside=inside, facts=facts,
             message=message,
         )  # fmt: skip
 
