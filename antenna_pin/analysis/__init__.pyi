@@ -50,6 +50,7 @@ from antenna_pin.analysis.impacts import blow_statistics as blow_statistics
 from antenna_pin.analysis.impacts import blows as blows
 from antenna_pin.analysis.impacts import impact_statistics as impact_statistics
 from antenna_pin.analysis.impacts import impacts as impacts
+from antenna_pin.analysis.interface import interface_loads as interface_loads
 from antenna_pin.analysis.journal import STEADY as STEADY
 from antenna_pin.analysis.journal import bearing_up as bearing_up
 from antenna_pin.analysis.journal import bore_load as bore_load

@@ -56,7 +56,8 @@ class PidSpec(MadeSpec):
     @model_validator(mode="after")
     def _check_one_reference(self) -> Self:
         """Refuse a number to be held beside a course to be followed."""
-        if self.follows is not None and "reference" in self.model_fields_set:
+        # Not by the keys that are set: those of a copied scenario all are.
+        if self.follows is not None and self.reference != 0.0:
             refuse("must be left out with follows, which gives the reference", "reference")
         return self
 
@@ -122,7 +123,7 @@ class AttitudeSpec(MadeSpec):
     @model_validator(mode="after")
     def _check_one_share(self) -> Self:
         """Refuse a share to be held beside one to be followed."""
-        if self.follows is not None and "share" in self.model_fields_set:
+        if self.follows is not None and self.share != 1.0:
             refuse("must be left out with follows, which gives the share", "share")
         return self
 

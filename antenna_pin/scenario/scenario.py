@@ -40,7 +40,9 @@ from antenna_pin.scenario.drives import (
     kind_in,
 )
 from antenna_pin.scenario.mechanism import MaterialSpec, MechanismSpec, RotorSpec
+from antenna_pin.scenario.parameters import ParameterSpec
 from antenna_pin.scenario.pointing import PointingSpec
+from antenna_pin.scenario.requirements import RequirementSpec, check_requirements
 from antenna_pin.scenario.run import InitialBaseSpec, InitialSpec, IntegratorSpec, OutputSpec, settings_key
 from antenna_pin.scenario.shipped import tables
 from antenna_pin.scenario.spec import Folder, PositiveTime, Version, refuse, refuse_name
@@ -87,6 +89,8 @@ class Scenario(FamilyTables):
         integrator: Settings of integration.
         output: Settings of the record.
         pointing: Actual and commanded pointing of the antenna; None without one.
+        uncertain: Uncertain numbers of the scenario by name, with their limits or distributions.
+        requirements: Requirements by name, as ``antenna-pin verify`` shows them.
         temperature: Of the parts, all or each; None where all numbers hold as they are.
         tolerances: Chains of dimensions with their tolerances, by name; the motion does not see them.
         name: Name of the scenario: its folder's, or its file's.
@@ -119,6 +123,8 @@ class Scenario(FamilyTables):
     integrator: IntegratorSpec = Field(default_factory=IntegratorSpec)
     output: OutputSpec = Field(default_factory=OutputSpec)
     pointing: PointingSpec | None = None
+    uncertain: dict[str, ParameterSpec] = Field(default_factory=dict)
+    requirements: dict[str, RequirementSpec] = Field(default_factory=dict)
     temperature: OneTemperature | None = None
     tolerances: dict[str, ChainSpec] = Field(default_factory=dict)
     name: str = ""
@@ -275,6 +281,7 @@ class Scenario(FamilyTables):
             check_commands(self.controllers, self.families)
         for name, link in self.flexible.items():
             self._check_shown(name, link)
+        check_requirements(self.requirements, self.uncertain)
         if self.mechanism.base == "fixed" and self.initial.base != InitialBaseSpec():
             refuse('must be left out where mechanism.base is "fixed"', "initial", "base")
         return self

@@ -5,3 +5,4 @@ from antenna_pin.studies import nonlinear as nonlinear
 from antenna_pin.studies import sensitivity as sensitivity
 from antenna_pin.studies import statics as statics
 from antenna_pin.studies import sweep as sweep
+from antenna_pin.studies import verification as verification

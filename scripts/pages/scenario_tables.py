@@ -60,6 +60,8 @@ from antenna_pin.scenario import (
     ThermalBearing,
     TimeEvent,
 )
+from antenna_pin.scenario.parameters import ParameterSpec
+from antenna_pin.scenario.requirements import RequirementSpec
 
 __all__ = ["GROUPS", "overview", "page_of"]
 
@@ -492,6 +494,17 @@ def _run() -> list[Part]:
             title="[pointing.orbit]",
             line="the circular orbit of a commanded direction",
             rows=keys_of(OrbitSpec),
+        ),
+        Part(
+            title="[uncertain.NAME]",
+            line="uncertain numbers, for [verification](../verification.md)",
+            more="One of `values`, `between`, `distribution`, `tolerance`.",
+            rows=keys_of(ParameterSpec, without=("start", "stop", "count", "zip")),
+        ),
+        Part(
+            title="[requirements.NAME]",
+            line="what has to be shown ([more](../verification.md))",
+            rows=keys_of(RequirementSpec),
         ),
         Part(
             title="[cases.NAME]",

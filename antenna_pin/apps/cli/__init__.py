@@ -2,9 +2,9 @@
 
 Rooms are imported inside the commands, so ``--help`` and ``list`` do not wait for the mechanics.
 
-Exit codes: 0 done; 2 refused, with one line on the error stream that gives the reason; 3 a run ended before
-its time (its result is saved); 4 its energy or momentum does not balance (likewise); 130, 143, 129
-interrupted by Ctrl-C, SIGTERM, SIGHUP (what was computed is saved).
+Exit codes: 0 done; 1 a requirement of ``verify`` is not shown to be met; 2 refused, with one line on the
+error stream; 3 a run ended before its time (its result is saved); 4 its energy or momentum does not balance
+(likewise); 130, 143, 129 interrupted by Ctrl-C, SIGTERM, SIGHUP (what was computed is saved).
 """
 
 from __future__ import annotations
@@ -45,6 +45,7 @@ from antenna_pin.apps.cli import (
     sweep,
     tolerance,
     urdf,
+    verify,
     vibration,
     view,
 )
@@ -151,6 +152,7 @@ _COMMANDS: dict[str, Callable[..., None]] = {
     "report": report.report,
     "urdf": urdf.urdf,
     "sweep": sweep.sweep,
+    "verify": verify.verify,
     "fit": fit.fit,
 }
 for _name, _command in _COMMANDS.items():

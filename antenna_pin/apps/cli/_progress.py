@@ -253,6 +253,18 @@ def fit_bar(title: str, shown: bool) -> Reporting[Callable[[int], None]]:
     return task.reporting(lambda runs: task.update(runs=f"{runs} runs"))
 
 
+def verification_bar(title: str, shown: bool) -> Reporting[Callable[[str, int, int], None]]:
+    """Yield the progress function of a verification: stage, points done, their number."""
+    if not shown:
+        return nullcontext()
+    task = _Task(title, counted=True, total=None)
+
+    def report(stage: str, done: int, count: int) -> None:
+        task.update(description=f"{title}: {stage}", completed=done, total=count)
+
+    return task.reporting(report)
+
+
 def _seconds(value: float) -> str:
     """Return a short duration with a unit that suits it."""
     for size, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "us"), (1e-9, "ns")):

@@ -14,8 +14,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, field_validator, model_validator
 
 from antenna_pin.base.units import any_quantity, shown
+from antenna_pin.scenario.parameters import AnyQuantity, KeysSpec
 from antenna_pin.scenario.spec import Count, QuantityRule, Spec, refuse
-from antenna_pin.studies.sweep.parameters import AnyQuantity, KeysSpec
 
 __all__ = [
     "BlowsSpec",

@@ -13,7 +13,11 @@ from antenna_pin.studies.linear.operating_point import At as At
 from antenna_pin.studies.linear.operating_point import Play as Play
 from antenna_pin.studies.linear.operating_point import prepared as prepared
 from antenna_pin.studies.linear.response import BORESIGHT as BORESIGHT
+from antenna_pin.studies.linear.response import Plant as Plant
 from antenna_pin.studies.linear.response import first_source as first_source
 from antenna_pin.studies.linear.response import frequency_response as frequency_response
+from antenna_pin.studies.linear.response import plant_of as plant_of
 from antenna_pin.studies.linear.response import sources_of as sources_of
 from antenna_pin.studies.linear.response import targets_of as targets_of
+from antenna_pin.studies.linear.sampled_loop import LoopMargins as LoopMargins
+from antenna_pin.studies.linear.sampled_loop import loop_margins as loop_margins

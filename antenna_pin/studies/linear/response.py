@@ -20,7 +20,7 @@ from antenna_pin.studies.linear.linearisation import Linearisation
 from antenna_pin.studies.linear.modal_analysis import COMPONENTS, Modes
 from antenna_pin.studies.linear.operating_point import At
 
-__all__ = ["BORESIGHT", "first_source", "frequency_response", "sources_of", "targets_of"]
+__all__ = ["BORESIGHT", "Plant", "first_source", "frequency_response", "plant_of", "sources_of", "targets_of"]
 
 Array = NDArray[np.float64]
 
@@ -247,6 +247,47 @@ def frequency_response(
             "resonances": [float(f) for f in modes.frequency[modes.frequency > 0.0]],
         },
     )
+
+
+class Plant(NamedTuple):
+    """Linear system from the effort of a drive to the position of a joint.
+
+    Attributes:
+        matrix: A, (n, n).
+        input: B, (n,), for 1 N m (1 N) of the drive.
+        angle: Row of the joint's angle [rad] (way [m]), (n,).
+        rate: Row of its rate, (n,).
+    """
+
+    matrix: Array
+    input: Array
+    angle: Array
+    rate: Array
+
+
+@takes()
+def plant_of(modes: Modes, drive: str, joint: str) -> Plant:
+    """Return the linear system between a drive's effort and a joint.
+
+    Args:
+        modes: About which state.
+        drive: Name of the drive.
+        joint: Name of a joint with an axis.
+
+    Raises:
+        UnknownNameError: There is no such drive or joint.
+    """
+    linear, source = modes.linearisation, f"drives.{drive}"
+    if source not in sources_of(modes):
+        raise UnknownNameError("response", "source", source, sources_of(modes))
+    if joint not in targets_of(modes):
+        raise UnknownNameError("response", "target", joint, targets_of(modes))
+    effort, _ = _effort(linear.at, source)
+    row = _joint(linear.at, joint).row @ linear.directions
+    matrix, k = linear.state_matrix, len(linear.mass)
+    angle = np.zeros(len(matrix))
+    angle[:k] = row
+    return Plant(matrix, linear.input_matrix @ effort, angle, np.asarray(angle @ matrix))
 
 
 def _effort(at: At, source: str) -> tuple[Array, str]:

@@ -16,7 +16,7 @@ from antenna_pin.base.units import shown
 from antenna_pin.errors import ScenarioError
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.merge import key_parts
-from antenna_pin.studies.sweep.parameters import Settings
+from antenna_pin.scenario.parameters import Settings
 from antenna_pin.studies.sweep.study import SamplingSpec, Study
 
 __all__ = ["ParameterColumn", "Design", "design_of", "put_value"]

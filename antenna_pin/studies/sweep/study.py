@@ -14,9 +14,9 @@ from antenna_pin.base.readable import brief
 from antenna_pin.base.views import StudyFiguresView, StudyReporter, View, as_html
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.merge import merge
+from antenna_pin.scenario.parameters import ParameterSpec
 from antenna_pin.scenario.runs_file import RunsFile, nested
 from antenna_pin.scenario.spec import Count, Folder, Spec, refuse, refuse_name
-from antenna_pin.studies.sweep.parameters import ParameterSpec
 from antenna_pin.studies.sweep.responses import ResponseSpec
 
 __all__ = ["ComparisonSpec", "SamplingSpec", "Study", "list_studies", "load_study"]

@@ -14,7 +14,15 @@ from antenna_pin.base.units import any_quantity, shown
 from antenna_pin.scenario.merge import toml_value
 from antenna_pin.scenario.spec import Count, Spec, refuse, refuse_name
 
-__all__ = ["AnyQuantity", "KeysSpec", "ParameterSpec", "Settings", "ToleranceSpec", "Value"]
+__all__ = [
+    "AnyQuantity",
+    "KeysSpec",
+    "OptionalQuantity",
+    "ParameterSpec",
+    "Settings",
+    "ToleranceSpec",
+    "Value",
+]
 
 Array = NDArray[np.float64]
 
@@ -65,6 +73,9 @@ def _keys(value: object) -> object:
 
 #: A number or text with a unit, of any dimension: the scenario's key checks it.
 AnyQuantity = Annotated[Any, BeforeValidator(_quantity)]
+
+#: The same, or None for none; a copied table holds its defaults.
+OptionalQuantity = Annotated[Any, BeforeValidator(lambda value: None if value is None else _quantity(value))]
 
 Spacing = Literal["linear", "log"]
 
@@ -119,8 +130,8 @@ class ParameterSpec(KeysSpec):
 
     key: Annotated[str | tuple[str, ...], BeforeValidator(_keys)]
     values: tuple[Any, ...] | None = None
-    start: AnyQuantity = None
-    stop: AnyQuantity = None
+    start: OptionalQuantity = None
+    stop: OptionalQuantity = None
     count: Annotated[int, BeforeValidator(Count(2, 1_000_000).read)] | None = None
     spacing: Spacing = "linear"
     between: tuple[AnyQuantity, AnyQuantity] | None = None

@@ -1,0 +1,173 @@
+"""``antenna-pin verify``: requirements, the runs that show them, and one report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from antenna_pin.apps.cli._common import ProgressOption, QuietOption, complain, not_interrupted, refuse, say
+from antenna_pin.apps.cli._export import JsonOption, csv_target, say_json, write_csv
+from antenna_pin.apps.cli._progress import verification_bar
+from antenna_pin.apps.cli._tables import print_rows
+from antenna_pin.apps.cli._usage import command_of
+
+if TYPE_CHECKING:
+    from antenna_pin.studies.sweep import Executor
+    from antenna_pin.studies.verification import Verification, Verified
+
+#: Exit code of a verification with a requirement that is not shown to be met.
+SHORT = 1
+
+
+def verify(
+    context: typer.Context,
+    file: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[FILE]",
+            help="Requirements file, scenario with requirements, or name of a shipped one; lists those if"
+            " left out.",
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="DIR", help="Folder of report, numbers and runs; NAME.verification if left out."
+        ),
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Processes; one for each core if left out, 0 for this one alone."),
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="Change one entry of the file, such as 'set.duration=0.5 s'. May be repeated.",
+        ),
+    ] = None,
+    figures: Annotated[bool, typer.Option(help="Draw figures.")] = True,
+    report: Annotated[bool, typer.Option(help="Write the report.")] = True,
+    as_json: JsonOption = False,
+    csv: Annotated[
+        Path | None,
+        typer.Option("--csv", metavar="FILE", help="Write the verification matrix to a CSV file, too."),
+    ] = None,
+    progress: ProgressOption = True,
+    quiet: QuietOption = False,
+) -> None:
+    """Verify requirements: make the missing runs, and write one report.
+
+    Exit code 1 if a requirement is not shown to be met. The same command continues an interrupted one.
+    """
+    from antenna_pin.studies.verification import (
+        facts_of,
+        list_verifications,
+        load_verification,
+        save_verification,
+    )
+    from antenna_pin.studies.verification import verify as make
+
+    if file is None:
+        for name in list_verifications():
+            say(f"{name}: {load_verification(name).title}")
+        return
+    target = csv_target(csv)
+    plan = load_verification(file, settings or ())
+    folder = output or Path(f"{plan.name}.verification")
+    executor = _executor(workers)
+    try:
+        with verification_bar(plan.name, progress and not quiet) as tell:
+            result = make(plan, folder, executor=executor, progress=tell)
+    finally:
+        executor.close()
+    facts = facts_of(result, command_of(context))
+    with not_interrupted():
+        save_verification(result, facts, folder)
+        if target is not None:
+            head, rows = _rows(facts)
+            write_csv(target, head, rows, silent=as_json or quiet)
+    if report:
+        _report(plan, result, facts, folder, figures)
+    if as_json:
+        say_json(facts)
+    elif not quiet:
+        _print(facts)
+        if report:
+            say(f"saved {folder / 'report.html'}")
+    if not result.met:
+        raise typer.Exit(SHORT)
+
+
+def _executor(workers: int | None) -> Executor:
+    from antenna_pin.studies.sweep import Cluster, Here
+
+    if workers is not None and workers < 0:
+        refuse(f"--workers: must be zero or more, got {workers}")
+    return Here() if workers == 0 else Cluster(workers)
+
+
+def _report(
+    plan: Verification, result: Verified, facts: Mapping[str, Any], folder: Path, figures: bool
+) -> None:
+    from antenna_pin.show.plot import processes_to_draw
+    from antenna_pin.show.report import verification_report
+    from antenna_pin.studies.verification import analyses_of, nominal_run
+
+    run, path = nominal_run(result, folder)
+    loops, curves = analyses_of(result, run, complain)
+    made = verification_report(
+        facts,
+        nominal=run,
+        file=path,
+        loops=loops,
+        curves=curves,
+        figures=figures,
+        processes=processes_to_draw(),
+    )
+    made.save(folder / "report.html")
+
+
+def _rows(facts: Mapping[str, Any]) -> tuple[list[str], Iterator[list[Any]]]:
+    names = (
+        "requirement",
+        "quantity",
+        "of",
+        "units",
+        "at_least",
+        "at_most",
+        "nominal",
+        "result",
+        "margin",
+        "verdict",
+    )
+    return list(names), ([one[name] for name in names] for one in facts["requirements"])
+
+
+def _print(facts: Mapping[str, Any]) -> None:
+    from antenna_pin.base.readable import readable
+
+    rows = []
+    for one in facts["requirements"]:
+        units = one["units"]
+        bounds = [one["bound"]]
+        chance = one.get("probability")
+        result = "-" if one["result"] is None else readable(one["result"], units)
+        margin = "-" if one["margin"] is None else readable(one["margin"], units, 3)
+        if chance:
+            result = f"fails {chance['low']:.2g} to {chance['high']:.2g}"
+            margin = f"{one['margin']:.3g}"
+            bounds.append(f"probability {1.0 - chance['allowed']:.6g}")
+        worst = ", ".join(f"{name} {value}" for name, value in one["worst_values"].items())
+        rows.append(
+            [one["requirement"], ", ".join(bounds), result, margin, one["verdict"], worst or "nominal"]
+        )
+    head = ["requirement", "bound", "worst result", "margin", "verdict", "worst case"]
+    print_rows(f"{facts['name']}: {facts['title']}", head, rows, numbers=False)
+    for one in facts["requirements"]:
+        if one["verdict"] != "met" and one["message"]:
+            say(f"{one['requirement']}: {one['message']}")

@@ -1,0 +1,134 @@
+"""Loop gain of a sampled controller measured in runs: through play, friction, limits and sticking."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from antenna_pin.base.arguments import takes
+from antenna_pin.base.interruption import uninterrupted
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.run.simulation import simulate
+from antenna_pin.scenario import Scenario
+from antenna_pin.studies.linear import loop_margins
+from antenna_pin.trajectory import Trajectory, names_along
+
+__all__ = ["LoopPoint", "measured_loop", "measured_phase_margin"]
+
+# Periods that pass before a measurement, and those that it takes.
+_SETTLING, _MEASURED = 4, 4
+# Frequencies of a margin over the crossing of small motions.
+_AROUND = (0.6, 0.8, 1.0, 1.25, 1.6)
+_NAME = "measured_loop"
+
+
+class LoopPoint(NamedTuple):
+    """Loop gain at one frequency, by the fundamental of what a run measures.
+
+    Attributes:
+        frequency: Of the reference [Hz].
+        gain: Complex loop gain, measurement over error [-].
+        distortion: Root mean square of what does not follow over what does, of the measurement [-].
+    """
+
+    frequency: float
+    gain: complex
+    distortion: float
+
+
+@takes()
+def measured_loop(
+    scenario: Scenario, controller: str, frequencies: Sequence[float], amplitude: float | str
+) -> list[LoopPoint]:
+    """Return the loop gain of a PID loop by runs with sine references.
+
+    The fundamentals of measurement y and error r - y at the sampling times give L = Y / E, as a describing
+    function does, but with all harmonics in the loop. It depends on the
+    amplitude where the loop is not linear.
+
+    Args:
+        scenario: The scenario; its other references stay.
+        controller: Name of a PID whose derivative is of the error, or that has none.
+        frequencies: Of the references, below half of the sampling rate [Hz].
+        amplitude: Of the references, in the unit of what is measured.
+
+    Raises:
+        UnknownNameError: There is no such controller.
+        InvalidParameterError: The derivative is of the measurement, or a frequency is too high.
+    """
+    table = scenario.controllers.get(controller)
+    if table is None or table.kind != "pid":
+        known = [name for name, one in scenario.controllers.items() if one.kind == "pid"]
+        raise UnknownNameError("measured loop", "pid controller", controller, known)
+    if table.kd and table.derivative != "error":
+        rule = '"error" for a loop gain by measurement over error; loop_margins takes all of them'
+        raise InvalidParameterError("measured loop", f"{controller}.derivative", rule, table.derivative)
+    return [_point(scenario, controller, float(one), amplitude) for one in frequencies]
+
+
+def _point(scenario: Scenario, controller: str, frequency: float, amplitude: float | str) -> LoopPoint:
+    period = float(scenario.controllers[controller].period)
+    if not 0.0 < frequency < 0.5 / period:
+        rule = f"above 0 and below half of the sampling rate, {0.5 / period:g} Hz"
+        raise InvalidParameterError("measured loop", "frequencies", rule, frequency)
+    course = {"kind": "sine", "amplitude": amplitude, "frequency": frequency, "mean": 0.0}
+    changed = scenario.with_overrides(
+        {
+            f"references.{_NAME}": course,
+            f"controllers.{controller}.follows": _NAME,
+            f"controllers.{controller}.feedforward_rate": 0.0,
+            f"controllers.{controller}.feedforward_acceleration": 0.0,
+            "duration": (_SETTLING + _MEASURED) / frequency,
+        }
+    )
+    run = uninterrupted(simulate(changed))
+    time, measured = _signal(run, controller, "measured")
+    _, reference = _signal(run, controller, "reference")
+    late = time >= _SETTLING / frequency
+    turn = 2.0 * math.pi * frequency * time[late]
+    base = np.stack([np.ones_like(turn), np.cos(turn), np.sin(turn)], axis=1)
+    y, *_ = np.linalg.lstsq(base, measured[late], rcond=None)
+    e, *_ = np.linalg.lstsq(base, (reference - measured)[late], rcond=None)
+    left = measured[late] - base @ y
+    size = math.hypot(y[1], y[2]) / math.sqrt(2.0)
+    distortion = float(np.sqrt(np.mean(left**2)) / size) if size > 0.0 else math.nan
+    return LoopPoint(frequency, complex(y[1], -y[2]) / complex(e[1], -e[2]), distortion)
+
+
+def _signal(run: Trajectory, controller: str, name: str) -> tuple[np.ndarray, np.ndarray]:
+    """Return sampling times and a signal of a controller there."""
+    data = run.data
+    which = names_along(data, "sampled").index(controller)
+    mine = data["tick_controller"].values.astype(int) == which
+    values = data["tick_signal"].sel(signal=f"{controller}.{name}").values
+    return data["tick_time"].values[mine], np.asarray(values[mine], dtype=float)
+
+
+@takes()
+def measured_phase_margin(
+    scenario: Scenario, controller: str, amplitude: float | str
+) -> tuple[float, list[LoopPoint]]:
+    """Return the phase margin of a loop measured in runs [rad], with its points.
+
+    Five frequencies about the crossing of small motions; the logarithm of the gain and the phase are taken as
+    straight between them. NaN where none of them has the gain 1 beside it.
+
+    Args:
+        scenario: The scenario.
+        controller: Name of the controller.
+        amplitude: Of the references.
+    """
+    crossing = loop_margins(scenario, controller).bandwidth
+    points = measured_loop(scenario, controller, [share * crossing for share in _AROUND], amplitude)
+    gains = np.log(np.abs([one.gain for one in points]))
+    phases = np.unwrap(np.angle([one.gain for one in points]))
+    falls = np.flatnonzero((gains[:-1] >= 0.0) & (gains[1:] < 0.0))
+    if not falls.size:
+        return math.nan, points
+    k = int(falls[-1])
+    share = gains[k] / (gains[k] - gains[k + 1])
+    phase = phases[k] + share * (phases[k + 1] - phases[k])
+    return float((phase + math.pi) % (2.0 * math.pi)), points

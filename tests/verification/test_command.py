@@ -1,0 +1,64 @@
+"""The command: exit codes, numbers as JSON and CSV, and a report that needs nothing but itself."""
+
+import json
+import re
+
+import pytest
+from typer.testing import CliRunner
+
+from antenna_pin.apps.cli import app
+
+FAR = "[requirements.far]\ntext = 'far & away'\nquantity = 'final_position'\nof = 'slide'\nat_least = '{}'\n"
+AT_ONCE = ["--workers", "0", "--no-progress"]
+
+
+def call(*words):
+    return CliRunner().invoke(app, ["verify", *map(str, words), *AT_ONCE], catch_exceptions=False)
+
+
+def test_exit_codes_say_whether_all_are_met(sled):
+    """0 met, 1 short, 2 refused with one line; bounds change nothing of what was computed."""
+    out = sled("").parent / "out"
+    met = call(sled(FAR.format("0.5 m")), "--output", out, "--json", "--no-report")
+    assert met.exit_code == 0 and json.loads(met.stdout)["met"] is True
+    table = out.parent / "matrix.csv"
+    short = call(sled(FAR.format("5 m")), "--output", out, "--csv", table, "--no-report")
+    assert short.exit_code == 1 and "falls short" in short.stdout
+    assert table.read_text().splitlines()[1].endswith("falls short")
+    refused = call(sled(FAR.format("5 s")), "--output", out)
+    assert refused.exit_code == 2 and refused.stdout == "" and refused.stderr.count("\n") == 1
+    assert "requirements.far.at_least must be a length" in refused.stderr
+    assert len((out / "points").glob("*").__next__().joinpath("journal").read_text().splitlines()) == 5
+
+
+def test_report_is_one_page_with_every_number_and_its_file(sled):
+    """It fetches nothing, escapes what a file says, and names matrix, worst case, command and digest."""
+    out = sled("").parent / "out"
+    assert (
+        call(sled(FAR.format("0.5 m") + "over = 'corners'\n"), "--output", out, "--no-figures").exit_code == 0
+    )
+    page = (out / "report.html").read_text()
+    assert not re.search(r'(?:src|href)="(?!#|data:)', page)
+    facts = json.loads((out / "verification.json").read_text())
+    for text in ("far &amp; away", "worst/far.toml", facts["digest"], "<span>verify</span>", "Not covered"):
+        assert text in page
+    assert "drives.push.value = 3.0 N" in page and "energy" in page
+    assert facts["requirements"][0]["integrity"]["outcome"] == "COMPLETED"
+
+
+def test_shipped_verifications_are_listed():
+    """Each with its title; each can be loaded."""
+    found = CliRunner().invoke(app, ["verify"], catch_exceptions=False)
+    assert found.exit_code == 0
+    assert {line.partition(":")[0] for line in found.stdout.splitlines()} >= {
+        "gimbal/pointing",
+        "solar_array/deployment",
+    }
+
+
+@pytest.mark.parametrize("words, said", [(["--workers", "-1"], "--workers: must be zero or more, got -1")])
+def test_wrong_options_are_refused(sled, words, said):
+    """One line."""
+    path = sled(FAR.format("1 m"))
+    found = CliRunner().invoke(app, ["verify", str(path), *words], catch_exceptions=False)
+    assert found.exit_code == 2 and said in found.stderr
