@@ -424,33 +424,6 @@ def _loops(loops: Sequence[Mapping[str, Any]], figures: bool) -> Iterator[Item]:
         columns=head, rows=rows, key="loops",
         caption="Sampled loops about the start, opened at the command; hold, delay and sampling are exact",
     )  # fmt: skip
-    measured = [(one["controller"], row) for one in loops for row in one.get("measured", ())]
-    if measured:
-        rows = tuple(
-            Row(
-                f"{name}, {readable(row['amplitude'], row['units'])}",
-                (
-                    Cell(readable(row["frequency"], "Hz", 3)),
-                    Cell(number(row["gain"], 3)),
-                    Cell(number(row["phase"], 4)),
-                    Cell(number(row["linear_gain"], 3)),
-                    Cell(number(row["linear_phase"], 4)),
-                ),
-            )
-            for name, row in measured
-        )
-        head = (
-            "loop, amplitude",
-            "frequency",
-            "gain, run",
-            "phase, run [deg]",
-            "gain, small motions",
-            "phase, small motions [deg]",
-        )
-        yield PageTable(
-            columns=head, rows=rows, key="loops-measured",
-            caption="The same loops in runs with sine references: through play, friction and limits",
-        )  # fmt: skip
     if figures:
         frequency = np.asarray(loops[0]["frequency"])
         same = {

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -30,7 +31,8 @@ from antenna_pin.trajectory.quantities import SUMMARIES, TABLES, slides_along
 __all__ = ["run_quantities"]
 
 
-class _Measure(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class _Measure:
     """Requirement as the arguments of a study's measure."""
 
     measure: str
