@@ -43,7 +43,8 @@ def _chain(
     """
 
     def dispatcher() -> Any:
-        lines, names = [f"def {name}(kind, words, at, *arguments):"], {"__name__": __name__, "record": record}
+        lines = [f"def {name}(kind, words, at, *arguments):"]
+        names: dict[str, Any] = {"__name__": __name__, "record": record}
         for kind, element in _kinds():
             own = element.hook(name)
             if own is not None:

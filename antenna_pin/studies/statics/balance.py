@@ -11,8 +11,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.base.records import CONTACT, POSE
-from antenna_pin.compiled.decorators import in_python
+from antenna_pin.base.records import CONTACT, POSE, words_of
+from antenna_pin.compiled.decorators import in_python, record
 from antenna_pin.contact.onset import NO_APPROACH
 from antenna_pin.dynamics import Adjustments, JointMotion, Workspace, acting_in, first_modes, kernels
 from antenna_pin.dynamics.coordinates import reach_of
@@ -27,7 +27,7 @@ from antenna_pin.elements import (
     RigidStop,
     StickingFriction,
 )
-from antenna_pin.elements.sticking_friction_kernels import (
+from antenna_pin.elements.sticking_friction import (
     BACKWARD,
     FORWARD,
     PULLED,
@@ -185,7 +185,7 @@ class Balance:
 
     def drive_to(self, position: float) -> None:
         """Set the position of the driven joint [rad] ([m])."""
-        layout = PrescribedMotion.compiled().LAYOUT
+        layout = PrescribedMotion.layout()
         first = self.system.drive_blocks[DRIVING] + int(kernels.PARAMETERS)
         self.program[first : first + layout.itemsize // 8].view(layout)["position"] = position
 
@@ -305,7 +305,8 @@ class Balance:
             seen = (float(angle), 0.0, float(other), 0.0)
             torque, _ = kernels.efforts_between(self.program, one.block, self.time, seen, spare, 0)
             at = one.block + int(kernels.PARAMETERS)
-            drag = in_python(element.compiled().drag)(self.program, at, torque, sense * _FAST)
+            mesh = record(self.program[at : at + words_of(element.layout())], element.layout())
+            drag = in_python(element.hook("drag"))(mesh, torque, sense * _FAST)
             motion = JointMotion(self.system, element.input)
             v = self.system.mechanism.joint(element.input).v
             tau += float(drag) * self.slope(motion, v, y)
@@ -325,9 +326,9 @@ class Balance:
             y[state.x] = state.advanced(float(self.y[state.x]), after - before)
         for one in self._stops:
             element: Any = one.element
-            record = element.compiled().LAYOUT
+            layout = element.layout()
             first = one.block + int(kernels.PARAMETERS)
-            words = self.program[first : first + record.itemsize // 8].view(record)
+            words = self.program[first : first + words_of(layout)].view(layout)
             angle = float(kernels.joint_motion(self.program, one.block, y, nq)[0])
             words["mode"], words["approach"] = element.side_at(angle, 0.0), NO_APPROACH
         for one in self._motors:

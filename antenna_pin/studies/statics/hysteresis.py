@@ -13,9 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.compiled.decorators import in_python
+from antenna_pin.base.records import words_of
+from antenna_pin.compiled.decorators import in_python, record
 from antenna_pin.dynamics import System, acting_in, kernels
 from antenna_pin.elements import Motor
+from antenna_pin.elements.element import takes_tail
 
 __all__ = ["HystereticState", "hysteretic_states"]
 
@@ -53,8 +55,10 @@ class HystereticState:
         model = system.model
         self.x = model.nq + model.nv + int(head["x"]) + integral
         self.start = float(getattr(element, "start", 0.0))
-        self._words = system.program[block + kernels.PARAMETERS - 1 : block + int(head["length"])].copy()
-        self._kernel = in_python(element.compiled().write_rates_of)
+        words = system.program[block + kernels.PARAMETERS : block + int(head["length"])].copy()
+        self._kernel, size = in_python(element.hook("write_rates_of")), words_of(element.layout())
+        own = record(words[:size], element.layout())
+        self._own = (own, words[size:]) if takes_tail(self._kernel) else (own,)
         self._integral, self._count = integral, len(element.integrals)
         self._scale = float(getattr(element, "limit", 1.0))
         self._branches = {
@@ -66,7 +70,7 @@ class HystereticState:
         own = np.zeros(self._count)
         own[self._integral] = z - self.start
         rates = np.zeros(self._count)
-        self._kernel(self._words, 1, (0.0, sense * _RATE, 0.0), (own, 0), rates, 0)
+        self._kernel(*self._own, (0.0, sense * _RATE, 0.0), (own, 0), rates, 0)
         return float(rates[self._integral]) / _RATE
 
     def _branch(self, sense: float, side: float) -> _RateBranch:
