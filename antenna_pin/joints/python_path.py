@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import AskedFunction, told_numbers
 from antenna_pin.base.records import POSE
+from antenna_pin.compiled import decorators
 from antenna_pin.compiled.given_functions import callable_of
 from antenna_pin.contact import FrictionLaw, NormalLaw
 from antenna_pin.contact.friction_kernels import friction_force
@@ -134,7 +135,7 @@ class PythonPath:
         self._distributed = bool(head["distributed"][0])
         self._pose = np.zeros(1, POSE)
         if bool(head["distributed"][0]) and isinstance(distances, CoalRevolute):
-            patches, nodes = patches_at(block, 0), block[nodes_at(0) :].view(NODE)
+            patches, nodes = decorators.in_python(patches_at)(block, 0), block[nodes_at(0) :].view(NODE)
             first = int(patches.first) - self.row
             distances = distances.patches(
                 PatchLayout(int(patches.strips), first, float(patches.radius), nodes)

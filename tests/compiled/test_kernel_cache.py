@@ -99,7 +99,7 @@ def test_an_entry_of_other_arguments_is_not_taken(source):
 def test_where_nothing_can_be_kept_it_works_and_is_said_once(source, monkeypatch):
     """Neither folder can be written: as for a user without a home of a package that is not hers."""
     monkeypatch.setattr(_kernel_cache.FunctionCache._impl_class, "_locator_classes", [], raising=True)
-    with pytest.warns(KernelCacheWarning, match="cannot be kept .* set NUMBA_CACHE_DIR") as told:
+    with pytest.warns(KernelCacheWarning, match="cannot be cached .* set NUMBA_CACHE_DIR") as told:
         assert compiled(source)(2) == 4
         assert compiled(source)(2.5) == 5.0
     assert len(told) == 1
@@ -295,7 +295,7 @@ def test_callers_hold_nothing_of_a_kernel_that_stands_alone():
     )
     simulate(scenario, duration=1e-3)
     go_on = importlib.import_module("antenna_pin.run.engine.loop_kernels").go_on
-    left, seen = list(go_on.overloads.values()), set()
+    left, seen = list(go_on._entry.overloads.values()), set()
     while left:  # what is linked for its callers has no bitcode here before it is asked for
         for name, arguments in needs_of(left.pop().library) - seen:
             seen.add((name, arguments))

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from antenna_pin.compiled import shipped_code
-from antenna_pin.compiled.jit import dispatcher
+from antenna_pin.compiled.decorators import kernel
 
 pytestmark = [
     pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled"),
@@ -105,7 +105,7 @@ def module(tmp_path_factory):
         compiled = {}
         for name, function in module.plain.items():
             # What calls another finds it, compiled, among its own module's names.
-            compiled[name] = dispatcher(function, cached=True, alone=True, forceinline=False)
+            compiled[name] = kernel(function)
             setattr(module, name, compiled[name])
         for name, given in arguments(module).items():
             for one in given:

@@ -45,7 +45,7 @@ def test_every_hook_is_called_by_the_number_of_a_kind():
     chains = {
         name for name, one in vars(kernels).items() if name[0] != "_" and type(one).__name__ == "_Composed"
     }
-    assert chains <= set(HOOKS)
+    assert chains - {"mode"} <= set(HOOKS)  # a kind's mode is a number of its record
     assert all(hasattr(kernels, name) for name in HOOKS)
 
 
