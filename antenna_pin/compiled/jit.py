@@ -57,7 +57,7 @@ def stamped_files() -> tuple[Path, ...]:
 
 
 def stamp_of(path: str | Path) -> str:
-    """Return the stamp of kernels in a file: a digest of its code and of all stamped files it imports.
+    """Return the stamp of a file's kernels: a digest of its and imported code.
 
     A file outside the package is tied to all of them.
     """
@@ -67,7 +67,7 @@ def stamp_of(path: str | Path) -> str:
 
 @cache
 def _stamps() -> dict[str, str]:
-    """Return the stamps of all kernel files by their paths, and of all of them together by an empty one."""
+    """Return the stamps of kernel files by path; of all files by an empty path."""
     files = stamped_files()
     texts = [path.read_bytes() for path in (Path(__file__), *files)]
     contents = hashlib.sha256(f"{numba.__version__} {FORMAT}".encode())
@@ -82,7 +82,7 @@ def _stamps() -> dict[str, str]:
 
 
 def _digests(own: bytes, texts: Mapping[Path, bytes]) -> list[str]:
-    """Return the stamps of files, then that of all, from their texts and that of this file."""
+    """Return the stamps of files, then the stamp of all, from their texts."""
     room = Path(__file__).parent
     codes = {path: code_of(text, with_methods=path.parent == room) for path, text in texts.items()}
     imports = {path: _imports(path, text, codes) for path, text in texts.items()}
@@ -106,7 +106,7 @@ def _digests(own: bytes, texts: Mapping[Path, bytes]) -> list[str]:
 
 
 def _imports(path: Path, text: bytes, stamped: Collection[Path]) -> set[Path]:
-    """Return the stamped files that a file imports; of the registry, all files of its room."""
+    """Return the stamped files imported by a file; by the registry, its whole room."""
     folder = Path(__file__).parents[1]
     if path == folder / _REGISTRY:
         return {one for one in stamped if one.parent == path.parent}

@@ -343,7 +343,7 @@ def _versions_in(path: Path) -> dict[str, Any]:
         raise _NotUsedError("it is not built (python -m antenna_pin.compiled.native_build)") from None
     except (OSError, ValueError) as error:
         raise _NotUsedError(f"{path.name} cannot be read: {error}") from None
-    again = "build it anew by python -m antenna_pin.compiled.native_build"
+    again = "rebuild it by python -m antenna_pin.compiled.native_build"
     if told.get("interface") != _INTERFACE or told.get("source") != digest_of_sources():
         raise _NotUsedError(f"{path.name} was built of other sources; {again}")
     for package, name in (("pin", "pin"), ("coal", "coal")):

@@ -3,7 +3,7 @@
 Only the standard library is needed, so that the wheel's build hook and ``scripts/setup`` use it as well::
 
     python -m antenna_pin.compiled.native_build            # into the package's folder
-    python -m antenna_pin.compiled.native_build --quiet    # nothing is said of success
+    python -m antenna_pin.compiled.native_build --quiet    # silent on success
 
 The headers are those of the installed wheels of Pinocchio, coal and Boost, Eigen's those of the package
 ``cmeel-eigen``. No flag chooses an instruction set: the wheels are built for the baseline of the platform,

@@ -228,7 +228,7 @@ def _opened() -> tuple[dict[str, dict[str, Any]], ctypes.CDLL, ctypes.PyDLL] | s
 def _check_processor() -> None:
     named = os.environ.get("NUMBA_CPU_NAME")
     if named:
-        raise _MisfitError(f"NUMBA_CPU_NAME asks for {named}")
+        raise _MisfitError(f"NUMBA_CPU_NAME requires {named}")
     if not baseline_runs():
         raise _MisfitError(f"that which is installed is for Linux on {BASELINE}")
 

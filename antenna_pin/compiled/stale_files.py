@@ -22,7 +22,7 @@ def pack_of(index: str, key: Any) -> str:
 
 
 def sweep(index: str, read: Callable[[str], Any], stamp: tuple[Any, Any], source: Path) -> None:
-    """Delete what a folder holds of a module's other stamps, and of modules that are gone.
+    """Delete a folder's machine code of other stamps of a module, and of missing modules.
 
     All of the same version of Python. A process that was about to read some of it finds nothing, and
     compiles. What cannot be read is left: it may be somebody else's.

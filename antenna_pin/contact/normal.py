@@ -186,7 +186,7 @@ class ElasticLaw(CompiledNormalLaw):
     """A law without dissipation; it can be given one with :class:`DampedContact`.
 
     Attributes:
-        kind: One of those that the kernels know, whose record has the names of the law's attributes.
+        kind: A kind that the kernels implement; its record has the names of the law's attributes.
         line: Whether it is the law of two cylinders along a line, which means nothing at a flange.
     """
 
@@ -215,7 +215,7 @@ class Dissipation(Law):
     """Protocol of the dissipation of a normal law, independent of the elastic law.
 
     Attributes:
-        kind: One of those that the kernels know, whose record has the names of its attributes.
+        kind: A kind that the kernels implement; its record has the names of its attributes.
         adds_force: Whether it adds a force of its own to the elastic one, rather than a multiple of that.
     """
 

@@ -1,9 +1,9 @@
 """Callbacks of compiled code through function pointers: Pinocchio, coal, functions in Python.
 
-Where an address is zero there is nothing to be asked: the kernel that is there answers. Addresses are those
-of functions in Python, or of machine code (:mod:`antenna_pin.compiled.native`). Questions and answers stand
-in arrays that both sides know. A question that could not be answered leaves its status in ``failed``: from
-there on nothing is asked, and what has been computed counts for nothing. Whoever made the step reads it.
+An address of zero means that the kernel in place computes the result itself. Addresses are those
+of functions in Python, or of machine code (:mod:`antenna_pin.compiled.native`). Arguments and
+results are in arrays that both sides share. A failed call leaves its status in ``failed``; from
+there on nothing is called, and the results of the step are void. The caller of the step reads the status.
 """
 
 from __future__ import annotations

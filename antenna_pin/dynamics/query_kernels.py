@@ -2,7 +2,8 @@
 
 Behind the contact table, the work array of :func:`antenna_pin.dynamics.kernels.evaluate` has a stretch for
 each joint of which coal measures the gaps and nothing else is done in Python: where its block stands in the
-program, and what is asked and answered (:mod:`antenna_pin.joints.geometry.coal_query_kernels`). Where coal's
+program, and the array of queries and answers (:mod:`antenna_pin.joints.geometry.coal_query_kernels`).
+Where coal's
 machine code is called by address, :func:`answer_queries` does all of it; else Python is called back between
 :func:`set_out_queries` and :func:`take_in_queries`.
 """

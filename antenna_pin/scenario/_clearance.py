@@ -235,7 +235,7 @@ def _with_fit(data: Mapping[str, Any]) -> dict[str, Any]:
         )
     for key in _OF_FIT:
         if data.get(key) is not None:
-            refuse(f"must be left out beside fit = {shown(text)}, which decides it", key, value=data[key])
+            refuse(f"must be left out with fit = {shown(text)}, which decides it", key, value=data[key])
     try:
         fit = read_fit(text)
     except InvalidParameterError as error:

@@ -57,7 +57,7 @@ class DimensionSpec(Spec):
                 )
             return self
         if given:
-            refuse(f"must be left out beside size = {self.size!r}, which decides it", given[0])
+            refuse(f"must be left out with size = {self.size!r}, which decides it", given[0])
         try:
             read_size(self.size)
         except InvalidParameterError as error:

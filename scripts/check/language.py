@@ -172,6 +172,7 @@ def _misspelt() -> Iterator[Place]:
 # Words of the field, and names of people, that codespell takes for slips.
 _RIGHT = (
     "wit",
+    "worstcase",
     "fro",
     "lates",
     "commun",

@@ -46,7 +46,7 @@ def test_a_fit_gives_the_radii_and_survives_json():
         ({"clearance.hinge.fit": "30 H7/p6"}, "fit must leave play, got '30 H7/p6' .* none at any size"),
         (
             {"clearance.hinge.fit": "20 H7/g6", "clearance.hinge.radial_clearance": "0.1 mm"},
-            "radial_clearance must be left out beside fit",
+            "radial_clearance must be left out with fit",
         ),
         (
             {
@@ -54,7 +54,7 @@ def test_a_fit_gives_the_radii_and_survives_json():
                 "temperature": "40 degC",
                 "clearance.hinge.journal_radius": "9 mm",
             },
-            "journal_radius must be left out beside fit",
+            "journal_radius must be left out with fit",
         ),
         ({"clearance.hinge.fit_hole": 0.5}, "fit_hole must be left out without fit"),
         (
@@ -69,7 +69,7 @@ def test_a_fit_gives_the_radii_and_survives_json():
         ({"tolerances.play.dimensions.pin": {"nominal": 1}}, "plus is missing"),
         (
             {"tolerances.play.dimensions.pin": {"size": "20 H7", "plus": 1}},
-            "plus must be left out beside size",
+            "plus must be left out with size",
         ),
     ],
 )

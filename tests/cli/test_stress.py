@@ -68,7 +68,7 @@ def test_tolerance_of_a_fit_at_a_temperature(cli, printed, tmp_path):
     )
     said = printed(cli("tolerance", "pendulum", *FIT, *aluminium, "--plot", tmp_path / "play.png"))
     assert "20 H7/f7    0 to +21   -41 to -20" in said
-    assert "less than the 3 that ECSS-E-ST-33-01C (2009) asks for" in said
+    assert "less than the 3 required by ECSS-E-ST-33-01C (2009)" in said
     assert "195.8 degC" in said  # 20.5 um over 10 mm and the difference of expansions
     assert (tmp_path / "play.png").is_file()
 

@@ -3,7 +3,12 @@
 import pytest
 
 from antenna_pin.studies.verification import list_verifications, load_verification
-from antenna_pin.studies.verification.evaluation import EvaluationWork, Point, evaluate_points, key_of
+from antenna_pin.studies.verification.evaluation import (
+    EvaluatedPoint,
+    EvaluationWork,
+    evaluate_points,
+    key_of,
+)
 
 
 @pytest.mark.parametrize("name", list_verifications())
@@ -23,7 +28,7 @@ def test_nominal_run_of_shipped_files_meets_them(name):
     specs = {key_of(spec): spec for spec in plan.requirements.values()}
     reference = "" if plan.reference is None else plan.reference.model_dump_json()
     work = EvaluationWork(plan.base.model_dump_json(), reference, specs, plan.sources)
-    (entry,) = evaluate_points(work, [Point("{}", {}, tuple(specs))])
+    (entry,) = evaluate_points(work, [EvaluatedPoint("{}", {}, tuple(specs))])
     for requirement, (low, high) in plan.bounds.items():
         value = entry["values"][key_of(plan.requirements[requirement])]
         assert low <= value <= high, (requirement, value, entry["errors"])

@@ -167,7 +167,7 @@ def _print(label: str, joints: list[dict[str, Any]], chains: list[dict[str, Any]
             verdict = "at least" if ratio >= _LEAST_RATIO else "less than"
             say(
                 f"{one['joint']}: mean play {ratio:.3g} times its own tolerance, {verdict} the "
-                f"{_LEAST_RATIO:g} that ECSS-E-ST-33-01C (2009) asks for"
+                f"{_LEAST_RATIO:g} required by ECSS-E-ST-33-01C (2009)"
             )
     if joints:
         head = [

@@ -21,7 +21,7 @@ _RULE = "a distance of the shapes of each contact"
 class CoalBackend:
     """Distances of a joint by coal.
 
-    What is asked and answered stands in one array of numbers, so that compiled code can write the queries,
+    Queries and answers are in one array of numbers, so that compiled code can write the queries,
     have coal evaluate them and read the results.
 
     Attributes:

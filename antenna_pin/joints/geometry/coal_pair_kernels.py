@@ -66,7 +66,7 @@ def _pair_in(work: Floats, k: int) -> PairQuery:
 def pairs_set_out(work: Floats, pose: Records[Pose], table: Records[Contact], row: int, wanted: int) -> None:
     """Place the shapes of the wanted contacts, and request their distances.
 
-    Contact k has bit k of ``wanted``, and bits 2 k and 2 k + 1 of what is asked: of a rod the first is the
+    Contact k has bit k of ``wanted``, and bits 2 k and 2 k + 1 of the queries: of a rod the first is the
     rim against the guide, the second the mouth against the rod.
     """
     query = query_in(work)

@@ -6,7 +6,7 @@ coal's own normal. Axial: a flange's half-space against the bearing's cylinder, 
 against the half-space of the bearing's end face. All of these pairs are closed forms inside coal; pairs that
 go through GJK would be off by up to a micrometre.
 
-Functors are built once; a query only moves a transform. What is asked and answered stands in one array of
+Functors are built once; a query only moves a transform. Queries and answers are in one array of
 numbers (:mod:`antenna_pin.joints.geometry.coal_kernels`), so that compiled code can set out a pose, have coal
 asked, and take the answers in.
 """
@@ -133,7 +133,7 @@ class CoalRevolute(CoalBackend):
     def _end(self, k: int) -> _Question:
         """Return the query of coal for the point of END k.
 
-        What it needs is looked at once; coal's normal is read where it stands.
+        Its inputs are read once; coal's normal is read in place.
         """
         point, answers, direction = (
             self._ends["in_journal"][k],

@@ -209,10 +209,10 @@ def _grown(scenario: Scenario, spec: TemperatureSpec, joint: str, table: Any) ->
 def _expansion(scenario: Scenario, name: str | None, *place: str) -> float:
     """Return a material's expansion, or refuse an unknown one."""
     if name is None:
-        raise ScenarioError(f"{where(scenario, *place)}: is missing; the temperature asks for its expansion")
+        raise ScenarioError(f"{where(scenario, *place)}: is missing; the temperature requires its expansion")
     found = scenario.material(name).expansion
     if found is None:
-        rule = "must have an expansion, which the temperature asks for"
+        rule = "must have an expansion, which the temperature requires"
         raise ScenarioError(
             f"{where(scenario, *place)}: {rule}, got {name!r}; give materials.{name}.expansion"
         )

@@ -442,7 +442,10 @@ class JacobianPropagation:
     def begin(self, time: float, y: Array, anew: bool) -> None:
         """Begin a step in a state.
 
-        The flag ``anew`` announces a possibly different round-off of rates.
+        Args:
+            time: Time [s].
+            y: State.
+            anew: Whether the round-off of rates may differ.
         """
         self._steps += 1
         if anew or self._steps > self._looked_at + _LOOKS:

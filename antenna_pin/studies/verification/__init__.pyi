@@ -1,6 +1,6 @@
 from antenna_pin.studies.verification.analyses import analyses_of as analyses_of
 from antenna_pin.studies.verification.evaluation import Evaluated as Evaluated
-from antenna_pin.studies.verification.evaluation import Evaluator as Evaluator
+from antenna_pin.studies.verification.evaluation import PointEvaluator as PointEvaluator
 from antenna_pin.studies.verification.measured_loop import LoopPoint as LoopPoint
 from antenna_pin.studies.verification.measured_loop import measured_loop as measured_loop
 from antenna_pin.studies.verification.measured_loop import measured_phase_margin as measured_phase_margin

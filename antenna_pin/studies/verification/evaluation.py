@@ -27,15 +27,15 @@ from antenna_pin.studies.verification.quantities import quantity_of
 from antenna_pin.studies.verification.quantity import Case
 from antenna_pin.trajectory import Trajectory, library_versions
 
-__all__ = ["Evaluated", "Evaluator", "Point", "evaluate_points", "key_of"]
+__all__ = ["Evaluated", "PointEvaluator", "EvaluatedPoint", "evaluate_points", "key_of"]
 
 #: Outcome of a point that no process could evaluate.
 LOST = "LOST"
 
 
 @dataclass(frozen=True, slots=True)
-class Point:
-    """Point of the uncertain numbers as plain data."""
+class EvaluatedPoint:
+    """EvaluatedPoint of the uncertain numbers as plain data."""
 
     key: str  # identity of the point: its overrides as JSON
     overrides: dict[str, Any]  # of the scenario
@@ -88,7 +88,7 @@ def _reference(text: str) -> Trajectory:
     return uninterrupted(simulate(_scenario(text)))
 
 
-def evaluate_points(work: EvaluationWork, points: Sequence[Point]) -> list[dict[str, Any]]:
+def evaluate_points(work: EvaluationWork, points: Sequence[EvaluatedPoint]) -> list[dict[str, Any]]:
     """Return the entries of points, as JSON types."""
     with warnings.catch_warnings():
         warnings.simplefilter(
@@ -97,7 +97,7 @@ def evaluate_points(work: EvaluationWork, points: Sequence[Point]) -> list[dict[
         return [_evaluated(work, point) for point in points]
 
 
-def _evaluated(work: EvaluationWork, point: Point) -> dict[str, Any]:
+def _evaluated(work: EvaluationWork, point: EvaluatedPoint) -> dict[str, Any]:
     began = time.perf_counter()
     entry: dict[str, Any] = {
         "point": point.key, "overrides": point.overrides,
@@ -156,7 +156,7 @@ def _facts(run: Trajectory) -> dict[str, Any]:
     } | {name: books[name] for name in names if books.get(name) is not None}
 
 
-class Evaluator(AbstractContextManager["Evaluator"]):
+class PointEvaluator(AbstractContextManager["PointEvaluator"]):
     """Evaluation of points, with a journal of those that are done.
 
     Args:
@@ -238,7 +238,7 @@ class Evaluator(AbstractContextManager["Evaluator"]):
             stage: Name of the stage, for progress.
         """
         keys = [key_of(self.plan.requirements[name]) for name in requirements]
-        asked: dict[str, Point] = {}
+        asked: dict[str, EvaluatedPoint] = {}
         wanted: list[str] = []
         for values in points:
             overrides = self.plan.overrides(values)
@@ -247,12 +247,12 @@ class Evaluator(AbstractContextManager["Evaluator"]):
             known = self._known.get(key)
             missing = tuple(dict.fromkeys(one for one in keys if known is None or one not in known.values))
             if missing and key not in asked:
-                asked[key] = Point(key, overrides, missing)
+                asked[key] = EvaluatedPoint(key, overrides, missing)
         if asked:
             self._evaluate(list(asked.values()), stage)
         return [self._known[key] for key in wanted]
 
-    def _evaluate(self, points: list[Point], stage: str) -> None:
+    def _evaluate(self, points: list[EvaluatedPoint], stage: str) -> None:
         if not self._started:
             self._by.start()
             self._started = True
@@ -273,7 +273,7 @@ class Evaluator(AbstractContextManager["Evaluator"]):
             self._progress(stage, done, len(points))
 
 
-def _lost(point: Point, reason: str) -> dict[str, Any]:
+def _lost(point: EvaluatedPoint, reason: str) -> dict[str, Any]:
     return {
         "point": point.key, "overrides": point.overrides, "units": {},
         "values": dict.fromkeys(point.asked, math.nan),

@@ -42,7 +42,7 @@ _WITHIN = 0.9973002039367398
 _DIGITS, _EXACT = 9, 14
 
 
-class ReferenceSpec(Spec):
+class ScenarioReference(Spec):
     """Reference of comparisons, mostly the mechanism with ideal joints.
 
     Attributes:
@@ -72,7 +72,7 @@ class RequirementsFile(RunsFile):
     seed: Annotated[int, BeforeValidator(Count(0, 2**62).read)] = 0
     uncertain: dict[str, ParameterSpec] = Field(default_factory=dict)
     requirements: dict[str, RequirementSpec]
-    reference: ReferenceSpec | None = None
+    reference: ScenarioReference | None = None
     name: str = "requirements"
     folder: Folder = Path()
 

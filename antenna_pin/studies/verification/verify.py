@@ -15,7 +15,7 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.errors import OutputError, ScenarioError
 from antenna_pin.scenario.requirements import RequirementSpec
 from antenna_pin.studies.sweep.executor import Executor
-from antenna_pin.studies.verification.evaluation import Evaluated, Evaluator, key_of
+from antenna_pin.studies.verification.evaluation import Evaluated, PointEvaluator, key_of
 from antenna_pin.studies.verification.plan import UncertainNumber, Verification
 from antenna_pin.studies.verification.reliability import (
     FailureProbability,
@@ -132,7 +132,7 @@ class Verified:
 
     @property
     def met(self) -> bool:
-        """True if every requirement is met."""
+        """Verdict on all requirements together."""
         return all(one.verdict == MET for one in self.demonstrations.values())
 
 
@@ -162,7 +162,7 @@ def verify(
     target = Path(folder)
     try:
         target.mkdir(parents=True, exist_ok=True)
-        evaluator = Evaluator(plan, target, executor, progress)
+        evaluator = PointEvaluator(plan, target, executor, progress)
     except FileExistsError:
         raise OutputError(f"{target}: must be a folder, got a file; name another with --output") from None
     except OSError as error:
@@ -188,7 +188,7 @@ def verify(
 class _Demonstrator:
     """Demonstration of the requirements of one verification."""
 
-    def __init__(self, plan: Verification, evaluator: Evaluator) -> None:
+    def __init__(self, plan: Verification, evaluator: PointEvaluator) -> None:
         self.plan, self._evaluator = plan, evaluator
         self.nominal = self._nominal()
 
