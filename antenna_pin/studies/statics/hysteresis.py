@@ -1,8 +1,9 @@
 r"""Rate-independent states of elements along a travel: Bouc-Wen springs, harnesses, bristles.
 
 The rate of such a state is proportional to the joint's rate, so that it is a function of the way:
-:math:`dz/ds = f_\pm(z)` for either sense, at vanishing rate where the law depends on rates. Where f is affine on
-a side of z = 0, as of most laws, the solution is an exponential; else it is integrated to round-off.
+:math:`dz/ds = f_\pm(z)` for either sense, at vanishing rate where the law depends on rates. Where f is
+affine on a side of z = 0, as of most laws, the solution is an exponential; else it is integrated
+to round-off.
 """
 
 from __future__ import annotations
