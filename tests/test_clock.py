@@ -29,7 +29,7 @@ def test_only_provenance_asks_what_time_it_is():
         and isinstance(node.value, ast.Name)
         and (node.value.id, node.attr) in _SET
     }
-    assert asking == {"run/simulation/run.py"}
+    assert asking == {"run/simulation/run.py", "studies/verification/output.py"}
 
 
 @pytest.mark.parametrize("step", [-3600.0, 3600.0])

@@ -48,6 +48,7 @@ UNITS = {
     "m/s^2": "m/s",
 }
 # Machine code is tied to these files besides all kernels.
+_ROOMS_OF_KINDS = {"elements", "contact", "joints"}  # where kernels stand beside classes
 _COMPILED = {
     "records.py",
     "registry.py",
@@ -91,7 +92,7 @@ class Break:
     def plain(self) -> bool:
         """Whether kernels have to run as plain Python, for theirs would be compiled anew."""
         name = self.path.name
-        return name.endswith("kernels.py") or name in _COMPILED
+        return name.endswith("kernels.py") or name in _COMPILED or self.path.parent.name in _ROOMS_OF_KINDS
 
     @property
     def key(self) -> tuple[str, str, str]:
@@ -124,7 +125,7 @@ class Break:
 @cache
 def folders(root: Path) -> dict[str, Path]:
     """Return the packages that have tests of their own, by their names."""
-    below = [one for one in sorted((root / PACKAGE).rglob("*")) if one.is_dir()]
+    below = [one for one in sorted((root / PACKAGE).rglob("*")) if any(one.glob("*.py"))]
     return {one.name: one for one in below if (root / "tests" / one.name).is_dir()}
 
 

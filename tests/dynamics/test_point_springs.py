@@ -159,7 +159,7 @@ def test_a_compressed_spring_jumps_to_the_other_side():
     [
         (
             ("disc", "tip"),
-            "spring 's': its links 'disc' and 'tip' are one body, body 'disc', and it would do nothing",
+            "spring 's': its links 'disc' and 'tip' are one body, body 'disc', so it would have no effect",
         ),
         (("world", "world"), "spring 's': its links 'world' and 'world' are one body, the world"),
     ],

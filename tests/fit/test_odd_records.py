@@ -37,7 +37,7 @@ def emptied(*rows):
             text(head="time,angle,angle").replace("\n0,", "\n0,7,", 1),
             {},
             "swing.csv: line 1: angle must be the name of one column, got it of columns 2 and 3; give "
-            "each a name of its own",
+            "each column its own name",
         ),
         ("", {}, "swing.csv must have a header with time, angle, got nothing"),
         ("\ufeff", {}, "swing.csv must have a header with time, angle, got nothing"),

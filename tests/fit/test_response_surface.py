@@ -86,5 +86,5 @@ def test_too_few_runs_for_so_many_statistics_are_refused():
 
 
 def test_curves_beside_a_surface_are_refused(write):
-    with pytest.raises(ScenarioError, match="compare must be a statistic beside a surface"):
+    with pytest.raises(ScenarioError, match="compare must be a statistic with a surface"):
         write(text=FIT.replace("{more}", "surface = {{ runs = 64 }}"))

@@ -201,7 +201,7 @@ def test_tables_are_read(text: str, damping: tuple[float, ...] | None):
         (MYSTRAN[: MYSTRAN.rindex("M O D A L")], "line 1: must be CSV with the header"),
         (WITH_FREQUENCY.replace("0.0        -0.3", "-0.3"), "line 4: must have 8 numbers, got 7"),
         (WITH_FREQUENCY.replace("   2    18.8", "   1    18.8"),
-         "line 4: mode 1 must stand once, got it again"),
+         "line 4: mode 1 must appear once, got a second one"),
     ],
 )  # fmt: skip
 def test_what_is_wrong_is_said_with_its_line(text: str, said: str):

@@ -191,7 +191,7 @@ def test_the_position_of_a_motion_is_no_input(tmp_path):
     """It would jump from one step to the next; the line names the rate in its place."""
     moved = load_scenario("slider_crank")
     given = {"outputs": ["crank.angle"]}
-    with pytest.raises(AntennaPinError, match=r"fmu: drives\.crank\.position .* take drives\.crank\.rate"):
+    with pytest.raises(AntennaPinError, match=r"fmu: drives\.crank\.position .* use drives\.crank\.rate"):
         export_fmu(moved, tmp_path / "a.fmu", inputs=["drives.crank.position"], **given)
     assert export_fmu(moved, tmp_path / "b.fmu", inputs=["drives.crank.rate"], **given).exists()
 

@@ -358,8 +358,8 @@ REFUSED = {
     "two hinges on one line": (
         robot(GROUND, *CROSS, BOB, joint("two", "cross", "bob", "continuous")),
         "fixed",
-        "r.urdf: joint 'one' can turn link 'cross' without any inertia: it has no <inertial>, and what it "
-        "carries lets go of it; give it one (mechanism.links.cross), or lock the joint",
+        "r.urdf: joint 'one' can turn link 'cross' without any inertia: it has no <inertial>, and no "
+        "locked joint attaches other bodies to it; give it one (mechanism.links.cross), or lock the joint",
     ),
     "shift": (
         robot(

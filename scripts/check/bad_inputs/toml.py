@@ -136,7 +136,11 @@ _CHANGES: tuple[tuple[str, str, str, str], ...] = (
     *(
         (f"{key} beside the journal's", *_more(f"[initial.joints.hinge]\n{key} = 0\n{journal}"), says)
         for keys, journal, says in (
-            ("rate velocity", "journal_angular_velocity = [0, 0, 5]", "beside journal_angular_velocity[2]"),
+            (
+                "rate velocity",
+                "journal_angular_velocity = [0, 0, 5]",
+                "journal_angular_velocity[2], which sets the same motion",
+            ),
             ("angle", "journal_tilt = [0, 0, 0.1]", "leave out angle, or make journal_tilt[2] zero"),
             ("position", "journal_tilt = [0, 0, 0.1]", "got 0 and 0.1"),
         )
