@@ -139,7 +139,7 @@ _CHANGES: tuple[tuple[str, str, str, str], ...] = (
             (
                 "rate velocity",
                 "journal_angular_velocity = [0, 0, 5]",
-                "journal_angular_velocity[2], which sets the same motion",
+                "journal_angular_velocity[2], which sets",
             ),
             ("angle", "journal_tilt = [0, 0, 0.1]", "leave out angle, or make journal_tilt[2] zero"),
             ("position", "journal_tilt = [0, 0, 0.1]", "got 0 and 0.1"),
