@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import UnknownNameError
 
 __all__ = ["BearingRating", "BushingLoad", "ContactStress", "SurfaceStress", "numbers_of_row"]
@@ -156,6 +157,7 @@ class ContactStress:
         return min(known, key=lambda one: one.margin, default=None)
 
 
+@takes()
 def numbers_of_row(row: SurfaceStress | BushingLoad | BearingRating) -> dict[str, Any]:
     """Return numbers and texts of a row by name, without arrays."""
     found: dict[str, Any] = {}

@@ -230,7 +230,7 @@ def test_a_run_whose_result_does_not_fit_says_so_in_one_line(tmp_path, but_for_w
     )
     assert (said.returncode, said.stdout) == (2, "")
     (line,) = but_for_work(said.stderr).splitlines()
-    assert line.startswith("antenna-pin: run.nc: cannot be written: File too large; nor could")
+    assert line.startswith("antenna-pin: run.nc: cannot be written: File too large; no other folder")
     assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
     assert (tmp_path / "run.nc").read_text() == "old"
 

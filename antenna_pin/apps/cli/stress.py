@@ -80,7 +80,8 @@ def stress(
     if figure is not None:
         from antenna_pin.show.plot import figure_contact_stress
 
-        save_plot(figure_contact_stress(run, found, width=width.value), figure, as_json)
+        case = run.data.attrs.get("case") or "run"
+        save_plot(figure_contact_stress(found, case=case, width=width.value), figure, as_json)
 
 
 def _print(result: ContactStress, label: str) -> None:

@@ -15,7 +15,7 @@ from antenna_pin.show.plot._style import Width
 from antenna_pin.show.plot.grammar import Axis, Panel, PlotCurve, PlotMark, Points, Rule, Sheet, figure
 
 if TYPE_CHECKING:
-    from antenna_pin.trajectory import Trajectory
+    pass
 
 __all__ = ["figure_contact_stress", "figure_play_over_temperature"]
 
@@ -23,8 +23,8 @@ __all__ = ["figure_contact_stress", "figure_play_over_temperature"]
 _MOST = 6
 
 
-@figure(run="The run, for its name.", stress="Its contact stress.")
-def figure_contact_stress(run: Trajectory, stress: ContactStress, *, width: Width = "page") -> Sheet:
+@figure(stress="Contact stress of a run.", case="Name of the run's case, for the foot note.")
+def figure_contact_stress(stress: ContactStress, *, case: str = "run", width: Width = "page") -> Sheet:
     """Return contact pressures and PV of bushings over time."""
     met = [one for one in stress.surfaces if one.history.size and np.nanmax(one.history, initial=0.0) > 0.0]
     if not met:
@@ -54,7 +54,7 @@ def figure_contact_stress(run: Trajectory, stress: ContactStress, *, width: Widt
             for k, one in enumerate(stress.bushings, start=len(shown))
         ]
         rows.append([Panel("PV of bushings", curves, Axis("pressure times speed [MPa m/s]"))])
-    notes = [f"{run.data.attrs.get('case') or 'run'}: dots, peaks between samples too"]
+    notes = [f"{case}: dots, peaks between samples too"]
     if len(met) > len(shown):
         notes.append(f"of {len(met)} surfaces the {len(shown)} with the largest pressures")
     if limits and any(limit < 3.0 * largest for limit in limits):

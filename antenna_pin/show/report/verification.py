@@ -323,7 +323,8 @@ def _curve(one: Mapping[str, Any], run: Trajectory | None, figures: bool) -> Ite
     if "loop" in one:
         yield picture(plot.figure_torque_angle(one["loop"]), caption, key)
     if "stress" in one and run is not None and one["stress"].time.size:
-        yield picture(plot.figure_contact_stress(run, one["stress"]), caption, key)
+        case = run.data.attrs.get("case") or "run"
+        yield picture(plot.figure_contact_stress(one["stress"], case=case), caption, key)
 
 
 def _shocks(mine: Sequence[Mapping[str, Any]], run: Trajectory, figures: bool) -> Iterator[Item | str]:

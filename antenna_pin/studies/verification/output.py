@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import json
 import math
@@ -16,6 +15,7 @@ from typing import Any
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.files import replacing
 from antenna_pin.base.interruption import uninterrupted
+from antenna_pin.base.tables import write_csv
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.run.simulation import simulate
 from antenna_pin.scenario import Scenario, found_from, scenario_toml
@@ -260,8 +260,7 @@ def _worst(verified: Verified, name: str, scenario: Scenario, folder: Path) -> s
 def _matrix(facts: Mapping[str, Any]) -> str:
     """Return the verification matrix as CSV text."""
     stream = io.StringIO()
-    table = csv.writer(stream, lineterminator="\n")
-    table.writerow(_COLUMNS)
+    rows = []
     for one in facts["requirements"]:
         chance, books = one.get("probability", {}), one["integrity"]
         more = {
@@ -276,5 +275,6 @@ def _matrix(facts: Mapping[str, Any]) -> str:
             "energy_tolerance": books.get("energy_tolerance"),
         }
         row = one | more
-        table.writerow(["" if row.get(column) is None else row[column] for column in _COLUMNS])
+        rows.append([row.get(column) for column in _COLUMNS])
+    write_csv(stream, _COLUMNS, rows)
     return stream.getvalue()
