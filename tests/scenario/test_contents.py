@@ -115,9 +115,9 @@ def test_drives_and_springs_act_at_the_joint_of_their_name(folder):
 
 def test_the_scenario_is_frozen(folder):
     scenario = folder.load()
-    with pytest.raises(ValueError, match="does not change once it is read"):
+    with pytest.raises(ValueError, match="a table is immutable"):
         scenario.duration = 3.0
-    with pytest.raises(ValueError, match="does not change once it is read"):
+    with pytest.raises(ValueError, match="a table is immutable"):
         scenario.clearance["hinge"].radial_clearance = 1.0
 
 

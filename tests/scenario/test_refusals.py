@@ -30,7 +30,7 @@ WHOLE = "law lankarani-nikravesh brings its own; elastic laws are " + ", ".join(
 TOP = (
     "format, title, source, duration, mechanism, materials, clearance, flexible, closures, couplings, "
     "rotors, references, drives, springs, stops, latches, frictions, gears, bearings, shake, forces, events, "
-    "controllers, initial, integrator, output, pointing, temperature, tolerances"
+    "controllers, initial, integrator, output, pointing, uncertain, requirements, temperature, tolerances"
 )
 
 REFUSALS = [
@@ -592,9 +592,7 @@ def test_files_that_are_no_text_are_refused(folder, name):
 def test_a_missing_file_is_looked_for_beside_the_scenario(folder):
     message = folder.refusal({"mechanism.urdf": "sub/x.urdf"})
     where = folder.path.resolve() / "sub"
-    assert (
-        message == f"mechanism.urdf must be an existing file, got 'sub/x.urdf'; it is looked for in {where}"
-    )
+    assert message == f"mechanism.urdf must be an existing file, got 'sub/x.urdf'; searched in {where}"
 
 
 def test_names_that_need_quotes_have_them_in_messages(folder):

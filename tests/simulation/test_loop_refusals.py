@@ -96,7 +96,7 @@ CANNOT_BE = {
     ),
     "axes that are parallel only nearly": (
         SCENARIO.replace("axis = [0, -1, 0] }\nsecond", "axis = [4e-6, -1, 0] }\nsecond"),
-        "my: initial state: the loops cannot be closed: closure 'pin' lacks 4×10⁻⁶ rad at best; look at the "
+        "my: initial state: the loops cannot be closed: closure 'pin' lacks 4×10⁻⁶ rad at best; check the "
         "closures' points and axes, or check the dimensions (angles must be exact: 1.5707963267948966, not "
         "1.5708)",
     ),

@@ -11,7 +11,7 @@ from scipy.special import ellipkinc
 from single_loops import GRAVITY, bricard, four_bar, spatial_slider_crank, urdf_text
 
 from antenna_pin import RunSettings, load_scenario, simulate
-from antenna_pin.run.simulation import Angle, Event, Stop, loop
+from antenna_pin.run.simulation import Angle, Event, Stop, loop, steps
 from antenna_pin.scenario.assemble import build_system, initial_state
 
 LOOPS = {"four_bar": four_bar, "bricard": bricard, "spatial_slider_crank": spatial_slider_crank}
@@ -145,6 +145,7 @@ def test_singular_positions_are_passed_as_the_motion_goes(tmp_path, rtol):
 def test_singular_positions_are_those_of_the_whole_run_when_it_goes_on(tmp_path, monkeypatch):
     """What looks for them has a memory of its own: a run that is stopped three times has it too."""
     monkeypatch.setattr(loop, "_INTERVAL", -1.0)
+    monkeypatch.setattr(steps, "_BUDGET", 8)  # so that progress is reported often enough
     row = row_of_squares(tmp_path, 2)
     whole = simulate(row)
     for k in range(4):

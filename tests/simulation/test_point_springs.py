@@ -268,7 +268,7 @@ def test_a_scenario_says_where_its_springs_are(written):
             "springs.coil.first.frame: frame 'oen' is unknown; did you mean one?",
         ),
         ("springs.coil.second.link=one", "spring 'coil': its links 'one' and 'one' are one body, body 'one'"),
-        ("springs.coil.first.point=[0, 0, 0]", "springs.coil.first.point must be left out beside frame"),
+        ("springs.coil.first.point=[0, 0, 0]", "springs.coil.first.point must be left out with frame"),
         (
             "springs.coil.second={frame = 'one', replace = true}",
             "springs.coil.second.frame must be on another",

@@ -116,7 +116,7 @@ def test_a_drive_with_a_memory_is_found_out(kind):
     run = driven(made())
     assert run.outcome is Outcome.FUNCTION_WITH_MEMORY, run.message
     assert run.data.time.values[-1] <= until
-    for part in ("drive 'm'", "torque of t = ", "angle = ", "rad/s gave", "and then", "start=run.end"):
+    for part in ("drive 'm'", "torque of t = ", "angle = ", "rad/s gave", "and then", "sampled controller"):
         assert part in run.message
     assert not run.completed and run.data.q.shape[0] == run.data.time.size
 
