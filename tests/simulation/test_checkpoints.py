@@ -114,7 +114,9 @@ def test_a_changed_urdf_is_refused(tmp_path, small_parts):
     urdf.write_text(
         urdf.read_text(encoding="utf-8").replace('mass value="4"', 'mass value="5"'), encoding="utf-8"
     )
-    with pytest.raises(FileFormatError, match="got one with another URDF: the file has changed; give what"):
+    with pytest.raises(
+        FileFormatError, match="got one with another URDF: the file has changed; pass the inputs"
+    ):
         simulate(load_scenario(tmp_path / "first.toml"), resume=True, **how)
 
 
@@ -163,7 +165,7 @@ def test_what_is_no_checkpoint_of_the_run_is_refused(stopped, monkeypatch):
     refused("must be of this scenario, got one with another 'integrator'", antenna("integrator.rtol=1e-7"))
     refused("must be of this scenario", antenna("clearance.elevation.radial_clearance=0.3 mm"))
     refused("with these events", events=[Event(name="stop", when=Rate("elevation", 1.0), action=Stop())])
-    refused("start must be left out beside resume", start=Checkpoint.load(stopped).start)
+    refused("start must be left out with resume", start=Checkpoint.load(stopped).start)
     refused("duration must be beyond the checkpoint", duration=1e-5)
     refused("other.nc.parts': it was never stopped", out=stopped.with_name("other.nc"))
     with monkeypatch.context() as patch:
@@ -211,7 +213,7 @@ def test_a_full_disk_costs_nothing(tmp_path, small_parts, monkeypatch):
         written(self, chunk)
 
     monkeypatch.setattr(checkpoint.SampleFiles, "append", full)
-    with pytest.warns(NotKeptWarning, match="No space left on device; the run goes on"):
+    with pytest.warns(NotKeptWarning, match="No space left on device; the run continues"):
         ran = simulate(antenna(), duration=0.03, out=tmp_path / "run.nc")
     same(simulate(antenna(), duration=0.03), ran)
 

@@ -106,7 +106,7 @@ def jumps(t, angle, rate):
             "a base too fast",
             lambda t, a, r: 0.1,
             1e10,
-            "the velocity base.vx = 1×10¹⁰: let the start be slower",
+            "the velocity base.vx = 1×10¹⁰: start slower",
         ),
         ("noise", lambda t, a, r: np.sin(1e21 * r), 0.0, "by their last digits"),
         ("a fast wheel", lambda t, a, r: 0.0, 0.0, "joint 'axle' turns at 10000 rad/s, and steps follow"),

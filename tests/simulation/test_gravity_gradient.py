@@ -172,7 +172,9 @@ def test_a_tilted_orbit_is_the_same_turned():
 def test_angles_ask_for_an_orbit():
     mechanism = build_mechanism(Urdf.from_text(BODY.format(*INERTIA), "body.urdf"), "free")
     run = simulate(System(mechanism), duration=0.1, v=np.array([0, 0, 0, 0, RATE, 0]), settings=TIGHT)
-    with pytest.raises(AntennaPinError, match="orbit_angles: orbit must be given, for no gravity gradient"):
+    with pytest.raises(
+        AntennaPinError, match="orbit_angles: orbit must be given, because the run has no gravity gradient"
+    ):
         orbit_angles(run)
     # Turning as the orbit does it stays as it stands in that: turned half about, as the world's axes are.
     angles = orbit_angles(run, orbit=Orbit(rate=RATE))

@@ -149,7 +149,7 @@ def test_a_connection_that_closes_at_any_call_is_lost_in_one_line(monkeypatch):
     for name, error in zip(("scatter", "submit", "nthreads"), errors, strict=True):
         cluster = Cluster(1)
         cluster._client = Closing(name, error)
-        with pytest.raises(ClusterLostError, match="was lost: .*; finished runs are kept") as lost:
+        with pytest.raises(ClusterLostError, match="was lost: .*; finished runs are saved") as lost:
             list(cluster.each(len, "shared", iter([["a batch"]])))
         assert "\n" not in str(lost.value)
 

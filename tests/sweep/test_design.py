@@ -142,7 +142,7 @@ REFUSED = {
     "two of one key": (
         PLAY
         + 'values = ["0.1 mm"]\n[parameters.more]\nkey = "clearance.bore.radial_clearance"\nvalues = [1]',
-        "parameters.more.key must be a key of its own, got that of play",
+        "parameters.more.key must be a different key, got that of play",
     ),
     "lengths of zipped lists": (
         PLAY
@@ -174,7 +174,7 @@ REFUSED = {
         PLAY
         + 'values = ["0.1 mm"]\n[parameters.all]\nkey = "clearance.bore"\n'
         + 'values = [{ radial_clearance = "1 mm" }]',
-        "parameters.all.key must not be within play's clearance.bore.radial_clearance, nor hold it",
+        "parameters.all.key must not lie within play's clearance.bore.radial_clearance, nor contain it",
     ),
     "a key that is none": (
         "[parameters.e]\nkey = 3\nvalues = [1]",
@@ -230,7 +230,7 @@ def test_refused_before_anything_runs(write, tmp_path, what):
         ('a = { function = "own.py:wrong" }', "own.py:wrong raises AttributeError"),
         (
             'a = { function = "own.py:changes" }',
-            "own.py:changes must leave the run as it is",
+            "own.py:changes must not change the run",
         ),
     ],
 )
@@ -411,7 +411,7 @@ def test_a_response_that_is_no_number_of_a_run_is_said_of_it(write, tmp_path):
     )
     table = run_study(write(PLAY + 'values = ["0.1 mm"]', text=text), tmp_path / "trial.study")
     assert np.isnan(table["own"].values).all()
-    assert "response own: it is nan of this run, no number" in str(table["message"].values.ravel()[0])
+    assert "response own: it is nan for this run, not a number" in str(table["message"].values.ravel()[0])
 
 
 def test_measures_of_a_contact_are_of_its_own_blows():
