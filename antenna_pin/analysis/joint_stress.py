@@ -246,24 +246,10 @@ def _bore(
         return found
 
     def hertz(force: Array, slope: Array) -> Stresses:
-        found = hertz_line(line_load(force, slope), curvature, pair.modulus)
-        return Stresses(
-            found.pressure,
-            found.half_width,
-            np.full_like(found.pressure, 0.5 * part),
-            found.shear,
-            found.shear_depth,
-        )
+        return _line(hertz_line(line_load(force, slope), curvature, pair.modulus), part)
 
     def conformal(force: Array, slope: Array) -> Stresses:
-        found = persson_line(line_load(force, slope), mean_radius, play, pair.modulus)
-        return Stresses(
-            found.pressure,
-            found.half_width,
-            np.full_like(found.pressure, 0.5 * part),
-            found.shear,
-            found.shear_depth,
-        )
+        return _line(persson_line(line_load(force, slope), mean_radius, play, pair.modulus), part)
 
     if math.isnan(pair.modulus):
         return "none", _nothing, []
@@ -397,6 +383,11 @@ def _flange(
         rounded,
         [],
     )
+
+
+def _line(one: Any, length: float) -> Stresses:
+    half = np.full_like(one.pressure, 0.5 * length)
+    return Stresses(one.pressure, one.half_width, half, one.shear, one.shear_depth)
 
 
 def _point(one: Any) -> Stresses:

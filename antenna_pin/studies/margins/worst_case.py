@@ -140,10 +140,13 @@ def worst_cases(
 
 def _search(margin_at: Callable[[Sequence[float]], float], corner: Array, at_corner: float) -> None:
     """Search the least margin within a unit cube."""
+    from scipy.stats import qmc
+
     count = len(corner)
     left = _EVALUATIONS
     points: list[tuple[float, Array]] = [(at_corner, corner)]
-    samples = [np.full(count, 0.5), *(_halton(k + 1, count) for k in range(_SAMPLES * count))]
+    # The first point of the sequence is a corner.
+    samples = [np.full(count, 0.5), *qmc.Halton(count, scramble=False).random(_SAMPLES * count + 1)[1:]]
     for one in samples:
         points.append((margin_at(one.tolist()), one))
         left -= 1
@@ -162,16 +165,3 @@ def _search(margin_at: Callable[[Sequence[float]], float], corner: Array, at_cor
                 if margin < best:
                     best, place, better = margin, trial, True
             step = step if better else 0.5 * step
-
-
-def _halton(k: int, count: int) -> Array:
-    """Return point k of the Halton sequence in a unit cube, (count,)."""
-    primes = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29)
-    found = np.zeros(count)
-    for axis in range(count):
-        base, share, rest = primes[axis], 1.0, k
-        while rest:
-            share /= base
-            found[axis] += share * (rest % base)
-            rest //= base
-    return found
