@@ -30,7 +30,7 @@ from antenna_pin.compiled.machine_code import Kept, KernelCode, called, kept_of,
 from antenna_pin.compiled.ownership import open_to, stranger_of
 from antenna_pin.compiled.stale_files import pack_of, sweep
 from antenna_pin.compiled.stand_alone import all_needs, kernel_named, needs_of, noted, parts_of, symbols_of
-from antenna_pin.compiled.target import BASELINE, baseline_runs
+from antenna_pin.compiled.target import BASELINE, aim_at_baseline, baseline_runs
 from antenna_pin.compiled.turns import Turn
 
 try:
@@ -263,6 +263,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
 
     def _keys(self, sig: Any, codegen: Any) -> list[Any]:
         """Return the keys of entries compiled for this processor or its family."""
+        aim_at_baseline()
         key = self._index_key(sig, codegen)
         signature, (triple, *target), code = key
         if target == [BASELINE, ""] or not baseline_runs():

@@ -33,9 +33,10 @@ def aim_at_baseline() -> None:
     """Have Numba make code for the baseline where it runs, unless a processor is named.
 
     Where a script has had Numba compile something of its own before, that continues for the processor at
-    hand.
+    hand. Numba reads its settings anew when a variable ``NUMBA_*`` changes, and then forgets this one.
     """
     import numba
 
+    numba.core.config.reload_config()
     if baseline_runs() and getattr(numba.config, "CPU_NAME", "") is None:
         numba.config.CPU_NAME, numba.config.CPU_FEATURES = BASELINE, ""

@@ -19,6 +19,7 @@ from antenna_pin.compiled import stale_files as _sweep
 from antenna_pin.compiled.compile_time import told_of_compiling
 from antenna_pin.compiled.kernel_cache import KernelCacheWarning, keep
 from antenna_pin.compiled.stand_alone import kernel_named, needs_of
+from antenna_pin.compiled.target import baseline_runs
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 
@@ -83,6 +84,17 @@ def test_what_is_damaged_is_compiled_and_kept_anew(source, suffix, damage):
     assert (anew(2), hits(anew)) == (4, 0)
     again = compiled(source)
     assert (again(2), hits(again)) == (4, 1)
+
+
+@pytest.mark.skipif(not baseline_runs(), reason="this processor is older than the baseline")
+def test_a_setting_of_numba_that_changes_later_leaves_the_processor(source, monkeypatch):
+    """Numba reads all its settings anew when a variable of its own changes."""
+    monkeypatch.delenv("NUMBA_CPU_NAME", raising=False)
+    for level in ("2", "3"):
+        monkeypatch.setenv("NUMBA_OPT", level)
+        one = compiled(source, level)
+        assert one(2) == 4
+        assert len(list(_kernel_cache.stored_code(source, level))) == 1
 
 
 def test_an_entry_of_other_arguments_is_not_taken(source):

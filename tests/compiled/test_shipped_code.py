@@ -219,7 +219,7 @@ def damage(path, at):
         (lambda package, patch: (package / "compiled" / "kernels.so").chmod(0o666), "is not safe, for"),
         (lambda package, patch: (package / "compiled" / "kernels.json").unlink(), "none is installed"),
         (lambda package, patch: (package / "compiled" / "kernels.json").write_text("{"), "cannot be read"),
-        (lambda package, patch: patch.setenv("NUMBA_CPU_NAME", "generic"), "NUMBA_CPU_NAME asks for generic"),
+        (lambda package, patch: patch.setenv("NUMBA_CPU_NAME", "generic"), "NUMBA_CPU_NAME requires generic"),
         (lambda package, patch: patch.setattr(shipped_code, "baseline_runs", lambda: False), "x86-64-v3"),
         (lambda package, patch: patch.setattr(shipped_code, "STRIDES", 32), "of another Python or NumPy"),
     ],
