@@ -20,6 +20,7 @@ import numba
 import antenna_pin.compiled.address_intrinsics  # noqa: F401 - which tells Numba of them
 import antenna_pin.compiled.intrinsics  # noqa: F401 - which tells Numba of them
 from antenna_pin.compiled.kernel_cache import FORMAT, keep, remembered
+from antenna_pin.compiled.numba_pipeline import KernelCompiler, compare_settings_fast
 from antenna_pin.compiled.stand_alone import stand_alone
 from antenna_pin.compiled.target import aim_at_baseline
 
@@ -27,6 +28,7 @@ __all__ = ["code_of", "dispatcher", "stamp_of", "stamped_files"]
 
 
 aim_at_baseline()
+compare_settings_fast()
 
 _ROOMS_OF_KINDS = ("elements", "contact", "joints")  # where a kind's kernels stand beside its class
 # What files say in which kernels stand, or fields of the records of elements.
@@ -46,6 +48,7 @@ def stamped_files() -> tuple[Path, ...]:
         "compiled/calls.py",
         "compiled/intrinsics.py",
         "compiled/lanes.py",
+        "compiled/numba_pipeline.py",
         "compiled/record.py",
         _REGISTRY,
     )
@@ -193,7 +196,13 @@ def _take_constants_as_numbers(compiled: Any) -> None:
 def _njit(function: Callable[..., Any], **options: bool) -> Any:
     try:
         # No entry for C: nothing here asks for an address.
-        return numba.njit(error_model="numpy", _nrt=False, no_cfunc_wrapper=True, **options)(function)
+        return numba.njit(
+            error_model="numpy",
+            _nrt=False,
+            no_cfunc_wrapper=True,
+            pipeline_class=KernelCompiler,
+            **options,
+        )(function)
     except KeyError:
         # These options are Numba's own, not promised ones; without that against counting kernels are slower.
         return numba.njit(error_model="numpy", **options)(function)

@@ -30,7 +30,7 @@ class Kept(NamedTuple):
 
     Attributes:
         needs: Kernels that it calls by name, each with the types of its arguments.
-        object: Its object file.
+        object: Its object file; empty for a function that is only inlined.
         bitcode: Its LLVM code, for callers into which it is put, compressed: two thirds of all.
         description: Numba's.
         environments: What it needs of Python, its own first.
@@ -74,7 +74,7 @@ class Code:
 
     def get_pointer_to_function(self, name: str) -> int:
         """Return the address of a function."""
-        return int(self._engine.get_function_address(name))
+        return int(self._engine.get_function_address(name)) if self._stored.object else 0
 
     def _ensure_finalized(self) -> None:
         pass
@@ -105,7 +105,9 @@ def called(context: Any, code: Kept) -> Any:
     description, environment = code.description, code.environments[0]
     engine = context.codegen()._engine._ee
     _name_memory()
-    if description.llvm_func_name not in _linked or _linked[description.llvm_func_name] != hash(code.object):
+    if code.object and (
+        description.llvm_func_name not in _linked or _linked[description.llvm_func_name] != hash(code.object)
+    ):
         engine.add_object_file(ObjectFileRef.from_data(code.object))
     library = Code(engine, code)
     entry = _dynfunc.make_function(
