@@ -15,9 +15,20 @@ import types
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+from antenna_pin.compiled.deferred import require
 from antenna_pin.compiled.record import Layout, record
 
-__all__ = ["Layout", "composed", "composed_later", "in_python", "inlined", "kernel", "record", "released"]
+__all__ = [
+    "Layout",
+    "composed",
+    "composed_later",
+    "deferred",
+    "in_python",
+    "inlined",
+    "kernel",
+    "record",
+    "released",
+]
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
@@ -30,6 +41,18 @@ def kernel(function: _Function) -> _Function:
     """
     # Left unsaid, Numba takes over what the caller says for which it is compiled.
     return _later(function, cached=True, alone=True, forceinline=False)
+
+
+def deferred(group: str) -> Callable[[_Function], _Function]:
+    """Compile as a kernel a function that only some runs need: those that require its group.
+
+    Its callers are compiled without it. It returns None, int, float or bool, as annotated.
+    """
+
+    def decorate(function: _Function) -> _Function:
+        return function if _plain() else _DeferredKernel(function, group)  # type: ignore[return-value]
+
+    return decorate
 
 
 def released(function: _Function) -> _Function:
@@ -187,6 +210,25 @@ class _LazyKernel:
 
     def __reduce__(self) -> str:
         return self.__wrapped__.__qualname__  # pickled by its name, as a function
+
+
+class _DeferredKernel(_LazyKernel):
+    """Kernel of a group; other kernels call it through a slot."""
+
+    def __init__(self, function: Callable[..., Any], group: str) -> None:
+        super().__init__(function, {"cached": True, "alone": True, "forceinline": False})
+        self._group = group
+
+    @functools.cached_property
+    def _numba_type_(self) -> Any:
+        from antenna_pin.compiled.slots import call_type
+
+        returned = {"None": None, "int": int, "float": float, "bool": bool}
+        return call_type(self._name(), self._group, returned[self.__wrapped__.__annotations__["return"]])
+
+    def __call__(self, *arguments: Any) -> Any:
+        require(self._group)
+        return super().__call__(*arguments)
 
 
 class _Composed(_LazyKernel):

@@ -19,6 +19,7 @@ import numba
 
 import antenna_pin.compiled.address_intrinsics  # noqa: F401 - which tells Numba of them
 import antenna_pin.compiled.intrinsics  # noqa: F401 - which tells Numba of them
+import antenna_pin.compiled.slots  # noqa: F401 - likewise
 from antenna_pin.compiled.kernel_cache import FORMAT, keep, remembered
 from antenna_pin.compiled.numba_pipeline import KernelCompiler, compare_settings_fast
 from antenna_pin.compiled.stand_alone import stand_alone
@@ -50,6 +51,7 @@ def stamped_files() -> tuple[Path, ...]:
         "compiled/lanes.py",
         "compiled/numba_pipeline.py",
         "compiled/record.py",
+        "compiled/slots.py",
         _REGISTRY,
     )
     kinds = (path for room in _ROOMS_OF_KINDS for path in (folder / room).glob("*.py"))

@@ -28,8 +28,17 @@ from typing import Any
 from antenna_pin.compiled.compile_time import tell_of_compiling
 from antenna_pin.compiled.machine_code import Kept, KernelCode, called, kept_of, link
 from antenna_pin.compiled.ownership import open_to, stranger_of
+from antenna_pin.compiled.slots import declare
 from antenna_pin.compiled.stale_files import pack_of, sweep
-from antenna_pin.compiled.stand_alone import all_needs, kernel_named, needs_of, noted, parts_of, symbols_of
+from antenna_pin.compiled.stand_alone import (
+    all_needs,
+    deferred_calls_of,
+    kernel_named,
+    needs_of,
+    noted,
+    parts_of,
+    symbols_of,
+)
 from antenna_pin.compiled.target import BASELINE, aim_at_baseline, baseline_runs
 from antenna_pin.compiled.turns import Turn
 
@@ -40,7 +49,7 @@ except ImportError:  # none of it is promised by Numba
 
 __all__ = ["FORMAT", "KernelCacheWarning", "keep", "remembered", "stored_code"]
 
-FORMAT = 7  # of what is kept
+FORMAT = 8  # of what is kept
 
 _DIGEST = hashlib.sha256().digest_size
 
@@ -279,6 +288,8 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
 
     def _loaded(self, key: Any, stored: Any, target_context: Any) -> Any:
         parts = self._pack(key) if stored.needs and _nested.depth == 1 else ()
+        for call in {*stored.deferred, *(call for part in parts for call in part.deferred)}:
+            declare(call)
         for part in parts:
             link(target_context, part)
         if not parts:
@@ -287,6 +298,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
             self._note(key, stored)
         result = called(target_context, stored)
         needs_of(result.library).update(stored.needs)
+        deferred_calls_of(result.library).update(stored.deferred)
         return result
 
     def _note(self, key: Any, stored: Kept) -> None:
@@ -316,7 +328,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         try:
             if self._impl.check_cachable(data):
                 self._impl.locator.ensure_cache_path()
-                kept = kept_of(all_needs(data.library), self._impl.reduce(data))
+                kept = kept_of(*all_needs(data.library), self._impl.reduce(data))
                 if self._cache_file.closed and kept is not None:
                     key = self._index_key(sig, data.codegen)
                     self._cache_file.save(key, kept)

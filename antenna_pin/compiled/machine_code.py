@@ -22,7 +22,31 @@ try:
 except ImportError:  # neither is promised by Numba
     _dynfunc = _nrt_python = compile_result = None
 
-__all__ = ["Code", "Kept", "KernelCode", "called", "kept_of", "link", "add_kernel_symbol"]
+__all__ = [
+    "Code",
+    "DeferredCall",
+    "KernelCode",
+    "Kept",
+    "add_kernel_symbol",
+    "address_of",
+    "called",
+    "kept_of",
+    "link",
+]
+
+
+class DeferredCall(NamedTuple):
+    """Call of a kernel that only some runs need.
+
+    Attributes:
+        group: Group of kernels that such runs require.
+        kernel: Module and name.
+        types: Pickled types of the arguments.
+    """
+
+    group: str
+    kernel: str
+    types: bytes
 
 
 class Kept(NamedTuple):
@@ -35,6 +59,7 @@ class Kept(NamedTuple):
         description: Numba's.
         environments: What it needs of Python, its own first.
         signature: Types of its arguments and of what it returns.
+        deferred: Calls of kernels that only some runs need.
     """
 
     needs: set[Any]
@@ -43,6 +68,7 @@ class Kept(NamedTuple):
     description: Any
     environments: tuple[Any, ...]
     signature: Any
+    deferred: frozenset[DeferredCall]
 
 
 class KernelCode(NamedTuple):
@@ -54,6 +80,7 @@ class KernelCode(NamedTuple):
         needs: Symbols of kernels that it calls.
         object: Its object file.
         environments: What it needs of Python.
+        deferred: Calls of kernels that only some runs need.
     """
 
     symbol: str
@@ -61,6 +88,7 @@ class KernelCode(NamedTuple):
     needs: tuple[str, ...]
     object: bytes
     environments: tuple[Any, ...]
+    deferred: frozenset[DeferredCall]
 
 
 class Code:
@@ -87,13 +115,14 @@ class Code:
         return parse_bitcode(zlib.decompress(self._stored.bitcode))
 
 
-def kept_of(needs: set[Any], reduced: tuple[Any, ...]) -> Kept | None:
+def kept_of(needs: set[Any], deferred: set[DeferredCall], reduced: tuple[Any, ...]) -> Kept | None:
     """Return the storable form of Numba's reduced result; None for an unknown form."""
     (_, form, code), description, environment, signature, objectmode, _, _, reload_init, others = reduced
     if form != "object" or objectmode or reload_init:
         return None
     machine_code, bitcode = code
-    return Kept(needs, machine_code, zlib.compress(bitcode), description, (environment, *others), signature)
+    code_of_llvm, environments = zlib.compress(bitcode), (environment, *others)
+    return Kept(needs, machine_code, code_of_llvm, description, environments, signature, frozenset(deferred))
 
 
 def called(context: Any, code: Kept) -> Any:
@@ -143,6 +172,11 @@ def add_kernel_symbol(symbol: str, address: int) -> None:
     """Let loaded code call a function by a name."""
     _symbols[symbol] = address
     add_symbol(symbol, address)
+
+
+def address_of(symbol: str) -> int:
+    """Return the address of a kernel that has been compiled or loaded, by its symbol."""
+    return _symbols[symbol]
 
 
 def link(context: Any, part: KernelCode) -> None:

@@ -38,6 +38,7 @@ from antenna_pin.compiled.shipped_code import (
     dtype_text,
     key_of,
 )
+from antenna_pin.compiled.slots import SLOT, symbol_of_call
 from antenna_pin.compiled.stand_alone import symbol_of, symbols_of
 from antenna_pin.compiled.target import BASELINE
 
@@ -95,6 +96,7 @@ def write_library(package: Path, folder: Path, sources: Iterable[Path] | None = 
         except _UnsupportedError:
             continue
         index.setdefault(name, {})[key_of(types_)] = entry
+    _fill_slots(entries, kernels)
     with tempfile.TemporaryDirectory() as made:
         objects = [Path(made) / f"{number}.o" for number in range(len(kernels) + 1)]
         for path, (symbol, (_, kernel)) in zip(objects, kernels.items(), strict=False):
@@ -130,10 +132,25 @@ def _all_kernels(package: Path) -> dict[str, tuple[str, Kept]]:
         for kernel in stored_code(source, stamp_of(source)):
             name = f"{kernel.description.modname}:{kernel.description.qualname}"
             found[symbol_of(name, kernel.signature.args)] = (name, kernel)
-    while lacking := [one for one, (_, kernel) in found.items() if not found.keys() >= {*symbols_of(kernel)}]:
+    while lacking := [one for one, (_, kernel) in found.items() if not found.keys() >= _called_by(kernel)]:
         for symbol in lacking:
             del found[symbol]
     return found
+
+
+def _called_by(kernel: Kept) -> set[str]:
+    """Return the symbols of kernels that a kernel calls, those of some runs only included."""
+    return {*symbols_of(kernel), *map(symbol_of_call, kernel.deferred)}
+
+
+def _fill_slots(module: Any, kernels: dict[str, tuple[str, Kept]]) -> None:
+    """Define the slots of kernels that only some runs need, filled."""
+    for symbol in sorted(
+        {symbol_of_call(call) for _, kernel in kernels.values() for call in kernel.deferred}
+    ):
+        function = module.globals.get(symbol) or ir.Function(module, ir.FunctionType(_WORD, []), symbol)
+        slot = ir.GlobalVariable(module, _ADDRESS, SLOT + symbol)
+        slot.initializer = function.bitcast(_ADDRESS)
 
 
 def _object(machine: Any, kernel: Kept, symbol: str) -> bytes:

@@ -13,7 +13,7 @@ import importlib
 import itertools
 from typing import Any
 
-from antenna_pin.compiled.machine_code import Kept, KernelCode, add_kernel_symbol
+from antenna_pin.compiled.machine_code import DeferredCall, Kept, KernelCode, add_kernel_symbol
 
 try:
     from numba.core.base import OverloadSelector
@@ -23,6 +23,7 @@ except ImportError:  # neither is promised by Numba
 
 __all__ = [
     "all_needs",
+    "deferred_calls_of",
     "kernel_named",
     "needs_of",
     "noted",
@@ -93,16 +94,25 @@ def needs_of(library: Any) -> set[Any]:
     return needs
 
 
-def all_needs(library: Any) -> set[Any]:
-    """Return what machine code and all that was put into it call by name."""
-    needs, seen, left = set(), set(), [library]
+def deferred_calls_of(library: Any) -> set[DeferredCall]:
+    """Return the calls in machine code of kernels that only some runs need."""
+    if "deferred" not in vars(library):
+        library.deferred = set()
+    deferred: set[DeferredCall] = library.deferred
+    return deferred
+
+
+def all_needs(library: Any) -> tuple[set[Any], set[DeferredCall]]:
+    """Return what machine code and all that was put into it call by name, and through slots."""
+    needs, deferred, seen, left = set(), set(), set(), [library]
     while left:
         one = left.pop()
         if id(one) not in seen:
             seen.add(id(one))
             needs |= needs_of(one)
+            deferred |= deferred_calls_of(one)
             left += getattr(one, "_linking_libraries", [])
-    return needs
+    return needs, deferred
 
 
 #: What this process has read or compiled, by the names by which it is called.
@@ -117,7 +127,8 @@ def symbols_of(code: Kept) -> tuple[str, ...]:
 def noted(name: str, code: Kept) -> None:
     """Record a kernel's part for its callers."""
     symbol, function = symbol_of(name, code.signature.args), code.description.llvm_func_name
-    _parts[symbol] = KernelCode(symbol, function, symbols_of(code), code.object, code.environments)
+    needs = symbols_of(code)
+    _parts[symbol] = KernelCode(symbol, function, needs, code.object, code.environments, code.deferred)
 
 
 def parts_of(symbols: tuple[str, ...]) -> tuple[KernelCode, ...]:

@@ -11,7 +11,7 @@ machine code is called by address, :func:`answer_queries` does all of it; else P
 from __future__ import annotations
 
 from antenna_pin.base.records import CONTACT, MEMORY, POSE, Floats, Program, Record, layout, words_of
-from antenna_pin.compiled.decorators import inlined, kernel, record
+from antenna_pin.compiled.decorators import deferred, inlined, kernel, record
 from antenna_pin.dynamics.kernels import CONTACT_WORDS, MEMORY_WORDS, POSE_WORDS, evaluate, head_of
 from antenna_pin.joints.geometry.coal_query_kernels import query_coal, set_out, take_in
 from antenna_pin.joints.layout_kernels import joint_at
@@ -27,6 +27,8 @@ class Queried(Record):
 
 QUERIED = layout(Queried)
 HEAD = words_of(QUERIED)
+#: Groups of the kernels for coal's distances by machine code, and by Python (``compiled/deferred.py``).
+BY_ADDRESS, BY_PYTHON = "coal by address", "coal by Python"
 
 
 @inlined
@@ -41,7 +43,7 @@ def has_queries(program: Floats, work: Floats) -> bool:
     return bool(_first_piece(head_of(program)) < work.shape[0])
 
 
-@kernel
+@deferred(BY_PYTHON)
 def set_out_queries(y: Floats, program: Floats, work: Floats) -> None:
     """Write the queries to coal at the state y: gaps of touching contacts."""
     head = head_of(program)
@@ -62,7 +64,7 @@ def set_out_queries(y: Floats, program: Floats, work: Floats) -> None:
         at += queried.words
 
 
-@kernel
+@deferred(BY_PYTHON)
 def take_in_queries(y: Floats, program: Floats, work: Floats) -> bool:
     """Write coal's results into the contact table; return whether they are final."""
     head = head_of(program)
@@ -81,7 +83,7 @@ def take_in_queries(y: Floats, program: Floats, work: Floats) -> bool:
     return final
 
 
-@kernel
+@deferred(BY_ADDRESS)
 def answer_queries(y: Floats, program: Floats, work: Floats, everything: bool) -> int:
     """Measure the gaps of touching contacts, or of all, by coal's machine code.
 

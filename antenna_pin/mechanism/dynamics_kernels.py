@@ -8,7 +8,7 @@ go of everything: it hands on its own force and no inertia, and its body's accel
 from __future__ import annotations
 
 from antenna_pin.base.records import PLANE, RIGID, ROTATION, SLIDE, Floats, Records
-from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.compiled.decorators import deferred, inlined
 from antenna_pin.mechanism.room_kernels import (
     BodyRoom,
     carried_acceleration,
@@ -28,8 +28,11 @@ from antenna_pin.mechanism.take_out_kernels import (
 )
 from antenna_pin.mechanism.tree_kernels import Body
 
+#: Group of the kernels for a tree whose accelerations are not Pinocchio's (``compiled/deferred.py``).
+TREE = "tree"
 
-@kernel
+
+@deferred(TREE)
 def aba(
     y: Floats,
     nq: int,

@@ -12,14 +12,17 @@ from numpy.typing import NDArray
 from antenna_pin.base.records import POSE
 from antenna_pin.base.settings import Engine
 from antenna_pin.compiled.calls import CALLED_BACK
+from antenna_pin.compiled.deferred import require
 from antenna_pin.compiled.native import Evaluator
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.dynamics import outside_kernels as kernels
 from antenna_pin.dynamics.by_pinocchio import accelerations_of, machine_code_of, terms_of
+from antenna_pin.dynamics.constraints.layout_kernels import CONSTRAINTS
 from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.errors import FunctionError, MechanismError
 from antenna_pin.integrate import Method, Stepper
 from antenna_pin.mechanism import PLACE, ROOM, TreeDynamics, body_tree
+from antenna_pin.mechanism.dynamics_kernels import TREE
 from antenna_pin.run.engine.implicit_kernels import attempt_implicit
 from antenna_pin.run.engine.step_kernels import attempt, derivative, prepare_dense
 
@@ -195,6 +198,10 @@ class Compiled:
             tree = TreeDynamics(system.mechanism).tree
         else:
             tree = body_tree(system.mechanism)
+        if system.plan is not None:
+            require(CONSTRAINTS)
+        elif engine == "compiled":
+            require(TREE)
         plan, nq, nv, size = system.plan, model.nq, model.nv, system.manifold.size
         self.answers = Answers(size, nv)
         mass, bias, table = np.zeros((nv, nv)), np.zeros(nv), np.zeros_like(workspace.table)

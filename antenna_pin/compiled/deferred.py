@@ -1,0 +1,24 @@
+"""Groups of kernels that only some runs need, called through slots that are filled when a run needs them."""
+
+from __future__ import annotations
+
+import sys
+
+__all__ = ["is_required", "require"]
+
+_required: set[str] = set()
+
+
+def is_required(group: str) -> bool:
+    """Return whether something in this process needs a group."""
+    return group in _required
+
+
+def require(group: str) -> None:
+    """Have the kernels of a group compiled or loaded before whoever calls them runs."""
+    if group in _required:
+        return
+    _required.add(group)
+    slots = sys.modules.get("antenna_pin.compiled.slots")
+    if slots is not None:
+        slots.fill(group)
