@@ -52,8 +52,8 @@ def begin(made: Synchronized[int]) -> None:
     warnings.simplefilter("ignore")  # of runs that are this short
 
 
-def make(job: Job, derivatives: bool = False) -> None:
-    """Make the run of a job, and what it does not need yet; or derivatives along a moment of it."""
+def make(job: Job, derivatives: bool = False, more: bool = True) -> None:
+    """Make the run of a job, and more that its system may need; or derivatives along a moment of it."""
     import numpy as np
 
     from antenna_pin import build_system, load_scenario, simulate
@@ -76,6 +76,8 @@ def make(job: Job, derivatives: bool = False) -> None:
             flow.tangent(start, MOMENT)
             return
         simulate(scenario, duration=min(DURATION, scenario.duration))
+        if not more:
+            return
         system = build_system(scenario)
         TreeDynamics(system.mechanism)
         y = system.state(*initial_state(scenario, system))
@@ -147,7 +149,7 @@ def main() -> None:
 
     count = len(jobs) + len(more) + asked.all
     with context.Pool(min(processes, count), begin, (made,)) as pool:
-        running = [pool.apply_async(make, (job,)) for job in jobs]
+        running = [pool.apply_async(make, (job, False, not asked.demo)) for job in jobs]
         running += [pool.apply_async(make, (job, True)) for job in more]
         running += [pool.apply_async(call_alone)] if asked.all else []
         wait(running, said)

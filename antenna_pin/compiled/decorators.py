@@ -223,8 +223,8 @@ class _DeferredKernel(_LazyKernel):
     def _numba_type_(self) -> Any:
         from antenna_pin.compiled.slots import call_type
 
-        returned = {"None": None, "int": int, "float": float, "bool": bool}
-        return call_type(self._name(), self._group, returned[self.__wrapped__.__annotations__["return"]])
+        returned = self.__wrapped__.__annotations__["return"]
+        return call_type(self._name(), self._group, getattr(returned, "__name__", str(returned)))
 
     def __call__(self, *arguments: Any) -> Any:
         require(self._group)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ctypes
 import pickle
+import sys
 from typing import Any
 
 from llvmlite import ir
@@ -30,17 +31,14 @@ __all__ = ["SLOT", "call_type", "declare", "fill", "symbol_of_call"]
 #: What the name of a slot begins with, before the symbol of its kernel.
 SLOT = "slot:"
 
-_RETURNED = {None: types.none, int: types.int64, float: types.float64, bool: types.boolean}
+_RETURNED = {"None": types.none, "int": types.int64, "float": types.float64, "bool": types.boolean}
 
 
 @ctypes.PYFUNCTYPE(ctypes.c_int32)
 def _missing() -> int:
-    """Fail as a kernel that is called without its group: Numba's status of an exception that is set."""
-    ctypes.pythonapi.PyErr_SetString(ctypes.py_object(RuntimeError), _MISSING)
-    return -1
-
-
-_MISSING = b"a deferred kernel is called, but nothing has required its group (compiled.deferred.require)"
+    """Fail as a kernel that is called without its group, which Python reports as a ``SystemError``."""
+    sys.stderr.write("a deferred kernel is called, but nothing has required its group\n")
+    return -1  # Numba's status of an exception
 
 
 class _Slot:
@@ -86,7 +84,7 @@ def fill(group: str) -> None:
         _slots[call].fill()
 
 
-class _Deferred(types.Callable, types.Opaque):  # type: ignore[misc]
+class _Deferred(types.Callable, types.Dummy):  # type: ignore[misc]
     """Type of a deferred kernel."""
 
     def __init__(self, kernel: str, group: str, returned: Any) -> None:
@@ -139,12 +137,12 @@ def _constant(context: Any, builder: Any, kind: Any, value: Any) -> Any:
     return context.get_dummy_value()
 
 
-def call_type(kernel: str, group: str, returned: Any) -> Any:
+def call_type(kernel: str, group: str, returned: str) -> Any:
     """Return Numba's type of a deferred kernel.
 
     Args:
         kernel: Module and name.
         group: Group that a run requires.
-        returned: What it returns: None, int, float or bool.
+        returned: Annotation of what it returns: None, int, float or bool.
     """
     return _Deferred(kernel, group, _RETURNED[returned])

@@ -75,11 +75,13 @@ def audit(workspace: Workspace, y: Array) -> Audit:
     found: Any = audits[0]
     workspace.tell_energies(y)
     contacts, springs = kernels.stored_energy(y, workspace.program, workspace.memory, workspace.table)
+    if workspace.bodies is not None:
+        springs += link_kernels.stored(y, workspace.program, places)
     return Audit(
         kinetic=float(found.kinetic),
         gravity=float(found.gravity),
         contacts=contacts + energy_of_python_laws(workspace),
-        springs=springs + link_kernels.stored(y, workspace.program, places),
+        springs=springs,
         linear=found.linear,
         angular=found.angular,
         linear_scale=float(found.linear_scale),

@@ -25,7 +25,7 @@ from antenna_pin.base.records import (
     layout,
     words_of,
 )
-from antenna_pin.compiled.decorators import inlined, kernel, record
+from antenna_pin.compiled.decorators import deferred, inlined, kernel, record
 from antenna_pin.dynamics.kernels import PARAMETERS, element_at, head_of
 from antenna_pin.elements import kernels as elements
 from antenna_pin.mechanism.tree_kernels import Body, Place
@@ -51,6 +51,8 @@ class Stretched(Record):
 
 
 STRETCH = layout(Stretched)
+#: Group of the kernels that only systems with elements on links need (``compiled/deferred.py``).
+LINKS = "links"
 
 # Distance of points that coincide, of their distances from the world's origin: round-off.
 COINCIDE = 1e-15
@@ -204,7 +206,7 @@ def stored_between(program: Floats, b: int, places: Records[Place]) -> float:
     return float(e.on * elements.stored(e.kind, program, b + PARAMETERS, length))
 
 
-@kernel
+@deferred(LINKS)
 def look_at(program: Floats, places: Records[Place], stretches: Records[Stretched]) -> None:
     """Write what there is to see of all springs between points: ``STRETCH`` of each, (springs,)."""
     k = 0

@@ -122,6 +122,7 @@ class Workspace:
         #: The bodies, and room for where they are, if elements on links ask for that.
         self._bodies: tuple[NDArray[Any], NDArray[Any]] | None = None
         if system.point_springs or system.forces:
+            require(point_kernels.LINKS)
             tree = body_tree(system.mechanism)
             self._bodies = tree, np.zeros(len(tree) + 1, PLACE)
         #: What is held besides the tree; None if nothing is.

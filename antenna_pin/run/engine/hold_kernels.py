@@ -103,12 +103,14 @@ def _close(t: float, rows: Floats, r: int, layout: Ints, numbers: Numbers) -> bo
 def _energy(t: float, y: Floats, numbers: Numbers) -> float:
     """Return the energy stored in a state with written rows [J]."""
     program = numbers.program
-    if head_of(program).points < program.shape[0]:
+    on_links = head_of(program).points < program.shape[0]
+    if on_links:
         set_motions(t, y, numbers)  # elements on links in Python tell what they store
     places = numbers.held[: PLACE_WORDS * (plan_of(numbers.plan).bodies + 1)].view(PLACE)
     locate(y, program, numbers.pose, numbers.table, numbers.outside)
     contacts, springs = stored_energy(y, program, numbers.memory, numbers.table)
-    springs += stored(y, program, places)
+    if on_links:
+        springs += stored(y, program, places)
     return float(energy_of(numbers.tree, places, numbers.gravity) + contacts + springs)
 
 
