@@ -1,4 +1,4 @@
-"""Groups of kernels that only some runs need, called through slots that are filled when a run needs them."""
+"""Groups of kernels that only some runs need, called through slots (``slots.py``)."""
 
 from __future__ import annotations
 

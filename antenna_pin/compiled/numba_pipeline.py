@@ -33,7 +33,7 @@ _NOT_NEEDED = frozenset(
 
 
 class _Library(JITCodeLibrary):  # type: ignore[misc]
-    """Code of a kernel, optimised once, when all that is inlined into it stands in it."""
+    """Code of a kernel, optimised once, after inlining."""
 
     def _optimize_functions(self, ll_module: Any) -> None:
         ll_module.data_layout = self._codegen._data_layout
@@ -105,9 +105,10 @@ class KernelCompiler(CompilerBase):  # type: ignore[misc]
 
 @cache
 def compare_settings_fast() -> None:
-    """Have Numba compare its compiler settings by what is set, and by all values only if that differs.
+    """Accelerate the comparison of Numba's compiler settings.
 
-    It does so some hundreds of times for each function, for each overload that it considers.
+    Numba compares all values some hundreds of times for each function, once for each overload that it
+    considers. Settings with the same explicit values are equal.
     """
     equal, same = Flags.__eq__, hash(Flags())
 

@@ -36,13 +36,13 @@ _RETURNED = {"None": types.none, "int": types.int64, "float": types.float64, "bo
 
 @ctypes.PYFUNCTYPE(ctypes.c_int32)
 def _missing() -> int:
-    """Fail as a kernel that is called without its group, which Python reports as a ``SystemError``."""
+    """Fail as a kernel called without its group; Python raises ``SystemError``."""
     sys.stderr.write("a deferred kernel is called, but nothing has required its group\n")
     return -1  # Numba's status of an exception
 
 
 class _Slot:
-    """Place of a deferred kernel's address, which is that of ``_missing`` until its group is required."""
+    """Place of a deferred kernel's address; ``_missing`` until its group is required."""
 
     def __init__(self, call: DeferredCall, symbol: str) -> None:
         """Define the slot's name for loaded code."""

@@ -103,7 +103,7 @@ def deferred_calls_of(library: Any) -> set[DeferredCall]:
 
 
 def all_needs(library: Any) -> tuple[set[Any], set[DeferredCall]]:
-    """Return what machine code and all that was put into it call by name, and through slots."""
+    """Return the kernels called by name and through slots, inlined code included."""
     needs, deferred, seen, left = set(), set(), set(), [library]
     while left:
         one = left.pop()
