@@ -46,7 +46,8 @@ def kernel(function: _Function) -> _Function:
 def deferred(group: str) -> Callable[[_Function], _Function]:
     """Compile as a kernel a function that only some runs need.
 
-    These require its group (``deferred.py``). Its callers are compiled without it. It returns None, int, float or bool, as annotated.
+    These require its group (``deferred.py``). Its callers are compiled without it. It returns None, int, float
+    or bool, as annotated.
     """
 
     def decorate(function: _Function) -> _Function:
