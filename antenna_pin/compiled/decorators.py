@@ -129,11 +129,24 @@ def _load_numba(name: str) -> None:
     except ModuleNotFoundError as error:
         if error.name not in ("numba", "llvmlite"):
             raise
-        reason = misfit() or "that which is installed has not been made for what it is called with"
+        reason = misfit() or "the shipped machine code has none for the types of these arguments"
         raise MissingToolError(
             f"kernel {name!r} needs machine code, and {reason}; install what compiles it with pip install "
             "'antenna-pin[compile]'"
         ) from None
+
+
+@functools.cache
+def _for_kernels(kind: type[Any]) -> type[Any]:
+    """Return Numba's class of compiled functions, without calls from Python.
+
+    A function without an entry for Python has no address to call there.
+    """
+
+    def refuse_call(self: Any, *_: Any) -> None:
+        raise RuntimeError(f"{self.py_func.__qualname__}: compiled for kernels only; call the kernel itself")
+
+    return type(kind.__name__, (kind,), {"__call__": refuse_call, "_reduce_class": lambda _: kind})
 
 
 class _LazyKernel:
@@ -175,7 +188,10 @@ class _LazyKernel:
         from antenna_pin.compiled.jit import dispatcher
 
         sys.setrecursionlimit(max(sys.getrecursionlimit(), _DEEP))
-        return dispatcher(self.__wrapped__, entry=entry, **self._options)
+        compiled = dispatcher(self.__wrapped__, entry=entry, **self._options)
+        if not entry:
+            compiled.__class__ = _for_kernels(type(compiled))
+        return compiled
 
     def _name(self) -> str:
         return f"{self.__wrapped__.__module__}:{self.__wrapped__.__qualname__}"
