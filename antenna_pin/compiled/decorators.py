@@ -190,7 +190,8 @@ class _LazyKernel:
         sys.setrecursionlimit(max(sys.getrecursionlimit(), _DEEP))
         compiled = dispatcher(self.__wrapped__, entry=entry, **self._options)
         if not entry:
-            compiled.__class__ = _for_kernels(type(compiled))
+            kind: Any = type(compiled)
+            compiled.__class__ = _for_kernels(kind)
         return compiled
 
     def _name(self) -> str:

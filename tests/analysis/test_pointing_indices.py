@@ -349,7 +349,7 @@ def test_one_sample_has_an_absolute_error():
         ({"periods": [(0.0, 4.0)]}, "such that two of them fit"),
         ({"confidence": 0.0}, "confidence must be above 0 and at most 1, got 0.0"),
         ({"confidence": 1.5}, "confidence must be above 0 and at most 1, got 1.5"),
-        ({"resolution": 0}, "resolution must be at least 1, got 0"),
+        ({"resolution": 0}, "resolution must be 1 or more, got 0"),
     ],
 )
 def test_windows_that_do_not_fit_are_refused(changes, message):

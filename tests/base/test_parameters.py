@@ -170,7 +170,7 @@ def test_what_a_double_does_not_hold_is_refused(make, name, bounds, unit):
 def test_values_are_frozen_and_made_by_name():
     """They stay what they were checked to be, and take no attribute of a misspelt name."""
     assert changeable("base") == {"ToleranceChain"}  # which keeps its distribution, once worked out
-    assert by_position("base") == {"Parameter", "Unit"}
+    assert by_position("base") == {"Parameter", "Rule", "Unit"}
 
 
 def test_documented_units_are_the_declared_ones():

@@ -123,7 +123,7 @@ GOOD = dict(
 @pytest.mark.parametrize("length", GOOD)
 @pytest.mark.parametrize("value", [0.0, -0.01, math.nan, math.inf])
 def test_refuses_what_is_no_length(length, value):
-    message = f"RevoluteClearance: {length} must be a positive length [m], got {value!r}"
+    message = f"RevoluteClearance: {length} must be positive and finite [m], got {value!r}"
     with pytest.raises(ValueError, match=f"^{re.escape(message)}$"):
         RevoluteClearance(**(GOOD | {length: value}))
 
@@ -181,11 +181,11 @@ def test_axial_clearance_of_zero_is_allowed(joint):
         ),
         (
             {"bearing_radius": -0.01, "journal_radius": 0.011},
-            "PlanarClearance: bearing_radius must be a positive length [m], got -0.01",
+            "PlanarClearance: bearing_radius must be positive and finite [m], got -0.01",
         ),
         (
             {"bearing_radius": 0.01, "journal_radius": math.nan},
-            "PlanarClearance: journal_radius must be a positive length [m], got nan",
+            "PlanarClearance: journal_radius must be positive and finite [m], got nan",
         ),
     ],
 )

@@ -166,7 +166,7 @@ def test_another_joint_keeps_what_was_turned(antenna):
     ("how", "said"),
     [
         ({"joint": "elevatoin"}, "explore: joint 'elevatoin'"),
-        ({"duration": 0.0}, "explore: duration must be positive [s], got 0.0"),
+        ({"duration": 0.0}, "explore: duration must be positive and finite [s], got 0.0"),
         ({"port": 70000}, "explore: port must be from 0 to 65535, got 70000"),
         ({"out": "nowhere/a.toml"}, "the output's folder 'nowhere' does not exist"),
     ],

@@ -18,7 +18,9 @@ from typer.models import ParameterInfo
 
 from antenna_pin.apps.cli._common import REFUSED, complain, report_interruption
 from antenna_pin.apps.cli._tables import length_text
+from antenna_pin.base.arguments import check_number
 from antenna_pin.base.readable import DECIMAL, bare, decimal_in, whole_in
+from antenna_pin.base.rules import Rule, obeys
 from antenna_pin.errors import InvalidParameterError
 
 P = ParamSpec("P")
@@ -28,14 +30,14 @@ _READERS: dict[Any, Callable[[str], float | None]] = {float: decimal_in, int: wh
 
 
 def with_plain_numbers(command: Callable[P, R]) -> Callable[P, R]:
-    """Return a command whose numeric options are read as strictly as scenario files."""
+    """Return a command whose numeric options are read as strictly as scenario files, by their rules."""
     # Evaluated here for good: each evaluation makes the options anew.
     command.__annotations__ = typing.get_type_hints(command, include_extras=True)
     for hint in command.__annotations__.values():
         info = next((one for one in typing.get_args(hint) if isinstance(one, ParameterInfo)), None)
         kind = next((one for one in (hint, *_parts(hint)) if one in _READERS), None)
         if info is not None and kind is not None and info.parser is None:
-            info.parser, info.min = _reader(kind, info.min), None
+            info.parser = _reader(kind, [one.text for one in typing.get_args(hint) if isinstance(one, Rule)])
     return command
 
 
@@ -44,13 +46,14 @@ def _parts(hint: Any) -> tuple[Any, ...]:
     return (*inner, *(part for one in inner for part in typing.get_args(one)))
 
 
-def _reader(kind: type[float], least: float | None) -> Callable[[Any], float]:
+def _reader(kind: type[float], rules: list[str]) -> Callable[[Any], float]:
     def read(value: Any) -> float:
         number = _READERS[kind](value) if isinstance(value, str) else value
         if number is None:
             raise typer.BadParameter(f"{value!r} is not a valid {kind.__name__}")
-        if least is not None and number < least:
-            raise typer.BadParameter(f"{value} is not in the range x>={least}")
+        for rule in rules:
+            if not obeys(number, rule):
+                raise typer.BadParameter(f"must be {rule}, got {value}")
         return kind(number)
 
     read.__name__ = kind.__name__  # which the help shows
@@ -62,8 +65,7 @@ def positive_quantity(text: str, unit: str, option: str, place: str = "contact")
     from antenna_pin.base.units import quantity
 
     value = quantity(bare(text), unit, option)
-    if not value > 0.0:
-        raise InvalidParameterError(place, option, "positive", text)
+    check_number(place, option, value, "positive", said=repr(text))
     return value
 
 

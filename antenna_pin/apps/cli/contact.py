@@ -26,6 +26,7 @@ from antenna_pin.apps.cli._export import (
 from antenna_pin.apps.cli._tables import formatted, length_text, number_text, power_above, print_rows
 from antenna_pin.apps.cli._usage import clearance_of, command_group, list_of, positive_quantity
 from antenna_pin.apps.cli.experiment import experiment
+from antenna_pin.base.arguments import check_number
 from antenna_pin.base.readable import bare, number
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
@@ -322,8 +323,7 @@ def restitution(
     suffixes = figures_asked(out, formats)
     values = list_of(asked, "1", "--asked", positive=False)
     for value in values:
-        if not 0.0 <= value <= 1.0:
-            raise InvalidParameterError("contact restitution", "--asked", "in [0, 1]", value)
+        check_number("contact restitution", "--asked", value, "in [0, 1]")
     taking = [name for name, law in DISSIPATIONS.items() if "restitution" in law_parameters(law)]
     words = ("dissipation", "dissipation", f"one that takes a restitution: {', '.join(taking)}")
     chosen = _chosen("contact restitution", dissipations or taking, taking, words, DISSIPATIONS)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from enum import StrEnum
 from pathlib import Path
@@ -22,6 +21,7 @@ from antenna_pin.apps.cli._common import (
 )
 from antenna_pin.apps.cli._progress import picture_bar
 from antenna_pin.apps.cli._usage import direction_of, seconds_in
+from antenna_pin.base.arguments import check_number
 from antenna_pin.base.interruption import ended_by
 from antenna_pin.base.readable import decimal_in
 from antenna_pin.errors import InvalidParameterError, OutputError
@@ -196,8 +196,7 @@ def record(
     check_options(out, kind, at=at, fps=fps, size=size)
     time, pixels = seconds_in(at, "--at"), size_of(size)
     for option, value in (("--key-rate", key_rate), ("--max-size", max_size)):
-        if value is not None and not (value > 0.0 and math.isfinite(value)):
-            raise InvalidParameterError("record", option, "positive", value)
+        check_number("record", option, value, "positive")
     packages = package_folders(package_path)
     run = load_result(file)
     reference = None if ideal is None else load_result(ideal)
