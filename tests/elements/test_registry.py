@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from value_classes import by_position, changeable, undocumented_units
+from value_classes import by_position, changeable, check_refusals, undocumented_units
 
 from antenna_pin.elements import (
     ELEMENTS,
@@ -391,6 +391,14 @@ def test_a_force_has_its_own_kernels_and_words(kind):
 def test_every_element_has_an_example():
     assert {*EXAMPLES, type(BETWEEN), *GEARS.values(), *BEARINGS, *FORCES} == set(ELEMENTS)
     assert len({kind_of(element) for element in ELEMENTS}) == len(ELEMENTS)
+
+
+ALL = [*(one for one, *_ in [*EXAMPLES.values(), *MESHES, *BEARINGS.values(), *FORCES.values()]), BETWEEN]
+
+
+@pytest.mark.parametrize("element", ALL, ids=lambda one: type(one).__name__)
+def test_an_element_refuses_numbers_that_break_their_rules(element):
+    check_refusals(element)
 
 
 @pytest.mark.parametrize("kind", EXAMPLES, ids=lambda kind: kind.__name__)
