@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
-from value_classes import by_position, changeable, undocumented_units
 
 from antenna_pin.compiled.decorators import record
 from antenna_pin.contact import (
@@ -288,13 +287,6 @@ def test_laws_are_frozen_and_made_by_name():
         law.stiffness = 2e9
     with pytest.raises(TypeError):
         Hertz(1e9, 1.5)
-    assert changeable("contact") == set()
-    assert by_position("contact") == {"Alias"}  # which has no parameters
-
-
-def test_documented_units_are_the_declared_ones():
-    """But for the power that is another parameter."""
-    assert undocumented_units("contact") == {("Hertz", "stiffness", "N/m**exponent")}
 
 
 def test_a_users_own_law_is_a_law():

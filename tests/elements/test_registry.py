@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from value_classes import by_position, changeable, check_refusals, undocumented_units
+from value_classes import check_refusals
 
 from antenna_pin.elements import (
     ELEMENTS,
@@ -445,14 +445,3 @@ def test_a_scenario_knows_every_element():
         table: {kind: spec.fills for kind, spec in specs.items()} for table, specs in FAMILY_SPECS.items()
     }
     assert found == {table: dict(family.kinds) for table, family in FAMILIES.items()}
-
-
-def test_elements_are_frozen_and_made_by_name():
-    """No element can be changed once it is checked, nor two of its parameters be swapped."""
-    assert changeable("elements") == {"OverTime"}  # which keeps what it has worked out
-    assert by_position("elements") == {"Integral", "OverTime"}  # which have no parameters
-
-
-def test_documented_units_are_the_declared_ones():
-    """But for a motor's command, which is a voltage or a current."""
-    assert undocumented_units("elements") == {("Motor", "value", "1")}

@@ -5,7 +5,6 @@ import time
 
 import numpy as np
 import pytest
-from value_classes import changeable
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import journal_motion
@@ -177,9 +176,3 @@ def test_what_cannot_be_explored_is_refused_before_anything_is_served(how, said,
     with pytest.raises(AntennaPinError) as refused:
         explore(load_scenario("bai2020", case="case3"), **how)
     assert said in str(refused.value) and "\n" not in str(refused.value)
-
-
-def test_values_are_frozen():
-    """They stay what they were checked to be, and take no attribute of a misspelt name."""
-    pytest.importorskip("bokeh", reason="the extra explore is not installed")
-    assert changeable("live") == set()

@@ -327,12 +327,6 @@ def played_run():
     return simulate(scenario("friction-010"), duration=1.0)
 
 
-def test_the_readme_names_every_case():
-    text = (FOLDER / "README.md").read_text()
-    for case in CASES:
-        assert f"`{case}`" in text
-
-
 @pytest.mark.parametrize("case", CASES)
 def test_every_case_starts_closed_with_the_ball_centred_and_ideal_velocities(case):
     run = simulate(scenario(case), duration=1e-4)

@@ -201,12 +201,6 @@ def closure_force(run, name):
     return turn.apply(run.data["closure_force"].sel(closure=name).values)
 
 
-def test_the_readme_names_every_case():
-    text = (FOLDER / "README.md").read_text()
-    for case in CASES:
-        assert f"`{case}`" in text
-
-
 @pytest.mark.parametrize("case", CASES)
 def test_every_case_starts_closed_and_with_the_ideal_velocity(case):
     """Journal centred, residuals to 1e-12, and no speed of the journal in its bearing."""
