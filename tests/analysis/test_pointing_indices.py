@@ -337,9 +337,9 @@ def test_one_sample_has_an_absolute_error():
     ("changes", "message"),
     [
         ({"window": 11.0}, r"window must be at most the run's 10 s, got 11.0"),
-        ({"window": 0.0}, r"window must be positive \[s\], got 0.0"),
+        ({"window": 0.0}, r"window must be positive and finite \[s\], got 0.0"),
         ({"window": None}, "window must be given with drift_spacing or periods"),
-        ({"drift_spacing": -1.0}, r"drift_spacing must be positive \[s\]"),
+        ({"drift_spacing": -1.0}, r"drift_spacing must be positive and finite \[s\]"),
         ({"drift_spacing": 4.6}, r"drift_spacing must be at most an observation period's 5 s, got 5.1"),
         ({"drift_spacing": 9.6, "periods": None}, r"drift_spacing must be at most the run's 10 s, got 10.1"),
         ({"periods": 6.0}, r"periods must be such that two of them fit into the run's 10 s, got 6.0"),

@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from hinge_shapes import antenna_hinge
 from value_classes import dataclasses_of, documented_units
 
 import antenna_pin.joints.geometry
@@ -23,7 +24,7 @@ from antenna_pin.joints.geometry import (
 )
 from antenna_pin.joints.geometry.revolute_kernels import bore_contact, flange_contact, nearest_on_ellipse
 
-from .conftest import Coal, antenna
+from .conftest import Coal
 
 PLANAR = PlanarClearance(bearing_radius=0.010, journal_radius=0.0098)
 BALL = SphericalClearance(socket_radius=0.010, ball_radius=0.0098)
@@ -238,7 +239,7 @@ def test_kernels_equal_their_python(joint, pose_maker):
 
 
 SHAPES = (
-    antenna(),
+    antenna_hinge(),
     PLANAR,
     SphericalClearance(socket_radius=0.010, ball_radius=0.0098),
     CylindricalClearance(

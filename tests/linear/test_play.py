@@ -178,7 +178,7 @@ def test_in_contact_as_it_is_in_a_run():
         ({"load": [1.0, 0, 0], "play": "free"}, "play of hole must be contact, or left out"),
         ({"hold": ["base"]}, "joint 'base' is unknown"),
         ({"hold": ["hole"]}, "something must be left free to move"),
-        ({"at": -1.0}, "a time of zero or more"),
+        ({"at": -1.0}, "at must be zero or more, and finite [s]"),
         ({"at": 1.0, "q": [0, 0, 1, 0]}, "left out with at"),
     ],
 )
