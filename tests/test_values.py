@@ -18,7 +18,7 @@ FROZEN = {
     "trajectory": {"Content", "Unlabelled"},  # to which is added while they are made
 }
 BY_NAME = {
-    "base": {"Parameter", "Rule", "Unit"},
+    "base": {"Parameter", "NumberRule", "Unit"},
     "contact": {"Alias"},  # has no parameters
     "control": {"BangBangState", "Measure", "PidState"},
     "elements": {"Integral", "OverTime"},  # have no parameters

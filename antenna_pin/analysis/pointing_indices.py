@@ -50,7 +50,7 @@ from antenna_pin.analysis._indices import (
     extremes,
 )
 from antenna_pin.base.arguments import check_number, takes
-from antenna_pin.base.rules import AtLeastOne, Rule
+from antenna_pin.base.rules import AtLeastOne, NumberRule
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["DEFINITIONS", "INTERPRETATIONS", "error_components", "pointing_indices"]
@@ -103,7 +103,7 @@ def pointing_indices(
     window: float | None = None,
     drift_spacing: float | None = None,
     periods: float | Sequence[Period] | None = None,
-    confidence: Annotated[float, Rule("above 0 and at most 1")] = 0.997,
+    confidence: Annotated[float, NumberRule("above 0 and at most 1")] = 0.997,
     resolution: AtLeastOne = 1000,
 ) -> xr.Dataset:
     """Return the error indices of a signal from one run or several.

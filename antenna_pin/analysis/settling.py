@@ -21,7 +21,7 @@ from antenna_pin.analysis.closures import drives_of
 from antenna_pin.analysis.impacts import impacts
 from antenna_pin.analysis.sampled import straight_line
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.rules import AtLeastOne, Rule
+from antenna_pin.base.rules import AtLeastOne, NumberRule
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import contacts_of, names_along
 from antenna_pin.trajectory.quantities import dataset_of
@@ -97,7 +97,7 @@ def settling(
     run: RunLike,
     joint: str | None = None,
     *,
-    longest_gap: Annotated[float, Rule("zero or more", finite=False)] = 1e-3,
+    longest_gap: Annotated[float, NumberRule("zero or more", finite=False)] = 1e-3,
     least_duration: float | None = None,
     windows: AtLeastOne = 50,
     contacts: Kind = "bore",

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 
 from antenna_pin.analysis._run import Array
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.rules import Rule
+from antenna_pin.base.rules import NumberRule
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory.quantities import dataset_of
 
@@ -44,7 +44,7 @@ def shock_spectrum(
     values: ArrayLike,
     frequencies: ArrayLike | None = None,
     *,
-    quality: Annotated[float, Rule("above 0.5")] = 10.0,
+    quality: Annotated[float, NumberRule("above 0.5")] = 10.0,
     units: str = "m/s^2",
 ) -> xr.Dataset:
     """Return the shock response spectrum of an acceleration.

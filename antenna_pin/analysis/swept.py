@@ -22,7 +22,7 @@ from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
 from antenna_pin.analysis.quantity import quantity
 from antenna_pin.analysis.shaken import shaken_link, shakes_of
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.rules import Rule
+from antenna_pin.base.rules import NumberRule
 from antenna_pin.elements import SweptPiece, sines_of
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.trajectory.quantities import dataset_of
@@ -34,7 +34,10 @@ _LEAST_SAMPLES = 12
 
 @takes()
 def following(
-    time: ArrayLike, values: ArrayLike, phase: ArrayLike, periods: Annotated[float, Rule("2 or more")] = 10.0
+    time: ArrayLike,
+    values: ArrayLike,
+    phase: ArrayLike,
+    periods: Annotated[float, NumberRule("2 or more")] = 10.0,
 ) -> xr.Dataset:
     """Return the part of a signal at a phase, in overlapping windows.
 

@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.interruption import FunctionInterrupted
 from antenna_pin.base.readable import alternatives
-from antenna_pin.base.rules import Rule, finite_too, obeys
+from antenna_pin.base.rules import NumberRule, finite_too, obeys
 from antenna_pin.base.units import QuantityError, quantity, shown
 from antenna_pin.errors import AntennaPinError, FunctionError, InvalidParameterError
 
@@ -95,7 +95,7 @@ def _checked(
         plain = not set(kinds.values()) - {_EITHER, _NAMED}
         needed = (name for name, one in signature.parameters.items() if one.default is one.empty)
         places = tuple(name for name, kind in kinds.items() if kind is _EITHER) if plain else ()
-        ruled = frozenset(name for name, hint in hints.items() if "Rule(" in repr(hint))
+        ruled = frozenset(name for name, hint in hints.items() if "NumberRule(" in repr(hint))
         return places, {name: hints.get(name, Any) for name in kinds if plain}, frozenset(needed), ruled
 
     @functools.wraps(function)
@@ -138,7 +138,7 @@ def _read(place: str, name: str, value: Any, hint: Any, unit: str | tuple[str, .
 
 
 def check_number(
-    place: object, name: str, value: Any, rule: Any, unit: str = "", *, said: str | None = None
+    place: object, name: str, value: Any, rule: Any, unit: str = "", *, text: str | None = None
 ) -> None:
     """Refuse a number, or one of several, that breaks a rule.
 
@@ -148,13 +148,13 @@ def check_number(
         value: The number, an array or a sequence of them.
         rule: Text of the rule, or a type with it (``Positive``).
         unit: SI unit, for the message.
-        said: The value as the message shows it, if not as Python does.
+        text: The value as the message shows it, if not as Python does.
 
     Raises:
         InvalidParameterError: The rule is broken, or the number is not finite.
     """
-    hint = Annotated[float, Rule(rule)] if isinstance(rule, str) else rule
-    _check_rules(place, name, value, hint, unit, said)
+    hint = Annotated[float, NumberRule(rule)] if isinstance(rule, str) else rule
+    _check_rules(place, name, value, hint, unit, text)
 
 
 def _check_rules(
@@ -163,7 +163,7 @@ def _check_rules(
     value: Any,
     hint: Any,
     unit: str | tuple[str, ...] = "",
-    said: str | None = None,
+    text: str | None = None,
 ) -> None:
     """Refuse numbers that break the rules of an annotation."""
     origin, inner = get_origin(hint), get_args(hint)
@@ -177,12 +177,12 @@ def _check_rules(
                 _check_rules(place, name, entry, one, unit)
     elif value is not None:
         units = [one for one in ((unit,) if isinstance(unit, str) else unit) if one not in ("", "1")]
-        for rule in (one for one in inner[1:] if isinstance(one, Rule)):
+        for rule in (one for one in inner[1:] if isinstance(one, NumberRule)):
             for number in np.ravel(value).tolist():
                 if not obeys(number, rule.text) or (rule.finite and not math.isfinite(number)):
-                    words = finite_too(rule.text) if rule.finite else rule.text
-                    words += f" [{units[0]}]" if units else ""
-                    raise InvalidParameterError(place, name, words, value, said=said)
+                    rule_text = finite_too(rule.text) if rule.finite else rule.text
+                    rule_text += f" [{units[0]}]" if units else ""
+                    raise InvalidParameterError(place, name, rule_text, value, said=text)
 
 
 def _each(place: str, name: str, values: Iterator[Any], hint: Any) -> Iterator[Any]:

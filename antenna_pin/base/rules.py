@@ -1,11 +1,11 @@
-"""Rules for numbers: one text states the rule, decides whether a number obeys, and reads in the message.
+"""Rules for numbers, each stated, checked and reported by one text.
 
 ``"positive"``, ``"zero or more and below 1"``, ``"in (0, 1]"``: bounds, joined by "and"; text behind a comma
 or a semicolon explains, as in ``"3 or more, or a direction is free"``. Fields of classes, tables of files,
-arguments and options of commands take such a text; in an annotation as :class:`Rule`::
+arguments and options of commands take such a text; in an annotation as :class:`NumberRule`::
 
     @takes(transient="s")
-    def settling(run: Trajectory, *, transient: Annotated[float, Rule("positive")]) -> float: ...
+    def settling(run: Trajectory, *, transient: Annotated[float, NumberRule("positive")]) -> float: ...
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ __all__ = [
     "NotNegativeInt",
     "Positive",
     "PositiveOrInfinite",
-    "Rule",
+    "NumberRule",
     "SWINGS",
     "finite_too",
     "obeys",
@@ -59,7 +59,7 @@ _FINITE = {"": "finite", "positive": "positive and finite", "zero or more": "zer
 
 
 @dataclass(frozen=True, slots=True)
-class Rule:
+class NumberRule:
     """Annotation of a number, or of the type of several: what each must be.
 
     Attributes:
@@ -107,10 +107,10 @@ def _bounds(rule: str) -> tuple[tuple[float, float, bool, bool], ...]:
     return tuple(found)
 
 
-Positive = Annotated[float, Rule("positive")]
-PositiveOrInfinite = Annotated[float, Rule("positive", finite=False)]
-NotNegative = Annotated[float, Rule("zero or more")]
-BetweenZeroAndOne = Annotated[float, Rule("between 0 and 1")]
-AtLeastOne = Annotated[int, Rule("1 or more")]
-AtLeastTwo = Annotated[int, Rule("2 or more")]
-NotNegativeInt = Annotated[int, Rule("zero or more")]
+Positive = Annotated[float, NumberRule("positive")]
+PositiveOrInfinite = Annotated[float, NumberRule("positive", finite=False)]
+NotNegative = Annotated[float, NumberRule("zero or more")]
+BetweenZeroAndOne = Annotated[float, NumberRule("between 0 and 1")]
+AtLeastOne = Annotated[int, NumberRule("1 or more")]
+AtLeastTwo = Annotated[int, NumberRule("2 or more")]
+NotNegativeInt = Annotated[int, NumberRule("zero or more")]

@@ -13,7 +13,7 @@ import math
 from typing import Annotated
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.rules import Rule
+from antenna_pin.base.rules import NumberRule
 from antenna_pin.contact.pressure import Ellipse, hertz_ellipse
 
 __all__ = ["ISO76_PRESSURE", "ball_load_limit", "raceway_ellipse", "static_rating"]
@@ -25,7 +25,7 @@ ISO76_PRESSURE = 4.2e9
 @takes(diameter="m", modulus="Pa")
 def raceway_ellipse(
     diameter: float,
-    conformity: Annotated[float, Rule("above 0.5", finite=False)],
+    conformity: Annotated[float, NumberRule("above 0.5", finite=False)],
     gamma: float,
     modulus: float,
 ) -> Ellipse:

@@ -30,7 +30,7 @@ from typing import Annotated, Any, ClassVar
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.parameters import parameter
-from antenna_pin.base.rules import NotNegative, Rule
+from antenna_pin.base.rules import NotNegative, NumberRule
 from antenna_pin.contact import damping_kernels as kernels
 from antenna_pin.contact.normal import Dissipation
 from antenna_pin.errors import InvalidParameterError
@@ -355,7 +355,7 @@ def delivered_restitution(hysteresis: NotNegative, *, approach_only: bool = Fals
 
 
 @takes()
-def exact_hysteresis(restitution: Annotated[float, Rule("in (0, 1]")]) -> float:
+def exact_hysteresis(restitution: Annotated[float, NumberRule("in (0, 1]")]) -> float:
     r"""Return the factor :math:`\chi` that delivers a restitution exactly [-].
 
     The root of :math:`\chi (1 + c) = \ln[(1 + \chi) / (1 - \chi c)]` in (0+, 1/c); zero is always another.

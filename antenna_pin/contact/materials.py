@@ -20,7 +20,7 @@ import numpy as np
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.material import Material
-from antenna_pin.base.rules import Rule
+from antenna_pin.base.rules import NumberRule
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -324,7 +324,7 @@ _NODES = 64
 
 
 @takes()
-def annular_punch_factor(ratio: Annotated[float, Rule("in [0, 1)")]) -> float:
+def annular_punch_factor(ratio: Annotated[float, NumberRule("in [0, 1)")]) -> float:
     r"""Return :math:`\kappa` of :math:`P = \kappa\, 2 E^* R_o \delta`, of a flat ring [-].
 
     Boussinesq's potential of a pressure p, integrated around the axis, makes the condition of a flat punch

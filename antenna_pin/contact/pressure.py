@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.rules import PositiveOrInfinite, Rule
+from antenna_pin.base.rules import NumberRule, PositiveOrInfinite
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -310,8 +310,8 @@ def hertz_point(
 
 @takes()
 def point_shear(
-    ratio: Annotated[float, Rule("above 0 and at most 1")],
-    poisson: Annotated[float, Rule("above -1 and at most 0.5")] = 0.3,
+    ratio: Annotated[float, NumberRule("above 0 and at most 1")],
+    poisson: Annotated[float, NumberRule("above -1 and at most 0.5")] = 0.3,
 ) -> tuple[float, float]:
     """Return greatest shear over the pressure, and its depth over the shorter half-axis [-].
 

@@ -6,7 +6,7 @@ from typing import Annotated
 import pytest
 
 from antenna_pin.base.arguments import check_number, takes
-from antenna_pin.base.rules import AtLeastOne, Positive, PositiveOrInfinite, Rule, obeys
+from antenna_pin.base.rules import AtLeastOne, NumberRule, Positive, PositiveOrInfinite, obeys
 from antenna_pin.errors import InvalidParameterError
 
 
@@ -37,7 +37,7 @@ def test_a_rule_is_obeyed_within_its_bounds(rule, good, bad):
 @pytest.mark.parametrize("text", ["small", "positive or zero", "below", "zero or more or so"])
 def test_a_text_that_is_no_rule_is_an_error_at_import(text):
     with pytest.raises(ValueError, match="is no rule for numbers"):
-        Rule(text)
+        NumberRule(text)
 
 
 @takes(time="s", rate="1/s")
@@ -45,7 +45,7 @@ def asked(
     time: Positive | None = None,
     count: AtLeastOne = 1,
     sizes: tuple[Positive, ...] = (),
-    rate: Annotated[float, Rule("")] = 0.0,
+    rate: Annotated[float, NumberRule("")] = 0.0,
     width: PositiveOrInfinite = 1.0,
 ):
     return time, count, sizes, rate, width
@@ -70,4 +70,4 @@ def test_an_argument_obeys_the_rule_of_its_annotation():
 def test_a_number_is_checked_where_no_argument_has_it():
     check_number("here", "size", 2.0, "1 or more", "m")
     with pytest.raises(InvalidParameterError, match=r"^here: size must be 1 or more \[m\], got '1 mm'$"):
-        check_number("here", "size", 1e-3, "1 or more", "m", said="'1 mm'")
+        check_number("here", "size", 1e-3, "1 or more", "m", text="'1 mm'")

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NoReturn, ParamSpec, TypeVar
 import typer
 
 from antenna_pin.base.interruption import acknowledge, ended_by, held_back, is_interruption
-from antenna_pin.base.rules import Rule
+from antenna_pin.base.rules import NumberRule
 from antenna_pin.errors import (
     AntennaPinError,
     InvalidParameterError,
@@ -211,7 +211,7 @@ SetOption = Annotated[
 WorkersOption = Annotated[
     int | None,
     typer.Option(metavar="N", help="Processes; one for each core if left out, 0 for this one alone."),
-    Rule("zero or more"),
+    NumberRule("zero or more"),
 ]
 FigureOutOption = Annotated[
     Path | None,

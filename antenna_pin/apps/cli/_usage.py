@@ -20,7 +20,7 @@ from antenna_pin.apps.cli._common import REFUSED, complain, report_interruption
 from antenna_pin.apps.cli._tables import length_text
 from antenna_pin.base.arguments import check_number
 from antenna_pin.base.readable import DECIMAL, bare, decimal_in, whole_in
-from antenna_pin.base.rules import Rule, obeys
+from antenna_pin.base.rules import NumberRule, obeys
 from antenna_pin.errors import InvalidParameterError
 
 P = ParamSpec("P")
@@ -30,14 +30,16 @@ _READERS: dict[Any, Callable[[str], float | None]] = {float: decimal_in, int: wh
 
 
 def with_plain_numbers(command: Callable[P, R]) -> Callable[P, R]:
-    """Return a command whose numeric options are read as strictly as scenario files, by their rules."""
+    """Return a command that reads numeric options as strictly as scenario files, by their rules."""
     # Evaluated here for good: each evaluation makes the options anew.
     command.__annotations__ = typing.get_type_hints(command, include_extras=True)
     for hint in command.__annotations__.values():
         info = next((one for one in typing.get_args(hint) if isinstance(one, ParameterInfo)), None)
         kind = next((one for one in (hint, *_parts(hint)) if one in _READERS), None)
         if info is not None and kind is not None and info.parser is None:
-            info.parser = _reader(kind, [one.text for one in typing.get_args(hint) if isinstance(one, Rule)])
+            info.parser = _reader(
+                kind, [one.text for one in typing.get_args(hint) if isinstance(one, NumberRule)]
+            )
     return command
 
 
@@ -65,7 +67,7 @@ def positive_quantity(text: str, unit: str, option: str, place: str = "contact")
     from antenna_pin.base.units import quantity
 
     value = quantity(bare(text), unit, option)
-    check_number(place, option, value, "positive", said=repr(text))
+    check_number(place, option, value, "positive", text=repr(text))
     return value
 
 

@@ -31,7 +31,7 @@ from antenna_pin.apps.cli._common import (
 )
 from antenna_pin.apps.cli._run_store import AttractorStore, CaseRuns
 from antenna_pin.base.files import replacing
-from antenna_pin.base.rules import AtLeastTwo, Rule
+from antenna_pin.base.rules import AtLeastTwo, NumberRule
 from antenna_pin.errors import AntennaPinError
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ def figures(
     points: Annotated[
         int,
         typer.Option(metavar="N", help="Points of each Poincare map, behind its transient."),
-        Rule("32 or more"),
+        NumberRule("32 or more"),
     ] = 400,
     duration: DurationOption = None,
     settings: SetOption = None,

@@ -23,7 +23,7 @@ from antenna_pin.apps.cli._progress import fit_bar
 from antenna_pin.apps.cli._tables import print_rows
 from antenna_pin.apps.cli._usage import command_of
 from antenna_pin.base.readable import number, readable
-from antenna_pin.base.rules import NotNegativeInt, Rule
+from antenna_pin.base.rules import NotNegativeInt, NumberRule
 
 if TYPE_CHECKING:
     import numpy as np
@@ -245,7 +245,7 @@ def fit(
     draws: Annotated[
         int | None,
         typer.Option(metavar="N", help="Runs at drawn values, for nonlinear bands."),
-        Rule("2 or more"),
+        NumberRule("2 or more"),
     ] = None,
     seed: Annotated[NotNegativeInt, typer.Option(metavar="N", help="Seed of the draws.")] = 0,
     report: Annotated[

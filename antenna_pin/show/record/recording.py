@@ -17,7 +17,7 @@ from scipy.spatial.transform import Rotation
 from antenna_pin.analysis import bearing_up, steady_up
 from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.base.files import check_writable, replacing
-from antenna_pin.base.rules import Rule
+from antenna_pin.base.rules import NumberRule
 from antenna_pin.base.views import in_frame
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.joints.geometry import LOOKS
@@ -292,7 +292,7 @@ def record(
     speed: float | None = None,
     start: float | None = None,
     end: float | None = None,
-    max_megabytes: Annotated[float, Rule("positive", finite=False)] = 5.0,
+    max_megabytes: Annotated[float, NumberRule("positive", finite=False)] = 5.0,
     curves: Iterable[str] | None = None,
     package_path: Iterable[str | Path] = (),
 ) -> Recording:

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import bare
-from antenna_pin.base.rules import Positive, Rule
+from antenna_pin.base.rules import NumberRule, Positive
 from antenna_pin.base.units import quantity
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.run.simulation import Angle, Force, Gap, Moment, Rate
@@ -38,7 +38,7 @@ class Stroboscope:
 
     period: Positive | None = None
     drive: str | None = None
-    phase: Annotated[float, Rule("from 0 to below 1, a part of the period")] = 0.0
+    phase: Annotated[float, NumberRule("from 0 to below 1, a part of the period")] = 0.0
 
     def __post_init__(self) -> None:
         """Check what goes together."""

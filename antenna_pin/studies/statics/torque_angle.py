@@ -179,7 +179,7 @@ def torque_angle_loop(
     joint = joint_to_drive(begin.system, joint)
     unit = "N" if begin.system.slides(joint) else "N*m"
     size = quantity(amplitude, unit, "amplitude")
-    check_number("statics", "amplitude", size, "positive", said=shown(amplitude))
+    check_number("statics", "amplitude", size, "positive", text=shown(amplitude))
     static = static_system(begin.system, begin.state, joint=joint, hold=hold)
     check_rate_independent(static.system)
     march = _March(Path(static, begin.state), size)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.rules import AtLeastOne, BetweenZeroAndOne, Rule
+from antenna_pin.base.rules import AtLeastOne, BetweenZeroAndOne, NumberRule
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -154,7 +154,7 @@ def subset_simulation(
     limit: LimitState,
     variables: AtLeastOne,
     *,
-    samples: Annotated[int, Rule("20 or more")] = 500,
+    samples: Annotated[int, NumberRule("20 or more")] = 500,
     seed: int = 0,
     confidence: BetweenZeroAndOne = 0.95,
     most_runs: AtLeastOne = 100_000,
@@ -281,7 +281,7 @@ def importance_sampling(
     limit: LimitState,
     variables: AtLeastOne,
     *,
-    samples: Annotated[int, Rule("20 or more")] = 1000,
+    samples: Annotated[int, NumberRule("20 or more")] = 1000,
     seed: int = 0,
     confidence: BetweenZeroAndOne = 0.95,
 ) -> FailureProbability:
