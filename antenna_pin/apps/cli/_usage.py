@@ -18,7 +18,6 @@ from typer.models import ParameterInfo
 
 from antenna_pin.apps.cli._common import REFUSED, complain, report_interruption
 from antenna_pin.apps.cli._tables import length_text
-from antenna_pin.base.arguments import check_number
 from antenna_pin.base.readable import DECIMAL, bare, decimal_in, whole_in
 from antenna_pin.base.rules import NumberRule, obeys
 from antenna_pin.errors import InvalidParameterError
@@ -64,6 +63,7 @@ def _reader(kind: type[float], rules: list[str]) -> Callable[[Any], float]:
 
 def positive_quantity(text: str, unit: str, option: str, place: str = "contact") -> float:
     """Return an option in SI units, or refuse a value that is not positive."""
+    from antenna_pin.base.arguments import check_number
     from antenna_pin.base.units import quantity
 
     value = quantity(bare(text), unit, option)

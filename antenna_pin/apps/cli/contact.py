@@ -26,7 +26,6 @@ from antenna_pin.apps.cli._export import (
 from antenna_pin.apps.cli._tables import formatted, length_text, number_text, power_above, print_rows
 from antenna_pin.apps.cli._usage import clearance_of, command_group, list_of, positive_quantity
 from antenna_pin.apps.cli.experiment import experiment
-from antenna_pin.base.arguments import check_number
 from antenna_pin.base.readable import bare, number
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
@@ -317,6 +316,7 @@ def restitution(
     refuse a restitution of 0 are left out there.
     """
     from antenna_pin.analysis.law_studies import largest_errors, restitution_table
+    from antenna_pin.base.arguments import check_number
     from antenna_pin.contact import DISSIPATIONS, law_parameters
 
     target = csv_target(csv)
