@@ -9,11 +9,9 @@ import pytest
 from hinge_shapes import antenna_hinge
 from value_classes import dataclasses_of, documented_units
 
-import antenna_pin.joints.geometry
 from antenna_pin.base.records import CONTACT
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.joints.geometry import (
-    ClearanceGeometry,
     ContactPoint,
     CylindricalClearance,
     PlanarClearance,
@@ -206,12 +204,6 @@ def test_refuses_what_is_no_pose(joint):
             ValueError, match="^contacts: attitude must be three finite numbers, not all zero, got "
         ):
             geometry.contacts([0, 0, 0], [0, 0, 0])
-
-
-def test_public_names_exist():
-    for name in antenna_pin.joints.geometry.__all__:
-        assert getattr(antenna_pin.joints.geometry, name) is not None
-    assert hasattr(ClearanceGeometry, "candidates")
 
 
 def test_kernels_equal_their_python(joint, pose_maker):
