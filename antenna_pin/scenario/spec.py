@@ -191,9 +191,8 @@ class Vector(_Annotation):
             refuse(f"must be {self}, got {shown(value)}", value=value)
         own = A_DIRECTION if self.rule == A_DIRECTION else ""  # other rules are told of all together
         numbers = tuple(read_quantity(entry, self.unit, own, i) for i, entry in enumerate(value))
-        if not all(obeys(number, self.rule) for number in numbers) or (
-            self.rule == A_DIRECTION and not any(numbers)
-        ):
+        broken = not all(obeys(number, self.rule) for number in numbers)
+        if broken or (self.rule == A_DIRECTION and not any(numbers)):
             refuse(f"must be {self.rule}, got {shown(numbers)}", value=value)
         return numbers
 
