@@ -33,7 +33,7 @@ def aim_at_baseline() -> None:
     """Have Numba make code for the baseline where it runs, unless a processor is named.
 
     Where a script has had Numba compile something of its own before, that continues for the processor at
-    hand. Numba reads its settings anew when a variable ``NUMBA_*`` changes, and then resets this one.
+    hand. Numba reads its settings again when a variable ``NUMBA_*`` changes, and resets the processor.
     """
     import numba
 
