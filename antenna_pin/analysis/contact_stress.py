@@ -22,9 +22,10 @@ from antenna_pin.analysis.journal import clearance_shapes
 from antenna_pin.analysis.stress_results import BearingRating, BushingLoad, ContactStress, SurfaceStress
 from antenna_pin.analysis.surface_file import JointSurface, SurfaceFile
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.rules import Positive, PositiveOrInfinite
 from antenna_pin.contact import MATERIALS, Material
 from antenna_pin.elements import BallBearing
-from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.errors import UnknownNameError
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.merge import key_parts
 from antenna_pin.trajectory import Trajectory, elements_of, is_lean, names_along
@@ -38,9 +39,9 @@ def contact_stress(
     *,
     joint: str | None = None,
     surfaces: SurfaceFile | None = None,
-    yield_share: float = 0.93,
-    factor: float = 1.0,
-    conformal_above: float = 0.1,
+    yield_share: Positive = 0.93,
+    factor: Positive = 1.0,
+    conformal_above: PositiveOrInfinite = 0.1,
 ) -> ContactStress:
     """Return the contact stress of a finished run, surface by surface.
 
@@ -61,13 +62,6 @@ def contact_stress(
         UnknownNameError: There is no such joint, material, stop or gear.
         InvalidParameterError: A share or factor is not positive.
     """
-    for name, value in (
-        ("yield_share", yield_share),
-        ("factor", factor),
-        ("conformal_above", conformal_above),
-    ):
-        if not value > 0.0:
-            raise InvalidParameterError("contact_stress", name, "positive", value)
     data, described = run.data, surfaces or SurfaceFile()
     limits = StressCriteria(yield_share=yield_share, factor=factor, conformal_above=conformal_above)
     known = _materials(described, run.scenario)

@@ -24,6 +24,7 @@ from antenna_pin.analysis._run import AXES, Array, RunLike, blocks, choose, data
 from antenna_pin.analysis.bodies import body_poses
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.directions import unit
+from antenna_pin.base.rules import AtLeastOne
 from antenna_pin.errors import FileFormatError, InvalidParameterError
 from antenna_pin.joints.geometry import LOOKS
 from antenna_pin.trajectory import contact_ends, contacts_of, names_along, series
@@ -127,7 +128,7 @@ def _kind(data: xr.Dataset, joint: str, place: str) -> tuple[str, dict[str, floa
 
 
 @takes()
-def bore_load(run: RunLike, joint: str | None = None, sectors: int = 36) -> xr.Dataset:
+def bore_load(run: RunLike, joint: str | None = None, sectors: AtLeastOne = 36) -> xr.Dataset:
     """Return the impulse of the normal force on each sector of the bore.
 
     Between two samples the impulse of a contact belongs to the direction of its contact point, the mean of
@@ -144,8 +145,6 @@ def bore_load(run: RunLike, joint: str | None = None, sectors: int = 36) -> xr.D
         middle from the bearing's x towards its y [rad], of the bearing's surface as seen from its centre. A
         socket's sectors are counted about its z, a guide's load lies in the middle of its walls.
     """
-    if sectors < 1:
-        raise InvalidParameterError("bore_load", "sectors", "at least 1", sectors)
     data = data_of(run)
     joint = _joint(data, joint, "bore_load")
     contacts = contacts_of(data, joint, flanges=False)

@@ -14,6 +14,7 @@ from antenna_pin.analysis._run import AXES, RunLike, data_of, entries_in, sample
 from antenna_pin.analysis.bodies import body_poses
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.directions import unit
+from antenna_pin.base.rules import Positive
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario import OrbitSpec
 from antenna_pin.trajectory.quantities import dataset_of
@@ -53,13 +54,11 @@ class Orbit:
         nadir: Direction to the Earth's centre at t = 0, in world axes, perpendicular to it, any length [-].
     """
 
-    rate: float
+    rate: Positive
     normal: Vector3 = (0.0, 1.0, 0.0)
     nadir: Vector3 = (0.0, 0.0, -1.0)
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.rate < math.inf:
-            raise InvalidParameterError(self, "rate", "positive")
         # The rules of directions are those of a scenario.
         OrbitSpec(rate=self.rate, normal=self.normal, nadir=self.nadir)
 

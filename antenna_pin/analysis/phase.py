@@ -14,6 +14,7 @@ from antenna_pin.analysis._run import Array, RunLike, data_of, label_of
 from antenna_pin.analysis.quantity import Quantity, quantity
 from antenna_pin.analysis.transients import settled
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.rules import NotNegative, Positive
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import Trajectory, open_table, table_attributes
 
@@ -22,18 +23,13 @@ __all__ = ["Periods", "PhasePortrait", "open_portrait", "phase_portrait", "portr
 _JUDGED = 4096  # even samples that the judge sees
 
 
+@takes(period="s")
 @dataclass(frozen=True, slots=True)
 class Periods:
     """A transient of so many periods."""
 
-    count: float  # how many, zero or more [-]
-    period: float  # of what, positive [s]
-
-    def __post_init__(self) -> None:
-        if not self.count >= 0.0:
-            raise InvalidParameterError(self, "count", "zero or more")
-        if not self.period > 0.0:
-            raise InvalidParameterError(self, "period", "positive [s]")
+    count: NotNegative  # how many, zero or more [-]
+    period: Positive  # of what, positive [s]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -32,7 +32,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
@@ -49,7 +49,8 @@ from antenna_pin.analysis._indices import (
     WindowMean,
     extremes,
 )
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import check_number, takes
+from antenna_pin.base.rules import AtLeastOne, NumberRule
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["DEFINITIONS", "INTERPRETATIONS", "error_components", "pointing_indices"]
@@ -102,8 +103,8 @@ def pointing_indices(
     window: float | None = None,
     drift_spacing: float | None = None,
     periods: float | Sequence[Period] | None = None,
-    confidence: float = 0.997,
-    resolution: int = 1000,
+    confidence: Annotated[float, NumberRule("above 0 and at most 1")] = 0.997,
+    resolution: AtLeastOne = 1000,
 ) -> xr.Dataset:
     """Return the error indices of a signal from one run or several.
 
@@ -129,10 +130,6 @@ def pointing_indices(
     Raises:
         InvalidParameterError: Samples that are none, or windows that do not fit into a run.
     """
-    if not 0.0 < confidence <= 1.0:
-        raise InvalidParameterError(_PLACE, "confidence", "above 0 and at most 1", confidence)
-    if resolution < 1:
-        raise InvalidParameterError(_PLACE, "resolution", "at least 1", resolution)
     runs = _signals(time, error)
     names = list(runs[0])
     plan = _Plan(window, drift_spacing, periods)
@@ -183,8 +180,7 @@ class _Plan:
             ("drift_spacing", self.spacing),
             ("periods", self.periods if not isinstance(self.periods, Sequence) else None),
         ):
-            if value is not None and not 0.0 < value < math.inf:
-                raise InvalidParameterError(_PLACE, name, "positive [s]", value)
+            check_number(_PLACE, name, value, "positive", "s")
         if self.window is None and not (self.spacing is None and self.periods is None):
             raise InvalidParameterError(
                 _PLACE, "window", "given with drift_spacing or periods, which separate windows"

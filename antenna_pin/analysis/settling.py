@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import xarray as xr
@@ -21,6 +21,7 @@ from antenna_pin.analysis.closures import drives_of
 from antenna_pin.analysis.impacts import impacts
 from antenna_pin.analysis.sampled import straight_line
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.rules import AtLeastOne, NumberRule
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import contacts_of, names_along
 from antenna_pin.trajectory.quantities import dataset_of
@@ -96,9 +97,9 @@ def settling(
     run: RunLike,
     joint: str | None = None,
     *,
-    longest_gap: float = 1e-3,
+    longest_gap: Annotated[float, NumberRule("zero or more", finite=False)] = 1e-3,
     least_duration: float | None = None,
-    windows: int = 50,
+    windows: AtLeastOne = 50,
     contacts: Kind = "bore",
 ) -> tuple[Settling, ...]:
     """Return the transition of each clearance joint to lasting contact.
@@ -115,10 +116,6 @@ def settling(
     Returns:
         One per clearance joint; none if the run has no clearance joint.
     """
-    if not longest_gap >= 0.0:
-        raise InvalidParameterError("settling", "longest_gap", "0 or more [s]", longest_gap)
-    if windows < 1:
-        raise InvalidParameterError("settling", "windows", "1 or more", windows)
     if contacts not in ("bore", "flanges", "any"):
         raise InvalidParameterError("settling", "contacts", "'bore', 'flanges' or 'any'", contacts)
     data = data_of(run)

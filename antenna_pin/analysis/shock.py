@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +24,7 @@ from numpy.typing import ArrayLike
 
 from antenna_pin.analysis._run import Array
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.rules import NumberRule
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory.quantities import dataset_of
 
@@ -42,7 +44,7 @@ def shock_spectrum(
     values: ArrayLike,
     frequencies: ArrayLike | None = None,
     *,
-    quality: float = 10.0,
+    quality: Annotated[float, NumberRule("above 0.5")] = 10.0,
     units: str = "m/s^2",
 ) -> xr.Dataset:
     """Return the shock response spectrum of an acceleration.
@@ -72,8 +74,6 @@ def shock_spectrum(
     if np.any(np.diff(t) < 0.0) or not np.isfinite(a).all():
         rule = "finite, at times that do not decrease"
         raise InvalidParameterError("shock_spectrum", "values", rule, said="others")
-    if not 0.5 < quality < math.inf:
-        raise InvalidParameterError("shock_spectrum", "quality", "above 0.5 and finite", quality)
     f = _frequencies(t) if frequencies is None else np.atleast_1d(np.asarray(frequencies, dtype=float))
     if f.ndim != 1 or f.size == 0 or not (np.isfinite(f).all() and (f > 0.0).all()):
         raise InvalidParameterError("shock_spectrum", "frequencies", "positive [Hz]", frequencies)

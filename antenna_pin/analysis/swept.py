@@ -12,6 +12,8 @@ not follow: higher harmonics, subharmonics, what play makes.
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
@@ -20,6 +22,7 @@ from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
 from antenna_pin.analysis.quantity import quantity
 from antenna_pin.analysis.shaken import shaken_link, shakes_of
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.rules import NumberRule
 from antenna_pin.elements import SweptPiece, sines_of
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.trajectory.quantities import dataset_of
@@ -30,7 +33,12 @@ _LEAST_SAMPLES = 12
 
 
 @takes()
-def following(time: ArrayLike, values: ArrayLike, phase: ArrayLike, periods: float = 10.0) -> xr.Dataset:
+def following(
+    time: ArrayLike,
+    values: ArrayLike,
+    phase: ArrayLike,
+    periods: Annotated[float, NumberRule("2 or more")] = 10.0,
+) -> xr.Dataset:
     """Return the part of a signal at a phase, in overlapping windows.
 
     Args:
@@ -44,8 +52,6 @@ def following(time: ArrayLike, values: ArrayLike, phase: ArrayLike, periods: flo
         exp(i phase), ``rest``, the root mean square of what does not follow [units].
     """
     t, y, turned = (np.asarray(one, dtype=float) for one in (time, values, phase))
-    if not periods >= 2.0:
-        raise InvalidParameterError("following", "periods", "2 or more", periods)
     half = np.pi * periods
     middles = np.arange(turned[0] + half, turned[-1] - half + 1e-9, half)
     weights = np.gradient(t) if t.size > 1 else np.ones(t.size)

@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike
 from antenna_pin.analysis.even import uniform
 from antenna_pin.analysis.spectrum import spectrum
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.rules import BetweenZeroAndOne
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory.quantities import TABLES, dataset_of
 
@@ -43,7 +44,7 @@ def power_density(
     *,
     segment: float | None = None,
     rate: float | None = None,
-    confidence: float = 0.95,
+    confidence: BetweenZeroAndOne = 0.95,
     units: str = "",
 ) -> xr.Dataset:
     """Return the one-sided power spectral density of a signal, with its interval of confidence.
@@ -60,8 +61,6 @@ def power_density(
         Over ``frequency`` [Hz]: ``power``, ``lower`` and ``upper`` [units^2/Hz]. Attributes:
         ``degrees_of_freedom``, ``confidence``, ``resolution`` [Hz], ``segments``, ``span`` of the signal [s].
     """
-    if not 0.0 < confidence < 1.0:
-        raise InvalidParameterError("power_density", "confidence", "between 0 and 1", confidence)
     t = np.asarray(time, dtype=float)
     span = float(t[-1] - t[0]) if t.size else 0.0
     found = spectrum(

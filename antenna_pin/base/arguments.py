@@ -6,8 +6,8 @@ is done with it, and reads text with a unit where a number with a unit is reques
     @takes(duration="s")
     def simulate(model: Scenario | System, *, duration: float | str | None = None) -> Trajectory: ...
 
-An annotation is the one place that says what is taken; what it cannot say, that a number is positive for
-instance, is the business of the function or class itself.
+An annotation is the one place that says what is taken, by type and by a rule for numbers (``Positive``,
+:mod:`antenna_pin.base.rules`); relations between arguments are checked by the function or class.
 """
 
 from __future__ import annotations
@@ -21,19 +21,21 @@ import types
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from numbers import Integral
-from typing import Any, Literal, Protocol, TypeVar, Union, cast, get_args, get_origin
+from typing import Annotated, Any, Literal, Protocol, TypeVar, Union, cast, get_args, get_origin
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.interruption import FunctionInterrupted
 from antenna_pin.base.readable import alternatives
+from antenna_pin.base.rules import NumberRule, finite_too, obeys
 from antenna_pin.base.units import QuantityError, quantity, shown
 from antenna_pin.errors import AntennaPinError, FunctionError, InvalidParameterError
 
 __all__ = [
     "answer_of",
     "AskedFunction",
+    "check_number",
     "check_takes",
     "fits",
     "in_si",
@@ -75,6 +77,8 @@ def _checked(
 ) -> Any:
     def checked(name: str, value: Any, hint: Any) -> Any:
         read = _read(place, name, value, hint, units.get(name))
+        if name in by_name()[3]:
+            _check_rules(place, name, read, hint, units.get(name, ""))
         if owner is None:  # a class has its own words for what its functions are asked
             _check_count(place, name, read, hint)
         return read
@@ -84,18 +88,19 @@ def _checked(
         return inspect.signature(function), _hints(function, owner)
 
     @functools.cache
-    def by_name() -> tuple[tuple[str, ...], dict[str, Any], frozenset[str]]:
-        """Return names of positional, types of all, and names of required parameters."""
+    def by_name() -> tuple[tuple[str, ...], dict[str, Any], frozenset[str], frozenset[str]]:
+        """Return names of positional, types of all, names of required and of ruled parameters."""
         signature, hints = parameters()
         kinds = {name: one.kind for name, one in signature.parameters.items()}
         plain = not set(kinds.values()) - {_EITHER, _NAMED}
         needed = (name for name, one in signature.parameters.items() if one.default is one.empty)
         places = tuple(name for name, kind in kinds.items() if kind is _EITHER) if plain else ()
-        return places, {name: hints.get(name, Any) for name in kinds if plain}, frozenset(needed)
+        ruled = frozenset(name for name, hint in hints.items() if "NumberRule(" in repr(hint))
+        return places, {name: hints.get(name, Any) for name in kinds if plain}, frozenset(needed), ruled
 
     @functools.wraps(function)
     def wrapped(*arguments: Any, **more: Any) -> Any:
-        places, known, needed = by_name()
+        places, known, needed, _ = by_name()
         # Nearly all calls: what Python itself would bind, for a fraction of what it takes to do it by hand.
         given = dict(zip(places, arguments, strict=False))
         if len(given) == len(arguments) and known.keys() >= more.keys() and not given.keys() & more.keys():
@@ -130,6 +135,54 @@ def _read(place: str, name: str, value: Any, hint: Any, unit: str | tuple[str, .
     if get_origin(hint) is Iterable and isinstance(value, Iterator):
         return _each(place, name, value, hint)
     return value
+
+
+def check_number(
+    place: object, name: str, value: Any, rule: Any, unit: str = "", *, text: str | None = None
+) -> None:
+    """Refuse a number, or one of several, that breaks a rule.
+
+    Args:
+        place: The object, or name of the place, for the message.
+        name: Name of the number.
+        value: The number, an array or a sequence of them.
+        rule: Text of the rule, or a type with it (``Positive``).
+        unit: SI unit, for the message.
+        text: The value as the message shows it, if not as Python does.
+
+    Raises:
+        InvalidParameterError: The rule is broken, or the number is not finite.
+    """
+    hint = Annotated[float, NumberRule(rule)] if isinstance(rule, str) else rule
+    _check_rules(place, name, value, hint, unit, text)
+
+
+def _check_rules(
+    place: object,
+    name: str,
+    value: Any,
+    hint: Any,
+    unit: str | tuple[str, ...] = "",
+    text: str | None = None,
+) -> None:
+    """Refuse numbers that break the rules of an annotation."""
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin in _UNIONS:
+        for one in inner:
+            if get_origin(one) is not None and fits(value, one):
+                _check_rules(place, name, value, one, unit)
+    elif origin is not Annotated:
+        for one in inner if isinstance(value, list | tuple | np.ndarray) else ():
+            for entry in value:
+                _check_rules(place, name, entry, one, unit)
+    elif value is not None:
+        units = [one for one in ((unit,) if isinstance(unit, str) else unit) if one not in ("", "1")]
+        for rule in (one for one in inner[1:] if isinstance(one, NumberRule)):
+            for number in np.ravel(value).tolist():
+                if not obeys(number, rule.text) or (rule.finite and not math.isfinite(number)):
+                    rule_text = finite_too(rule.text) if rule.finite else rule.text
+                    rule_text += f" [{units[0]}]" if units else ""
+                    raise InvalidParameterError(place, name, rule_text, value, said=text)
 
 
 def _each(place: str, name: str, values: Iterator[Any], hint: Any) -> Iterator[Any]:
@@ -217,6 +270,8 @@ def fits(value: Any, hint: Any) -> bool:
     if hint == ArrayLike or get_origin(hint) in _ARRAYS or hint is np.ndarray:
         return _is_array(value, "c" if hint != ArrayLike and "complex" in str(hint) else "")
     origin, inner = get_origin(hint), get_args(hint)
+    if origin is Annotated:
+        return fits(value, inner[0])
     if origin in _UNIONS:
         arrays, others = _without_arrays(inner)
         return (arrays and _is_array(value, "")) or any(fits(value, one) for one in others)
@@ -329,6 +384,7 @@ _WORDS: Mapping[Any, str] = {
 
 def rule_of(hint: Any) -> str:
     """Return the requirement of an annotation, to be read after "must be"."""
+    hint = get_args(hint)[0] if get_origin(hint) is Annotated else hint
     try:
         if hint in _WORDS:
             return _WORDS[hint]

@@ -5,13 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.base.rules import A_DIRECTION
 from antenna_pin.base.units import shown
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["A_DIRECTION", "direction", "unit"]
-
-#: What a direction must be, as it reads after "must be".
-A_DIRECTION = "three finite numbers, not all zero"
 
 
 def unit(vector: ArrayLike) -> NDArray[np.float64]:

@@ -15,7 +15,7 @@ import re
 from dataclasses import dataclass
 from fractions import Fraction
 
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["IsoFit", "SizeLimits", "read_fit", "read_size", "size_limits", "tolerance_grade"]
@@ -183,8 +183,7 @@ class IsoFit:
         Args:
             capability: C_p of both processes: a zone is 6 C_p standard deviations wide [-].
         """
-        if not capability > 0.0:
-            raise InvalidParameterError("IsoFit", "capability", "positive", capability)
+        check_number("IsoFit", "capability", capability, "positive")
         return math.hypot(self.hole.tolerance, self.shaft.tolerance) / (12.0 * capability)
 
     def radial_clearance(self, hole: float = 0.0, shaft: float = 0.0) -> float:

@@ -17,17 +17,17 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field
 from functools import cache
-from types import MappingProxyType
 from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import numpy as np
 
 from antenna_pin.base.arguments import fits, in_si, is_number, rule_of, takes, unknown_type
-from antenna_pin.base.directions import A_DIRECTION, direction
+from antenna_pin.base.directions import direction
 from antenna_pin.base.readable import alternatives, decimal_in
+from antenna_pin.base.rules import A_DIRECTION, finite_too, obeys
 from antenna_pin.base.units import matching_unit
 from antenna_pin.errors import InvalidParameterError
 
@@ -36,8 +36,6 @@ __all__ = [
     "LARGEST",
     "NO_BOUND",
     "LEAST",
-    "RULES",
-    "SWINGS",
     "Parameter",
     "attribute_docs",
     "beyond",
@@ -48,24 +46,6 @@ __all__ = [
     "parameters_of",
 ]
 
-#: What a damping ratio must be of what swings.
-SWINGS = "zero or more and below 1"
-
-RULES: Mapping[str, Callable[[float], bool]] = MappingProxyType(
-    {
-        "": lambda _: True,
-        A_DIRECTION: lambda _: True,
-        "positive": lambda number: number > 0.0,
-        "zero or more": lambda number: number >= 0.0,
-        SWINGS: lambda number: 0.0 <= number < 1.0,
-        "1 or more": lambda number: number >= 1.0,
-        "between 0 and 1": lambda number: 0.0 < number < 1.0,
-        "in [0, 1]": lambda number: 0.0 <= number <= 1.0,
-        "above -1 and at most 0.5": lambda number: -1.0 < number <= 0.5,
-    }
-)
-"""What a finite number must be, as it reads after "must be"."""
-
 #: Sizes beyond which a number is refused, lest what is made of it (k = m w^2) be no number any more.
 LARGEST, LEAST = 1e100, 1e-100
 
@@ -74,8 +54,6 @@ NO_BOUND = 1e9
 
 #: Size beyond which a double does not tell places and angles apart to a millionth [m], [rad].
 FARTHEST = 2.0**33
-
-_FINITE = {"": "finite", "positive": "positive and finite", "zero or more": "zero or more, and finite"}
 
 
 @takes()
@@ -91,7 +69,7 @@ class Parameter:
         from_joint: Whether a scenario may leave it out, as it follows from the joint: its dimensions and
             materials, or the mass at each contact.
         sliding: Its unit where the joint that it belongs to slides, if that is another.
-        rule: One of ``RULES``.
+        rule: A rule for numbers (:mod:`antenna_pin.base.rules`).
         sizes: How many numbers it may have; none for a single number.
     """
 
@@ -128,7 +106,7 @@ def parameter(
     Args:
         unit: SI unit, "1" for a pure number.
         sliding: SI unit where the joint that it belongs to slides, if that is another.
-        rule: One of ``RULES``.
+        rule: A rule for numbers (:mod:`antenna_pin.base.rules`).
         sizes: How many numbers, of a tuple; ``(0,)`` for any number of them.
         default: The default; required if not given.
         repr: Whether the field is shown.
@@ -230,14 +208,14 @@ def _declared(cls: type[Any]) -> tuple[_Declared, ...]:
 
 
 def holds(value: object, rule: str) -> bool:
-    """Return whether a value is a finite number that obeys one of ``RULES``."""
+    """Return whether a value is a finite number that obeys a rule."""
     if not is_number(value):
         return False
     try:
         number = float(value)  # type: ignore[arg-type]
     except OverflowError:
         return False
-    return math.isfinite(number) and RULES[rule](number)
+    return math.isfinite(number) and obeys(number, rule)
 
 
 def _in_si(owner: object, name: str, value: Any, declared: Mapping[Any, Any]) -> Any:
@@ -280,7 +258,7 @@ def beyond(numbers: Iterable[float], units: str | tuple[str, ...], rule: str = "
 
 def _number(owner: object, name: str, value: Any, declared: Mapping[Any, Any]) -> None:
     rule = declared["rule"]
-    said = beyond([value], _units(declared), rule) if holds(value, rule) else _FINITE.get(rule, rule)
+    said = beyond([value], _units(declared), rule) if holds(value, rule) else finite_too(rule)
     if said:
         raise InvalidParameterError(owner, name, said, value)
 

@@ -16,7 +16,8 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import check_number, takes
+from antenna_pin.base.rules import Positive
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["Dimension", "ToleranceChain"]
@@ -50,7 +51,7 @@ class Dimension:
     plus: float
     coefficient: float = 1.0
     distribution: Distribution = "normal"
-    sigmas: float = 3.0
+    sigmas: Positive = 3.0
 
     def __post_init__(self) -> None:
         """Check the zone."""
@@ -61,8 +62,6 @@ class Dimension:
         if self.distribution not in get_args(Distribution):
             rule = f"one of {', '.join(get_args(Distribution))}"
             raise InvalidParameterError(self, "distribution", rule, self.distribution)
-        if not self.sigmas > 0.0:
-            raise InvalidParameterError(self, "sigmas", "positive", self.sigmas)
 
     @property
     def tolerance(self) -> float:
@@ -208,7 +207,6 @@ class ToleranceChain:
         Args:
             probability: Above 0 and below 1 [-].
         """
-        if not 0.0 < probability < 1.0:
-            raise InvalidParameterError(self, "probability", "between 0 and 1", probability)
+        check_number(self, "probability", probability, "between 0 and 1")
         places, below = self._cumulative
         return float(np.interp(probability, below, places))

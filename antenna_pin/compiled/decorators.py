@@ -46,8 +46,8 @@ def kernel(function: _Function) -> _Function:
 def deferred(group: str) -> Callable[[_Function], _Function]:
     """Compile as a kernel a function that only some runs need.
 
-    These require its group (``deferred.py``). Its callers are compiled without it. It returns None, int, float
-    or bool, as annotated.
+    These require its group (``deferred.py``). Its callers are compiled without it. It returns None, int,
+    float or bool, as annotated.
     """
 
     def decorate(function: _Function) -> _Function:
@@ -153,11 +153,24 @@ def _load_numba(name: str) -> None:
     except ModuleNotFoundError as error:
         if error.name not in ("numba", "llvmlite"):
             raise
-        reason = misfit() or "that which is installed has not been made for what it is called with"
+        reason = misfit() or "the shipped machine code has none for the types of these arguments"
         raise MissingToolError(
             f"kernel {name!r} needs machine code, and {reason}; install what compiles it with pip install "
             "'antenna-pin[compile]'"
         ) from None
+
+
+@functools.cache
+def _for_kernels(kind: type[Any]) -> type[Any]:
+    """Return Numba's class of compiled functions, without calls from Python.
+
+    A function without an entry for Python has no address to call there.
+    """
+
+    def refuse_call(self: Any, *_: Any) -> None:
+        raise RuntimeError(f"{self.py_func.__qualname__}: compiled for kernels only; call the kernel itself")
+
+    return type(kind.__name__, (kind,), {"__call__": refuse_call, "_reduce_class": lambda _: kind})
 
 
 class _LazyKernel:
@@ -199,7 +212,11 @@ class _LazyKernel:
         from antenna_pin.compiled.jit import dispatcher
 
         sys.setrecursionlimit(max(sys.getrecursionlimit(), _DEEP))
-        return dispatcher(self.__wrapped__, entry=entry, **self._options)
+        compiled = dispatcher(self.__wrapped__, entry=entry, **self._options)
+        if not entry:
+            kind: Any = type(compiled)
+            compiled.__class__ = _for_kernels(kind)
+        return compiled
 
     def _name(self) -> str:
         return f"{self.__wrapped__.__module__}:{self.__wrapped__.__qualname__}"

@@ -10,10 +10,11 @@ balls is :math:`C_{0r} = i Z \cos\alpha\, Q / 5`, with the load Q of a ball at t
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.rules import NumberRule
 from antenna_pin.contact.pressure import Ellipse, hertz_ellipse
-from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["ISO76_PRESSURE", "ball_load_limit", "raceway_ellipse", "static_rating"]
 
@@ -22,7 +23,12 @@ ISO76_PRESSURE = 4.2e9
 
 
 @takes(diameter="m", modulus="Pa")
-def raceway_ellipse(diameter: float, conformity: float, gamma: float, modulus: float) -> Ellipse:
+def raceway_ellipse(
+    diameter: float,
+    conformity: Annotated[float, NumberRule("above 0.5", finite=False)],
+    gamma: float,
+    modulus: float,
+) -> Ellipse:
     """Return the ellipse of contact of a ball and a raceway under 1 N.
 
     Args:
@@ -34,8 +40,6 @@ def raceway_ellipse(diameter: float, conformity: float, gamma: float, modulus: f
     References:
         Harris and Kotzalas, Rolling Bearing Analysis, chapter 2.
     """
-    if not conformity > 0.5:
-        raise InvalidParameterError("raceway_ellipse", "conformity", "above 0.5", conformity)
     along = 2.0 / diameter * (1.0 + gamma / (1.0 - gamma))
     across = 2.0 / diameter - 1.0 / (conformity * diameter)
     return hertz_ellipse(along, across, modulus)

@@ -26,10 +26,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.parameters import parameter
+from antenna_pin.base.rules import NotNegative, NumberRule
 from antenna_pin.contact import damping_kernels as kernels
 from antenna_pin.contact.normal import Dissipation
 from antenna_pin.errors import InvalidParameterError
@@ -325,7 +326,7 @@ def stored_share(hysteresis: float) -> float:
 
 
 @takes()
-def delivered_restitution(hysteresis: float, *, approach_only: bool = False) -> float:
+def delivered_restitution(hysteresis: NotNegative, *, approach_only: bool = False) -> float:
     r"""Return the restitution that a free impact delivers, from the factor :math:`\chi` [-].
 
     The root :math:`c` in (0, 1] of :math:`\chi (1 + c) = \ln[(1 + \chi) / (1 - \chi c)]`, to round-off; of a
@@ -338,8 +339,6 @@ def delivered_restitution(hysteresis: float, *, approach_only: bool = False) -> 
     from scipy.optimize import brentq
 
     chi = hysteresis
-    if not 0.0 <= chi < math.inf:
-        raise InvalidParameterError("delivered_restitution", "hysteresis", "zero or more, and finite", chi)
     if approach_only:
         return math.sqrt(2.0 * stored_share(chi))
     if chi == 0.0:
@@ -356,7 +355,7 @@ def delivered_restitution(hysteresis: float, *, approach_only: bool = False) -> 
 
 
 @takes()
-def exact_hysteresis(restitution: float) -> float:
+def exact_hysteresis(restitution: Annotated[float, NumberRule("in (0, 1]")]) -> float:
     r"""Return the factor :math:`\chi` that delivers a restitution exactly [-].
 
     The root of :math:`\chi (1 + c) = \ln[(1 + \chi) / (1 - \chi c)]` in (0+, 1/c); zero is always another.
@@ -367,8 +366,6 @@ def exact_hysteresis(restitution: float) -> float:
     from scipy.optimize import brentq
 
     c = restitution
-    if not 0.0 < c <= 1.0:
-        raise InvalidParameterError("exact_hysteresis", "restitution", "in (0, 1]", c)
     if c == 1.0:
         return 0.0
     if _excess(0.1, c) > 0.0:

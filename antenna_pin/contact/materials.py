@@ -14,11 +14,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from types import MappingProxyType
+from typing import Annotated
 
 import numpy as np
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.material import Material
+from antenna_pin.base.rules import NumberRule
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -322,7 +324,7 @@ _NODES = 64
 
 
 @takes()
-def annular_punch_factor(ratio: float) -> float:
+def annular_punch_factor(ratio: Annotated[float, NumberRule("in [0, 1)")]) -> float:
     r"""Return :math:`\kappa` of :math:`P = \kappa\, 2 E^* R_o \delta`, of a flat ring [-].
 
     Boussinesq's potential of a pressure p, integrated around the axis, makes the condition of a flat punch
@@ -351,8 +353,6 @@ def annular_punch_factor(ratio: float) -> float:
         :math:`1 - \tfrac{4}{3 \pi^2} \lambda^3 - \tfrac{8}{15 \pi^2} \lambda^5` for a small hole, and
         :math:`\pi^2 (1 + \lambda) / (4 \ln[16 (1 + \lambda) / (1 - \lambda)])` for a narrow ring.
     """
-    if not 0.0 <= ratio < 1.0:
-        raise InvalidParameterError("annular_punch_factor", "ratio", "in [0, 1)", ratio)
     return _factor(float(ratio), _NODES)
 
 

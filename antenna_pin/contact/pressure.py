@@ -22,12 +22,13 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.rules import NumberRule, PositiveOrInfinite
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -83,7 +84,7 @@ def line_shear() -> tuple[float, float]:
 
 
 @takes(load="N/m", curvature="1/m", modulus="Pa")
-def hertz_line(load: ArrayLike, curvature: float, modulus: float) -> LinePressure:
+def hertz_line(load: ArrayLike, curvature: PositiveOrInfinite, modulus: PositiveOrInfinite) -> LinePressure:
     """Return pressure and width of Hertz's contact along a line.
 
     Args:
@@ -94,7 +95,6 @@ def hertz_line(load: ArrayLike, curvature: float, modulus: float) -> LinePressur
     Returns:
         With ``half_angle`` zero: a line has no arc.
     """
-    _check_positive("hertz_line", curvature=curvature, modulus=modulus)
     f = _loads("hertz_line", load)
     pressure = np.sqrt(f * modulus * curvature / math.pi)
     half = 2.0 * np.sqrt(f / (math.pi * modulus * curvature))
@@ -180,7 +180,9 @@ def persson_pressure(half_angle: ArrayLike, angle: ArrayLike = 0.0) -> Array:
 
 
 @takes(load="N/m", radius="m", clearance="m", modulus="Pa")
-def persson_line(load: ArrayLike, radius: float, clearance: float, modulus: float) -> LinePressure:
+def persson_line(
+    load: ArrayLike, radius: PositiveOrInfinite, clearance: PositiveOrInfinite, modulus: PositiveOrInfinite
+) -> LinePressure:
     """Return pressure and arc of a journal in a bore with little play.
 
     The arc follows from the load by a bracketed root of :func:`persson_load`. For a small load it is Hertz's
@@ -198,7 +200,6 @@ def persson_line(load: ArrayLike, radius: float, clearance: float, modulus: floa
         clearance: R_i - R_j, positive [m].
         modulus: E* [Pa].
     """
-    _check_positive("persson_line", radius=radius, clearance=clearance, modulus=modulus)
     f = _loads("persson_line", load)
     scaled = f / (modulus * clearance)
     square = _persson_square(scaled)
@@ -239,7 +240,9 @@ class Ellipse(NamedTuple):
 
 
 @takes(along="1/m", across="1/m", modulus="Pa")
-def hertz_ellipse(along: float, across: float, modulus: float) -> Ellipse:
+def hertz_ellipse(
+    along: PositiveOrInfinite, across: PositiveOrInfinite, modulus: PositiveOrInfinite
+) -> Ellipse:
     r"""Return the ellipse of contact under a force of 1 N.
 
     With the sum of curvatures :math:`\Sigma = A + B` in the two planes and the axis ratio kappa from
@@ -252,7 +255,6 @@ def hertz_ellipse(along: float, across: float, modulus: float) -> Ellipse:
         across: In the other, positive [1/m].
         modulus: E* [Pa].
     """
-    _check_positive("hertz_ellipse", along=along, across=across, modulus=modulus)
     kappa, second_kind = _axis_ratio(abs(along - across) / (along + across))
     long = (3.0 * kappa**2 * second_kind / (math.pi * modulus * (along + across))) ** (1.0 / 3.0)
     return Ellipse(long, long / kappa)
@@ -307,7 +309,10 @@ def hertz_point(
 
 
 @takes()
-def point_shear(ratio: float, poisson: float = 0.3) -> tuple[float, float]:
+def point_shear(
+    ratio: Annotated[float, NumberRule("above 0 and at most 1")],
+    poisson: Annotated[float, NumberRule("above -1 and at most 0.5")] = 0.3,
+) -> tuple[float, float]:
     """Return greatest shear over the pressure, and its depth over the shorter half-axis [-].
 
     On the axis below the middle of the contact: 0.310 and 0.48 under a circle for a Poisson's ratio of 0.3,
@@ -320,10 +325,6 @@ def point_shear(ratio: float, poisson: float = 0.3) -> tuple[float, float]:
     References:
         Johnson (1985), Contact Mechanics, equations (3.45) and (3.64) to (3.70), table 4.1.
     """
-    if not 0.0 < ratio <= 1.0:
-        raise InvalidParameterError("point_shear", "ratio", "above 0 and at most 1", ratio)
-    if not -1.0 < poisson <= 0.5:
-        raise InvalidParameterError("point_shear", "poisson", "above -1 and at most 0.5", poisson)
     return _point_shear(float(ratio), float(poisson))
 
 
@@ -371,9 +372,3 @@ def _loads(place: str, load: ArrayLike) -> Array:
     if np.any(found < 0.0):
         raise InvalidParameterError(place, "load", "zero or more", float(np.nanmin(found)))
     return found
-
-
-def _check_positive(place: str, **values: float) -> None:
-    for name, value in values.items():
-        if not value > 0.0:
-            raise InvalidParameterError(place, name, "positive", value)

@@ -28,6 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.material import Material
+from antenna_pin.base.rules import PositiveOrInfinite
 from antenna_pin.contact.pressure import PointPressure, point_shear
 from antenna_pin.errors import InvalidParameterError
 
@@ -148,7 +149,11 @@ def _of_hollow(n: Array, nu: float) -> Array:
 
 @takes(force="N", radius="m", clearance="m")
 def ball_in_socket(
-    force: ArrayLike, radius: float, clearance: float, ball: Material, socket: Material
+    force: ArrayLike,
+    radius: PositiveOrInfinite,
+    clearance: PositiveOrInfinite,
+    ball: Material,
+    socket: Material,
 ) -> PointPressure:
     """Return pressure and width of a ball in a socket with little play.
 
@@ -162,9 +167,6 @@ def ball_in_socket(
         ball: Material of the ball.
         socket: Material of the socket.
     """
-    for name, value in (("radius", radius), ("clearance", clearance)):
-        if not value > 0.0:
-            raise InvalidParameterError("ball_in_socket", name, "positive", value)
     f = np.asarray(force, dtype=float)
     if np.any(f < 0.0):
         raise InvalidParameterError("ball_in_socket", "force", "zero or more", float(np.nanmin(f)))

@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.arguments import check_number
 from antenna_pin.base.calculus import root_between
 from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.bearing import Bearing, Matrix5, Numbers5
@@ -153,10 +154,7 @@ class BallBearing(Bearing):
     def __post_init__(self) -> None:
         """Check that it is a bearing."""
         Bearing.__post_init__(self)
-        if not self.count >= 3:
-            raise InvalidParameterError(
-                self, "count", "3 or more, or a direction would not be held", self.count
-            )
+        check_number(self, "count", self.count, "3 or more, or a direction would not be held")
         if not self.contact_angle < 0.5 * math.pi:
             raise InvalidParameterError(self, "contact_angle", "below a right angle", self.contact_angle)
         if not self.ball_diameter < self.pitch_diameter * math.sin(math.pi / self.count):

@@ -12,7 +12,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from antenna_pin.base.units import any_quantity, shown
 from antenna_pin.scenario.merge import toml_value
-from antenna_pin.scenario.spec import Count, Spec, refuse, refuse_name
+from antenna_pin.scenario.spec import Count, QuantityRule, Spec, refuse, refuse_name
 
 __all__ = [
     "AnyQuantity",
@@ -96,12 +96,10 @@ class ToleranceSpec(Spec):
     plus: AnyQuantity
     minus: AnyQuantity
     distribution: Literal["normal", "uniform", "triangular"] = "normal"
-    sigmas: float = 3.0
+    sigmas: Annotated[float, QuantityRule("1", "positive")] = 3.0
 
     @model_validator(mode="after")
     def _check_zone(self) -> Self:
-        if not (math.isfinite(self.sigmas) and self.sigmas > 0.0):
-            refuse(f"must be positive, got {self.sigmas}", "sigmas")
         numbers, _ = numbers_of({"nominal": self.nominal, "plus": self.plus, "minus": self.minus})
         if not numbers["plus"] > numbers["minus"]:
             rule = f"must be above minus, {shown(self.minus)}, got {shown(self.plus)}"

@@ -21,13 +21,6 @@ from antenna_pin.scenario.spec import (
 __all__ = ["OPTIONS", "RequirementSpec", "check_requirements"]
 
 
-def _probability(value: object) -> float:
-    number = QuantityRule("1").read(value)
-    if not 0.0 < number < 1.0:
-        refuse(f"must be above 0 and below 1, got {shown(value)}", value=value)
-    return number
-
-
 def _band(value: object) -> tuple[float, float]:
     if not isinstance(value, list | tuple) or len(value) != 2:
         refuse(f"must be an array of a lower and a higher frequency, got {shown(value)}", value=value)
@@ -37,7 +30,7 @@ def _band(value: object) -> tuple[float, float]:
     return low, high
 
 
-Probability = Annotated[float, BeforeValidator(_probability)]
+Probability = Annotated[float, QuantityRule("1", "between 0 and 1")]
 
 
 class RequirementSpec(Spec):

@@ -22,9 +22,9 @@ from pydantic.fields import FieldInfo
 from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
 
 from antenna_pin.base.arguments import fits
-from antenna_pin.base.directions import A_DIRECTION
 from antenna_pin.base.files import path_as_text, path_of_text
-from antenna_pin.base.parameters import RULES, beyond
+from antenna_pin.base.parameters import beyond
+from antenna_pin.base.rules import A_DIRECTION, obeys
 from antenna_pin.base.units import QuantityError, describe_unit, quantity, shown
 from antenna_pin.errors import (
     AntennaPinError,
@@ -131,7 +131,7 @@ class QuantityRule(_Annotation):
 
     Attributes:
         unit: SI unit, or several of which one must fit.
-        rule: One of ``antenna_pin.base.parameters.RULES``.
+        rule: A rule for numbers (:mod:`antenna_pin.base.rules`).
     """
 
     unit: str | tuple[str, ...]
@@ -151,14 +151,14 @@ def read_quantity(value: object, unit: str | tuple[str, ...], rule: str, *locati
         number = quantity(value, unit, "")
     except QuantityError as error:
         refuse(error.reason, *location, value=value)
-    broken = beyond([number], unit, rule) if RULES[rule](number) else rule
+    broken = beyond([number], unit, rule) if obeys(number, rule) else rule
     if broken:
         refuse(f"must be {broken}, got {shown(value)}", *location, value=value)
     return number
 
 
 def read_count(rule: str) -> BeforeValidator:
-    """Return the annotation of a whole number with one of ``antenna_pin.base.parameters.RULES``."""
+    """Return the annotation of a whole number with a rule for numbers."""
 
     def read(value: object) -> int:
         number = read_quantity(value, "1", rule)
@@ -176,7 +176,7 @@ class Vector(_Annotation):
     Attributes:
         unit: SI unit that its entries are read in.
         sizes: How many there may be; () for any number.
-        rule: What each must be, or all of them, one of ``antenna_pin.base.parameters.RULES``.
+        rule: What each must be, or all of them, a rule for numbers or a direction's.
     """
 
     unit: str
@@ -191,7 +191,8 @@ class Vector(_Annotation):
             refuse(f"must be {self}, got {shown(value)}", value=value)
         own = A_DIRECTION if self.rule == A_DIRECTION else ""  # other rules are told of all together
         numbers = tuple(read_quantity(entry, self.unit, own, i) for i, entry in enumerate(value))
-        if not all(map(RULES[self.rule], numbers)) or (self.rule == A_DIRECTION and not any(numbers)):
+        broken = not all(obeys(number, self.rule) for number in numbers)
+        if broken or (self.rule == A_DIRECTION and not any(numbers)):
             refuse(f"must be {self.rule}, got {shown(numbers)}", value=value)
         return numbers
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 import ast
 import random
 import re
+import subprocess
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -47,19 +49,22 @@ UNITS = {
     "rad/s": "m/s",
     "m/s^2": "m/s",
 }
-# Machine code is tied to these files besides all kernels.
-_ROOMS_OF_KINDS = {"elements", "contact", "joints"}  # where kernels stand beside classes
-_COMPILED = {
-    "records.py",
-    "registry.py",
-    "jit.py",
-    "address_intrinsics.py",
-    "by_address.py",
-    "calls.py",
-    "intrinsics.py",
-    "lanes.py",
-    "record.py",
-}
+
+
+_TIED = """
+from pathlib import Path
+from antenna_pin.compiled import jit
+own = Path(jit.__file__)
+print(*(path.relative_to(own.parents[2]) for path in (own, *jit.stamped_files())))
+"""
+
+
+@cache
+def _compiled() -> frozenset[Path]:
+    """Return the files that machine code is tied to, from the root of a tree."""
+    # In a process of its own: this one starts the tests, which import the package of another tree.
+    done = subprocess.run([sys.executable, "-c", _TIED], capture_output=True, text=True, check=True)
+    return frozenset(map(Path, done.stdout.split()))
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,8 +96,7 @@ class Break:
     @property
     def plain(self) -> bool:
         """Whether kernels have to run as plain Python, for theirs would be compiled anew."""
-        name = self.path.name
-        return name.endswith("kernels.py") or name in _COMPILED or self.path.parent.name in _ROOMS_OF_KINDS
+        return self.path in _compiled()
 
     @property
     def key(self) -> tuple[str, str, str]:

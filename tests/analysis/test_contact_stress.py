@@ -172,7 +172,7 @@ def test_unknown_names_are_refused(pendulum):
         contact_stress(
             pendulum, surfaces=SurfaceFile(stops={"hinge": {"radius": 0.01, "materials": ["steel", "steel"]}})
         )
-    with pytest.raises(InvalidParameterError, match="factor must be positive, got 0"):
+    with pytest.raises(InvalidParameterError, match="factor must be positive and finite, got 0"):
         contact_stress(pendulum, factor=0.0)
 
 

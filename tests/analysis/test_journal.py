@@ -130,7 +130,7 @@ def test_what_a_run_does_not_have_is_refused(space):
         said = f"{function.__name__}: clearance joint 'elevatoin' is unknown; did you mean elevation? known: "
         with pytest.raises(UnknownNameError, match=f"^{re.escape(said)}elevation$"):
             function(space, "elevatoin")
-    with pytest.raises(InvalidParameterError, match="sectors must be at least 1"):
+    with pytest.raises(InvalidParameterError, match="sectors must be 1 or more"):
         bore_load(space, sectors=0)
 
 

@@ -344,7 +344,7 @@ def test_what_cannot_be_compared_is_refused_in_one_line(ideal):
         ),
         (lambda: Command(direction=(1, 0, 0), up=(2, 0, 0)), "direction_up must not lie along direction"),
         (lambda: Command(direction=(1, 0, 0), frame="moon"), "frame 'moon' is unknown"),
-        (lambda: Orbit(rate=0.0), "Orbit: rate must be positive, got 0.0"),
+        (lambda: Orbit(rate=0.0), "Orbit: rate must be positive and finite .rad.s., got 0.0"),
         (lambda: Orbit(rate=1.0, normal=(0, 0, 1)), "nadir must be perpendicular to normal"),
     ):
         with pytest.raises(AntennaPinError, match=message) as refused:

@@ -337,9 +337,9 @@ def test_one_sample_has_an_absolute_error():
     ("changes", "message"),
     [
         ({"window": 11.0}, r"window must be at most the run's 10 s, got 11.0"),
-        ({"window": 0.0}, r"window must be positive \[s\], got 0.0"),
+        ({"window": 0.0}, r"window must be positive and finite \[s\], got 0.0"),
         ({"window": None}, "window must be given with drift_spacing or periods"),
-        ({"drift_spacing": -1.0}, r"drift_spacing must be positive \[s\]"),
+        ({"drift_spacing": -1.0}, r"drift_spacing must be positive and finite \[s\]"),
         ({"drift_spacing": 4.6}, r"drift_spacing must be at most an observation period's 5 s, got 5.1"),
         ({"drift_spacing": 9.6, "periods": None}, r"drift_spacing must be at most the run's 10 s, got 10.1"),
         ({"periods": 6.0}, r"periods must be such that two of them fit into the run's 10 s, got 6.0"),
@@ -349,7 +349,7 @@ def test_one_sample_has_an_absolute_error():
         ({"periods": [(0.0, 4.0)]}, "such that two of them fit"),
         ({"confidence": 0.0}, "confidence must be above 0 and at most 1, got 0.0"),
         ({"confidence": 1.5}, "confidence must be above 0 and at most 1, got 1.5"),
-        ({"resolution": 0}, "resolution must be at least 1, got 0"),
+        ({"resolution": 0}, "resolution must be 1 or more, got 0"),
     ],
 )
 def test_windows_that_do_not_fit_are_refused(changes, message):

@@ -168,7 +168,7 @@ def test_little_is_no_error():
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        ({"longest_gap": -1.0}, "longest_gap must be 0 or more"),
+        ({"longest_gap": -1.0}, "longest_gap must be zero or more"),
         ({"windows": 0}, "windows must be 1 or more"),
         ({"contacts": "radial"}, "'bore', 'flanges' or 'any'"),
         ({"joint": "b"}, "clearance joint 'b' is unknown"),

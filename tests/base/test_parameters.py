@@ -8,7 +8,6 @@ from typing import get_args
 
 import numpy as np
 import pytest
-from value_classes import by_position, changeable, undocumented_units
 
 from antenna_pin.base import changes, settings
 from antenna_pin.base.changes import JointChange, LinkChange
@@ -165,13 +164,3 @@ def test_what_a_double_does_not_hold_is_refused(make, name, bounds, unit):
     make(good)
     with pytest.raises(ValueError, match=f"{name} {says.format(unit)}"):
         make(bad)
-
-
-def test_values_are_frozen_and_made_by_name():
-    """They stay what they were checked to be, and take no attribute of a misspelt name."""
-    assert changeable("base") == {"ToleranceChain"}  # which keeps its distribution, once worked out
-    assert by_position("base") == {"Parameter", "Unit"}
-
-
-def test_documented_units_are_the_declared_ones():
-    assert undocumented_units("base") == set()

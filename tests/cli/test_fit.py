@@ -40,7 +40,7 @@ def test_answer_is_short_and_its_files_are_there(cli, hinge):
             ["hinge.fit.toml", "--record", "tset", "--write-scenario", "a.toml"],
             "--record must be one of test, got tset",
         ),
-        (["hinge.fit.toml", "--workers", "-1"], "--workers must be zero or more, got -1"),
+        (["hinge.fit.toml", "--workers", "-1"], "'--workers': must be zero or more, got -1"),
         (["hinge.fit.toml", "--out", "a.txt"], "a.txt: the output's name must end in .nc; try a.nc"),
         (["hing.fit.toml"], "'hing.fit.toml' is unknown"),
         (["hinge.fit.toml", "--set", "los=huber"], "los is unknown; did you mean loss?"),

@@ -81,7 +81,7 @@ def test_what_does_not_go_together_is_refused_in_a_line(cli, refused, files):
         (("--identify", "--next", "next.toml"), "--identify must be left out with --next"),
         (("--at", "swing.nc"), "--at must be given with --identify or --next"),
         (("--identify", "--profile"), "are of a fit; leave them out here"),
-        (("--draws", "1"), "--draws must be 2 or more"),
+        (("--draws", "1"), "'--draws': must be 2 or more"),
         (("--next", "none.toml"), "none.toml: no such file"),
     ):
         assert words in refused(cli("fit", "swing.fit.toml", *given)), given

@@ -51,7 +51,7 @@ def test_surfaces_of_a_file_are_used(cli, impact, tmp_path):
     [
         (("--surfaces", "none.toml"), "none.toml: must be an existing TOML file of surfaces"),
         (("--joint", "hing"), "clearance joint 'hing' is unknown"),
-        (("--factor", "0"), "factor must be positive, got 0"),
+        (("--factor", "0"), "factor must be positive and finite, got 0"),
         (("--plot", "a.gif"), "--plot must be a file that ends in .png, .pdf, .svg"),
     ],
 )
@@ -89,7 +89,7 @@ def test_tolerance_of_a_chain(cli, tmp_path):
     ("options", "words"),
     [
         (("--set", "clearance.hinge.fit=20 H7/p6"), "fit must leave play"),
-        (("--capability", "0"), "--capability must be positive, got 0"),
+        (("--capability", "0"), "'--capability': must be positive, got 0"),
         ((*FIT, "--plot", "a.png", "--coldest", "3 mm"), "--coldest must be a temperature [K], got '3 mm'"),
     ],
 )

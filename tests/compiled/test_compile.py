@@ -30,6 +30,13 @@ def test_numba_is_loaded_with_the_first_call_and_not_with_the_kernels():
     assert done.stdout.split() == ["False", "True"]
 
 
+@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+def test_the_form_for_kernels_refuses_calls_from_python():
+    """Numba makes no entry for them: the call would jump to a null address."""
+    with pytest.raises(RuntimeError, match="^nodes_at: compiled for kernels only; call the kernel itself$"):
+        nodes_at._made(3)
+
+
 def test_a_kernel_goes_to_other_processes_by_its_name():
     """As a function does: who unpickles it has the one that is there."""
     assert pickle.loads(pickle.dumps(candidate_at)) is candidate_at

@@ -201,39 +201,9 @@ def test_tsujis_damper_is_the_square_root_of_the_secant_stiffness():
     assert damper == pytest.approx(expected * 0.01, rel=1e-12, abs=0.0)
 
 
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (
-            lambda: KelvinVoigtDamping(damping=-1.0),
-            "KelvinVoigtDamping: damping must be zero or more, and finite, got -1.0",
-        ),
-        (
-            lambda: KuwabaraKonoDamping(damping=math.nan),
-            "KuwabaraKonoDamping: damping must be zero or more, and finite, got nan",
-        ),
-        (
-            lambda: TsujiDamping(restitution=0.0, effective_mass=1.0),
-            "TsujiDamping: restitution must be in (0, 1] (no finite damping of this form stops a body dead), "
-            "got 0.0",
-        ),
-        (
-            lambda: Jankowski(stiffness=1.0, restitution=0.5, effective_mass=0.0),
-            "Jankowski: effective_mass must be positive and finite, got 0.0",
-        ),
-        (
-            lambda: AdamsDamping(damping=1.0, full_damping_depth=0.0),
-            "AdamsDamping: full_damping_depth must be positive and finite, got 0.0",
-        ),
-        (
-            lambda: AdamsImpact(stiffness=1.0, damping=-1.0, full_damping_depth=1.0),
-            "AdamsImpact: damping must be zero or more, and finite, got -1.0",
-        ),
-    ],
-)
-def test_refusals(make, message):
-    with pytest.raises(ValueError, match=f"^{re.escape(message)}$"):
-        make()
+def test_no_finite_damping_stops_a_body_dead():
+    with pytest.raises(ValueError, match=r"^TsujiDamping: restitution must be in \(0, 1\] .*, got 0.0$"):
+        TsujiDamping(restitution=0.0, effective_mass=1.0)
 
 
 def test_hysteresis_and_oscillator_agree_for_little_damping():

@@ -286,48 +286,12 @@ def test_docstring_formula_of_brown_and_mcphee():
     ("make", "message"),
     [
         (
-            lambda: VelocityBased(static=-0.1, dynamic=0.1, static_speed=0.1, dynamic_speed=1.0),
-            "VelocityBased: static must be zero or more, and finite, got -0.1",
-        ),
-        (
-            lambda: VelocityBased(static=0.1, dynamic=math.nan, static_speed=0.1, dynamic_speed=1.0),
-            "VelocityBased: dynamic must be zero or more, and finite, got nan",
-        ),
-        (
-            lambda: VelocityBased(static=0.1, dynamic=0.1, static_speed=0.0, dynamic_speed=1.0),
-            "VelocityBased: static_speed must be positive and finite, got 0.0",
-        ),
-        (
             lambda: VelocityBased(static=0.1, dynamic=0.1, static_speed=0.1, dynamic_speed=0.1),
             "VelocityBased: dynamic_speed must be above static_speed = 0.1, got 0.1",
         ),
         (
-            lambda: VelocityBased(static=0.1, dynamic=0.1, static_speed=0.1, dynamic_speed=math.inf),
-            "VelocityBased: dynamic_speed must be finite, got inf",
-        ),
-        (
-            lambda: Ambrosio(coefficient_of_friction=math.inf),
-            "Ambrosio: coefficient_of_friction must be zero or more, and finite, got inf",
-        ),
-        (
-            lambda: Ambrosio(coefficient_of_friction=0.1, lower_speed=-1e-4),
-            "Ambrosio: lower_speed must be zero or more, and finite, got -0.0001",
-        ),
-        (
             lambda: Ambrosio(coefficient_of_friction=0.1, upper_speed=1e-5),
             "Ambrosio: upper_speed must be above lower_speed = 0.0001, got 1e-05",
-        ),
-        (
-            lambda: Tanh(coefficient_of_friction=-1.0, transition_speed=0.1),
-            "Tanh: coefficient_of_friction must be zero or more, and finite, got -1.0",
-        ),
-        (
-            lambda: Tanh(coefficient_of_friction=0.1, transition_speed=0.0),
-            "Tanh: transition_speed must be positive and finite, got 0.0",
-        ),
-        (
-            lambda: Coulomb(coefficient_of_friction=0.1, regularisation_speed=0.0),
-            "Coulomb: regularisation_speed must be positive and finite, got 0.0",
         ),
         (
             lambda: Stribeck(static=0.1, dynamic=0.2, stribeck_speed=0.1),
@@ -336,14 +300,6 @@ def test_docstring_formula_of_brown_and_mcphee():
         (
             lambda: Stribeck(static=0.3, dynamic=0.2, stribeck_speed=0.1, transition_speed=0.2),
             "Stribeck: transition_speed must be below stribeck_speed = 0.1, got 0.2",
-        ),
-        (
-            lambda: BengisuAkay(static=0.3, dynamic=0.2, static_speed=0.1, decay=-1.0),
-            "BengisuAkay: decay must be zero or more, and finite, got -1.0",
-        ),
-        (
-            lambda: BrownMcPhee(static=0.3, dynamic=0.2, transition_speed=0.1, transition_force=0.0),
-            "BrownMcPhee: transition_force must be positive and finite, got 0.0",
         ),
     ],
 )

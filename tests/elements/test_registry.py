@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from value_classes import by_position, changeable, undocumented_units
+from value_classes import check_refusals
 
 from antenna_pin.elements import (
     ELEMENTS,
@@ -393,6 +393,14 @@ def test_every_element_has_an_example():
     assert len({kind_of(element) for element in ELEMENTS}) == len(ELEMENTS)
 
 
+ALL = [*(one for one, *_ in [*EXAMPLES.values(), *MESHES, *BEARINGS.values(), *FORCES.values()]), BETWEEN]
+
+
+@pytest.mark.parametrize("element", ALL, ids=lambda one: type(one).__name__)
+def test_an_element_refuses_numbers_that_break_their_rules(element):
+    check_refusals(element)
+
+
 @pytest.mark.parametrize("kind", EXAMPLES, ids=lambda kind: kind.__name__)
 def test_an_element_has_its_own_kernels_and_words(kind):
     """At time 0, angle 0.1 rad and rate 0.2 rad/s."""
@@ -437,14 +445,3 @@ def test_a_scenario_knows_every_element():
         table: {kind: spec.fills for kind, spec in specs.items()} for table, specs in FAMILY_SPECS.items()
     }
     assert found == {table: dict(family.kinds) for table, family in FAMILIES.items()}
-
-
-def test_elements_are_frozen_and_made_by_name():
-    """No element can be changed once it is checked, nor two of its parameters be swapped."""
-    assert changeable("elements") == {"OverTime"}  # which keeps what it has worked out
-    assert by_position("elements") == {"Integral", "OverTime"}  # which have no parameters
-
-
-def test_documented_units_are_the_declared_ones():
-    """But for a motor's command, which is a voltage or a current."""
-    assert undocumented_units("elements") == {("Motor", "value", "1")}

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flexible_links import DATA, DISH, KINDS
+from flexible_links import DATA, DISH, KINDS, LOCKED
 from modal_equations import frequencies, linear_frequencies, spatial
 
 from antenna_pin import load_scenario, models_path
@@ -123,12 +123,7 @@ def test_coupled_frequencies_are_those_of_the_modal_equations(overrides: dict[st
 
     To 1e-8: the eigenvalues of a matrix with six zeros, and petals that are six times the same.
     """
-    locked = {
-        "clearance.elevation": {"replace": True, "model": "ideal"},
-        "mechanism.joints.azimuth.kind": "locked",
-        "drives.azimuth.joint": "elevation",
-    }
-    scenario = load_scenario("bai2020", case="case1", overrides={**overrides, **locked})
+    scenario = load_scenario("bai2020", case="case1", overrides={**overrides, **LOCKED})
     system = build_system(scenario)
     found = linear_frequencies(system, ("elevation",))
     urdf = urdf_variant(load_scenario("bai2020", case="case1"))

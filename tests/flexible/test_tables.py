@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from value_classes import changeable, undocumented_units
 
 from antenna_pin import AntennaPinError, Scenario, build_system, load_scenario
 from antenna_pin.base import capacity
@@ -266,12 +265,3 @@ def test_more_modes_than_memory_holds_are_refused_before_any_work(tmp_path: Path
         build_system(scenario)
     with pytest.raises(TooLargeError, match=r": 8 degrees of freedom would need .*leave joints out"):
         build_system(load_scenario("bai2020", case="case1"))
-
-
-def test_values_are_frozen():
-    """They stay what they were checked to be, and take no attribute of a misspelt name."""
-    assert changeable("flexible") == {"_Reader"}  # which gathers while it reads
-
-
-def test_documented_units_are_the_declared_ones():
-    assert undocumented_units("flexible") == set()

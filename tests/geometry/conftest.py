@@ -4,25 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from hinge_shapes import antenna_hinge
 from numpy.typing import NDArray
 
 from antenna_pin.joints.geometry import RevoluteClearance, pose_of
 from antenna_pin.joints.geometry.shape import queried_contacts
-
-ANTENNA = dict(
-    bearing_radius=0.010,
-    radial_clearance=0.0002,
-    bearing_length=0.050,
-    axial_clearance=0.0002,
-    bearing_outer_radius=0.012,
-    flange_radius=0.014,
-)
-
-
-def antenna(**changes):
-    """The joint of Bai and Zhao (2020), with changes."""
-    return RevoluteClearance.from_clearances(**(ANTENNA | changes))
-
 
 #: Half a radian fits a short, wide bore. Its end circle, seen along the journal, is so flat an ellipse that
 #: the distance has two local minima in the middle of the bore.
@@ -30,11 +16,11 @@ WIDE = dict(radial_clearance=0.0018, bearing_length=0.006, axial_clearance=0.006
 
 #: Name -> shape, largest tilt [rad], largest offset of the journal's centre across and along the axis [m].
 POSE_SETS = {
-    "antenna": (antenna(), 0.010, 0.0004, 0.0004),
-    "small flange": (antenna(flange_radius=0.011), 0.010, 0.0004, 0.0004),
-    "equal edges": (antenna(flange_radius=0.012), 0.010, 0.0004, 0.0004),
-    "wide": (antenna(**WIDE), 0.5, 0.002, 0.004),
-    "wide, small flange": (antenna(**WIDE, flange_radius=0.0105), 0.5, 0.002, 0.004),
+    "antenna": (antenna_hinge(), 0.010, 0.0004, 0.0004),
+    "small flange": (antenna_hinge(flange_radius=0.011), 0.010, 0.0004, 0.0004),
+    "equal edges": (antenna_hinge(flange_radius=0.012), 0.010, 0.0004, 0.0004),
+    "wide": (antenna_hinge(**WIDE), 0.5, 0.002, 0.004),
+    "wide, small flange": (antenna_hinge(**WIDE, flange_radius=0.0105), 0.5, 0.002, 0.004),
 }
 
 
@@ -156,7 +142,7 @@ def poses(request):
 @pytest.fixture(scope="session")
 def joint():
     """Make the antenna's joint with changes."""
-    return antenna
+    return antenna_hinge
 
 
 @pytest.fixture(scope="session")

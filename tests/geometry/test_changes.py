@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from hinge_shapes import antenna_hinge
 from scipy.spatial.transform import Rotation
 
 from antenna_pin.base.calculus import WEIGHTS
@@ -15,12 +16,12 @@ from antenna_pin.joints.geometry import (
 )
 from antenna_pin.joints.geometry.tangent_kernels import CHANGED, GAP, NORMAL, POINT, contact_changes
 
-from .conftest import WIDE, antenna
+from .conftest import WIDE
 
 SHAPES = {
-    "flanges cover": antenna(),
-    "small flanges": antenna(flange_radius=0.011),
-    "wide": antenna(**WIDE),
+    "flanges cover": antenna_hinge(),
+    "small flanges": antenna_hinge(flange_radius=0.011),
+    "wide": antenna_hinge(**WIDE),
     "planar": PlanarClearance(bearing_radius=0.01, journal_radius=0.0098),
     "ball": SphericalClearance(ball_radius=0.0099, socket_radius=0.01),
     "walls": PrismaticClearance(

@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from hinge_shapes import antenna_hinge
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from antenna_pin.base.records import CONTACT
-from antenna_pin.joints.geometry import RevoluteClearance, pose_of
+from antenna_pin.joints.geometry import pose_of
 from antenna_pin.joints.geometry.revolute_kernels import nearest_on_ellipse
 from antenna_pin.joints.geometry.shape import closed_form
 
@@ -249,14 +250,7 @@ def test_largest_tilt_by_radial_play(joint):
     turn=st.floats(0.0, 6.3),
 )
 def test_turning_everything_about_the_bearing_axis_changes_no_gap(x, y, z, tilt, direction, turn):
-    shape = RevoluteClearance.from_clearances(
-        bearing_radius=0.010,
-        radial_clearance=0.0002,
-        bearing_length=0.050,
-        axial_clearance=0.0002,
-        bearing_outer_radius=0.012,
-        flange_radius=0.014,
-    )
+    shape = antenna_hinge()
     c, s = math.cos(turn), math.sin(turn)
     rotation = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
     p = np.array([x, y, z])

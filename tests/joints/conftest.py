@@ -5,22 +5,15 @@ import itertools
 import numpy as np
 import pinocchio as pin
 import pytest
+from hinge_shapes import antenna_hinge
 
 from antenna_pin.contact import LankaraniNikravesh, VelocityBased
 from antenna_pin.joints import ClearanceJoint
-from antenna_pin.joints.geometry import PlanarClearance, RevoluteClearance
+from antenna_pin.joints.geometry import PlanarClearance
 
-DIMENSIONS = dict(
-    bearing_radius=0.010,
-    radial_clearance=0.0002,
-    bearing_length=0.050,
-    axial_clearance=0.0002,
-    bearing_outer_radius=0.012,
-    flange_radius=0.014,
-)
 GEOMETRIES = {
-    "revolute": RevoluteClearance.from_clearances(**DIMENSIONS),
-    "small flange": RevoluteClearance.from_clearances(**(DIMENSIONS | {"flange_radius": 0.011})),
+    "revolute": antenna_hinge(),
+    "small flange": antenna_hinge(flange_radius=0.011),
     "planar": PlanarClearance(bearing_radius=0.010, journal_radius=0.0098),
 }
 BORE = LankaraniNikravesh(stiffness=1e11, restitution=0.9)

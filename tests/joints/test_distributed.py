@@ -5,21 +5,14 @@ import dataclasses
 import numpy as np
 import pinocchio as pin
 import pytest
+from hinge_shapes import antenna_hinge
 from scipy.integrate import quad
 
 from antenna_pin.contact import BrownMcPhee, Goldsmith, Hertz, Johnson, KelvinVoigt, NoFriction, Tanh
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.joints import ClearanceJoint
-from antenna_pin.joints.geometry import RevoluteClearance
 
-SHAPE = RevoluteClearance.from_clearances(
-    bearing_radius=0.01,
-    radial_clearance=2e-4,
-    bearing_length=0.05,
-    axial_clearance=2e-4,
-    bearing_outer_radius=0.012,
-    flange_radius=0.014,
-)
+SHAPE = antenna_hinge()
 LINE = 2e10  # [N/m^2], force per length and depth of a linear line law
 FOUNDATION = 1e13  # [N/m^3]
 AREA = np.pi * (0.012**2 - 0.01**2)

@@ -6,7 +6,6 @@ import re
 
 import numpy as np
 import pytest
-from value_classes import changeable
 
 from antenna_pin.analysis.law_studies import (
     closed_form_peak_depth,
@@ -205,8 +204,3 @@ def test_table_refuses_a_dissipation_that_takes_no_restitution():
         restitution_table(["kelvin-voigt"])
     with pytest.raises(ValueError, match=r"restitution must be in \[0, 1\], got 1\.5$"):
         restitution_table(["flores"], (1.5,))
-
-
-def test_values_are_frozen():
-    """They stay what they were checked to be, and take no attribute of a misspelt name."""
-    assert changeable("law_studies") == set()

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
+from flexible_links import LOCKED, PETALS, ROCK
 from modal_equations import frequencies, linear_frequencies, spatial
 from scipy.linalg import eigh
 
@@ -20,39 +21,7 @@ from antenna_pin.studies.linear import eigenmodes, linearise, modes, prepared
 
 TAU = 2.0 * np.pi
 
-MODE = {
-    "flexible.reflector": {
-        "kind": "modes",
-        "modes": {
-            "rock": {
-                "frequency": "15 Hz",
-                "damping_ratio": 0.005,
-                "mass": 2.0,
-                "direction": [0, 1, 0],
-                "place": [0.1, 0, 0.2],
-            }
-        },
-    }
-}
-PETALS = {
-    "flexible.reflector": {
-        "kind": "petals",
-        "petals": 8,
-        "mass": 6.0,
-        "rim_radius": 0.486,
-        "hub_radius": 0.1,
-        "focal_length": 0.12,
-        "vertex": [-0.2755, 0, 0],
-        "frequency": "20 Hz",
-        "damping_ratio": 0.005,
-        "replaces": ["dish"],
-    }
-}
-LOCKED = {
-    "clearance.elevation": {"replace": True, "model": "ideal"},
-    "mechanism.joints.azimuth.kind": "locked",
-    "drives.azimuth.joint": "elevation",
-}
+MODE = {"flexible.reflector": {"kind": "modes", "modes": {"rock": ROCK}}}
 
 
 @pytest.mark.parametrize("base", ["free", "fixed"])

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hinge_shapes import antenna_hinge
 
 from antenna_pin import AntennaPinError, System, Urdf, build_mechanism, load_scenario
 from antenna_pin.contact import Hertz, LankaraniNikravesh, LuGre, Tanh
 from antenna_pin.joints import ClearanceJoint
-from antenna_pin.joints.geometry import PlanarClearance, RevoluteClearance
+from antenna_pin.joints.geometry import PlanarClearance
 from antenna_pin.studies.linear import linearise, modes
 from antenna_pin.studies.linear.operating_point import ideal_directions
 
@@ -39,14 +40,7 @@ def disc(law: Any = None, inertia: float = 0.01, **joint: Any) -> System:
 def bush(**joint: Any) -> System:
     """A pin with flanges in a bore of 50 mm, a body about its middle."""
     urdf = Urdf.from_text(BODY.format(i=0.01), "body").variant(joints={"hole": "free"})
-    geometry = RevoluteClearance.from_clearances(
-        bearing_radius=0.01,
-        radial_clearance=2e-4,
-        bearing_length=0.05,
-        axial_clearance=2e-4,
-        bearing_outer_radius=0.012,
-        flange_radius=0.014,
-    )
+    geometry = antenna_hinge()
     law = Hertz(stiffness=1e10)
     clearance = ClearanceJoint(
         name="hole", geometry=geometry, radial=law, axial=law, **{"backend": "closed-form", **joint}
@@ -184,7 +178,7 @@ def test_in_contact_as_it_is_in_a_run():
         ({"load": [1.0, 0, 0], "play": "free"}, "play of hole must be contact, or left out"),
         ({"hold": ["base"]}, "joint 'base' is unknown"),
         ({"hold": ["hole"]}, "something must be left free to move"),
-        ({"at": -1.0}, "a time of zero or more"),
+        ({"at": -1.0}, "at must be zero or more, and finite [s]"),
         ({"at": 1.0, "q": [0, 0, 1, 0]}, "left out with at"),
     ],
 )

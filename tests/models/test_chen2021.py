@@ -12,10 +12,10 @@ import tomllib
 import numpy as np
 import pinocchio as pin
 import pytest
-from scipy.spatial.transform import Rotation
+from closure_force import force_of_closure
 
 from antenna_pin import load_scenario, models_path, simulate
-from antenna_pin.analysis import body_motion, body_poses, closures_of, joint_loads, quantity
+from antenna_pin.analysis import body_motion, joint_loads, quantity
 from antenna_pin.mechanism import Urdf, build_mechanism
 
 FOLDER = models_path() / "chen2021"
@@ -306,16 +306,6 @@ def scenario(case, *overrides):
     return load_scenario("chen2021", case=case, overrides=[CLOSED_FORM, *overrides])
 
 
-def closure_force(run, name):
-    """Force of a closure on its second link [N], from the axes of the first side to those of the world."""
-    side = closures_of(run)[name]
-    turn = Rotation.from_quat(side["first_placement"][3:])
-    if side["first_body"] != "world":
-        link = body_poses(run)["attitude"].sel(body=side["first_body"]).values
-        turn = Rotation.from_quat(link) * turn
-    return turn.apply(run.data["closure_force"].sel(closure=name).values)
-
-
 @pytest.fixture(scope="module")
 def ideal_run():
     return simulate(scenario("ideal"), duration=2.0)
@@ -325,12 +315,6 @@ def ideal_run():
 def played_run():
     """Long enough for the impacts of the start to die away, within 0.5 s."""
     return simulate(scenario("friction-010"), duration=1.0)
-
-
-def test_the_readme_names_every_case():
-    text = (FOLDER / "README.md").read_text()
-    for case in CASES:
-        assert f"`{case}`" in text
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -384,7 +368,7 @@ def test_the_drives_of_the_ideal_mechanism_are_its_inverse_dynamics(ideal_run):
     found = ideal_run.data["drive_torque"].sel(drive=[f"leg{k + 1}" for k in LEGS]).values[samples]
     assert np.abs(found - drives).max() < 1e-8 * np.abs(drives).max()
     for name, k in (("u1", 0), ("s2", 1), ("s3", 2), ("s4", 3), ("s5", 4)):
-        apart = closure_force(ideal_run, name)[samples] - forces[:, k]
+        apart = force_of_closure(ideal_run, name)[samples] - forces[:, k]
         assert np.abs(apart).max() < 1e-8 * np.abs(drives).max()
     passed = joint_loads(ideal_run, samples)["force"].sel(moving_joint="s2").values
     assert np.abs(passed - forces[:, 1]).max() < 1e-8 * np.abs(drives).max()

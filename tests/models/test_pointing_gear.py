@@ -16,11 +16,6 @@ ROTOR, DISH, RATIO = 2e-5, 0.5, 100.0
 CASES = list(tomllib.loads((models_path() / "pointing_gear" / "scenario.toml").read_text())["cases"])
 
 
-@pytest.mark.parametrize("case", CASES)
-def test_the_readme_names_every_case(case):
-    assert f"| `{case}` |" in (models_path() / "pointing_gear" / "README.md").read_text()
-
-
 def predicted(scenario):
     """Return amplitude of the dish [rad] and frequency [Hz] of the cycle that describing functions foresee.
 

@@ -51,14 +51,6 @@ def test_coal_and_closed_form_run_alike(rig, case):
     np.testing.assert_allclose(runs[0].data["v"].values[-1], runs[1].data["v"].values[-1], atol=1e-6)
 
 
-@pytest.mark.parametrize("rig", RIGS)
-def test_the_readme_names_every_case(rig):
-    text = (models_path() / rig / "README.md").read_text()
-    for name, case in CASES:
-        if name == rig:
-            assert f"| `{case}` |" in text
-
-
 # --- impact pair -------------------------------------------------------------------------------------------
 
 

@@ -24,11 +24,6 @@ HALF, BASE = 2e-3, 0.2 * 9.80665
 TIP = "body_acceleration[tip].y"
 
 
-@pytest.mark.parametrize("case", CASES)
-def test_the_readme_names_every_case(case):
-    assert f"| `{case}` |" in (models_path() / "shaker" / "README.md").read_text()
-
-
 def tip_response(frequency, stiffness):
     """Acceleration of the tip over the base's, of small motions without play."""
     s = 2j * np.pi * np.asarray(frequency)

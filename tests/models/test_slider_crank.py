@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 import pytest
-from scipy.spatial.transform import Rotation
+from closure_force import force_of_closure
 
 from antenna_pin import load_scenario, models_path, simulate
-from antenna_pin.analysis import body_motion, body_poses, closures_of, joint_loads
+from antenna_pin.analysis import body_motion, joint_loads
 from antenna_pin.contact import hertz_stiffness
 from antenna_pin.mechanism import Urdf, build_mechanism
 
@@ -191,22 +191,6 @@ def scenario(case, *overrides):
     return load_scenario("slider_crank", case=case, overrides=[CLOSED_FORM, *overrides])
 
 
-def closure_force(run, name):
-    """Force of a closure on its second link [N], from the axes of the first side to those of the world."""
-    side = closures_of(run)[name]
-    turn = Rotation.from_quat(side["first_placement"][3:])
-    if side["first_body"] != "world":
-        link = body_poses(run)["attitude"].sel(body=side["first_body"]).values
-        turn = Rotation.from_quat(link) * turn
-    return turn.apply(run.data["closure_force"].sel(closure=name).values)
-
-
-def test_the_readme_names_every_case():
-    text = (FOLDER / "README.md").read_text()
-    for case in CASES:
-        assert f"`{case}`" in text
-
-
 @pytest.mark.parametrize("case", CASES)
 def test_every_case_starts_closed_and_with_the_ideal_velocity(case):
     """Journal centred, residuals to 1e-12, and no speed of the journal in its bearing."""
@@ -252,7 +236,7 @@ def test_the_ideal_mechanism_is_the_closed_form(case):
     agree(run.data["drive_torque"].sel(drive="crank"), m.moment)
     for joint, force in (("pin", m.pin_force), ("crank_pin", m.crank_pin_force)):
         agree(loads.sel(moving_joint=joint), np.stack([force[0], still, force[1]], axis=1))
-    agree(closure_force(run, "guide"), np.stack([still, still, m.guide_force], axis=1))
+    agree(force_of_closure(run, "guide"), np.stack([still, still, m.guide_force], axis=1))
     # The weight of the rod is carried in its plane, and nothing turns the slider: of 1e3 N at 0.1 m.
     assert np.abs(run.data["closure_moment"].sel(closure="guide")).max() < 1e-10
     # The drive's work is what the mechanism's energy changes by, along the whole run.

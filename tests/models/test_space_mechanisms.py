@@ -18,11 +18,6 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize(("model", "case"), CASES)
-def test_the_readme_names_every_case(model, case):
-    assert f"| `{case}` |" in (models_path() / model / "README.md").read_text()
-
-
 def assert_momentum_stays(run, share):
     assert run.completed, run.message
     for name, scale in (("linear", "momentum_scale"), ("angular", "angular_momentum_scale")):

@@ -10,7 +10,6 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from value_classes import changeable
 
 from antenna_pin.analysis import body_poses, quantity
 from antenna_pin.errors import InvalidParameterError, OutputError, UnknownNameError
@@ -411,11 +410,6 @@ def test_the_same_run_gives_the_same_page(clearance_run, tmp_path):
     """No clock, no name of the machine: a page can be compared and cached."""
     path = clearance_run.save(tmp_path / "run.nc")
     assert record(Trajectory.load(path)).html == record(clearance_run).html
-
-
-def test_values_are_frozen():
-    """They stay what they were checked to be, and take no attribute of a misspelt name."""
-    assert changeable("record") == set()
 
 
 @pytest.mark.parametrize(("run", "hollow"), [("clearance_run", "bearing"), ("ball_run", "socket")])

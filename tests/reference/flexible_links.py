@@ -37,4 +37,10 @@ DATA = {
         "root_rpy": [0.1, -0.4, 2.0],
     }
 }
+#: Nothing else of the antenna moves.
+LOCKED = {
+    "clearance.elevation": {"replace": True, "model": "ideal"},
+    "mechanism.joints.azimuth.kind": "locked",
+    "drives.azimuth.joint": "elevation",
+}
 KINDS = pytest.mark.parametrize("overrides", [MODES, PETALS, DATA], ids=["modes", "petals", "modal-data"])

@@ -1,13 +1,19 @@
-"""Dataclasses of a subpackage: whether they are frozen, keyword-only, and documented with their units."""
+"""Dataclasses of a subpackage: frozen, keyword-only, documented with their units, checked by their rules."""
 
 import dataclasses
 import importlib
 import inspect
+import math
 import pkgutil
 import re
+from typing import get_args, get_type_hints
+
+import pytest
 
 import antenna_pin
 from antenna_pin.base.parameters import attribute_docs, parameters_of
+from antenna_pin.base.rules import finite_too, obeys
+from antenna_pin.errors import InvalidParameterError
 
 _UNIT = re.compile(r"\[([^\],]+)\]")  # [0, 1] is a range
 
@@ -71,3 +77,17 @@ def undocumented_units(room):
 def _plain(unit):
     """Return a unit with powers and products written one way."""
     return {"-": "1"}.get(unit, unit).replace("**", "^").replace(" ", "*")
+
+
+def check_refusals(one):
+    """Check that each declared number of an object is refused, in one line, where it breaks its rule."""
+    cls = type(one)
+    hints = get_type_hints(cls)
+    for name, declared in parameters_of(cls).items():
+        whole = int in (hints[name], *get_args(hints[name]))
+        for bad in (-1, 0) if whole else (-1.0, 0.0, 0.5, 1.3, math.nan, math.inf):
+            if declared.sizes or (math.isfinite(bad) and obeys(bad, declared.rule)):
+                continue
+            message = f"{cls.__name__}: {name} must be {finite_too(declared.rule)}, got {bad!r}"
+            with pytest.raises(InvalidParameterError, match=f"^{re.escape(message)}$"):
+                dataclasses.replace(one, **{name: bad})

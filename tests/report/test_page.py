@@ -5,7 +5,6 @@ import dataclasses
 import re
 
 import pytest
-from value_classes import changeable
 
 from antenna_pin.errors import OutputError
 from antenna_pin.show.plot import allowed_figures
@@ -170,8 +169,3 @@ def test_prints_on_a_few_pages(page, saved):
     assert len(stills) == 2
     assert all(width > 300.0 and float(time.split()[0]) > 0.0 for time, width in stills)
     assert page.errors == [] and page.requests == []
-
-
-def test_values_are_frozen():
-    """They stay what they were checked to be, and take no attribute of a misspelt name."""
-    assert changeable("report") == set()

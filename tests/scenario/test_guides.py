@@ -39,7 +39,7 @@ def test_a_square_guide_may_end():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"key_width": "4 mm"}, "keyway_width must be a positive length"),
+        ({"key_width": "4 mm"}, "keyway_width must be positive and finite"),
         (KEY | {"key_width": "5 mm"}, "key_width must be below keyway_width = 0.0041 m"),
         ({"guide_length": "-1 mm"}, "guide_length must be positive"),
         ({"load": "distributed"}, "load must be point for a slider"),

@@ -78,7 +78,6 @@ REFUSALS = [
         {"mechanism.allow_impossible_inertia": [3]},
         "mechanism.allow_impossible_inertia[0] must be text, got 3",
     ),
-    ({"mechanism.links": [1]}, "mechanism.links must be a table, got [1]"),
     (
         {"mechanism.links.body.inertia": [1, 2]},
         "mechanism.links.body.inertia must be an array of 3 or 6 numbers [kg*m**2], got [1, 2]",
@@ -217,7 +216,6 @@ REFUSALS = [
     ),
     ({H + "normal.law": 3}, "clearance.hinge.normal.law must be text, got 3"),
     ({H + "normal.restitution": 1.3}, "clearance.hinge.normal.restitution must be in [0, 1], got 1.3"),
-    ({H + "normal.restitution": -0.1}, "clearance.hinge.normal.restitution must be in [0, 1], got -0.1"),
     (
         {H + "model": "ideal", H + "normal.restitution": 1.3},
         "clearance.hinge.normal.restitution must be in [0, 1], got 1.3",
@@ -233,18 +231,9 @@ REFUSALS = [
     ),
     ({H + "normal.xyz": 1}, f"clearance.hinge.normal.xyz is unknown; {LN}"),
     (
-        {H + "normal.stiffness": "-1e9 N/m**1.5"},
-        "clearance.hinge.normal.stiffness must be positive and finite, got -1000000000.0",
-    ),
-    (
         {H + "normal.stiffness": "1e9 N/m"},
         "clearance.hinge.normal.stiffness must be a stiffness [N/m**1.5], got '1e9 N/m' (stiffness)",
     ),
-    (
-        {H + "normal.exponent": "1.5 m"},
-        "clearance.hinge.normal.exponent must be a pure number, got '1.5 m' (length)",
-    ),
-    ({H + "axial.restitution": 2}, "clearance.hinge.axial.restitution must be in [0, 1], got 2.0"),
     (
         {H + "axial.restitutio": 2},
         f"clearance.hinge.axial.restitutio is unknown; did you mean restitution? {LN}",
@@ -261,14 +250,6 @@ REFUSALS = [
         {H + "friction.transition_speed": DELETED},
         "clearance.hinge.friction.transition_speed is missing; law tanh takes "
         "coefficient_of_friction, transition_speed",
-    ),
-    (
-        {H + "friction.transition_speed": "1 m"},
-        "clearance.hinge.friction.transition_speed must be a speed [m/s], got '1 m' (length)",
-    ),
-    (
-        {H + "friction.transition_speed": 0},
-        "clearance.hinge.friction.transition_speed must be positive and finite, got 0.0",
     ),
     (
         {H + "friction": {"law": "none", "mu": 1}},
@@ -506,10 +487,6 @@ def test_true_or_false_is_nothing_else(folder, place, value):
             {H + "normal": {"law": "hertz", "dissipation": "floras"}},
             "clearance.hinge.normal.dissipation: dissipation 'floras' is unknown; did you mean flores? "
             "known: adams-impact,",
-        ),
-        (
-            {H + "axial.law": "hertzz"},
-            "clearance.hinge.axial.law: law 'hertzz' is unknown; did you mean hertz?",
         ),
         (
             {H + "friction.law": "tan"},

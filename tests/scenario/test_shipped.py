@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-import antenna_pin.scenario as scenario_package
 from antenna_pin.errors import ScenarioError, UnknownNameError
 from antenna_pin.scenario import (
     ContactClearance,
@@ -170,8 +169,3 @@ def test_listing_scenarios_imports_no_heavy_library():
         "sys.exit(any(m in sys.modules for m in ('pint', 'numpy', 'numba', 'pinocchio')))"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
-
-
-def test_public_names_exist():
-    for name in scenario_package.__all__:
-        assert hasattr(scenario_package, name)

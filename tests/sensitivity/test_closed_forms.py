@@ -8,6 +8,15 @@ from antenna_pin.studies.sensitivity import sensitivities
 
 MASS, STIFFNESS, DAMPING, PLACE, SPEED, PULL = 2.0, 50.0, 1.2, 0.5, 0.3, 9.81
 METHODS = ["runs", "equation"]
+#: Every number of the oscillator, by its key.
+KEYS = {
+    "springs.coil.stiffness": STIFFNESS,
+    "springs.coil.damping": DAMPING,
+    "mechanism.links.mass.mass": MASS,
+    "initial.joints.way.position": PLACE,
+    "mechanism.gravity[0]": -PULL,
+}
+
 
 URDF = """<robot name="oscillator"><link name="ground"/>
 <link name="mass"><inertial><mass value="2"/>
@@ -75,17 +84,10 @@ def oscillation(t, stiffness, damping, mass, place, gravity):
 @pytest.mark.parametrize("engine", ["compiled", "pinocchio"])
 def test_an_oscillator_in_all_its_numbers(tmp_path, method, engine):
     """By the complex step, whose derivatives of the closed form are exact to round-off."""
-    keys = {
-        "springs.coil.stiffness": STIFFNESS,
-        "springs.coil.damping": DAMPING,
-        "mechanism.links.mass.mass": MASS,
-        "initial.joints.way.position": PLACE,
-        "mechanism.gravity[0]": -PULL,
-    }
     times = np.array([0.0, 0.2, 0.7, 1.4])
     oscillator = mass(tmp_path, COIL, **{"integrator.engine": engine})
-    found = sensitivities(oscillator, list(keys), times, method=method)
-    for k, value, stepped in stepped_numbers(keys):
+    found = sensitivities(oscillator, list(KEYS), times, method=method)
+    for k, value, stepped in stepped_numbers(KEYS):
         for name, exact in zip(("slide_position", "slide_rate"), oscillation(times, *stepped), strict=True):
             wanted = exact.imag / 1e-30
             ours = found.derivative(name)[:, 0, k]

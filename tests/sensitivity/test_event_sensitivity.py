@@ -7,8 +7,8 @@ from antenna_pin.studies.sensitivity import results_of, sensitivities
 from tests.sensitivity.test_closed_forms import (
     COIL,
     DAMPING,
+    KEYS,
     MASS,
-    PLACE,
     PULL,
     STIFFNESS,
     mass,
@@ -16,13 +16,6 @@ from tests.sensitivity.test_closed_forms import (
     stepped_numbers,
 )
 
-KEYS = {
-    "springs.coil.stiffness": STIFFNESS,
-    "springs.coil.damping": DAMPING,
-    "mechanism.links.mass.mass": MASS,
-    "initial.joints.way.position": PLACE,
-    "mechanism.gravity[0]": -PULL,
-}
 EVENTS = """
 [events.passes]
 kind = "angle"

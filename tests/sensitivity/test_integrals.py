@@ -11,6 +11,7 @@ from tests.sensitivity.test_closed_forms import (
     COIL,
     DAMPING,
     FLOOR,
+    KEYS,
     MASS,
     PLACE,
     PULL,
@@ -58,13 +59,6 @@ def test_what_blows_take(tmp_path):
 
 def test_what_a_damper_takes(tmp_path):
     """The loss is what gravity and spring give less what the mass has: energy by the closed form."""
-    keys = {
-        "springs.coil.stiffness": STIFFNESS,
-        "springs.coil.damping": DAMPING,
-        "mechanism.links.mass.mass": MASS,
-        "initial.joints.way.position": PLACE,
-        "mechanism.gravity[0]": -PULL,
-    }
     times = np.array([0.2, 0.7, 1.4])
 
     def loss(stiffness, damping, mass, place, gravity):
@@ -75,8 +69,8 @@ def test_what_a_damper_takes(tmp_path):
 
         return energy(place, SPEED) - energy(x, v)
 
-    found = sensitivities(mass(tmp_path, COIL), list(keys), times, method="equation")
-    for k, value, stepped in stepped_numbers(keys):
+    found = sensitivities(mass(tmp_path, COIL), list(KEYS), times, method="equation")
+    for k, value, stepped in stepped_numbers(KEYS):
         exact = loss(*stepped).imag / 1e-30
         ours = found.derivative("dissipation_damper")[:, 0, k]
         # A hundred of the run's tolerances of energies of some 20 J.

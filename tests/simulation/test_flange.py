@@ -5,20 +5,13 @@ import dataclasses
 import numpy as np
 import pinocchio as pin
 import pytest
+from hinge_shapes import antenna_hinge
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.contact import Hertz, LankaraniNikravesh, NoFriction
 from antenna_pin.joints import ClearanceJoint
-from antenna_pin.joints.geometry import RevoluteClearance
 
-SHAPE = RevoluteClearance.from_clearances(
-    bearing_radius=0.01,
-    radial_clearance=2e-4,
-    bearing_length=0.05,
-    axial_clearance=2e-4,
-    bearing_outer_radius=0.012,
-    flange_radius=0.014,
-)
+SHAPE = antenna_hinge()
 
 
 def impact(axis, geometry, *overrides):

@@ -5,12 +5,13 @@ import json
 import numpy as np
 import pinocchio as pin
 import pytest
+from hinge_shapes import antenna_hinge
 
 from antenna_pin import ClearanceJoint, RunSettings, System, simulate
 from antenna_pin.contact import Hertz, LankaraniNikravesh, NoFriction, Tanh
 from antenna_pin.dynamics import assembled
 from antenna_pin.elements import PrescribedMotion
-from antenna_pin.joints.geometry import PlanarClearance, PrismaticClearance, RevoluteClearance
+from antenna_pin.joints.geometry import PlanarClearance, PrismaticClearance
 from antenna_pin.mechanism import Urdf, build_mechanism
 
 SHAFT = """<robot name="shaft"><link name="body"><inertial><origin xyz="0.1 0 0"/><mass value="8"/>
@@ -20,10 +21,7 @@ SHAFT = """<robot name="shaft"><link name="body"><inertial><origin xyz="0.1 0 0"
 <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
 <link name="shaft"><inertial><origin xyz="0.004 0.001 0.01"/><mass value="1"/>
 <inertia ixx="2e-3" iyy="2.5e-3" izz="1e-3" ixy="0" ixz="1e-4" iyz="0"/></inertial></link></robot>"""
-SPACE = RevoluteClearance.from_clearances(
-    bearing_radius=0.01, radial_clearance=2e-4, bearing_length=0.05, axial_clearance=3e-4,
-    bearing_outer_radius=0.012, flange_radius=0.014,
-)  # fmt: skip
+SPACE = antenna_hinge(axial_clearance=0.0003)  # fmt: skip
 PLANE = PlanarClearance(bearing_radius=0.01, journal_radius=0.0098)
 RATE = 20.0
 

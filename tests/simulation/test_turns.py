@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from hinge_shapes import antenna_hinge
 from wheel import wheel_urdf
 
 from antenna_pin import RunSettings, System, build_mechanism, load_scenario, simulate
@@ -12,7 +13,7 @@ from antenna_pin.contact import Hertz
 from antenna_pin.dynamics import CallableDrive, JointSpring
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.joints import ClearanceJoint
-from antenna_pin.joints.geometry import PlanarClearance, RevoluteClearance
+from antenna_pin.joints.geometry import PlanarClearance
 from antenna_pin.scenario.assemble import build_system, initial_angles, initial_state
 
 KINDS = ("revolute", "continuous", "constraint", "planar", "contact")
@@ -29,14 +30,7 @@ def wheel(kind, **elements):
         geometry = PlanarClearance(bearing_radius=0.01, journal_radius=0.0099)
         clearances = (ClearanceJoint(name="axle", geometry=geometry, radial=law, backend="closed-form"),)
     elif kind == "contact":
-        geometry = RevoluteClearance.from_clearances(
-            bearing_radius=0.01,
-            radial_clearance=1e-4,
-            bearing_length=0.05,
-            axial_clearance=1e-4,
-            bearing_outer_radius=0.012,
-            flange_radius=0.014,
-        )
+        geometry = antenna_hinge(radial_clearance=0.0001, axial_clearance=0.0001)
         clearances = (
             ClearanceJoint(name="axle", geometry=geometry, radial=law, axial=law, backend="closed-form"),
         )

@@ -6,7 +6,6 @@ import shutil
 
 import numpy as np
 import pytest
-from value_classes import changeable
 
 from antenna_pin import open_study, run_study
 from antenna_pin.errors import FileFormatError, OutputError
@@ -196,8 +195,3 @@ def test_a_full_disk_costs_no_finished_run(write, tmp_path, fake, whole, monkeyp
 
 def _about(folder):
     return (folder / "study.json").read_text().rpartition("\nantenna_pin")[0]
-
-
-def test_values_are_frozen():
-    """They stay what they were checked to be, and take no attribute of a misspelt name."""
-    assert changeable("sweep") == set()

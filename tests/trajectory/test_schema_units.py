@@ -1,7 +1,6 @@
 """Units of what a result holds: those that the names tell."""
 
 import pytest
-from value_classes import changeable
 
 from antenna_pin.trajectory.schema import VARIABLES
 
@@ -42,8 +41,3 @@ def word_of(name):
 @pytest.mark.parametrize("name", sorted(VARIABLES.keys() - OF_JOINTS))
 def test_a_unit_is_that_of_the_name(name):
     assert VARIABLES[name].units in UNITS[word_of(name)]
-
-
-def test_values_are_frozen():
-    """They stay what they were checked to be, and take no attribute of a misspelt name."""
-    assert changeable("trajectory") == {"Content", "Unlabelled"}  # to which is added while they are made

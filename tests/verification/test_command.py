@@ -56,7 +56,7 @@ def test_shipped_verifications_are_listed():
     }
 
 
-@pytest.mark.parametrize("words, said", [(["--workers", "-1"], "--workers: must be zero or more, got -1")])
+@pytest.mark.parametrize("words, said", [(["--workers", "-1"], "'--workers': must be zero or more, got -1")])
 def test_wrong_options_are_refused(sled, words, said):
     """One line."""
     path = sled(FAR.format("1 m"))

@@ -27,7 +27,7 @@ GOOD = "[requirements.far]\nquantity = 'final_position'\nof = 'slide'\n"
         ),
         (
             GOOD + "at_most = 1\nover = 'study'\nprobability = 1.5\n",
-            "requirements.far.probability must be above 0 and below 1, got 1.5",
+            "requirements.far.probability must be between 0 and 1, got 1.5",
         ),
         (GOOD + "at_most = 1\nover = 'study'\n", "requirements.far.probability is missing"),
         (

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.compiled.decorators import record
 from antenna_pin.contact import (
     DISSIPATIONS,
@@ -68,10 +68,8 @@ class Impact:
 
 def _check_impact(place: str, mass: float, speed: float) -> None:
     """Refuse a mass [kg] or speed [m/s] without an impact; ``place`` names the caller."""
-    if not 0.0 < mass < math.inf:
-        raise InvalidParameterError(place, "mass", "positive and finite [kg]", mass)
-    if not 0.0 < speed < math.inf:
-        raise InvalidParameterError(place, "speed", "positive and finite [m/s]", speed)
+    check_number(place, "mass", mass, "positive", "kg")
+    check_number(place, "speed", speed, "positive", "m/s")
 
 
 def _depth_of_energy(law: NormalLaw, energy: float) -> float:

@@ -17,11 +17,12 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NoReturn, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn, ParamSpec, TypeVar
 
 import typer
 
 from antenna_pin.base.interruption import acknowledge, ended_by, held_back, is_interruption
+from antenna_pin.base.rules import NumberRule
 from antenna_pin.errors import (
     AntennaPinError,
     InvalidParameterError,
@@ -33,6 +34,7 @@ from antenna_pin.errors import (
 
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
+    from antenna_pin.studies.sweep import Executor
     from antenna_pin.trajectory import Trajectory
 
 
@@ -194,14 +196,22 @@ ScenarioArgument = Annotated[
     str, typer.Argument(metavar="SCENARIO", help="Name of a shipped scenario, or path of a TOML file.")
 ]
 CaseOption = Annotated[str | None, typer.Option(help="Case of the scenario; its default case if left out.")]
+
+
+def setting_option(what: str, examples: str) -> Any:
+    """Return the option ``--set`` of a command whose file is not a scenario."""
+    text = f"Change one entry of {what}, such as {examples}. May be repeated."
+    return typer.Option("--set", metavar="KEY=VALUE", help=text)
+
+
 SetOption = Annotated[
     list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="KEY=VALUE",
-        help="Change one entry of the scenario, such as integrator.rtol=1e-9 or"
-        " 'clearance.elevation.radial_clearance=0.1 mm'. May be repeated.",
-    ),
+    setting_option("the scenario", "integrator.rtol=1e-9 or 'clearance.elevation.radial_clearance=0.1 mm'"),
+]
+WorkersOption = Annotated[
+    int | None,
+    typer.Option(metavar="N", help="Processes; one for each core if left out, 0 for this one alone."),
+    NumberRule("zero or more"),
 ]
 FigureOutOption = Annotated[
     Path | None,
@@ -243,6 +253,15 @@ def load(
         return loaded
     changes += [f"clearance.{joint}.geometry={geometry.value}" for joint in loaded.clearance]
     return load_scenario(name, case=case, overrides=changes)
+
+
+def executor_of(
+    workers: int | None, scheduler: str | None = None, tls: dict[str, str] | None = None
+) -> Executor:
+    """Return what makes runs: processes here, those of a scheduler, or this process alone."""
+    from antenna_pin.studies.sweep import Cluster, Here
+
+    return Here() if workers == 0 else Cluster(workers, scheduler, tls)
 
 
 def stem(scenario: Scenario) -> str:

@@ -19,6 +19,7 @@ from typer.models import ParameterInfo
 from antenna_pin.apps.cli._common import REFUSED, complain, report_interruption
 from antenna_pin.apps.cli._tables import length_text
 from antenna_pin.base.readable import DECIMAL, bare, decimal_in, whole_in
+from antenna_pin.base.rules import NumberRule, obeys
 from antenna_pin.errors import InvalidParameterError
 
 P = ParamSpec("P")
@@ -28,14 +29,16 @@ _READERS: dict[Any, Callable[[str], float | None]] = {float: decimal_in, int: wh
 
 
 def with_plain_numbers(command: Callable[P, R]) -> Callable[P, R]:
-    """Return a command whose numeric options are read as strictly as scenario files."""
+    """Return a command that reads numeric options as strictly as scenario files, by their rules."""
     # Evaluated here for good: each evaluation makes the options anew.
     command.__annotations__ = typing.get_type_hints(command, include_extras=True)
     for hint in command.__annotations__.values():
         info = next((one for one in typing.get_args(hint) if isinstance(one, ParameterInfo)), None)
         kind = next((one for one in (hint, *_parts(hint)) if one in _READERS), None)
         if info is not None and kind is not None and info.parser is None:
-            info.parser, info.min = _reader(kind, info.min), None
+            info.parser = _reader(
+                kind, [one.text for one in typing.get_args(hint) if isinstance(one, NumberRule)]
+            )
     return command
 
 
@@ -44,13 +47,14 @@ def _parts(hint: Any) -> tuple[Any, ...]:
     return (*inner, *(part for one in inner for part in typing.get_args(one)))
 
 
-def _reader(kind: type[float], least: float | None) -> Callable[[Any], float]:
+def _reader(kind: type[float], rules: list[str]) -> Callable[[Any], float]:
     def read(value: Any) -> float:
         number = _READERS[kind](value) if isinstance(value, str) else value
         if number is None:
             raise typer.BadParameter(f"{value!r} is not a valid {kind.__name__}")
-        if least is not None and number < least:
-            raise typer.BadParameter(f"{value} is not in the range x>={least}")
+        for rule in rules:
+            if not obeys(number, rule):
+                raise typer.BadParameter(f"must be {rule}, got {value}")
         return kind(number)
 
     read.__name__ = kind.__name__  # which the help shows
@@ -59,11 +63,11 @@ def _reader(kind: type[float], least: float | None) -> Callable[[Any], float]:
 
 def positive_quantity(text: str, unit: str, option: str, place: str = "contact") -> float:
     """Return an option in SI units, or refuse a value that is not positive."""
+    from antenna_pin.base.arguments import check_number
     from antenna_pin.base.units import quantity
 
     value = quantity(bare(text), unit, option)
-    if not value > 0.0:
-        raise InvalidParameterError(place, option, "positive", text)
+    check_number(place, option, value, "positive", text=repr(text))
     return value
 
 

@@ -20,6 +20,7 @@ from antenna_pin.apps.cli._export import (
 )
 from antenna_pin.apps.cli._tables import Zeros, print_rows, print_table, text_of
 from antenna_pin.base.readable import bare
+from antenna_pin.base.rules import NumberRule
 
 JointOption = Annotated[str | None, typer.Option(help="Joint with clearance; all of them if left out.")]
 
@@ -175,7 +176,9 @@ def impacts(
     file: ResultArgument,
     joint: JointOption = None,
     strongest: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="List only the N impacts of largest force.")
+        int | None,
+        typer.Option(metavar="N", help="List only the N impacts of largest force."),
+        NumberRule("1 or more"),
     ] = None,
     as_json: JsonOption = False,
     csv: CsvOption = None,

@@ -316,14 +316,14 @@ def restitution(
     refuse a restitution of 0 are left out there.
     """
     from antenna_pin.analysis.law_studies import largest_errors, restitution_table
+    from antenna_pin.base.arguments import check_number
     from antenna_pin.contact import DISSIPATIONS, law_parameters
 
     target = csv_target(csv)
     suffixes = figures_asked(out, formats)
     values = list_of(asked, "1", "--asked", positive=False)
     for value in values:
-        if not 0.0 <= value <= 1.0:
-            raise InvalidParameterError("contact restitution", "--asked", "in [0, 1]", value)
+        check_number("contact restitution", "--asked", value, "in [0, 1]")
     taking = [name for name, law in DISSIPATIONS.items() if "restitution" in law_parameters(law)]
     words = ("dissipation", "dissipation", f"one that takes a restitution: {', '.join(taking)}")
     chosen = _chosen("contact restitution", dissipations or taking, taking, words, DISSIPATIONS)

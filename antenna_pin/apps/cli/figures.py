@@ -31,6 +31,7 @@ from antenna_pin.apps.cli._common import (
 )
 from antenna_pin.apps.cli._run_store import AttractorStore, CaseRuns
 from antenna_pin.base.files import replacing
+from antenna_pin.base.rules import AtLeastTwo, NumberRule
 from antenna_pin.errors import AntennaPinError
 
 if TYPE_CHECKING:
@@ -126,10 +127,12 @@ def figures(
         typer.Option("--figure", metavar="N", help="Number of a figure in the paper; all if left out."),
     ] = None,
     count: Annotated[
-        int, typer.Option(metavar="N", min=2, help="Values of a parameter in figures over one.")
+        AtLeastTwo, typer.Option(metavar="N", help="Values of a parameter in figures over one.")
     ] = 20,
     points: Annotated[
-        int, typer.Option(metavar="N", min=32, help="Points of each Poincare map, behind its transient.")
+        int,
+        typer.Option(metavar="N", help="Points of each Poincare map, behind its transient."),
+        NumberRule("32 or more"),
     ] = 400,
     duration: DurationOption = None,
     settings: SetOption = None,

@@ -9,11 +9,21 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from antenna_pin.apps.cli._common import DOUBTFUL, QuietOption, not_interrupted, refuse, say, writable_file
+from antenna_pin.apps.cli._common import (
+    DOUBTFUL,
+    QuietOption,
+    executor_of,
+    not_interrupted,
+    refuse,
+    say,
+    setting_option,
+    writable_file,
+)
 from antenna_pin.apps.cli._progress import fit_bar
 from antenna_pin.apps.cli._tables import print_rows
 from antenna_pin.apps.cli._usage import command_of
 from antenna_pin.base.readable import number, readable
+from antenna_pin.base.rules import NotNegativeInt, NumberRule
 
 if TYPE_CHECKING:
     import numpy as np
@@ -208,18 +218,11 @@ def fit(
         typer.Option(metavar="NAME", help="Record of that scenario, if not the first."),
     ] = None,
     settings: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="KEY=VALUE",
-            help="Change one entry of the fit, such as loss=huber or 'parameters.play.start=0.1 mm'. May be"
-            " repeated.",
-        ),
+        list[str] | None, setting_option("the fit", "loss=huber or 'parameters.play.start=0.1 mm'")
     ] = None,
     workers: Annotated[
-        int | None,
-        typer.Option(metavar="N", help="Processes that make runs; this one alone if left out or 0."),
-    ] = None,
+        NotNegativeInt, typer.Option(metavar="N", help="Processes that make runs; 0 for this one alone.")
+    ] = 0,
     identify: Annotated[
         bool,
         typer.Option("--identify", help="Fit nothing: print how well the records determine the parameters."),
@@ -239,8 +242,12 @@ def fit(
     profile: Annotated[
         bool, typer.Option("--profile", help="Make the profile of each parameter: many fits of the others.")
     ] = False,
-    draws: Annotated[int, typer.Option(metavar="N", help="Runs at drawn values, for nonlinear bands.")] = 0,
-    seed: Annotated[int, typer.Option(metavar="N", help="Seed of the draws.")] = 0,
+    draws: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Runs at drawn values, for nonlinear bands."),
+        NumberRule("2 or more"),
+    ] = None,
+    seed: Annotated[NotNegativeInt, typer.Option(metavar="N", help="Seed of the draws.")] = 0,
     report: Annotated[
         bool, typer.Option("--report", help="Print lmfit's report, with correlations.")
     ] = False,
@@ -254,15 +261,10 @@ def fit(
     """
     from antenna_pin.studies.fit import load_fit, run_fit
     from antenna_pin.studies.fit.assessment import certain
-    from antenna_pin.studies.sweep import Cluster, Here
     from antenna_pin.trajectory import save_table
 
     plan = load_fit(file, settings or ())
     tests = _asked_before(identify, experiments, at, [profile, draws, write_scenario, report])
-    if draws < 0 or draws == 1:
-        refuse(f"fit: --draws must be 2 or more, or left out, got {draws}")
-    if seed < 0:
-        refuse(f"fit: --seed must be zero or more, got {seed}")
     if tests and out is not None:
         writable_file(out, ".nc")
     if plan.surface is not None and (tests or profile or draws):
@@ -278,9 +280,7 @@ def fit(
         refuse("fit: --record must be given with --write-scenario, whose record it names")
     if record is not None and record not in plan.records:
         refuse(f"fit: --record must be one of {', '.join(plan.records)}, got {record}")
-    if workers is not None and workers < 0:
-        refuse(f"fit: --workers must be zero or more, got {workers}")
-    executor = Cluster(workers) if workers else Here()
+    executor = executor_of(workers)
     try:
         with fit_bar(plan.name, progress and not quiet) as tell:
             if experiments is not None:
@@ -292,7 +292,7 @@ def fit(
             notes: list[str] = []
 
             def judged(result: Fit) -> None:
-                table, said = certain(result, profile=profile, draws=draws, seed=seed)
+                table, said = certain(result, profile=profile, draws=draws or 0, seed=seed)
                 table.attrs["command"] = command_of(context)
                 save_table(table, target)
                 notes.extend(said)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from enum import StrEnum
 from pathlib import Path
@@ -24,6 +23,7 @@ from antenna_pin.apps.cli._progress import picture_bar
 from antenna_pin.apps.cli._usage import direction_of, seconds_in
 from antenna_pin.base.interruption import ended_by
 from antenna_pin.base.readable import decimal_in
+from antenna_pin.base.rules import NumberRule, Positive
 from antenna_pin.errors import InvalidParameterError, OutputError
 
 if TYPE_CHECKING:
@@ -180,9 +180,10 @@ def record(
         typer.Option(
             help="Key frames per second of the run, besides all impacts; 500, or more where bodies turn fast."
         ),
+        NumberRule("positive"),
     ] = None,
     max_size: Annotated[
-        float,
+        Positive,
         typer.Option(metavar="MB", help="Largest size of a page; key frames are thinned to it."),
     ] = 5.0,
     package_path: PackagePathOption = None,
@@ -195,9 +196,6 @@ def record(
     kind = kind_of(out)
     check_options(out, kind, at=at, fps=fps, size=size)
     time, pixels = seconds_in(at, "--at"), size_of(size)
-    for option, value in (("--key-rate", key_rate), ("--max-size", max_size)):
-        if value is not None and not (value > 0.0 and math.isfinite(value)):
-            raise InvalidParameterError("record", option, "positive", value)
     packages = package_folders(package_path)
     run = load_result(file)
     reference = None if ideal is None else load_result(ideal)

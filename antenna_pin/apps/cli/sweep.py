@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.apps.cli._common import ProgressOption, QuietOption, complain, refuse, say
+from antenna_pin.apps.cli._common import (
+    ProgressOption,
+    QuietOption,
+    WorkersOption,
+    complain,
+    executor_of,
+    refuse,
+    say,
+    setting_option,
+)
 from antenna_pin.apps.cli._progress import study_bar
 from antenna_pin.apps.cli._tables import print_rows
 from antenna_pin.apps.cli.study import is_grid, print_grid, print_outcomes, run_rows, said_of_time
@@ -28,23 +37,12 @@ def sweep(
         Path | None, typer.Option(metavar="FOLDER", help="Folder of the store; NAME.study here if left out.")
     ] = None,
     settings: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="KEY=VALUE",
-            help="Change one entry of the study, such as sampling.count=64 or 'set.duration=0.5 s'. May be"
-            " repeated.",
-        ),
+        list[str] | None, setting_option("the study", "sampling.count=64 or 'set.duration=0.5 s'")
     ] = None,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Print the planned runs and their duration; run nothing.")
     ] = False,
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N", help="Processes here; one for each core if left out, 0 for this one alone."
-        ),
-    ] = None,
+    workers: WorkersOption = None,
     scheduler: Annotated[
         str | None, typer.Option(metavar="URL", help="Dask scheduler that has workers: tcp://host:8786.")
     ] = None,
@@ -105,8 +103,6 @@ def sweep(
 
 
 def _executor(workers: int | None, scheduler: str | None, tls: dict[str, Path | None]) -> Executor:
-    from antenna_pin.studies.sweep import Cluster, Here
-
     given = {name: str(path) for name, path in tls.items() if path is not None}
     if scheduler is not None and workers is not None:
         refuse("--workers: must be left out with --scheduler, which has its own workers")
@@ -115,11 +111,7 @@ def _executor(workers: int | None, scheduler: str | None, tls: dict[str, Path | 
     for name, path in given.items():
         if not os.path.isfile(path):
             refuse(f"--tls-{name} {path}: no such file")
-    if workers is not None and workers < 0:
-        refuse(f"--workers: must be zero or more, got {workers}")
-    if workers == 0:
-        return Here()
-    return Cluster(workers, scheduler, given or None)
+    return executor_of(workers, scheduler, given or None)
 
 
 def _show(study: Study, out: Path | None, workers: int | None) -> None:

@@ -21,6 +21,7 @@ from antenna_pin.apps.cli._common import (
 )
 from antenna_pin.apps.cli._export import CsvOption, JsonOption, csv_target, exported, save_plot
 from antenna_pin.apps.cli._tables import length_text, print_rows
+from antenna_pin.base.rules import Positive
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
@@ -36,7 +37,9 @@ def tolerance(
     scenario: ScenarioArgument,
     case: CaseOption = None,
     settings: SetOption = None,
-    capability: Annotated[float, typer.Option(help="C_p of the processes that make holes and shafts.")] = 1.0,
+    capability: Annotated[
+        Positive, typer.Option(help="C_p of the processes that make holes and shafts.")
+    ] = 1.0,
     plot: Annotated[
         Path | None,
         typer.Option("--plot", metavar="FILE", help="Figure of the play over temperature: png, pdf or svg."),
@@ -54,8 +57,6 @@ def tolerance(
     Worst case, root sum square and distribution; clearances over their own tolerance.
     """
     target, figure = csv_target(csv), figure_target(plot, "tolerance", "--plot")
-    if not capability > 0.0:
-        raise InvalidParameterError("tolerance", "--capability", "positive", capability)
     loaded = load(scenario, case, settings)
     joints, chains = _joints(loaded, capability), _chains(loaded)
     facts = {"scenario": loaded.name, "case": loaded.case, "joints": joints, "chains": chains}

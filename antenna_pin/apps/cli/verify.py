@@ -8,14 +8,22 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.apps.cli._common import ProgressOption, QuietOption, complain, not_interrupted, refuse, say
+from antenna_pin.apps.cli._common import (
+    ProgressOption,
+    QuietOption,
+    WorkersOption,
+    complain,
+    executor_of,
+    not_interrupted,
+    say,
+    setting_option,
+)
 from antenna_pin.apps.cli._export import JsonOption, csv_target, say_json, write_csv
 from antenna_pin.apps.cli._progress import verification_bar
 from antenna_pin.apps.cli._tables import print_rows
 from antenna_pin.apps.cli._usage import command_of
 
 if TYPE_CHECKING:
-    from antenna_pin.studies.sweep import Executor
     from antenna_pin.studies.verification import Verification, Verified
 
 #: Exit code of a verification with a requirement that is not shown to be met.
@@ -38,18 +46,8 @@ def verify(
             metavar="DIR", help="Folder of report, numbers and runs; NAME.verification if left out."
         ),
     ] = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(metavar="N", help="Processes; one for each core if left out, 0 for this one alone."),
-    ] = None,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="KEY=VALUE",
-            help="Change one entry of the file, such as 'set.duration=0.5 s'. May be repeated.",
-        ),
-    ] = None,
+    workers: WorkersOption = None,
+    settings: Annotated[list[str] | None, setting_option("the file", "'set.duration=0.5 s'")] = None,
     figures: Annotated[bool, typer.Option(help="Draw figures.")] = True,
     report: Annotated[bool, typer.Option(help="Write the report.")] = True,
     as_json: JsonOption = False,
@@ -79,7 +77,7 @@ def verify(
     target = csv_target(csv)
     plan = load_verification(file, settings or ())
     folder = output or Path(f"{plan.name}.verification")
-    executor = _executor(workers)
+    executor = executor_of(workers)
     try:
         with verification_bar(plan.name, progress and not quiet) as tell:
             result = make(plan, folder, executor=executor, progress=tell)
@@ -101,14 +99,6 @@ def verify(
             say(f"saved {folder / 'report.html'}")
     if not result.met:
         raise typer.Exit(SHORT)
-
-
-def _executor(workers: int | None) -> Executor:
-    from antenna_pin.studies.sweep import Cluster, Here
-
-    if workers is not None and workers < 0:
-        refuse(f"--workers: must be zero or more, got {workers}")
-    return Here() if workers == 0 else Cluster(workers)
 
 
 def _report(

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.analysis import Line, answer, journal_motion, quantity
 from antenna_pin.apps.live.knobs import Knob, knobs_of, play_names
+from antenna_pin.base.arguments import check_number
 from antenna_pin.base.files import check_writable, replacing
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.run.session import start
@@ -75,8 +76,7 @@ class Explored:
 
     def __init__(self, scenario: Scenario, joint: str | None = None, span: float = SPAN) -> None:
         """Find what may be turned, or refuse what cannot be explored."""
-        if not span > 0.0:
-            raise InvalidParameterError("explore", "duration", "positive [s]", span)
+        check_number("explore", "duration", span, "positive", "s")
         fast: dict[str, Any] = {"integrator.engine": "compiled", "duration": min(span, scenario.duration)}
         for name in play_names(scenario):
             fast[f"clearance.{name}.geometry"] = "closed-form"

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, ClassVar, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.base.readable import GIVEN, readable
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.joints.geometry import kernels
@@ -257,8 +257,7 @@ class PrismaticClearance(Shape):
             raise InvalidParameterError(
                 self, "corner_radius", f"zero or more, and below half of each side, {half:g} m"
             )
-        if not math.isfinite(self.roll):
-            raise InvalidParameterError(self, "roll", "finite [rad]")
+        check_number(self, "roll", self.roll, "", "rad")
         check_guide_length(self)
 
     @property

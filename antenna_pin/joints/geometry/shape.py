@@ -9,6 +9,7 @@ from typing import Any, Literal, NamedTuple, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.base.arguments import check_number
 from antenna_pin.base.directions import direction
 from antenna_pin.base.parameters import LARGEST
 from antenna_pin.base.records import CONTACT, POSE
@@ -234,7 +235,6 @@ def require_lengths(shape: object, *names: str) -> None:
     """Refuse a dimension that is not a positive length."""
     for name in names:
         length = getattr(shape, name)
-        if not 0.0 < length < math.inf:
-            raise InvalidParameterError(shape, name, "a positive length [m]")
+        check_number(shape, name, length, "positive", "m")
         if length > LARGEST:
             raise InvalidParameterError(shape, name, f"at most {LARGEST:g} m")

@@ -28,7 +28,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.base.parameters import SWINGS, check, parameter
+from antenna_pin.base.parameters import check, parameter
+from antenna_pin.base.rules import SWINGS
 from antenna_pin.base.units import shown
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism.flexible.inertia import (

@@ -17,8 +17,8 @@ import re
 from collections.abc import Container, Sequence
 from dataclasses import dataclass, field
 
-from antenna_pin.base.parameters import RULES, SWINGS
 from antenna_pin.base.readable import alternatives, decimal_in, whole_in
+from antenna_pin.base.rules import SWINGS, obeys
 from antenna_pin.base.tables import BadTableError, column_of, headings, read_cells
 from antenna_pin.base.units import shown
 from antenna_pin.errors import FileFormatError
@@ -401,7 +401,7 @@ def _of_csv(text: str) -> ModalTable:
         place, factors = f"line {line}", [column[k] for column in columns]
         checked_frequency(frequency[k], place)
         participation += checked_factors(factors, place)
-        if damping is not None and not RULES[SWINGS](damping[k]):
+        if damping is not None and not obeys(damping[k], SWINGS):
             raise BadModalTableError(
                 f"{place}: {_DAMPING} must be {SWINGS}, got {damping[k]:g}; 2 % are 0.02"
             )

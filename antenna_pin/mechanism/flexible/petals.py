@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.base.directions import A_DIRECTION, unit
-from antenna_pin.base.parameters import SWINGS, check, parameter
+from antenna_pin.base.directions import unit
+from antenna_pin.base.parameters import check, parameter
+from antenna_pin.base.rules import A_DIRECTION, SWINGS
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism.flexible.inertia import MassProperties
 from antenna_pin.mechanism.flexible.parts import (

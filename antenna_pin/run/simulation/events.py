@@ -6,7 +6,6 @@ carried out. Onsets and releases of contacts are events of a kind of their own, 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, Protocol, runtime_checkable
@@ -14,9 +13,17 @@ from typing import Literal, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.base.arguments import AskedFunction, answer_of, check_takes, fits, takes, unknown_type
+from antenna_pin.base.arguments import (
+    AskedFunction,
+    answer_of,
+    check_takes,
+    fits,
+    takes,
+    unknown_type,
+)
 from antenna_pin.base.parameters import holds
 from antenna_pin.base.records import PROGRAM, memory_numbers
+from antenna_pin.base.rules import Positive
 from antenna_pin.dynamics import JointMotion, System, Workspace, acting_in, kernels, reduced_inertia
 from antenna_pin.elements import ForceElement, Modal
 from antenna_pin.errors import FunctionError, InvalidParameterError, UnknownNameError
@@ -314,12 +321,7 @@ class Force:
     """
 
     contact: str
-    value: float
-
-    def __post_init__(self) -> None:
-        """Check the value."""
-        if not 0.0 < self.value < math.inf:
-            raise InvalidParameterError(self, "value", "positive and finite [N]", self.value)
+    value: Positive
 
     def __call__(self, moment: Moment) -> float:
         """Return the force less the value [N]."""

@@ -9,7 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.analysis import body_twists
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.base.arguments import check_number
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -94,8 +94,7 @@ def key_frames(
     contact. Where that is more than ``most``, first the rate is lowered, down to a quarter of ``most``; then
     impacts are left out, the weakest first. Times of samples do not decrease.
     """
-    if not rate > 0.0:
-        raise InvalidParameterError("recording", "fps", "positive [1/s]", rate)
+    check_number("recording", "fps", rate, "positive", "1/s")
     low, high = np.searchsorted(times, start, "left"), np.searchsorted(times, end, "right")
     inside = times[low:high]
     # Of samples at one instant the first; times do not go back, so that they need not be sorted.

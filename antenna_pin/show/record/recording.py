@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -15,8 +15,9 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis import bearing_up, steady_up
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.base.files import check_writable, replacing
+from antenna_pin.base.rules import NumberRule
 from antenna_pin.base.views import in_frame
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.joints.geometry import LOOKS
@@ -291,7 +292,7 @@ def record(
     speed: float | None = None,
     start: float | None = None,
     end: float | None = None,
-    max_megabytes: float = 5.0,
+    max_megabytes: Annotated[float, NumberRule("positive", finite=False)] = 5.0,
     curves: Iterable[str] | None = None,
     package_path: Iterable[str | Path] = (),
 ) -> Recording:
@@ -336,8 +337,6 @@ def record(
         if value is not None:
             shown = "a run" if name == "ideal" else value
             raise InvalidParameterError("recording", name, f"left out in the view of a {view}", shown)
-    if not max_megabytes > 0.0:  # NaN fails too
-        raise InvalidParameterError("recording", "max_megabytes", "positive", max_megabytes)
     folders = [str(Path(folder).absolute()) for folder in package_path]
     run = _looking_in(folders, _trajectory(run))
     ideal = None if ideal is None else _looking_in(folders, _trajectory(ideal))
@@ -484,8 +483,7 @@ def _data(
     impacts = frames.impacts
     if speed is None:
         speed = _speed(end - start) * (1.0 if view == "mechanism" else 0.1)
-    elif not 0.0 < speed < np.inf:
-        raise InvalidParameterError("recording", "speed", "positive and finite", speed)
+    check_number("recording", "speed", speed, "positive")
     title, case = str(attributes.get("title") or ""), str(attributes.get("case") or "")
     name = run.scenario.name if run.scenario is not None and run.scenario.name else ""
     return {

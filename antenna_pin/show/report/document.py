@@ -6,7 +6,6 @@ import dataclasses
 import functools
 import itertools
 import json
-import math
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
@@ -20,8 +19,8 @@ from markupsafe import Markup
 from antenna_pin.analysis import round_off_scales
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.files import check_writable, replacing
+from antenna_pin.base.rules import Positive
 from antenna_pin.base.views import in_frame, policy, script
-from antenna_pin.errors import InvalidParameterError
 from antenna_pin.show.report import (
     elements,
     fits,
@@ -168,7 +167,7 @@ def report(
     title: str | None = None,
     figures: bool = True,
     recordings: bool = True,
-    window: float | None = None,
+    window: Positive | None = None,
     command: str | None = None,
     quantities: Sequence[str] = (),
     processes: int = 1,
@@ -197,8 +196,6 @@ def report(
         InvalidParameterError: There is nothing to report on, or the window has no length.
         FileFormatError: A file is none of these.
     """
-    if window is not None and not 0.0 < window < math.inf:
-        raise InvalidParameterError("report", "window", "positive and finite [s]", window)
     given, findings = parted(runs)
     found = reported(given) if given or not findings else []
     parts = _Parts()

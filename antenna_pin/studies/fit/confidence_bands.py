@@ -24,6 +24,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.base.arguments import check_number
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.studies.fit.plan import FitPlan, Unknowns
 from antenna_pin.studies.fit.profile_likelihood import Profile
@@ -93,8 +94,7 @@ def draws(problem: Residuals, uncertainty: Sure, count: int, seed: int) -> tuple
     Raises:
         InvalidParameterError: A parameter is not identifiable, or hardly a draw is within bounds.
     """
-    if count < 2:
-        raise InvalidParameterError("fit", "draws", "2 or more [-]", count)
+    check_number("fit", "draws", count, "2 or more")
     unclear = [
         name
         for name, error in zip(uncertainty.names, uncertainty.error, strict=True)

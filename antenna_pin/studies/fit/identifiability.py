@@ -31,6 +31,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number
+from antenna_pin.base.rules import AtLeastOne, BetweenZeroAndOne
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.studies.fit.uncertainty import DOUBT, Rank, Residuals, rank_of, student_quantile
 
@@ -101,7 +102,7 @@ class Identifiable:
 
 @takes()
 def identifiable(
-    problem: Residuals, values: Array | None = None, *, level: float = 0.95, doubt: float = DOUBT
+    problem: Residuals, values: Array | None = None, *, level: BetweenZeroAndOne = 0.95, doubt: float = DOUBT
 ) -> Identifiable:
     """Return the identifiability of parameters from one Jacobian, without a fit.
 
@@ -111,8 +112,6 @@ def identifiable(
         level: Confidence level of the intervals [-].
         doubt: Relative error of the Jacobian's columns [-].
     """
-    if not 0.0 < level < 1.0:
-        raise InvalidParameterError("fit", "level", "between 0 and 1 [-]", level)
     at = np.asarray(problem.start if values is None else values, dtype=float)
     scale, names = np.asarray(problem.scale, dtype=float), tuple(problem.names)
     jacobian = problem.jacobian(at)
@@ -318,7 +317,7 @@ def planned(
     jacobians: Mapping[str, Array],
     names: Sequence[str],
     scale: Array,
-    total: int,
+    total: AtLeastOne,
     *,
     known: Array | None = None,
     criterion: Literal["D", "c", "A"] = "D",
@@ -344,8 +343,6 @@ def planned(
     """
     place = _parameter_place(criterion, wanted, names)
     _check(jacobians)
-    if total < 1:
-        raise InvalidParameterError("fit", "total", "1 or more [-]", total)
     parts = np.stack([(rows * scale).T @ (rows * scale) for rows in jacobians.values()])
     have = np.zeros_like(parts[0]) if known is None else (known * scale).T @ (known * scale)
     every = np.vstack([*jacobians.values(), *(() if known is None else (known,))])

@@ -29,7 +29,8 @@ from typing import Literal, Protocol, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import check_number, takes
+from antenna_pin.base.rules import BetweenZeroAndOne
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
 __all__ = [
@@ -65,8 +66,7 @@ def _terms(residuals: Array, loss: Loss, scale: float) -> tuple[Array, Array, Ar
     """Return z, and rho with its two derivatives there, (m,) each."""
     if loss not in LOSSES:
         raise UnknownNameError("fit", "loss", loss, LOSSES)
-    if not scale > 0.0:
-        raise InvalidParameterError("fit", "loss_scale", "positive [-]", scale)
+    check_number("fit", "loss_scale", scale, "positive")
     z = (residuals / scale) ** 2
     one = np.ones_like(z)
     if loss == "linear":
@@ -312,7 +312,7 @@ def sure(
     noise: Noise = "estimated",
     loss: Loss = "linear",
     loss_scale: float = 1.0,
-    level: float = 0.95,
+    level: BetweenZeroAndOne = 0.95,
     curves: NDArray[np.intp] | None = None,
     doubt: float = DOUBT,
 ) -> Sure:
@@ -336,8 +336,6 @@ def sure(
     """
     if noise not in _NOISES:
         raise UnknownNameError("fit", "noise", noise, _NOISES)
-    if not 0.0 < level < 1.0:
-        raise InvalidParameterError("fit", "level", "between 0 and 1 [-]", level)
     found = np.asarray(values, dtype=float)
     residuals, jacobian = problem.residuals(found), problem.jacobian(found)
     rank = rank_of(jacobian, problem.scale, doubt)

@@ -14,7 +14,7 @@ import pinocchio as pin
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.base.readable import number
 from antenna_pin.base.state import State
@@ -461,8 +461,7 @@ def _end(run: Trajectory) -> State:
 
 def _reached(model: Scenario | System, time: float) -> Trajectory | None:
     """Return a run up to a time; None at the start."""
-    if not 0.0 <= time < np.inf:
-        raise InvalidParameterError("modes", "at", "a time of zero or more [s]", time)
+    check_number("modes", "at", time, "zero or more", "s")
     if time == 0.0:
         return None
     run = uninterrupted(simulate(model, duration=time))

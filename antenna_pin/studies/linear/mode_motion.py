@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number
+from antenna_pin.base.rules import Positive
 from antenna_pin.dynamics import System, acting_in
 from antenna_pin.elements import Modal
-from antenna_pin.errors import InvalidParameterError
 from antenna_pin.run.simulation.attributes import mechanism_attributes
 from antenna_pin.studies.linear.modal_analysis import Modes, bodies_of
 from antenna_pin.studies.linear.operating_point import At
@@ -28,7 +28,7 @@ _SWINGS, _PICTURES = 3, 48
 
 
 @takes()
-def swing(modes: Modes, mode: int, amplitude: float = 1.0) -> Trajectory:
+def swing(modes: Modes, mode: int, amplitude: Positive = 1.0) -> Trajectory:
     """Return an undamped motion in one mode, scaled for visibility.
 
     The time is that of the swing; a motion of no frequency takes a second.
@@ -42,8 +42,6 @@ def swing(modes: Modes, mode: int, amplitude: float = 1.0) -> Trajectory:
     Raises:
         InvalidParameterError: No such mode, or no amplitude.
     """
-    if not (amplitude > 0.0 and np.isfinite(amplitude)):
-        raise InvalidParameterError("modes", "amplitude", "positive", amplitude)
     shape = modes.shape(mode)
     linear = modes.linearisation
     system, at = linear.system, linear.at

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import Any, Literal, get_args
 
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.base.readable import brief
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
@@ -79,8 +79,7 @@ class FactorSet:
                 rule = "two positive factors, of a theoretical and of a measured value"
                 raise InvalidParameterError(f"factors {self.name!r}", symbol, rule, said=str(pair))
         for name in ("motorization", "commanded", "spring", "inertia", "motor"):
-            if not 0.0 < getattr(self, name) < float("inf"):
-                raise InvalidParameterError(f"factors {self.name!r}", name, "positive", getattr(self, name))
+            check_number(f"factors {self.name!r}", name, getattr(self, name), "positive")
 
     def factor(self, symbol: str, by_measurement: bool) -> float:
         """Return the factor of a resistance of a class, theoretical or measured [-]."""

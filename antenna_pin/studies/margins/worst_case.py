@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -14,15 +13,14 @@ from antenna_pin.base.units import any_quantity, quantity
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, MechanismError
 from antenna_pin.scenario import Scenario, number_of, with_number
 from antenna_pin.studies.margins.result import MarginCase
+from antenna_pin.studies.sweep.box_search import corners_of, worst_case
 
 __all__ = ["Extremes", "worst_cases"]
 
 Array = NDArray[np.float64]
 
-# Most ranges whose corners are all evaluated; evaluations of a search; least step over the range.
-_MOST, _EVALUATIONS, _LEAST = 10, 120, 1e-3
-# Points of a search beside corners and middle, for each range.
-_SAMPLES = 4
+# Most ranges whose corners are all evaluated; evaluations of a search for each.
+_MOST, _SEARCH_PER_RANGE = 10, 100
 
 
 class _Range(NamedTuple):
@@ -101,8 +99,8 @@ def worst_cases(
 ) -> list[MarginCase]:
     """Return the margins of all corners, and of what a search comes by.
 
-    The search is a compass search (Kolda, Lewis and Torczon 2003) in the case of the smallest margin, from
-    its worst corner, the middle and points of a Halton sequence; corners of a monotone margin are its end.
+    The search (:func:`antenna_pin.studies.sweep.box_search.worst_case`) is in the case of the smallest
+    margin; a monotone margin keeps its corner.
 
     Args:
         extremes: Cases and ranges.
@@ -127,41 +125,23 @@ def worst_cases(
         return found[-1]
 
     count = len(extremes.ranges)
-    corners: list[tuple[MarginCase, str, tuple[float, ...]]] = []
-    for case in extremes.cases:
-        for shares in itertools.product((0.0, 1.0), repeat=count):
-            one = evaluate(case, shares, "corner" if count else "case")
-            corners.append((one, case, shares))
+    ends = corners_of(np.full(count, 2, dtype=int))
+    origin = "corner" if count else "case"
+    margins = {
+        case: np.array([evaluate(case, shares, origin).margin for shares in ends.tolist()])
+        for case in extremes.cases
+    }
     if search and count:
-        worst, case, shares = min(corners, key=lambda item: item[0].margin)
-        _search(lambda at: evaluate(case, at, "search").margin, np.array(shares), worst.margin)
+        case = min(margins, key=lambda name: margins[name].min())
+        known = dict(zip(map(tuple, ends.tolist()), -margins[case], strict=True))
+
+        def worse(points: Array) -> Array:
+            return np.array(
+                [
+                    known[tuple(at)] if tuple(at) in known else -evaluate(case, at, "search").margin
+                    for at in points.tolist()
+                ]
+            )
+
+        worst_case(worse, count, runs=_SEARCH_PER_RANGE * count)
     return found
-
-
-def _search(margin_at: Callable[[Sequence[float]], float], corner: Array, at_corner: float) -> None:
-    """Search the least margin within a unit cube."""
-    from scipy.stats import qmc
-
-    count = len(corner)
-    left = _EVALUATIONS
-    points: list[tuple[float, Array]] = [(at_corner, corner)]
-    # The first point of the sequence is a corner.
-    samples = [np.full(count, 0.5), *qmc.Halton(count, scramble=False).random(_SAMPLES * count + 1)[1:]]
-    for one in samples:
-        points.append((margin_at(one.tolist()), one))
-        left -= 1
-    points.sort(key=lambda item: item[0])
-    for value, start in points[:2]:
-        best, place, step = value, start.copy(), 0.25
-        while step > _LEAST and left > 0:
-            better = False
-            for axis, sign in itertools.product(range(count), (1.0, -1.0)):
-                trial = place.copy()
-                trial[axis] = min(max(trial[axis] + sign * step, 0.0), 1.0)
-                if trial[axis] == place[axis] or left <= 0:
-                    continue
-                left -= 1
-                margin = margin_at(trial.tolist())
-                if margin < best:
-                    best, place, better = margin, trial, True
-            step = step if better else 0.5 * step

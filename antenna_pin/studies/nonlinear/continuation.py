@@ -12,10 +12,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.base.capacity import check_count
 from antenna_pin.base.interruption import acknowledge
 from antenna_pin.base.readable import brief
+from antenna_pin.base.rules import Positive
 from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.studies.nonlinear.bifurcation_points import (
@@ -184,13 +185,11 @@ class Branch:
 
 
 @takes()
-def check_steps(values: tuple[float, float], arc: float, most: int) -> None:
+def check_steps(values: tuple[float, float], arc: Positive, most: int) -> None:
     """Refuse step arguments of :func:`continued` before a long transient is run."""
     begin, end = map(float, values)
     if begin == end or not (math.isfinite(begin) and math.isfinite(end)):
         raise InvalidParameterError("branch", "values", "two different, finite ones", values)
-    if not (math.isfinite(arc) and arc > 0.0):
-        raise InvalidParameterError("branch", "arc", "positive and finite", arc)
     check_count("branch", "most", most, 2)
 
 
@@ -233,8 +232,7 @@ def continued(
     tolerance = default_tolerance(flow) if tolerance is None else tolerance
     precision = _PRECISE * tolerance if precision is None else precision
     for name, number in (("tolerance", tolerance), ("precision", precision)):
-        if not (math.isfinite(number) and number > 0.0):
-            raise InvalidParameterError("branch", name, "positive and finite", number)
+        check_number("branch", name, number, "positive")
     unit = end - begin
     stepper = BranchStepper(functools.lru_cache(maxsize=64)(family), unit, tolerance)
     near = Chart(flow.system, in_first_period(guess, period))

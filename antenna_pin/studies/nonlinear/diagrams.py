@@ -30,6 +30,7 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.base.capacity import cores
 from antenna_pin.base.files import check_writable
 from antenna_pin.base.interruption import sheltered_processes
+from antenna_pin.base.rules import AtLeastOne
 from antenna_pin.base.side_by_side import end_with_parent
 from antenna_pin.base.state import State
 from antenna_pin.base.units import any_quantity
@@ -311,7 +312,7 @@ def bifurcation(
     most: int | None = None,
     tolerance: float = 1e-4,
     out: str | os.PathLike[str] | None = None,
-    workers: int | None = None,
+    workers: AtLeastOne | None = None,
     progress: Callable[[DiagramProgress], None] | None = None,
 ) -> xr.Dataset:
     """Return the points of a section over a parameter of a scenario.
@@ -356,8 +357,6 @@ def bifurcation(
     for branch in branches:
         if branch not in _BRANCHES:
             raise UnknownNameError("bifurcation", "branch", branch, _BRANCHES)
-    if workers is not None and (isinstance(workers, bool) or workers < 1):
-        raise InvalidParameterError("bifurcation", "workers", "1 or more", workers)
     given = list(values)
     asked = _Settings(
         scenario=scenario,

@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.base.capacity import MOST, check_count
 from antenna_pin.base.readable import brief
 from antenna_pin.base.state import State
@@ -168,8 +168,7 @@ def _exponents(growth: Array, lengths: Array, interval: float, start: State, end
 
 def _check_arguments(flow: Flow, start: State, interval: float, count: int, transient: float) -> None:
     check_count("Lyapunov exponents", "count", count)
-    if not 0.0 <= transient < math.inf:
-        raise InvalidParameterError("Lyapunov exponents", "transient", "zero or more [s]", transient)
+    check_number("Lyapunov exponents", "transient", transient, "zero or more", "s")
     flow.check_long_enough("Lyapunov exponents", "interval", interval, start.time + transient)
     if transient / interval > MOST:
         rule = f"at most {MOST} intervals, {MOST * interval:g} s"

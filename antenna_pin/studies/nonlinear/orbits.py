@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import brief
+from antenna_pin.base.rules import AtLeastOne, Positive
 from antenna_pin.base.state import State
 from antenna_pin.base.views import Plotter, Reporter, View, as_html
 from antenna_pin.dynamics import System
-from antenna_pin.errors import AntennaPinError, InvalidParameterError
+from antenna_pin.errors import AntennaPinError
 from antenna_pin.scenario import Scenario
 from antenna_pin.studies.nonlinear.chart import Chart
 from antenna_pin.studies.nonlinear.coordinates import own_coordinates
@@ -185,8 +186,8 @@ def periodic_orbit(
     period: float,
     *,
     free_period: bool = False,
-    tolerance: float | None = None,
-    iterations: int = 30,
+    tolerance: Positive | None = None,
+    iterations: AtLeastOne = 30,
     progress: Callable[[int, float], None] | None = None,
 ) -> Orbit:
     """Find a periodic solution near a guess, by shooting: Newton's method over a period.
@@ -207,11 +208,7 @@ def periodic_orbit(
         FlowError: A run did not come to its end.
     """
     tolerance = default_tolerance(flow) if tolerance is None else tolerance
-    if not (math.isfinite(tolerance) and tolerance > 0.0):
-        raise InvalidParameterError("periodic orbit", "tolerance", "positive and finite", tolerance)
     flow.check_long_enough("periodic orbit", "period", period, guess.time)
-    if iterations < 1:
-        raise InvalidParameterError("periodic orbit", "iterations", "1 or more", iterations)
     start, span, best = guess, period, math.inf
     for k in range(iterations + 1):
         chart = Chart(flow.system, start)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from antenna_pin.analysis import quantity
 from antenna_pin.analysis.transients import LEAST, RULE, Settled, settled
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.base.capacity import check_count
 from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.base.state import State
@@ -344,8 +344,7 @@ def check_counts(
         check_count(place, name, value, least)  # type: ignore[arg-type]
     if transient is not None and most is not None:
         raise InvalidParameterError(place, "most", "left out with a transient", most)
-    if not 0.0 <= tolerance < 1.0:
-        raise InvalidParameterError(place, "tolerance", "from 0 to below 1", tolerance)
+    check_number(place, "tolerance", tolerance, "from 0 to below 1")
 
 
 def _dataset(scenario: Scenario, returns: SectionRun, points: _SettledPoints, tolerance: float) -> xr.Dataset:

@@ -6,10 +6,11 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import bare
+from antenna_pin.base.rules import NumberRule, Positive
 from antenna_pin.base.units import quantity
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.run.simulation import Angle, Force, Gap, Moment, Rate
@@ -35,18 +36,14 @@ class Stroboscope:
         phase: Part of the period at which it is examined, from 0 to below 1 [-].
     """
 
-    period: float | None = None
+    period: Positive | None = None
     drive: str | None = None
-    phase: float = 0.0
+    phase: Annotated[float, NumberRule("from 0 to below 1, a part of the period")] = 0.0
 
     def __post_init__(self) -> None:
-        """Check the numbers."""
-        if self.period is not None and not 0.0 < self.period < math.inf:
-            raise InvalidParameterError(self, "period", "positive and finite [s]", self.period)
+        """Check what goes together."""
         if self.period is not None and self.drive is not None:
             raise InvalidParameterError(self, "drive", "left out with a period", self.drive)
-        if not 0.0 <= self.phase < 1.0:
-            raise InvalidParameterError(self, "phase", "from 0 to below 1, a part of the period", self.phase)
 
     def period_in(self, scenario: Scenario) -> float:
         """Return its period in a scenario [s]."""

@@ -13,10 +13,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.base.calculus import WEIGHTS
 from antenna_pin.base.readable import brief
-from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.errors import UnknownNameError
 from antenna_pin.scenario import Scenario
 from antenna_pin.studies.sensitivity.parameters import Parameter
 from antenna_pin.trajectory import Trajectory, open_table, table_attributes
@@ -135,8 +135,7 @@ class Sensitivities:
         Raises:
             InvalidParameterError: The share is out of range.
         """
-        if not 0.0 < share < 1.0:
-            raise InvalidParameterError("sensitivities", "share", "above 0 and below 1", share)
+        check_number("sensitivities", "share", share, "between 0 and 1")
         scales = np.array([one.scale for one in self.parameters])
         slopes, doubts = self.derivative("v") * scales, self.doubt("v") * scales
         keys = tuple(one.key for one in self.parameters)

@@ -9,8 +9,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.base.readable import number
+from antenna_pin.base.rules import AtLeastTwo
 from antenna_pin.base.units import quantity
 from antenna_pin.dynamics import System
 from antenna_pin.elements import Limits, RigidStop
@@ -131,8 +132,7 @@ def positions_along(
                 rule = f"given: joint {joint!r} has no limit there"
                 raise InvalidParameterError("statics", name, rule, said="none")
             ends.append(limit if value is None else quantity(value, unit, name))
-        if count < 2:
-            raise InvalidParameterError("statics", "count", "2 or more", count)
+        check_number("statics", "count", count, AtLeastTwo)
         places = np.linspace(ends[0], ends[1], count)
     steps = np.diff(places)
     if len(places) < 2 or not (np.all(steps > 0.0) or np.all(steps < 0.0)):

@@ -13,10 +13,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.base.arguments import takes
+from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.base.calculus import root_between
 from antenna_pin.base.readable import brief, number, readable
-from antenna_pin.base.units import quantity
+from antenna_pin.base.rules import AtLeastOne
+from antenna_pin.base.units import quantity, shown
 from antenna_pin.dynamics import System
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario import Scenario
@@ -148,7 +149,7 @@ def torque_angle_loop(
     joint: str,
     amplitude: float | str,
     *,
-    cycles: int = 1,
+    cycles: AtLeastOne = 1,
     small_torque: float | str | None = None,
     hold: Sequence[str] = (),
     q: ArrayLike | None = None,
@@ -178,10 +179,7 @@ def torque_angle_loop(
     joint = joint_to_drive(begin.system, joint)
     unit = "N" if begin.system.slides(joint) else "N*m"
     size = quantity(amplitude, unit, "amplitude")
-    if not 0.0 < size < math.inf:
-        raise InvalidParameterError("statics", "amplitude", "positive", amplitude)
-    if cycles < 1:
-        raise InvalidParameterError("statics", "cycles", "1 or more", cycles)
+    check_number("statics", "amplitude", size, "positive", text=shown(amplitude))
     static = static_system(begin.system, begin.state, joint=joint, hold=hold)
     check_rate_independent(static.system)
     march = _March(Path(static, begin.state), size)

@@ -25,9 +25,10 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar
 
+from antenna_pin.base.arguments import check_number
 from antenna_pin.base.interruption import held_back, sheltered_processes
 from antenna_pin.base.lazy import take_back
-from antenna_pin.errors import AntennaPinError, InvalidParameterError, MissingToolError
+from antenna_pin.errors import AntennaPinError, MissingToolError
 from antenna_pin.studies.sweep.executor import Lost
 from antenna_pin.studies.sweep.scheduler import (
     ANSWERS_WITHIN,
@@ -189,8 +190,7 @@ class Cluster:
                 "studies on several cores need dask.distributed; install it with pip install "
                 "'antenna-pin[studies]', or run them in this process with --workers 0"
             ) from None
-        if not (workers is None or workers > 0):
-            raise InvalidParameterError("Cluster", "workers", "positive", workers)
+        check_number("Cluster", "workers", workers, "1 or more")
         silence(distributed)  # what it has to say of lost connections is said here, in one line
         self._distributed = distributed
         self._local: Any = None

@@ -18,13 +18,6 @@ if TYPE_CHECKING:
 __all__ = ["ResponseSpec", "evaluate", "source_of"]
 
 
-def _share(value: object) -> float:
-    number = QuantityRule("1").read(value)
-    if not 0.0 < number <= 1.0:
-        refuse(f"must be above 0 and at most 1, got {value}", value=value)
-    return number
-
-
 class ResponseSpec(Spec):
     """Number of each run by a measure or a function; a text alone names either.
 
@@ -57,7 +50,7 @@ class ResponseSpec(Spec):
     window: PositiveTime | None = None
     drift_spacing: PositiveTime | None = None
     period: PositiveTime | None = None
-    confidence: Annotated[float, BeforeValidator(_share)] = 0.997
+    confidence: Annotated[float, QuantityRule("1", "above 0 and at most 1")] = 0.997
     units: str = ""
     title: str = ""
 

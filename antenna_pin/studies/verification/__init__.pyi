@@ -1,3 +1,5 @@
+from antenna_pin.studies.sweep.box_search import WorstCase as WorstCase
+from antenna_pin.studies.sweep.box_search import worst_case as worst_case
 from antenna_pin.studies.verification.analyses import analyses_of as analyses_of
 from antenna_pin.studies.verification.evaluation import Evaluated as Evaluated
 from antenna_pin.studies.verification.evaluation import PointEvaluator as PointEvaluator
@@ -23,5 +25,3 @@ from antenna_pin.studies.verification.verify import Demonstration as Demonstrati
 from antenna_pin.studies.verification.verify import Effect as Effect
 from antenna_pin.studies.verification.verify import Verified as Verified
 from antenna_pin.studies.verification.verify import verify as verify
-from antenna_pin.studies.verification.worst_case import WorstCase as WorstCase
-from antenna_pin.studies.verification.worst_case import worst_case as worst_case

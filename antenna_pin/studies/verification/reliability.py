@@ -10,11 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.rules import AtLeastOne, BetweenZeroAndOne, NumberRule
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -66,16 +68,10 @@ class FailureProbability:
     message: str = ""
 
 
-def _check(place: str, confidence: float, **counts: int) -> None:
-    if not 0.0 < confidence < 1.0:
-        raise InvalidParameterError(place, "confidence", "between 0 and 1", confidence)
-    for name, count in counts.items():
-        if not count >= 1:
-            raise InvalidParameterError(place, name, "at least 1", count)
-
-
 @takes()
-def clopper_pearson(failures: int, runs: int, confidence: float = 0.95) -> tuple[float, float]:
+def clopper_pearson(
+    failures: int, runs: AtLeastOne, confidence: BetweenZeroAndOne = 0.95
+) -> tuple[float, float]:
     r"""Return the exact two-sided interval of a binomial probability [-].
 
     .. math:: p_l = B(\tfrac{\alpha}{2};\, k,\, n - k + 1), \qquad
@@ -96,7 +92,6 @@ def clopper_pearson(failures: int, runs: int, confidence: float = 0.95) -> tuple
     """
     from scipy.stats import beta
 
-    _check("clopper_pearson", confidence, runs=runs)
     if not 0 <= failures <= runs:
         raise InvalidParameterError("clopper_pearson", "failures", f"from 0 to runs, {runs}", failures)
     tail = 0.5 * (1.0 - confidence)
@@ -107,7 +102,12 @@ def clopper_pearson(failures: int, runs: int, confidence: float = 0.95) -> tuple
 
 @takes()
 def plain_sampling(
-    limit: LimitState, variables: int, *, runs: int, seed: int = 0, confidence: float = 0.95
+    limit: LimitState,
+    variables: AtLeastOne,
+    *,
+    runs: AtLeastOne,
+    seed: int = 0,
+    confidence: BetweenZeroAndOne = 0.95,
 ) -> FailureProbability:
     """Return the probability of failure by independent samples, with Clopper and Pearson's interval.
 
@@ -121,7 +121,6 @@ def plain_sampling(
     Raises:
         InvalidParameterError: A number is out of range, or a value of the limit state is NaN.
     """
-    _check("plain_sampling", confidence, variables=variables, runs=runs)
     values = _values(limit, np.random.default_rng(seed).standard_normal((runs, variables)))
     failures = int((values <= 0.0).sum())
     low, high = clopper_pearson(failures, runs, confidence)
@@ -153,12 +152,12 @@ def _around(probability: float, variation: float, confidence: float, samples: in
 @takes()
 def subset_simulation(
     limit: LimitState,
-    variables: int,
+    variables: AtLeastOne,
     *,
-    samples: int = 500,
+    samples: Annotated[int, NumberRule("20 or more")] = 500,
     seed: int = 0,
-    confidence: float = 0.95,
-    most_runs: int = 100_000,
+    confidence: BetweenZeroAndOne = 0.95,
+    most_runs: AtLeastOne = 100_000,
 ) -> FailureProbability:
     r"""Return a small probability of failure as a product of larger ones.
 
@@ -186,9 +185,6 @@ def subset_simulation(
         Au and Beck (2001), Probab. Eng. Mech. 16(4), 263-277; Papaioannou, Betz, Zwirglmaier and Straub
         (2015), Probab. Eng. Mech. 41, 89-103 (conditional sampling, adaptive step).
     """
-    _check("subset_simulation", confidence, variables=variables, most_runs=most_runs)
-    if not samples >= 20:
-        raise InvalidParameterError("subset_simulation", "samples", "at least 20", samples)
     generator = np.random.default_rng(seed)
     points = generator.standard_normal((samples, variables))
     values = _values(limit, points)
@@ -283,11 +279,11 @@ def _conditional(
 @takes()
 def importance_sampling(
     limit: LimitState,
-    variables: int,
+    variables: AtLeastOne,
     *,
-    samples: int = 1000,
+    samples: Annotated[int, NumberRule("20 or more")] = 1000,
     seed: int = 0,
-    confidence: float = 0.95,
+    confidence: BetweenZeroAndOne = 0.95,
 ) -> FailureProbability:
     r"""Return a small probability of failure by samples about the likeliest failure.
 
@@ -313,9 +309,6 @@ def importance_sampling(
     References:
         Rubinstein and Kroese (2004), The Cross-Entropy Method, Springer, section 3.
     """
-    _check("importance_sampling", confidence, variables=variables)
-    if not samples >= 20:
-        raise InvalidParameterError("importance_sampling", "samples", "at least 20", samples)
     if variables > _MOST_VARIABLES:
         rule = (
             f"at most {_MOST_VARIABLES}, in whose space the search finds its centre; take subset simulation"

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import OutputError, ScenarioError
 from antenna_pin.scenario.requirements import RequirementSpec
+from antenna_pin.studies.sweep.box_search import corners_of, worst_case
 from antenna_pin.studies.sweep.executor import Executor
 from antenna_pin.studies.verification.evaluation import Evaluated, PointEvaluator, key_of
 from antenna_pin.studies.verification.plan import UncertainNumber, Verification
@@ -23,7 +24,6 @@ from antenna_pin.studies.verification.reliability import (
     plain_sampling,
     subset_simulation,
 )
-from antenna_pin.studies.verification.worst_case import corners_of, worst_case
 
 __all__ = ["MET", "NOT_MET", "NOT_SHOWN", "Demonstration", "Effect", "Verified", "verify"]
 

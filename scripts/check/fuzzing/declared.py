@@ -14,7 +14,8 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
-from antenna_pin.base.parameters import RULES, attribute_docs
+from antenna_pin.base.parameters import attribute_docs
+from antenna_pin.base.rules import obeys
 from antenna_pin.base.units import QuantityError, quantity
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, law_parameters
 from antenna_pin.scenario._class_tables import OneOf
@@ -54,15 +55,15 @@ class Number(Shape):
 
     def _admits(self, value: Any) -> bool:
         try:
-            return RULES[self.rule](quantity(value, self.units, ""))
+            return obeys(quantity(value, self.units, ""), self.rule)
         except QuantityError:
             return False
 
     def _sound(self, chance: Random, names: Names = {}) -> float | str:  # noqa: B006
         size = chance.choice((0.0, 1.0, 10.0 ** chance.uniform(-6, 3), 10.0 ** chance.uniform(-3, 0)))
         read = size if chance.random() < 0.7 else -size
-        if not RULES[self.rule](read):
-            read = next((one for one in (abs(read), 0.5, 1.0) if RULES[self.rule](one)), 0.3)
+        if not obeys(read, self.rule):
+            read = next((one for one in (abs(read), 0.5, 1.0) if obeys(one, self.rule)), 0.3)
         unit = chance.choice(self.units)
         if unit == "1" or chance.random() < 0.4:
             return read

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.rules import AtLeastOne
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = ["MOST_CORNERS", "WorstCase", "corners_of", "worst_case"]
@@ -94,7 +95,12 @@ class _Evaluated:
 
 @takes()
 def worst_case(
-    response: Response, variables: int, *, runs: int = 0, seed: int = 0, corners: ArrayLike | None = None
+    response: Response,
+    variables: AtLeastOne,
+    *,
+    runs: int = 0,
+    seed: int = 0,
+    corners: ArrayLike | None = None,
 ) -> WorstCase:
     """Return the largest value of a response over the unit cube.
 
@@ -112,8 +118,6 @@ def worst_case(
     Raises:
         InvalidParameterError: There are too many corners, or the response gives other than numbers.
     """
-    if not variables >= 1:
-        raise InvalidParameterError("worst_case", "variables", "at least 1", variables)
     ends = corners_of(np.full(variables, 2)) if corners is None else np.asarray(corners, dtype=float)
     evaluated = _Evaluated(response)
     at_ends = evaluated(ends)

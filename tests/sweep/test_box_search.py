@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from antenna_pin.errors import InvalidParameterError
-from antenna_pin.studies.verification import worst_case
-from antenna_pin.studies.verification.worst_case import MOST_CORNERS, corners_of
+from antenna_pin.studies.sweep.box_search import MOST_CORNERS, corners_of, worst_case
 
 
 @pytest.mark.parametrize("variables", [1, 2, 5])
