@@ -149,8 +149,8 @@ class _Reintegration:
         """Allocate once."""
         self._system = run.system
         self._workspace, settings = Workspace(run.system), run.settings
-        method = method_named(settings.method)
-        self._stepper = stepper_of(self._workspace, method, run.stepper.scales, settings)
+        method, tree = method_named(settings.method), run.stepper.numbers.tree
+        self._stepper = stepper_of(self._workspace, method, run.stepper.scales, settings, tree)
         self._made: dict[float, list[_RepeatedStep]] = {}
 
     def largest(self, m: int, between: Sequence[Chunk]) -> tuple[float, float]:
