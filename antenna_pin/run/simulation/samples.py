@@ -13,7 +13,7 @@ from antenna_pin.base.capacity import check_fits
 from antenna_pin.base.records import MEMORY
 from antenna_pin.dynamics import System, Workspace
 
-__all__ = ["Chunk", "LateSample", "Samples", "check_room"]
+__all__ = ["FEW", "Chunk", "LateSample", "Samples", "check_room"]
 
 Array = NDArray[np.float64]
 
@@ -22,6 +22,8 @@ _OF_STATE = 8.0
 
 
 _ROOM = 256
+#: Samples of a run that keeps no quantity of samples: for its balance.
+FEW = 64
 
 
 def check_room(system: System, count: float) -> None:
@@ -88,6 +90,7 @@ class Samples:
         rate: Output times a second [Hz].
         chosen: Further output times, ascending [s].
         begin: Time from which states are recorded [s].
+        few: Whether samples at the rate are recorded only, at most ``FEW`` in all, the end besides.
 
     Attributes:
         programs: Program of force elements at each: the same array as long as nothing was changed in it.
@@ -96,13 +99,20 @@ class Samples:
     """
 
     def __init__(
-        self, workspace: Workspace, rate: float, chosen: Sequence[float], begin: float, end: float
+        self,
+        workspace: Workspace,
+        rate: float,
+        chosen: Sequence[float],
+        begin: float,
+        end: float,
+        few: bool = False,
     ) -> None:
         """Begin without samples."""
         self._memory = workspace.memory
         self._workspace = workspace
-        self.rate = rate
-        self.chosen = np.array(chosen, dtype=float)
+        self.few = few
+        self.rate = min(rate, FEW / (end - begin)) if few else rate
+        self.chosen = np.array(() if few else chosen, dtype=float)
         self.begin = begin
         self._end = end
         self._count = 0
@@ -211,6 +221,9 @@ class Samples:
         """
         # Ordered samples first, all at once: inserted ones then find the same neighbours.
         early = early.astype(bool)
+        if self.few:
+            kept = ~early & (times == np.round(times * self.rate) / self.rate)
+            times, states, memories, early = times[kept], states[kept], memories[kept], early[kept]
         own = memories.view(np.uint8).reshape(len(times), self._memories.shape[1])
         if not early.any():
             self._append(times, states, own)
@@ -241,6 +254,8 @@ class Samples:
 
     def insert(self, t: float, y: Array, memory: NDArray[Any]) -> None:
         """Insert a sample with its contact memory by time; an existing sample stays."""
+        if self.few:
+            return
         self._insert(np.array([t]), y[np.newaxis], memory.view(np.uint8).reshape(1, -1))
 
     def _insert(self, times: Array, states: Array, memories: NDArray[np.uint8]) -> None:
