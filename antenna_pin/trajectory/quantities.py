@@ -25,7 +25,7 @@ __all__ = [
     "EPISODES",
     "GROUPS",
     "HEADINGS",
-    "KEPT",
+    "KEEPABLE",
     "LOST",
     "OF_SAMPLES",
     "ORDERED",
@@ -233,21 +233,21 @@ OF_SAMPLES = frozenset(
     if one.source == "conservation" or one.name.startswith(("peak_", "time_of_peak_"))
 )
 #: Names that ``output.keep`` may have.
-KEPT = frozenset({*OF_SAMPLES, "blows", *(one.name for one in (*CONTACTS, *SUMMARIES))})
+KEEPABLE = frozenset({*OF_SAMPLES, "blows", *(one.name for one in (*CONTACTS, *SUMMARIES))})
 
 
-def needs_samples(kept: Collection[str] | None) -> bool:
+def needs_samples(quantities: Collection[str] | None) -> bool:
     """Return whether a record with these quantities needs all samples; None stands for all.
 
     Episodes, and sums from start to end, do not.
     """
-    return kept is None or not OF_SAMPLES.isdisjoint(kept)
+    return quantities is None or not OF_SAMPLES.isdisjoint(quantities)
 
 
 def left_out_of(data: xr.Dataset) -> frozenset[str]:
-    """Return the quantities that a result lacks because its run kept others only."""
-    kept = json_in(data.attrs.get("kept"))
-    return OF_SAMPLES if isinstance(kept, list) and not needs_samples(kept) else frozenset()
+    """Return the quantities that a result omits by ``output.keep``."""
+    names = json_in(data.attrs.get("kept"))
+    return OF_SAMPLES if isinstance(names, list) and not needs_samples(names) else frozenset()
 
 
 _TIMES = (("onset", "s", "first touch"), ("release", "s", "release; NaN: still touching"))

@@ -82,7 +82,9 @@ def near_limit_of(asked: Scenario) -> Callable[[int], float]:
     memory[0] = 1.0, 0.01, 1.0
     workspace, method = Workspace(system, memory), METHODS["dormand-prince-54"]
     scales = scale_vector(system, asked.integrator.build().scales)
-    stepper = CompiledStepper(workspace, Compiled(workspace, asked.integrator.build().engine), method, scales, RTOL)
+    stepper = CompiledStepper(
+        workspace, Compiled(workspace, asked.integrator.build().engine), method, scales, RTOL
+    )
     stepper.restart(0.0, y)
 
     def run(count: int) -> float:

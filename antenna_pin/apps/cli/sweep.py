@@ -45,6 +45,13 @@ def sweep(
             metavar="N", help="Processes here; one for each core if left out, 0 for this one alone."
         ),
     ] = None,
+    threads: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            help="Threads of this process instead of processes; 0 for one for each core.",
+        ),
+    ] = None,
     scheduler: Annotated[
         str | None, typer.Option(metavar="URL", help="Dask scheduler that has workers: tcp://host:8786.")
     ] = None,
@@ -75,9 +82,9 @@ def sweep(
         return
     loaded = load_study(study, settings or ())
     if dry_run:
-        _show(loaded, out, workers)
+        _show(loaded, out, workers if threads is None else threads or None)
         return
-    executor = _executor(workers, scheduler, {"ca": tls_ca, "cert": tls_cert, "key": tls_key})
+    executor = _executor(workers, threads, scheduler, {"ca": tls_ca, "cert": tls_cert, "key": tls_key})
     try:
         with study_bar(loaded.name, progress and not quiet) as report:
             table = run_study(
@@ -104,8 +111,10 @@ def sweep(
         say(f"saved {table.attrs['path']}")
 
 
-def _executor(workers: int | None, scheduler: str | None, tls: dict[str, Path | None]) -> Executor:
-    from antenna_pin.studies.sweep import Cluster, Here
+def _executor(
+    workers: int | None, threads: int | None, scheduler: str | None, tls: dict[str, Path | None]
+) -> Executor:
+    from antenna_pin.studies.sweep import Cluster, Here, Threads
 
     given = {name: str(path) for name, path in tls.items() if path is not None}
     if scheduler is not None and workers is not None:
@@ -115,8 +124,13 @@ def _executor(workers: int | None, scheduler: str | None, tls: dict[str, Path | 
     for name, path in given.items():
         if not os.path.isfile(path):
             refuse(f"--tls-{name} {path}: no such file")
-    if workers is not None and workers < 0:
-        refuse(f"--workers: must be zero or more, got {workers}")
+    for name, count in (("workers", workers), ("threads", threads)):
+        if count is not None and count < 0:
+            refuse(f"--{name}: must be zero or more, got {count}")
+    if threads is not None:
+        if workers is not None or scheduler is not None:
+            refuse("--threads: must be left out with --workers and --scheduler, which name processes")
+        return Threads(threads or None)
     if workers == 0:
         return Here()
     return Cluster(workers, scheduler, given or None)

@@ -51,7 +51,7 @@ from antenna_pin.run.simulation.events import (
 )
 from antenna_pin.scenario import Scenario, settings_key
 from antenna_pin.scenario.assemble import build_system, initial_angles, initial_state, reference_for
-from antenna_pin.trajectory.quantities import KEPT
+from antenna_pin.trajectory.quantities import KEEPABLE
 
 __all__ = [
     "PreparedRun",
@@ -368,8 +368,8 @@ def prepare_run(
     else:
         raise InvalidParameterError(place, "model", "a Scenario or a System", type(model).__name__)
     for name in used.output_keep or ():
-        if name not in KEPT:
-            raise UnknownNameError(f"{place}: output.keep", "quantity of a lean result", name, KEPT)
+        if name not in KEEPABLE:
+            raise UnknownNameError(f"{place}: output.keep", "quantity of a lean result", name, KEEPABLE)
     if span is not None and not holds(span, "positive"):
         raise InvalidParameterError(place, "duration", "positive and finite [s]", span)
     if start is not None:

@@ -85,8 +85,8 @@ def prepare(study: Study) -> Prepared:
     """
     design = design_of(study)
     base = study.base()
-    if (kept := study.kept(base)) is not None:
-        base = base.with_overrides({"output.form": "lean", "output.keep": list(kept)})
+    if (quantities := study.recorded_quantities(base)) is not None:
+        base = base.with_overrides({"output.form": "lean", "output.keep": list(quantities)})
     reference = study.reference_base()
     for name in study.parameters:
         if study.reference is None and "duration" in study.parameters[name].keys_set:

@@ -19,7 +19,7 @@ from antenna_pin.scenario.runs_file import RunsFile, nested
 from antenna_pin.scenario.spec import Count, Folder, Spec, refuse, refuse_name
 from antenna_pin.studies.sweep.measures import MEASURES
 from antenna_pin.studies.sweep.responses import ResponseSpec
-from antenna_pin.trajectory.quantities import KEPT, needs_samples
+from antenna_pin.trajectory.quantities import KEEPABLE, needs_samples
 
 __all__ = ["ComparisonSpec", "SamplingSpec", "Study", "list_studies", "load_study"]
 
@@ -206,8 +206,8 @@ class Study(RunsFile):
     def _check_keep(self, keep: tuple[str, ...]) -> None:
         """Refuse a record that lacks what a response needs."""
         for i, name in enumerate(keep):
-            if name not in KEPT:
-                refuse_name("quantity", name, KEPT, "keep", i)
+            if name not in KEEPABLE:
+                refuse_name("quantity", name, KEEPABLE, "keep", i)
         if _form(self.set) == "full":
             refuse('must be left out with set.output.form = "full", which records all', "keep")
         kept = ", ".join(keep) or "nothing"
@@ -221,7 +221,7 @@ class Study(RunsFile):
                 rule = f"its measure {response.measure} must be in keep, got {kept}"
                 refuse(f"{rule}; add it, or leave keep out", "responses", name)
 
-    def kept(self, base: Scenario) -> tuple[str, ...] | None:
+    def recorded_quantities(self, base: Scenario) -> tuple[str, ...] | None:
         """Return the quantities that runs of a scenario record; None for all."""
         if self.keep is not None:
             return None if self.keep == "all" else self.keep
