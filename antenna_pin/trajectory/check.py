@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from antenna_pin.base.units import shown
 from antenna_pin.trajectory.columns import Breach, ColumnRule
 from antenna_pin.trajectory.json_attributes import JSON_ATTRIBUTES, problem_of_json
+from antenna_pin.trajectory.kept_quantities import left_out_of
 from antenna_pin.trajectory.outcome import REACHED_END
-from antenna_pin.trajectory.quantities import left_out_of
 from antenna_pin.trajectory.read import contact_kinds, is_lean, json_in, names_along
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, TIME, variables_of
 

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from antenna_pin.trajectory.columns import ColumnRule, Reduction, Variable, end, peak, rows, total
-from antenna_pin.trajectory.read import json_in, names_along
+from antenna_pin.trajectory.read import names_along
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,9 +25,7 @@ __all__ = [
     "EPISODES",
     "GROUPS",
     "HEADINGS",
-    "KEEPABLE",
     "LOST",
-    "OF_SAMPLES",
     "ORDERED",
     "RUN",
     "SIZE",
@@ -38,8 +36,6 @@ __all__ = [
     "dataset_of",
     "entries_of",
     "heading_of",
-    "left_out_of",
-    "needs_samples",
     "reduced",
     "slides_along",
     "table",
@@ -225,30 +221,6 @@ CONTACTS: tuple[Variable, ...] = rows(
     ("dissipated", "J", "energy lost in contacts", ": energy lost", total("dissipated")),
     ("contact_time", "s", "time in contact, each contact counted", "-", total("duration")),
 )
-
-#: Quantities of a record that need all its samples: peaks at samples, located efforts, the ledger.
-OF_SAMPLES = frozenset(
-    one.name
-    for one in (*SUMMARIES, *RUN.values())
-    if one.source == "conservation" or one.name.startswith(("peak_", "time_of_peak_"))
-)
-#: Names that ``output.keep`` may have.
-KEEPABLE = frozenset({*OF_SAMPLES, "blows", *(one.name for one in (*CONTACTS, *SUMMARIES))})
-
-
-def needs_samples(quantities: Collection[str] | None) -> bool:
-    """Return whether a record with these quantities needs all samples; None stands for all.
-
-    Episodes, and sums from start to end, do not.
-    """
-    return quantities is None or not OF_SAMPLES.isdisjoint(quantities)
-
-
-def left_out_of(data: xr.Dataset) -> frozenset[str]:
-    """Return the quantities that a result omits by ``output.keep``."""
-    names = json_in(data.attrs.get("kept"))
-    return OF_SAMPLES if isinstance(names, list) and not needs_samples(names) else frozenset()
-
 
 _TIMES = (("onset", "s", "first touch"), ("release", "s", "release; NaN: still touching"))
 _DENSITY = (("density", "{density}", "amplitude density"), ("power", "{power}", "power density"))

@@ -21,8 +21,8 @@ from bench_tools import CLOSED_FORM, Array, Report, interleaved, scenario
 from numba import njit
 
 from antenna_pin import System, Trajectory, build_system, load_scenario, simulate
-from antenna_pin.contact import CustomFriction, CustomNormal
 from antenna_pin.base.settings import Engine
+from antenna_pin.contact import CustomFriction, CustomNormal
 from antenna_pin.dynamics import Workspace
 from antenna_pin.run.engine import Compiled
 from antenna_pin.run.engine.step_kernels import derivative
@@ -85,7 +85,14 @@ def ratios(
         called(CALLS, 0.05, y, compiled.numbers, rates)
         compiled.answers.check()
         names: dict[str, Any] = {"y": y, "rates": rates, "numbers": compiled.numbers, "called": called}
-        names |= {"aba": pin.aba, "model": system.model, "data": data, "q": q.copy(), "v": v.copy(), "tau": np.zeros(system.model.nv)}
+        names |= {
+            "aba": pin.aba,
+            "model": system.model,
+            "data": data,
+            "q": q.copy(),
+            "v": v.copy(),
+            "tau": np.zeros(system.model.nv),
+        }
         aba = "\n".join(["aba(model, data, q, v, tau)"] * CALLS)
         own = f"called({CALLS}, 0.05, y, numbers, rates)"
         found = interleaved({"rhs": (own, names), "aba": (aba, names)}, repeats, max(1, number // CALLS))

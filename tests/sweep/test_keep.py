@@ -5,6 +5,7 @@ import pytest
 
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.studies.sweep import prepare, run_study
+from antenna_pin.studies.sweep.jobs import scenario_of
 
 STUDY = """
 scenario = "impact_pair"
@@ -29,7 +30,8 @@ NAMES = ("peak_force", "blows", "total_normal_loss")
 
 
 def base_of(study):
-    return prepare(study).base.output
+    plan = prepare(study)
+    return scenario_of(plan.work, plan.job(0)).output
 
 
 def test_measures_and_outcomes_are_those_of_a_full_record(write, tmp_path):
