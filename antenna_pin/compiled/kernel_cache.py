@@ -208,7 +208,7 @@ class _Unpickler(pickle.Unpickler):
 
 
 def _environment(module: str, constants: list[Any], name: str) -> Any:
-    """Return the environment of a loaded function, without the globals of a module not yet imported."""
+    """Return the environment of a loaded function, without an import of its module."""
     from numba.core import environment
 
     found = environment.lookup_environment(name)

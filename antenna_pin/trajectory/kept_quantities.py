@@ -1,4 +1,4 @@
-"""Quantities that a lean result must have (``output.keep``), and the samples that they need."""
+"""Quantities required of a lean result by its scenario, and samples for their record."""
 
 from __future__ import annotations
 
@@ -32,6 +32,6 @@ def needs_samples(quantities: Collection[str] | None) -> bool:
 
 
 def left_out_of(data: xr.Dataset) -> frozenset[str]:
-    """Return the quantities that a result omits by ``output.keep``."""
+    """Return the quantities left out of a result at the request of its scenario."""
     names = json_in(data.attrs.get("kept"))
     return OF_SAMPLES if isinstance(names, list) and not needs_samples(names) else frozenset()

@@ -100,7 +100,7 @@ def _check_versions(work: Work) -> None:
 
 
 def do_jobs(work: Work, jobs: Sequence[Job]) -> list[FinishedRun]:
-    """Make runs, one after the other, up to an interrupted one; refuse versions other than the study's."""
+    """Make runs in order, up to an interrupted one; refuse versions other than the study's."""
     _check_versions(work)
     done: list[FinishedRun] = []
     for job in jobs:
