@@ -7,7 +7,9 @@ import time
 import warnings
 
 import pytest
+from typer.testing import CliRunner
 
+from antenna_pin.apps.cli import app
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.studies.sweep import Here, Threads, TrialRun, driver, run_study
 from antenna_pin.studies.sweep.jobs import Job, _told_of
@@ -117,3 +119,16 @@ def test_a_number_of_threads_that_is_none():
     with pytest.raises(InvalidParameterError, match="threads must be positive, got 0"):
         Threads(0)
     assert Threads().width >= 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--threads", "2", "--workers", "1"], "--threads: must be left out with --workers and --scheduler"),
+        (["--threads", "-1"], "--threads: must be zero or more, got -1"),
+    ],
+)
+def test_threads_besides_processes_are_refused(arguments, said):
+    done = CliRunner().invoke(app, ["sweep", "bai2020/clearances", *arguments])
+    assert done.exit_code == 2
+    assert said in done.stderr
