@@ -83,7 +83,9 @@ def said_of_spin(run: RunLike) -> str:
     ratios = {
         name: float(spin) / (2.0 * math.pi * about[name]["frequency"])
         for name, spin in zip(
-            names_along(data, "elastic_part"), data["peak_spin"].values if about else (), strict=True
+            names_along(data, "elastic_part"),
+            data["peak_spin"].values if "peak_spin" in data else (),
+            strict=False,
         )
     }
     worst = max(ratios, key=ratios.__getitem__, default=None)

@@ -25,6 +25,7 @@ __all__ = [
     "FunctionInterrupted",
     "acknowledge",
     "ended_by",
+    "ended_with",
     "ending_by_signals",
     "held_back",
     "interruptible",
@@ -216,11 +217,12 @@ def interruptible() -> Iterator[Callable[[], bool]]:
     read comes again at once behind this.
     """
     presses, heard = 0, False
+    flag = getattr(_of_thread, "flag", None)
 
     def is_pressed() -> bool:
         nonlocal heard
         heard = presses > 0
-        return heard
+        return heard or (flag is not None and flag.is_set())
 
     def note(number: int, frame: FrameType | None) -> None:
         nonlocal presses
@@ -233,6 +235,20 @@ def interruptible() -> Iterator[Callable[[], bool]]:
         yield is_pressed
     if presses and not heard:
         _send_again(ended_by())
+
+
+# Flag that ends the work of a thread.
+_of_thread = threading.local()
+
+
+@contextmanager
+def ended_with(flag: threading.Event) -> Iterator[None]:
+    """Let a flag end interruptible work of this thread; signals reach the main thread only."""
+    _of_thread.flag = flag
+    try:
+        yield
+    finally:
+        del _of_thread.flag
 
 
 def uninterrupted(run: _Run) -> _Run:

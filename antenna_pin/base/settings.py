@@ -105,6 +105,8 @@ class RunSettings:
         output_rate: Sample rate, in addition to samples at events [Hz].
         output_times: Times of further samples, ascending [s].
         output_form: ``full``, or ``lean`` without series: a result of numbers and contact episodes only.
+        output_keep: Quantities that a lean result must have, by name; without any that is a peak at samples
+            or a number of the ledger, the run is sampled for its balance only. None for all.
     """
 
     engine: Engine = "pinocchio"
@@ -124,6 +126,7 @@ class RunSettings:
     output_rate: float = parameter("Hz", rule="positive", default=1000.0)
     output_times: tuple[float, ...] = parameter("s", rule="zero or more", sizes=(0,), default=())
     output_form: Literal["full", "lean"] = "full"
+    output_keep: tuple[str, ...] | None = None
 
     def __post_init__(self) -> None:
         """Check the settings, and choose what the accuracy does."""
@@ -132,6 +135,9 @@ class RunSettings:
             self._choose(self.accuracy)
         if not isinstance(self.scales, ErrorScales):
             raise InvalidParameterError(self, "scales", "an ErrorScales", type(self.scales).__name__)
+        if self.output_keep is not None and self.output_form != "lean":
+            rule = 'left out with form = "full", which has all quantities; or set form to "lean"'
+            raise InvalidParameterError(self, "output_keep", rule, said=", ".join(self.output_keep))
         if self.rtol < _LEAST_RTOL:
             rule = f"{_LEAST_RTOL:g} or more, because a lower value is below round-off"
             raise InvalidParameterError(self, "rtol", rule, said=f"{self.rtol:g}")

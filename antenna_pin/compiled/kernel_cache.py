@@ -16,9 +16,11 @@ from __future__ import annotations
 import contextlib
 import functools
 import hashlib
+import io
 import itertools
 import os
 import pickle
+import sys
 import threading
 import warnings
 from collections.abc import Callable, Iterator
@@ -194,12 +196,38 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
         content = raw[_DIGEST:]
         if hashlib.sha256(content).digest() != raw[:_DIGEST]:
             raise ValueError(f"{path}: does not hold what was written")
-        return pickle.loads(content)  # noqa: S301 - as Numba does
+        return _Unpickler(io.BytesIO(content)).load()
 
     def _write(self, path: str, content: Any) -> None:
         dumped = self._dump(content)
         with self._open_for_write(path) as file:
             file.write(hashlib.sha256(dumped).digest() + dumped)
+
+
+class _Unpickler(pickle.Unpickler):
+    """Reader of stored code that imports no module for its environment alone.
+
+    Numba imports the module of each function whose code it loads; a run's loop has those of all kinds.
+    """
+
+    def find_class(self, module: str, name: str) -> Any:
+        if (module, name) == ("numba.core.environment", "_rebuild_env"):
+            return _environment
+        return super().find_class(module, name)
+
+
+def _environment(module: str, constants: list[Any], name: str) -> Any:
+    """Return the environment of a loaded function, without an import of its module."""
+    from numba.core import environment
+
+    found = environment.lookup_environment(name)
+    if found is None:
+        known = sys.modules.get(module)
+        found = environment.Environment({"__name__": module} if known is None else vars(known))
+        found.consts[:] = constants
+        found.env_name = name
+        environment.Environment._memo[name] = found
+    return found
 
 
 def remembered(function: Any, contents: str, make: Callable[[], str]) -> str:

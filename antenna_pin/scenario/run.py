@@ -120,7 +120,10 @@ class ScalesSpec(MadeSpec):
     """Error scale per kind of quantity: ``rtol * (scale + |value|)``."""
 
 
-@reads(RunSettings, without=("output_rate", "output_times", "output_form"), scales=ScalesSpec)
+_OUTPUT = {f"output_{key}": key for key in ("rate", "times", "form", "keep")}
+
+
+@reads(RunSettings, without=tuple(_OUTPUT), scales=ScalesSpec)
 class IntegratorSpec(MadeSpec):
     """Integration of the motion."""
 
@@ -151,10 +154,6 @@ def settings_key(parameter: str) -> tuple[str, ...]:
     return ("integrator", parameter) if output == parameter else ("output", output)
 
 
-@reads(
-    RunSettings,
-    only=("output_rate", "output_times", "output_form"),
-    renamed={"output_rate": "rate", "output_times": "times", "output_form": "form"},
-)
+@reads(RunSettings, only=tuple(_OUTPUT), renamed=_OUTPUT)
 class OutputSpec(MadeSpec):
     """Record of the motion."""

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from antenna_pin.base.units import shown
 from antenna_pin.trajectory.columns import Breach, ColumnRule
 from antenna_pin.trajectory.json_attributes import JSON_ATTRIBUTES, problem_of_json
+from antenna_pin.trajectory.kept_quantities import left_out_of
 from antenna_pin.trajectory.outcome import REACHED_END
 from antenna_pin.trajectory.read import contact_kinds, is_lean, json_in, names_along
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, TIME, variables_of
@@ -148,10 +149,10 @@ def _directions(data: xr.Dataset) -> Iterator[tuple[str, list[int]]]:
 # Attributes that are plain text or numbers, some of which a result may lack, and the words that one may be.
 _TEXTS = ("title", "case", "outcome", "outcome_message", "counts", "scenario", "end", "urdf", "urdf_folder")
 _PLAIN: dict[str, type] = {
-    **dict.fromkeys((*_TEXTS, "start", "form", "advice", "finished"), str),
+    **dict.fromkeys((*_TEXTS, "start", "form", "kept", "advice", "finished"), str),
     **dict.fromkeys(("end_time", "gap_difference", "samples"), float),
 }
-_OPTIONAL = {"start", "advice", "finished", "end"}
+_OPTIONAL = {"start", "kept", "advice", "finished", "end"}
 _WORDS = {"form": ("full", "lean")}
 # Variables that results of earlier versions lack.
 _LATER = {"change_peak_effort", "change_peak_time", "peak_drive_effort", "time_of_peak_drive_effort"}
@@ -208,8 +209,9 @@ def _variables(data: xr.Dataset) -> Iterator[str]:
     wanted = list(variables_of({str(dim) for dim in data.sizes}, free))
     names = [variable.name for variable in wanted]
     names += [] if is_lean(data) else ["time", "q"]
+    lacking = _LATER | left_out_of(data)
     for name in names:
-        if name not in data.variables and name not in _LATER:
+        if name not in data.variables and name not in lacking:
             yield f"no variable {name!r}"
     for variable in variables_of({str(dim) for dim in data.sizes}, free_base=True):
         if variable.name not in data.variables:

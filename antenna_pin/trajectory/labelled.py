@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -100,6 +100,7 @@ class Unlabelled:
     more: dict[str, Any]  # the last ones; may be added to
     free_base: bool
     lean: bool = False  # without series
+    left_out: Collection[str] = ()  # further variables that the record does not have
 
     def labelled(self) -> xr.Dataset:
         """Return a dataset by the schema.
@@ -132,6 +133,7 @@ class Unlabelled:
         variables = {
             one.name: Column(one.dims, np.asarray(self.values[one.name]), one.attributes)
             for one in variables_of(set(labels) - left_out, self.free_base)
+            if one.name not in self.left_out
         }
         return coordinates, variables
 

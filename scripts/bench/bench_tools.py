@@ -6,6 +6,7 @@ import argparse
 import json
 import os
 import platform
+import time
 import timeit
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -31,7 +32,7 @@ def scenario(case: str = "case3", *overrides: str) -> Scenario:
 def interleaved(
     statements: Mapping[str, tuple[str, Mapping[str, Any]]], repeats: int, number: int
 ) -> dict[str, Array]:
-    """Time statements in turns, so that what slows the machine down for a while slows all of them.
+    """Take processor times of statements in turns, so that what slows the machine down slows all of them.
 
     Args:
         statements: Code and the names it needs, by label.
@@ -41,7 +42,10 @@ def interleaved(
     Returns:
         Seconds per execution, one for each round, by label.
     """
-    timers = {label: timeit.Timer(code, globals=dict(names)) for label, (code, names) in statements.items()}
+    timers = {
+        label: timeit.Timer(code, timer=time.process_time, globals=dict(names))
+        for label, (code, names) in statements.items()
+    }
     rounds = [
         {label: timer.timeit(number) / number for label, timer in timers.items()} for _ in range(repeats + 1)
     ]

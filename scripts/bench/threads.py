@@ -5,24 +5,29 @@ The compiled loop runs without the interpreter's lock, and so does the default e
 Pinocchio's and coal's machine code is used (``antenna-pin info --versions``), of which a tenth as many runs
 are made. Clearance, friction and restitution of each run are
 drawn at random (a fixed seed); results are lean. What a run takes besides the loop (its scenario, its system,
-its record) holds the lock, so that the gain of the second thread is less than two. The same runs on both must
-agree to the last bit.
+its record) holds the lock, so that the gain of the second thread is less than two; beside it stands that of
+bare compiled steps, which hold none, in the same rounds: the machine's own. Runs on both must agree to the
+last bit.
 """
 
 from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 from bench_tools import CLOSED_FORM, Report, scenario
+from loop import near_limit_of
 from run import bare_aba
 
 from antenna_pin import Scenario, Trajectory, build_system, simulate
 
 RUNS = 1000
+ROUNDS = 10
+STEPS = 20_000  # bare ones
 SPAN = 1.0  # [s]
 COMMON = ("integrator.accuracy=1e-3", "output.form=lean")
 #: Engines: changes, share of the runs, and limit of all [s].
@@ -54,33 +59,58 @@ def one(case: Scenario) -> Trajectory:
 def main() -> int:
     """Make the runs."""
     report = Report("threads", __doc__ or "")
-    quick = report.parse().quick
+    report.parser.add_argument("--runs", type=int, default=RUNS, help="runs of the first engine")
+    arguments = report.parse()
     for engine, (changes, share, limit) in ENGINES.items():
-        count = 4 if quick else round(share * RUNS)
-        measure(report, engine, drawn(count, changes), None if quick else limit)
+        count = 4 if arguments.quick else round(share * arguments.runs)
+        measure(report, engine, drawn(count, changes), limit if arguments.runs == RUNS else None)
     return report.finish()
 
 
+def pure_loops() -> Callable[[int], float]:
+    """Return what makes bare steps on so many threads, and gives the steps in a second of all."""
+    loops = [near_limit_of(scenario("case3", CLOSED_FORM, "integrator.engine=compiled")) for _ in range(2)]
+
+    def run(threads: int) -> float:
+        began = time.perf_counter()
+        with ThreadPoolExecutor(threads) as pool:
+            list(pool.map(lambda loop: loop(STEPS), loops[:threads]))
+        return threads * STEPS / (time.perf_counter() - began)
+
+    run(2)
+    return run
+
+
 def measure(report: Report, engine: str, jobs: list[Scenario], limit: float | None) -> None:
-    """Make the runs of an engine on one thread and on two, and add what they take."""
-    count = len(jobs)
+    """Make the runs of an engine on one thread and on two, and add what they take.
+
+    In rounds: some on one thread, the next on two, bare steps on one and on two.
+    """
     one(jobs[0])  # loads what is compiled
-    aba = bare_aba(build_system(jobs[0]).model)()
-    some = jobs[: max(4, count // 10)]
-    began = time.perf_counter()
-    serial = [one(job) for job in some]
-    alone = (time.perf_counter() - began) / len(some)
-    began = time.perf_counter()
-    with ThreadPoolExecutor(2) as pool:
-        both = list(pool.map(one, jobs))
-    taken = time.perf_counter() - began
-    assert all(same(*pair) for pair in zip(serial, both, strict=False)), "threads change results"
-    evaluations = sum(run.counts.evaluations for run in both)
-    report.add(f"{engine}: {count} runs of {SPAN:g} s on 2 threads", taken, "s", limit)
-    report.add(f"{engine}: a run on 1 thread", 1e3 * alone, "ms")
-    report.add(f"{engine}: gain of the second thread", alone * count / taken)
+    aba, pure = bare_aba(build_system(jobs[0]).model)(), pure_loops()
+    size = max(4, len(jobs) // ROUNDS)
+    gains, ceilings, alone, both, serial, threaded = [], [], 0.0, 0.0, [], []
+    for first in range(0, len(jobs), size):
+        some = jobs[first : first + size]
+        few = some[: max(2, size // 10)]
+        began = time.perf_counter()
+        serial += [one(job) for job in few]
+        middle = time.perf_counter()
+        with ThreadPoolExecutor(2) as pool:
+            made = list(pool.map(one, some))
+        taken = time.perf_counter() - middle
+        gains.append((middle - began) / len(few) * len(some) / taken)
+        ceilings.append(pure(2) / pure(1))
+        alone, both = alone + middle - began, both + taken
+        threaded += made
+        assert all(same(*pair) for pair in zip(serial[-len(few) :], made, strict=False)), "threads differ"
+    count, evaluations = len(jobs), sum(run.counts.evaluations for run in threaded)
+    report.add(f"{engine}: {count} runs of {SPAN:g} s on 2 threads", both, "s", limit)
+    report.add(f"{engine}: a run on 1 thread", 1e3 * alone / len(serial), "ms")
+    report.add(f"{engine}: gain of the second thread", np.median(gains))
+    report.add(f"{engine}: the same of bare steps, the machine's own", np.median(ceilings))
     report.add(f"{engine}: evaluations of a run", evaluations / count)
-    report.add(f"{engine}: all, per evaluation, over pin.aba", taken / evaluations / aba)
+    report.add(f"{engine}: all, per evaluation, over pin.aba", both / evaluations / aba)
     report.add(f"{engine}: pin.aba", 1e6 * aba, "us")
 
 

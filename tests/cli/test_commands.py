@@ -117,8 +117,6 @@ HEAVY = {
 READING = {"h5py", "pandas", "rich", "xarray"}
 BUILDING = {"antenna_pin.scenario.scenario", "coal", "pinocchio"}
 COMPILED = {"numba"}
-#: Kinds whose kernels, which stand alone beside their classes, are linked for any run.
-LINKED = {"antenna_pin.elements.harness", "antenna_pin.elements.latch"}
 RUN = ["run", "bai2020", "--case", "case3", "--duration", "1 ms", "--out", "short.nc", "-q"]
 
 
@@ -131,7 +129,7 @@ RUN = ["run", "bai2020", "--case", "case3", "--duration", "1 ms", "--out", "shor
         (["impacts", "case3.nc"], READING),
         (["info", "bai2020"], BUILDING),
         (["info", "slider_crank"], BUILDING | COMPILED),
-        (RUN, BUILDING | COMPILED | LINKED | READING - {"rich"}),
+        (RUN, BUILDING | COMPILED | READING - {"rich"}),
     ],
     ids=["help", "list", "info", "impacts", "info of a scenario", "info of loops", "run"],
 )

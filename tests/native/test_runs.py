@@ -1,6 +1,9 @@
 """Runs with Pinocchio's and coal's machine code called by address are those by Python, to the last bit."""
 
 import gc
+import os
+import signal
+import threading
 import weakref
 from concurrent.futures import ThreadPoolExecutor
 
@@ -116,3 +119,13 @@ def test_a_right_hand_side_in_python_is_the_same_both_ways(both_ways):
 
     native, python = both_ways(rates)
     assert native == python
+
+
+def test_ctrl_c_while_machine_code_runs_ends_a_run_with_what_it_has(shim):
+    """The signal comes within a batch of steps, most likely; progress is reported up to then."""
+    reports = []
+    threading.Timer(1.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+    run = simulate(load_scenario("bai2020", case="case3"), duration=1000.0, progress=reports.append)
+    assert run.outcome is Outcome.INTERRUPTED
+    assert 0.0 < reports[0].time < reports[-1].time <= run.data["time"].values[-1] < 1000.0
+    assert len({one.wall for one in reports}) > 3

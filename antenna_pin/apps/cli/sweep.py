@@ -21,6 +21,7 @@ from antenna_pin.apps.cli._common import (
 from antenna_pin.apps.cli._progress import study_bar
 from antenna_pin.apps.cli._tables import print_rows
 from antenna_pin.apps.cli.study import is_grid, print_grid, print_outcomes, run_rows, said_of_time
+from antenna_pin.base.rules import NumberRule
 
 if TYPE_CHECKING:
     from antenna_pin.studies.sweep import Executor, Study
@@ -43,6 +44,11 @@ def sweep(
         bool, typer.Option("--dry-run", help="Print the planned runs and their duration; run nothing.")
     ] = False,
     workers: WorkersOption = None,
+    threads: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Threads of this process, not processes; 0 for one for each core."),
+        NumberRule("zero or more"),
+    ] = None,
     scheduler: Annotated[
         str | None, typer.Option(metavar="URL", help="Dask scheduler that has workers: tcp://host:8786.")
     ] = None,
@@ -73,9 +79,9 @@ def sweep(
         return
     loaded = load_study(study, settings or ())
     if dry_run:
-        _show(loaded, out, workers)
+        _show(loaded, out, workers if threads is None else threads or None)
         return
-    executor = _executor(workers, scheduler, {"ca": tls_ca, "cert": tls_cert, "key": tls_key})
+    executor = _executor(workers, threads, scheduler, {"ca": tls_ca, "cert": tls_cert, "key": tls_key})
     try:
         with study_bar(loaded.name, progress and not quiet) as report:
             table = run_study(
@@ -102,7 +108,9 @@ def sweep(
         say(f"saved {table.attrs['path']}")
 
 
-def _executor(workers: int | None, scheduler: str | None, tls: dict[str, Path | None]) -> Executor:
+def _executor(
+    workers: int | None, threads: int | None, scheduler: str | None, tls: dict[str, Path | None]
+) -> Executor:
     given = {name: str(path) for name, path in tls.items() if path is not None}
     if scheduler is not None and workers is not None:
         refuse("--workers: must be left out with --scheduler, which has its own workers")
@@ -111,7 +119,13 @@ def _executor(workers: int | None, scheduler: str | None, tls: dict[str, Path | 
     for name, path in given.items():
         if not os.path.isfile(path):
             refuse(f"--tls-{name} {path}: no such file")
-    return executor_of(workers, scheduler, given or None)
+    if threads is None:
+        return executor_of(workers, scheduler, given or None)
+    if workers is not None or scheduler is not None:
+        refuse("--threads: must be left out with --workers and --scheduler, which name processes")
+    from antenna_pin.studies.sweep import Threads
+
+    return Threads(threads or None)
 
 
 def _show(study: Study, out: Path | None, workers: int | None) -> None:

@@ -180,6 +180,7 @@ class Compiled:
     Args:
         workspace: What the run works on; its contact memory, program and contact table are used.
         engine: Whose the tree's dynamics are: compiled, or Pinocchio's, asked from inside.
+        tree: Bodies of the system as an earlier object has laid them out and compared them; None without.
 
     Attributes:
         numbers: The system, as the kernels take it.
@@ -190,13 +191,14 @@ class Compiled:
             (:func:`check_compiled`), or its tree in numbers deviates from Pinocchio's.
     """
 
-    def __init__(self, workspace: Workspace, engine: Engine) -> None:
+    def __init__(self, workspace: Workspace, engine: Engine, tree: NDArray[Any] | None = None) -> None:
         """Lay the numbers out; a compiled tree is compared with Pinocchio's."""
         system, model = workspace.system, workspace.model
         if engine == "compiled":
             check_compiled(system)
+        if tree is None and engine == "compiled":
             tree = TreeDynamics(system.mechanism).tree
-        else:
+        elif tree is None:
             tree = body_tree(system.mechanism)
         if system.plan is not None:
             require(CONSTRAINTS)

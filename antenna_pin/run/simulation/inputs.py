@@ -51,6 +51,7 @@ from antenna_pin.run.simulation.events import (
 )
 from antenna_pin.scenario import Scenario, settings_key
 from antenna_pin.scenario.assemble import build_system, initial_angles, initial_state, reference_for
+from antenna_pin.trajectory.kept_quantities import KEEPABLE
 
 __all__ = [
     "PreparedRun",
@@ -77,7 +78,10 @@ def settings_of(scenario: Scenario) -> RunSettings:
     """Return the settings of integration and sampling of a scenario."""
     output = scenario.output
     settings: RunSettings = scenario.integrator.build(
-        output_rate=output.rate, output_times=output.times, output_form=output.form
+        output_rate=output.rate,
+        output_times=output.times,
+        output_form=output.form,
+        output_keep=output.keep,
     )
     return settings
 
@@ -363,6 +367,9 @@ def prepare_run(
         span, used = duration, settings or RunSettings()
     else:
         raise InvalidParameterError(place, "model", "a Scenario or a System", type(model).__name__)
+    for name in used.output_keep or ():
+        if name not in KEEPABLE:
+            raise UnknownNameError(f"{place}: output.keep", "quantity of a lean result", name, KEEPABLE)
     if span is not None and not holds(span, "positive"):
         raise InvalidParameterError(place, "duration", "positive and finite [s]", span)
     if start is not None:

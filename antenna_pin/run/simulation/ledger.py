@@ -26,7 +26,8 @@ origin; S and T are zero. A run whose events let the state jump need not conserv
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -74,13 +75,20 @@ class ErrorTrail:
         self._found: list[tuple[Array, Array, Array, NDArray[np.intp]]] = []
         self._largest = 0.0
 
-    def add(self, times: Array, before: Array, errors: Array, least: float, movers: NDArray[np.intp]) -> None:
+    def add(
+        self,
+        times: Array,
+        before: Array,
+        errors: Array,
+        least: float,
+        movers: Callable[[], NDArray[np.intp]],
+    ) -> None:
         """Keep the samples of a block whose error exceeds all earlier ones and ``least``."""
         so_far = np.fmax.accumulate(np.concatenate([[max(self._largest, least)], errors]))
         grown = errors > so_far[:-1]
         self._largest = max(self._largest, float(np.fmax.reduce(errors, initial=0.0)))
         if grown.any():
-            self._found.append((times[grown], before[grown], errors[grown], movers[grown]))
+            self._found.append((times[grown], before[grown], errors[grown], movers()[grown]))
 
     def first_beyond(self, bound: float) -> FirstExcess | None:
         """Return the first sample whose error is above a bound; None if there is none."""
@@ -225,7 +233,10 @@ class LedgerAudit:
         )
         times = values["time"]
         before = np.concatenate([[self._last], times[:-1]])
-        movers = self._movers(block, values, labels)
+        self._names, columns = entries_of(values, labels)
+        entries, last = [*block.v.T, *columns], start["entries"]
+        start["entries"] = np.array([entry[-1] for entry in entries])
+        movers = cache(lambda: self._movers(np.column_stack(entries), last))
         self._energy.add(times, before, error, self.energy_bound(), movers)
         for name, trail in self._momenta.items():
             drift = np.abs(block.kept_momentum(name) - start[name]).max(axis=1)
@@ -266,19 +277,18 @@ class LedgerAudit:
         for name, of in sizes.items():
             self._most[name] = float(np.fmax(self._most[name], of.max(initial=0.0)))
 
-    def _movers(self, block: SampleBlock, values: Values, labels: Mapping[str, Any]) -> NDArray[np.intp]:
+    def _movers(self, entries: Array, last: Array | None) -> NDArray[np.intp]:
         """Return the coordinate and the element that changed most at each sample, -1 for none.
 
         A coordinate by the kinetic energy of its change, an element by its largest entry.
+
+        Args:
+            entries: Velocities and entries of the ledger, (n, nv + elements).
+            last: Entries at the sample before; None without one.
         """
-        self._names, columns = entries_of(values, labels)
-        table = np.column_stack([block.v, *columns])
-        first = self._start["entries"]
-        self._start["entries"] = table[-1]
-        steps = np.abs(np.diff(table, axis=0, prepend=table[:1] if first is None else first[np.newaxis]))
-        nv = block.v.shape[1]
+        steps = np.abs(np.diff(entries, axis=0, prepend=entries[:1] if last is None else last[np.newaxis]))
+        nv = self._run.system.model.nv
         steps[:, :nv] *= steps[:, :nv] * (0.5 * self._start["inertia"])
-        self._names = [f"the motion of {name}" for name in block.system.names_v] + self._names
         found = []
         for part, begin in ((steps[:, :nv], 0), (steps[:, nv:], nv)):
             part = np.nan_to_num(part)
@@ -409,7 +419,8 @@ class LedgerAudit:
         settings = self._run.settings
         by = "integrator.ledger_tolerance allows" if settings.ledger_tolerance else "integrator.rtol explains"
         happened = events_between(self._run, excess.before, excess.time)
-        movers = [self._names[k] for k in excess.movers if k >= 0]
+        names = [f"the motion of {name}" for name in self._run.system.names_v] + self._names
+        movers = [names[k] for k in excess.movers if k >= 0]
         moved = f"; changed most: {', '.join(movers)}" if movers else ""
         since = "" if math.isnan(excess.before) else f" since {excess.before:.9g} s"
         return Opening(excess.time, f"{text}, where {by} {bound}; happened{since}: {happened}{moved}")

@@ -143,6 +143,7 @@ class Run:
         since: Time from which the run records [s]; by default the time of ``start``.
         singly: Whether a batch ends after each step.
         logged: Whether steps are logged, and a batch ends at each change of contact and event.
+        few: Whether it records few samples, as of :class:`Samples`.
     """
 
     def __init__(
@@ -156,6 +157,7 @@ class Run:
         singly: bool = False,
         logged: bool = False,
         controllers: Mapping[str, Controller] = MappingProxyType({}),
+        few: bool = False,
     ) -> None:
         """Prepare the stepper, the search of its steps, and the initial contacts."""
         self.system, self.settings = system, settings
@@ -171,7 +173,8 @@ class Run:
         #: Time after which events are recorded [s]; those at the start of a continued run were before.
         self.after = self.begin if isinstance(start, State) else math.nextafter(self.begin, -math.inf)
         self.control = StepControl(self.workspace, method, settings, self.begin, end)
-        self.samples = Samples(self.workspace, settings.output_rate, settings.output_times, self.begin, end)
+        output = settings.output_rate, settings.output_times
+        self.samples = Samples(self.workspace, *output, self.begin, end, few)
         self.contacts = Episodes(self.workspace, self.stepper, self.samples, self.begin)
         self.search = ContactSearch(self.workspace, self.stepper, self.contacts)
         self.events = tuple(events)

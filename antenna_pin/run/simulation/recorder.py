@@ -32,6 +32,7 @@ from antenna_pin.run.simulation.variables import (
 )
 from antenna_pin.trajectory import ENDED_WELL, Outcome
 from antenna_pin.trajectory.columns import first_not_finite
+from antenna_pin.trajectory.kept_quantities import OF_SAMPLES
 from antenna_pin.trajectory.labelled import Unlabelled
 
 if TYPE_CHECKING:
@@ -149,8 +150,8 @@ class _Reintegration:
         """Allocate once."""
         self._system = run.system
         self._workspace, settings = Workspace(run.system), run.settings
-        method = method_named(settings.method)
-        self._stepper = stepper_of(self._workspace, method, run.stepper.scales, settings)
+        method, tree = method_named(settings.method), run.stepper.numbers.tree
+        self._stepper = stepper_of(self._workspace, method, run.stepper.scales, settings, tree)
         self._made: dict[float, list[_RepeatedStep]] = {}
 
     def largest(self, m: int, between: Sequence[Chunk]) -> tuple[float, float]:
@@ -403,7 +404,8 @@ class Recorder:
         self._peaks: dict[str, Any] = {}
         self._audit = LedgerAudit(run)
         # Only the run's own states are consecutive samples.
-        self._tops = EffortPeaks(run, between=samples is None) if run.system.drives else None
+        located = run.system.drives and not self._samples.few
+        self._tops = EffortPeaks(run, between=samples is None) if located else None
 
     def blocks(self) -> Iterator[tuple[int, Values]]:
         """Yield number of the first sample and series of each block, ``time`` among them."""
@@ -467,9 +469,10 @@ class Recorder:
             lean: Whether to leave out the series.
         """
         assert self._last is not None
-        first, last = self._last.start, self._last.end
+        first, last, kept = self._last.start, self._last.end, self.run.settings.output_keep
         attributes = {
             "form": "lean" if lean else "full",
+            **({} if kept is None else {"kept": json.dumps(kept)}),
             **about,
             "end_time": float(self._last.times[-1]),
             "samples": self.count,
@@ -501,6 +504,7 @@ class Recorder:
             more={},
             free_base=system.mechanism.base == "free",
             lean=lean,
+            left_out=OF_SAMPLES if self._samples.few else (),
         )
 
 

@@ -35,9 +35,10 @@ from antenna_pin.run.simulation.events import Event
 from antenna_pin.run.simulation.inputs import RunStart, as_run, prepare_run
 from antenna_pin.run.simulation.loop import Progress, Run
 from antenna_pin.run.simulation.recorder import Recorder, result_data
-from antenna_pin.run.simulation.samples import check_room
+from antenna_pin.run.simulation.samples import FEW, check_room
 from antenna_pin.scenario import Scenario, scenario_named
 from antenna_pin.trajectory import Outcome, Trajectory, library_versions, write_blocks
+from antenna_pin.trajectory.kept_quantities import needs_samples
 from antenna_pin.trajectory.labelled import Unlabelled
 
 if TYPE_CHECKING:
@@ -124,16 +125,17 @@ def simulate(
     if scenario is not None:
         scenario = as_run(scenario, float(span), used)
     source = origin.text(scenario) if previous is None else previous.about["start"]
-    store = None
+    store, few = None, not needs_samples(used.output_keep)
     if target is None:
-        check_room(system, float(span) * used.output_rate + len(used.output_times))
+        check_room(system, FEW if few else float(span) * used.output_rate + len(used.output_times))
     else:
         about = about_run(system, scenario, used, float(span), source, events, controllers)
         if previous is not None:
             check_same(previous, about)
         store = CheckpointStore(target, system, about, checkpoint, previous)
     with store or contextlib.nullcontext(), compiling_timed() as compiling:
-        run = Run(system, first, begin + float(span), used, events, begin, controllers=controllers)
+        until = begin + float(span)
+        run = Run(system, first, until, used, events, begin, controllers=controllers, few=few)
         if previous is not None:
             previous.give_to(run)
         with interruptible() as interrupted:

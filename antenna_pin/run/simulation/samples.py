@@ -13,7 +13,7 @@ from antenna_pin.base.capacity import check_fits
 from antenna_pin.base.records import MEMORY
 from antenna_pin.dynamics import System, Workspace
 
-__all__ = ["Chunk", "LateSample", "Samples", "check_room"]
+__all__ = ["FEW", "Chunk", "LateSample", "Samples", "check_room"]
 
 Array = NDArray[np.float64]
 
@@ -22,6 +22,8 @@ _OF_STATE = 8.0
 
 
 _ROOM = 256
+#: Samples of a run that keeps no quantity of samples: for its balance.
+FEW = 64
 
 
 def check_room(system: System, count: float) -> None:
@@ -88,6 +90,7 @@ class Samples:
         rate: Output times a second [Hz].
         chosen: Further output times, ascending [s].
         begin: Time from which states are recorded [s].
+        few: Whether samples at the rate are recorded only, at most ``FEW`` in all, the end besides.
 
     Attributes:
         programs: Program of force elements at each: the same array as long as nothing was changed in it.
@@ -96,13 +99,20 @@ class Samples:
     """
 
     def __init__(
-        self, workspace: Workspace, rate: float, chosen: Sequence[float], begin: float, end: float
+        self,
+        workspace: Workspace,
+        rate: float,
+        chosen: Sequence[float],
+        begin: float,
+        end: float,
+        few: bool = False,
     ) -> None:
         """Begin without samples."""
         self._memory = workspace.memory
         self._workspace = workspace
-        self.rate = rate
-        self.chosen = np.array(chosen, dtype=float)
+        self.few = few
+        self.rate = min(rate, FEW / (end - begin)) if few else rate
+        self.chosen = np.array(() if few else chosen, dtype=float)
         self.begin = begin
         self._end = end
         self._count = 0
@@ -211,12 +221,18 @@ class Samples:
         """
         # Ordered samples first, all at once: inserted ones then find the same neighbours.
         early = early.astype(bool)
+        if self.few:
+            kept = ~early & (times == np.round(times * self.rate) / self.rate)
+            times, states, memories, early = times[kept], states[kept], memories[kept], early[kept]
+        own = memories.view(np.uint8).reshape(len(times), self._memories.shape[1])
+        if not early.any():
+            self._append(times, states, own)
+            return
         ordered = ~early
-        self._append(times[ordered], states[ordered], memories[ordered])
-        for k in np.flatnonzero(early).tolist():
-            self.insert(float(times[k]), states[k], memories[k])
+        self._append(times[ordered], states[ordered], own[ordered])
+        self._insert(times[early], states[early], own[early])
 
-    def _append(self, times: Array, states: Array, memories: NDArray[Any]) -> None:
+    def _append(self, times: Array, states: Array, memories: NDArray[np.uint8]) -> None:
         """Append samples in order of time; of coincident samples the last counts."""
         kept = times >= self.begin
         kept[:-1] &= times[1:] > times[:-1]
@@ -228,7 +244,7 @@ class Samples:
         self._open(self._count, count - (self._count - place))
         self._times[place : place + count] = times
         self._states[place : place + count] = states
-        self._memories[place : place + count] = memories.view(np.uint8).reshape(count, -1)
+        self._memories[place : place + count] = memories
         self.programs[place : place + count] = [self.program] * count
 
     def hold(self, t: float, y: Array, program: Array) -> None:
@@ -238,21 +254,38 @@ class Samples:
 
     def insert(self, t: float, y: Array, memory: NDArray[Any]) -> None:
         """Insert a sample with its contact memory by time; an existing sample stays."""
-        if t <= self._handed:
-            self.late.append(LateSample(t, y.copy(), memory.copy()))
+        if self.few:
             return
-        place = int(np.searchsorted(self.times, t))
-        if place < self._count and self._times[place] == t:
+        self._insert(np.array([t]), y[np.newaxis], memory.view(np.uint8).reshape(1, -1))
+
+    def _insert(self, times: Array, states: Array, memories: NDArray[np.uint8]) -> None:
+        """Insert samples by their times, which differ from each other or are dropped."""
+        for k in np.flatnonzero(times <= self._handed).tolist():
+            self.late.append(LateSample(float(times[k]), states[k].copy(), memories[k].copy().view(MEMORY)))
+        distinct, order = np.unique(times, return_index=True)
+        behind = np.searchsorted(self.times, distinct)
+        there = self.times[np.minimum(behind, self._count - 1)] == distinct if self._count else False
+        new = (distinct > self._handed) & ~np.asarray(there)
+        order, behind = order[new], behind[new]
+        if not len(order):
             return
+        places = behind + np.arange(len(order))
+        first, old = int(places[0]), self._count
+        self._open(old, len(order))
+        moved = np.ones(self._count - first, bool)
+        moved[places - first] = False
+        for array, inserted in ((self._times, times), (self._states, states), (self._memories, memories)):
+            tail = array[first:old].copy()
+            array[first : self._count][moved] = tail
+            array[places] = inserted[order]
         # The program of the previous sample is valid up to the next event.
         before = self.program if self._before is None else self._before
-        program = self.programs[place - 1] if place else before
-        self._inserted.append(place)
-        self._open(place, 1)
-        self._times[place] = t
-        self._put(place, y, memory)
-        self.programs[place] = program
-        self.hold(t, self._states[place], program)
+        del self.programs[old:]
+        for place in places.tolist():
+            program = self.programs[place - 1] if place else before
+            self.programs.insert(place, program)
+            self._inserted.append(place)
+            self.hold(float(self._times[place]), self._states[place], program)
 
     # --- snapshots ------------------------------------------------------------------------------------------
 

@@ -231,13 +231,20 @@ _LOGGED = 64  # steps of a log
 _COUNTS = ("accepted", "rejected", "relocated")
 
 
-def stepper_of(workspace: Workspace, method: Method, scales: Array, settings: RunSettings) -> CompiledStepper:
-    """Return the stepper of an engine.
+def stepper_of(
+    workspace: Workspace,
+    method: Method,
+    scales: Array,
+    settings: RunSettings,
+    tree: NDArray[Any] | None = None,
+) -> CompiledStepper:
+    """Return the stepper of an engine; ``tree`` as of :class:`Compiled`.
 
     Raises:
         MechanismError: The engine cannot run the system.
     """
-    return CompiledStepper(workspace, Compiled(workspace, settings.engine), method, scales, settings.rtol)
+    numbers = Compiled(workspace, settings.engine, tree)
+    return CompiledStepper(workspace, numbers, method, scales, settings.rtol)
 
 
 class StepCounts(NamedTuple):

@@ -5,6 +5,7 @@ from antenna_pin.studies.sweep.driver import StudyProgress as StudyProgress
 from antenna_pin.studies.sweep.driver import run_study as run_study
 from antenna_pin.studies.sweep.executor import Executor as Executor
 from antenna_pin.studies.sweep.executor import Here as Here
+from antenna_pin.studies.sweep.executor import Threads as Threads
 from antenna_pin.studies.sweep.measures import MEASURES as MEASURES
 from antenna_pin.studies.sweep.preparation import Prepared as Prepared
 from antenna_pin.studies.sweep.preparation import RunTime as RunTime

@@ -1,11 +1,17 @@
-"""Executors of runs: the protocol, and this process, one run after the other."""
+"""Executors of runs: the protocol, and this process, on one thread or on several."""
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from typing import Any, Protocol, TypeVar
 
-__all__ = ["Executor", "Here", "Lost"]
+from antenna_pin.base.capacity import cores
+from antenna_pin.base.interruption import ended_with
+from antenna_pin.errors import InvalidParameterError
+
+__all__ = ["Executor", "Here", "Lost", "Threads"]
 
 
 T = TypeVar("T")
@@ -48,6 +54,54 @@ class Here:
         """Yield each batch with its answer."""
         for batch in batches:
             yield batch, call(shared, batch)
+
+    def close(self) -> None:
+        """Do nothing."""
+
+
+class Threads:
+    """Executor of studies in threads of this process.
+
+    Compiled loops run without the interpreter's lock, as do those that call Pinocchio and coal through the
+    shim to their machine code; the rest of a run holds it. Nothing is started, copied or sent, so short
+    studies gain most. A run that crashes ends the process.
+
+    Args:
+        threads: Number of threads; one for each core by default.
+    """
+
+    def __init__(self, threads: int | None = None) -> None:
+        """Check the number."""
+        if not (threads is None or threads > 0):
+            raise InvalidParameterError("Threads", "threads", "positive", threads)
+        self.width = threads or cores()
+
+    def start(self) -> None:
+        """Do nothing."""
+
+    def each(
+        self, call: Callable[[Any, list[T]], Any], shared: Any, batches: Iterator[list[T]]
+    ) -> Iterator[tuple[list[T], Any]]:
+        """Yield each batch with its answer, in order of completion."""
+        stop = threading.Event()
+
+        def answer(batch: list[T]) -> Any:
+            with ended_with(stop):
+                return call(shared, batch)
+
+        under_way: dict[Future[Any], list[T]] = {}
+        pool = ThreadPoolExecutor(self.width)
+        try:
+            while True:
+                while len(under_way) < self.width and (batch := next(batches, None)) is not None:
+                    under_way[pool.submit(answer, batch)] = batch
+                if not under_way:
+                    return
+                for future in wait(under_way, return_when=FIRST_COMPLETED).done:
+                    yield under_way.pop(future), future.result()
+        finally:  # after Ctrl-C in this thread as well: runs under way end as interrupted
+            stop.set()
+            pool.shutdown(cancel_futures=True)
 
     def close(self) -> None:
         """Do nothing."""

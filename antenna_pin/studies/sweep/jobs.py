@@ -7,6 +7,7 @@ import json
 import math
 import platform
 import tempfile
+import threading
 import time
 import warnings
 from collections.abc import Iterator, Sequence
@@ -99,9 +100,14 @@ def _check_versions(work: Work) -> None:
 
 
 def do_jobs(work: Work, jobs: Sequence[Job]) -> list[FinishedRun]:
-    """Make runs, one after the other; refuse versions other than the study's."""
+    """Make runs in order, up to an interrupted one; refuse versions other than the study's."""
     _check_versions(work)
-    return [_do(work, job) for job in jobs]
+    done: list[FinishedRun] = []
+    for job in jobs:
+        done.append(_do(work, job))
+        if done[-1].entry["outcome"] == "INTERRUPTED":
+            break
+    return done
 
 
 def _do(work: Work, job: Job) -> FinishedRun:
@@ -155,19 +161,42 @@ def _do(work: Work, job: Job) -> FinishedRun:
     return FinishedRun(entry | {"wall_time": time.perf_counter() - began, "worker": platform.node()})
 
 
-@contextlib.contextmanager
-def _told_of(job: Job) -> Iterator[None]:
-    """Prefix warnings of a run with its number in the study."""
-    with warnings.catch_warnings():
+class _NumberedWarnings:
+    """Warnings of runs with their numbers in the study, for all threads together."""
+
+    def __init__(self) -> None:
+        self._of_thread, self._lock, self._inside = threading.local(), threading.Lock(), 0
+        self._caught = contextlib.ExitStack()
+
+    @contextlib.contextmanager
+    def __call__(self, job: Job) -> Iterator[None]:
+        """Prefix warnings of this thread with a run's number."""
+        self._of_thread.run = job.run
+        with self._lock:  # Python's filters and their display are those of the process
+            if self._inside == 0:
+                self._begin()
+            self._inside += 1
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._inside -= 1
+                if self._inside == 0:
+                    self._caught.close()
+
+    def _begin(self) -> None:
+        self._caught.enter_context(warnings.catch_warnings())
         warnings.simplefilter("ignore", LedgerOpenWarning)  # such runs are counted, with their message
         warnings.simplefilter("ignore", AssumedWarning)  # alike of all runs; each result has it
         told = warnings.showwarning
 
         def with_number(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
-            told(f"run {job.run}: {message}", category, *where, **more)
+            told(f"run {self._of_thread.run}: {message}", category, *where, **more)
 
         warnings.showwarning = with_number
-        yield
+
+
+_told_of = _NumberedWarnings()
 
 
 def failed_entry(outcome: str, message: str) -> dict[str, Any]:

@@ -119,9 +119,12 @@ _last: list[tuple[Trajectory, Trajectory | None, xr.Dataset]] = []
 
 
 def _pointing_error(run: Trajectory, reference: Trajectory | None) -> xr.Dataset:
-    if not (_last and _last[0][0] is run and _last[0][1] is reference):
-        _last[:] = [(run, reference, pointing_error(run, reference))]
-    return _last[0][2]
+    for of, beside, found in tuple(_last):  # of another thread's, perhaps
+        if of is run and beside is reference:
+            return found
+    errors = pointing_error(run, reference)
+    _last[:] = [(run, reference, errors)]
+    return errors
 
 
 def _pointing(run: Trajectory, spec: MeasureArguments, reference: Trajectory | None) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -37,12 +37,14 @@ class Prepared:
         design: Its runs.
         base: Scenario before the overrides of parameters.
         work: Data that all runs share.
+        record: Overrides of what runs record.
     """
 
     study: Study
     design: Design
     base: Scenario
     work: Work
+    record: Mapping[str, Any]
 
     @property
     def place(self) -> str:
@@ -51,7 +53,7 @@ class Prepared:
 
     def job(self, run: int) -> Job:
         """Return one run as data; files that it names are read here."""
-        overrides = self.design.overrides(run, self.base)
+        overrides = {**self.record, **self.design.overrides(run, self.base)}
         follows = self.study.reference.follows if self.study.reference is not None else ()
         more = self.design.overrides(run, self.base, follows) if follows else {}
         files = any(key.rpartition(".")[2] in ("file", "urdf") for key in overrides)
@@ -85,6 +87,8 @@ def prepare(study: Study) -> Prepared:
     """
     design = design_of(study)
     base = study.base()
+    quantities = study.recorded_quantities(base)
+    record = {} if quantities is None else {"output.form": "lean", "output.keep": list(quantities)}
     reference = study.reference_base()
     for name in study.parameters:
         if study.reference is None and "duration" in study.parameters[name].keys_set:
@@ -105,7 +109,7 @@ def prepare(study: Study) -> Prepared:
         results=study.results,
         versions=library_versions(),
     )
-    return Prepared(study, design, base, work)
+    return Prepared(study, design, base, work, record)
 
 
 @takes()

@@ -139,7 +139,7 @@ def identity_of(study: Study, design: Design, work: Work) -> Identity:
         "the reference": _digest([_content(work.reference), study.reference and study.reference.follows]),
         "the parameters": _digest([list(study.parameters), values, design.seeds.tolist()]),
         "the responses": _digest([responses, work.sources]),
-        "the results kept": _digest(study.results),
+        "the results kept": _digest(study.results if study.keep is None else [study.results, study.keep]),
         "the versions": _digest(work.versions),
     }
     return Identity(_digest(parts), parts, work.versions)

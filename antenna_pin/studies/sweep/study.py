@@ -17,7 +17,9 @@ from antenna_pin.scenario.merge import merge
 from antenna_pin.scenario.parameters import ParameterSpec
 from antenna_pin.scenario.runs_file import RunsFile, nested
 from antenna_pin.scenario.spec import Count, Folder, Spec, refuse, refuse_name
+from antenna_pin.studies.sweep.measures import MEASURES
 from antenna_pin.studies.sweep.responses import ResponseSpec
+from antenna_pin.trajectory.kept_quantities import KEEPABLE, needs_samples
 
 __all__ = ["ComparisonSpec", "SamplingSpec", "Study", "list_studies", "load_study"]
 
@@ -92,6 +94,8 @@ class Study(RunsFile):
         responses: Numbers of each run, by name; or a list of measures and functions.
         results: Full result files to keep: ``none``, those that ``failed`` (ended early or with an open
             ledger), or ``all``.
+        keep: Quantities that runs record (``output.keep``), or ``all``; by default the measures of the
+            responses, where these suffice.
         name: Name of the study: that of its file.
         folder: Folder of the study file.
 
@@ -112,6 +116,7 @@ class Study(RunsFile):
     reference: ComparisonSpec | None = None
     responses: dict[str, ResponseSpec]
     results: Literal["none", "failed", "all"] = "none"
+    keep: Literal["all"] | tuple[str, ...] | None = None
     name: str = "study"
     folder: Folder = Path()
 
@@ -157,6 +162,8 @@ class Study(RunsFile):
             for i, name in enumerate(self.reference.follows):
                 if name not in self.parameters:
                     refuse_name("parameter", name, self.parameters, "reference", "follows", i)
+        if isinstance(self.keep, tuple):
+            self._check_keep(self.keep)
         for name, response in self.responses.items():
             if response.compares and self.reference is None:
                 rule = "its reference, a table [reference] with the case to compare with"
@@ -196,12 +203,56 @@ class Study(RunsFile):
         if self.sampling is not None and not sampled:
             refuse("must be left out: no parameter has a distribution", "sampling")
 
+    def _check_keep(self, keep: tuple[str, ...]) -> None:
+        """Refuse a record that lacks what a response needs."""
+        for i, name in enumerate(keep):
+            if name not in KEEPABLE:
+                refuse_name("quantity", name, KEEPABLE, "keep", i)
+        if _form(self.set) == "full":
+            refuse('must be left out with set.output.form = "full", which records all', "keep")
+        kept = ", ".join(keep) or "nothing"
+        for name, response in self.responses.items():
+            if response.measure is None:
+                continue
+            if MEASURES[response.measure].series:
+                rule = f"its measure {response.measure} needs the series of a run, which keep leaves out"
+                refuse(f"{rule}, got keep = {kept}; leave keep out", "responses", name)
+            if response.measure not in keep:
+                rule = f"its measure {response.measure} must be in keep, got {kept}"
+                refuse(f"{rule}; add it, or leave keep out", "responses", name)
+
+    def recorded_quantities(self, base: Scenario) -> tuple[str, ...] | None:
+        """Return the quantities that runs of a scenario record; None for all."""
+        if self.keep is not None:
+            return None if self.keep == "all" else self.keep
+        measures = [response.measure for response in self.responses.values()]
+        varied = {key for parameter in self.parameters.values() for key in parameter.keys_set}
+        names = tuple(dict.fromkeys(name for name in measures if name is not None))
+        if (
+            self.results != "none"
+            or len(names) < len(set(measures))  # of a function it is not known what it reads
+            or any(MEASURES[name].series for name in names)
+            or needs_samples(names)
+            or any(key.startswith("output.") for key in varied)
+            or "form" in base.output.model_fields_set
+            and base.output.form == "full"
+            or base.output.keep is not None
+        ):
+            return None
+        return names
+
     def reference_base(self) -> Scenario | None:
         """Return the scenario of the reference, of the runs' duration, before what it follows."""
         if self.reference is None:
             return None
         lasts = {"duration": self.base().duration}
         return self.scenario_with(self.reference.case, merge(lasts, nested(self.reference.set)))
+
+
+def _form(settings: Mapping[str, Any]) -> Any:
+    """Return the form of results that settings of a scenario name; None without one."""
+    output = settings.get("output")
+    return output.get("form") if isinstance(output, Mapping) else settings.get("output.form")
 
 
 def _is_within(key: str, table: str) -> bool:
