@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,18 +13,17 @@ from antenna_pin.scenario import JointPlay
 from antenna_pin.show.plot._style import Width
 from antenna_pin.show.plot.grammar import Axis, Panel, PlotCurve, PlotMark, Points, Rule, Sheet, figure
 
-if TYPE_CHECKING:
-    pass
-
 __all__ = ["figure_contact_stress", "figure_play_over_temperature"]
 
 # Surfaces that a panel shows at most, those with the largest pressures.
 _MOST = 6
+# Largest over mean load of a line, from which on its pressure is drawn along the bore.
+_TILTED = 1.01
 
 
 @figure(stress="Contact stress of a run.", case="Name of the run's case, for the foot note.")
 def figure_contact_stress(stress: ContactStress, *, case: str = "run", width: Width = "page") -> Sheet:
-    """Return contact pressures and PV of bushings over time."""
+    """Return contact pressures over time and along bores, and PV of bushings."""
     met = [one for one in stress.surfaces if one.history.size and np.nanmax(one.history, initial=0.0) > 0.0]
     if not met:
         raise InvalidParameterError(
@@ -48,6 +46,13 @@ def figure_contact_stress(stress: ContactStress, *, case: str = "run", width: Wi
         Rule(limit, {"color": "#999999", "linewidth": 0.8}) for limit in limits if limit < 3.0 * largest
     ]
     rows: list[list[Panel | None]] = [[Panel("contact pressure", marks, Axis("pressure", "Pa"))]]
+    tilted = [(k, one) for k, one in enumerate(shown) if one.line_load_ratio > _TILTED]
+    if tilted:
+        curves = [
+            PlotCurve(one.place, 1e3 * one.places, one.profile, {"color": f"C{k}"}) for k, one in tilted
+        ]
+        along = Axis("along the bore's axis [mm]")
+        rows.append([Panel("along the bore at its peak", curves, Axis("pressure", "Pa"), along, named=False)])
     if stress.bushings:
         curves = [
             PlotCurve(one.joint, stress.time, 1e-6 * one.history, {"color": f"C{k}"})
