@@ -172,12 +172,10 @@ def _line_of(
         return _Line(np.zeros(places.shape), places, law, bool(side))
     plus, minus = np.moveaxis(journal_motion(data, joint)["offset"].values, 1, 0)
     span = plus - minus
-    scale = (
-        np.ones(len(span)) if own_length is None else own_length / np.where(span[:, 2] > 0.0, span[:, 2], 1.0)
-    )
-    nodes = (
-        0.5 * (plus + minus)[:, None, :] + 0.5 * side * (along * scale[:, None])[..., None] * span[:, None, :]
-    )
+    share = 0.5 * side * along * np.ones((len(span), 1))
+    if own_length is not None:
+        share *= own_length / np.where(span[:, 2:] > 0.0, span[:, 2:], 1.0)
+    nodes = 0.5 * (plus + minus)[:, None, :] + share[..., None] * span[:, None, :]
     places = nodes[..., 2]
     circle = float(size["bearing_radius"]) if about["kind"] == "revolute" else 0.0
     play = float(size["bearing_radius"]) - float(size["journal_radius"])
@@ -186,7 +184,7 @@ def _line_of(
 
 
 def _along(line: _Line | None, theory: _Theory, peak: ForcePeak) -> tuple[dict[str, Any], list[str]]:
-    """Return fields and notes of a surface on the load along a bore at the peak."""
+    """Return fields and notes of a surface on its load along the bore."""
     if line is None or theory.of_line is None or not peak.force > 0.0:
         return {}, []
     found, length = line.loads(np.array([peak.force]), np.array([peak.sample])), line.length(peak.sample)
@@ -405,7 +403,7 @@ def _peak(data: xr.Dataset, contact: str) -> ForcePeak:
 
 
 def _law_of(facts: Mapping[str, Any]) -> CompiledNormalLaw | None:
-    """Return the normal law of a contact; None of a user's own, stored by name alone."""
+    """Return the normal law of a contact; None of a law of a user's own."""
     law = facts["normal_law"]
     try:
         made: CompiledNormalLaw = make_normal_law(
