@@ -55,7 +55,7 @@ def contact_stress(
         joint: Name of a clearance joint, whose surfaces alone are computed; all surfaces if left out.
         surfaces: What the result does not hold (:func:`antenna_pin.analysis.read_surfaces`).
         yield_share: Share of the yield limit of the weaker material that a peak pressure may reach [-];
-            0.93 of separable surfaces, ECSS-E-ST-33-01C (2009), 4.7.
+            0.93 of separable surfaces, ECSS-E-ST-33-01C (2009).
         factor: Factor on the pressure [-].
         conformal_above: Half-width over radius above which a bore is conformal [-].
 

@@ -172,7 +172,7 @@ class IsoFit:
 
     @property
     def tolerance_ratio(self) -> float:
-        """Mean radial clearance over its tolerance [-], at least 3 by ECSS."""
+        """Mean radial clearance over its tolerance [-], at least 3 by ECSS-E-ST-33-01C."""
         return self.mean / self.tolerance
 
     def sigma(self, capability: float = 1.0) -> float:

@@ -26,8 +26,6 @@ from antenna_pin.errors import InvalidParameterError
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
 
-# Of its own tolerance a clearance is to be at least this much (ECSS-E-ST-33-01C, 2009).
-_LEAST_RATIO = 3.0
 # Temperatures of the figure; a play is nearly a line over them.
 _POINTS = 81
 
@@ -37,6 +35,9 @@ def tolerance(
     case: CaseOption = None,
     settings: SetOption = None,
     capability: Annotated[float, typer.Option(help="C_p of the processes that make holes and shafts.")] = 1.0,
+    least_ratio: Annotated[
+        float, typer.Option(help="Least play over its own tolerance (3: ECSS-E-ST-33-01C, 2009).")
+    ] = 3.0,
     plot: Annotated[
         Path | None,
         typer.Option("--plot", metavar="FILE", help="Figure of the play over temperature: png, pdf or svg."),
@@ -56,16 +57,24 @@ def tolerance(
     target, figure = csv_target(csv), figure_target(plot, "tolerance", "--plot")
     if not capability > 0.0:
         raise InvalidParameterError("tolerance", "--capability", "positive", capability)
+    if not least_ratio > 0.0:
+        raise InvalidParameterError("tolerance", "--least-ratio", "positive", least_ratio)
     loaded = load(scenario, case, settings)
     joints, chains = _joints(loaded, capability), _chains(loaded)
-    facts = {"scenario": loaded.name, "case": loaded.case, "joints": joints, "chains": chains}
+    facts = {
+        "scenario": loaded.name,
+        "case": loaded.case,
+        "least_ratio": least_ratio,
+        "joints": joints,
+        "chains": chains,
+    }
     if not exported(
         facts,
         [*joints, *({k: v for k, v in one.items() if k != "shares"} for one in chains)],
         as_json,
         target,
     ):
-        _print(stem(loaded), joints, chains)
+        _print(stem(loaded), joints, chains, least_ratio)
     if figure is not None:
         from antenna_pin.scenario.assemble import play_over_temperature
         from antenna_pin.show.plot import figure_play_over_temperature
@@ -146,7 +155,9 @@ def _chains(scenario: Scenario) -> list[dict[str, Any]]:
     return found
 
 
-def _print(label: str, joints: list[dict[str, Any]], chains: list[dict[str, Any]]) -> None:
+def _print(
+    label: str, joints: list[dict[str, Any]], chains: list[dict[str, Any]], least_ratio: float
+) -> None:
     fits = [one for one in joints if "fit" in one]
     if fits:
         head = ["fit", "", "hole [um]", "shaft [um]", "least play", "mean", "largest", "standard deviation"]
@@ -164,10 +175,11 @@ def _print(label: str, joints: list[dict[str, Any]], chains: list[dict[str, Any]
         print_rows(f"{label}: fits, ISO 286; radial play at the temperatures of the parts", head, rows)
         for one in fits:
             ratio = one["play_over_tolerance"]
-            verdict = "at least" if ratio >= _LEAST_RATIO else "less than"
+            verdict = "at least" if ratio >= least_ratio else "less than"
+            source = "required by ECSS-E-ST-33-01C (2009)" if least_ratio == 3.0 else "of --least-ratio"
             say(
                 f"{one['joint']}: mean play {ratio:.3g} times its own tolerance, {verdict} the "
-                f"{_LEAST_RATIO:g} required by ECSS-E-ST-33-01C (2009)"
+                f"{least_ratio:g} {source}"
             )
     if joints:
         head = [
