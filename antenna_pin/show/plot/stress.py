@@ -30,22 +30,32 @@ def figure_contact_stress(stress: ContactStress, *, case: str = "run", width: Wi
             "figure_contact_stress", "stress", "that of a run with samples in which surfaces met", said="none"
         )
     shown = sorted(met, key=lambda one: -one.pressure)[:_MOST]
-    limits = sorted(
-        {stress.yield_share / stress.factor * one.limit for one in shown if one.surface != "raceway"}
-    )
-    marks: list[PlotMark] = [
-        PlotCurve(one.place, stress.time, one.history, {"color": f"C{k}"}) for k, one in enumerate(shown)
+    # Balls press a hundred times harder than bores: a panel, and limits, of their own.
+    kinds = [
+        (title, [(k, one) for k, one in enumerate(shown) if (one.surface == "raceway") is raceway])
+        for title, raceway in (("contact pressure", False), ("contact pressure of balls", True))
     ]
-    marks += [
-        Points(np.array([[one.time, one.pressure]]), {"color": f"C{k}"})
-        for k, one in enumerate(shown)
-        if math.isfinite(one.time)
-    ]
-    largest = max(one.pressure for one in shown)
-    marks += [
-        Rule(limit, {"color": "#999999", "linewidth": 0.8}) for limit in limits if limit < 3.0 * largest
-    ]
-    rows: list[list[Panel | None]] = [[Panel("contact pressure", marks, Axis("pressure", "Pa"))]]
+    rows: list[list[Panel | None]] = []
+    grey = False
+    for title, mine in kinds:
+        if not mine:
+            continue
+        marks: list[PlotMark] = [
+            PlotCurve(one.place, stress.time, one.history, {"color": f"C{k}"}) for k, one in mine
+        ]
+        marks += [
+            Points(np.array([[one.time, one.pressure]]), {"color": f"C{k}"})
+            for k, one in mine
+            if math.isfinite(one.time)
+        ]
+        largest = max(one.pressure for _, one in mine)
+        limits = {
+            stress.yield_share / stress.factor * one.limit for _, one in mine if one.surface != "raceway"
+        }
+        near = [limit for limit in sorted(limits) if limit < 3.0 * largest]
+        marks += [Rule(limit, {"color": "#999999", "linewidth": 0.8}) for limit in near]
+        grey = grey or bool(near)
+        rows.append([Panel(title, marks, Axis("pressure", "Pa"))])
     tilted = [(k, one) for k, one in enumerate(shown) if one.line_load_ratio > _TILTED]
     if tilted:
         curves = [
@@ -55,16 +65,19 @@ def figure_contact_stress(stress: ContactStress, *, case: str = "run", width: Wi
         rows.append([Panel("along the bore at its peak", curves, Axis("pressure", "Pa"), along, named=False)])
     if stress.bushings:
         curves = [
-            PlotCurve(one.joint, stress.time, 1e-6 * one.history, {"color": f"C{k}"})
+            PlotCurve(one.joint, stress.time, one.history, {"color": f"C{k}"})
             for k, one in enumerate(stress.bushings, start=len(shown))
         ]
-        rows.append([Panel("PV of bushings", curves, Axis("pressure times speed [MPa m/s]"))])
+        names = ", ".join(one.joint for one in stress.bushings)
+        title = f"PV of {names}" if len(stress.bushings) == 1 else "PV of bushings"
+        panel = Panel(title, curves, Axis("pressure times speed", "Pa m/s"), named=len(stress.bushings) > 1)
+        rows.append([panel])
     notes = [f"{case}: dots, peaks between samples too"]
     if len(met) > len(shown):
         notes.append(f"of {len(met)} surfaces the {len(shown)} with the largest pressures")
-    if limits and any(limit < 3.0 * largest for limit in limits):
+    if grey:
         notes.append(f"grey: {stress.yield_share:g} of the yield limit over a factor of {stress.factor:g}")
-    return Sheet(rows, width, 65.0 * len(rows), notes)
+    return Sheet(rows, width, 55.0 * len(rows) + 10.0, notes)
 
 
 @figure(plays="Plays of each joint, by name, one a temperature of all parts.")
