@@ -32,6 +32,7 @@ from antenna_pin.base.units import matching_unit
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
+    "ABOVE_ZERO",
     "FARTHEST",
     "LARGEST",
     "NO_BOUND",
@@ -48,6 +49,8 @@ __all__ = [
     "parameters_of",
 ]
 
+#: Rule of a temperature [K].
+ABOVE_ZERO = "above absolute zero"
 #: What a damping ratio must be of what swings.
 SWINGS = "zero or more and below 1"
 
@@ -56,6 +59,7 @@ RULES: Mapping[str, Callable[[float], bool]] = MappingProxyType(
         "": lambda _: True,
         A_DIRECTION: lambda _: True,
         "positive": lambda number: number > 0.0,
+        ABOVE_ZERO: lambda number: number > 0.0,
         "zero or more": lambda number: number >= 0.0,
         SWINGS: lambda number: 0.0 <= number < 1.0,
         "1 or more": lambda number: number >= 1.0,

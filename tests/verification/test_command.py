@@ -44,7 +44,7 @@ def test_report_is_one_page_with_every_number_and_its_file(sled):
     facts = json.loads((out / "verification.json").read_text())
     for text in ("far &amp; away", "worst/far.toml", facts["digest"], "<span>verify</span>", "Not covered"):
         assert text in page
-    assert "push 3\N{NO-BREAK SPACE}N (worst/far.toml)" in page and "energy" in page
+    assert "push 3\N{NO-BREAK SPACE}N, " in page and "Hz (worst/far.toml)" in page and "energy" in page
     assert 'data-label="worst result"' in page  # as a phone shows the matrix
     assert facts["requirements"][0]["integrity"]["outcome"] == "COMPLETED"
 

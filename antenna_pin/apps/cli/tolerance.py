@@ -21,6 +21,7 @@ from antenna_pin.apps.cli._common import (
 )
 from antenna_pin.apps.cli._export import CsvOption, JsonOption, csv_target, exported, save_plot
 from antenna_pin.apps.cli._tables import length_text, print_rows
+from antenna_pin.base.parameters import ABOVE_ZERO
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
@@ -251,7 +252,10 @@ def _kelvin(text: str, option: str) -> float:
     from antenna_pin.base.units import QuantityError, quantity
 
     try:
-        return quantity(text, "K", option)
+        found = quantity(text, "K", option)
     except QuantityError as error:
         rule, _, said = error.reason.removeprefix("must be ").partition(", got ")
         raise InvalidParameterError("tolerance", option, rule, said=said) from None
+    if not found > 0.0:
+        raise InvalidParameterError("tolerance", option, ABOVE_ZERO, text)
+    return found
