@@ -101,6 +101,7 @@ def figure_effects(
         axes.barh(places + 0.18, across * high, 0.34, color=COLOURS[1], label="at the upper limit")
 
     def finish(axes: Axes) -> None:
+        axes.margins(x=0.06)
         axes.invert_yaxis()
         axes.grid(axis="y", visible=False)
 

@@ -462,7 +462,7 @@ def _sensitivities(facts: Mapping[str, Any], figures: bool) -> Section:
     largest = {one["requirement"]: one["largest"] for one in facts["budget"]}
     rows = []
     for one in facts["requirements"]:
-        cells = [_change(by.get((one["requirement"], name)), one["units"]) for name in numbers]
+        cells = [_change(one, by.get((one["requirement"], name))) for name in numbers]
         rows.append(Row(one["requirement"], (*cells, Cell(largest.get(one["requirement"], "") or _DASH))))
     table = PageTable(
         columns=("requirement", *numbers, "largest"), rows=tuple(rows), key="sensitivities",
@@ -487,10 +487,10 @@ def _sensitivities(facts: Mapping[str, Any], figures: bool) -> Section:
     return Section(key="sensitivities", title="Sensitivities", items=(*items, ranges))
 
 
-def _change(one: Mapping[str, Any] | None, units: str) -> Cell:
+def _change(requirement: Mapping[str, Any], one: Mapping[str, Any] | None) -> Cell:
     if one is None or one["change"] is None:
         return Cell(_DASH)
-    return Cell(readable(one["change"], units, 3), one["change"])
+    return Cell(_value(requirement, one["change"], 3), one["change"])
 
 
 def _range(one: Mapping[str, Any]) -> Row:
@@ -505,14 +505,15 @@ def _range(one: Mapping[str, Any]) -> Row:
 
 
 def _budget(facts: Mapping[str, Any]) -> Section:
+    of = {one["requirement"]: one for one in facts["requirements"]}
     rows = [
         Row(
             one["requirement"],
             (
-                Cell(readable(one["sum"], one["units"], 3), one["sum"]),
-                Cell(readable(one["root_sum_square"], one["units"], 3), one["root_sum_square"]),
+                Cell(_value(of[one["requirement"]], one["sum"], 3), one["sum"]),
+                Cell(_value(of[one["requirement"]], one["root_sum_square"], 3), one["root_sum_square"]),
                 Cell(one["largest"] or _DASH),
-                Cell(readable(one["largest_change"], one["units"], 3), one["largest_change"]),
+                Cell(_value(of[one["requirement"]], one["largest_change"], 3), one["largest_change"]),
             ),
         )
         for one in facts["budget"]

@@ -103,7 +103,7 @@ def _joined(digits: str, unit: str) -> str:
 
 
 def _unit_of_bound(spec: RequirementSpec) -> dict[str, Any]:
-    """Return the unit in which a bound is written, and its size in SI units; nothing of a bare number."""
+    """Return unit and size in SI units of a written bound; nothing of a bare number."""
     for value in (spec.at_most, spec.at_least):
         unit = "" if value is None else _parted(value)[1]
         size = any_quantity(f"1 {unit}") if unit else None
@@ -129,7 +129,7 @@ def result_text(requirement: Mapping[str, Any], value: float | None, digits: int
 
 @takes()
 def point_text(requirement: Mapping[str, Any]) -> str:
-    """Return the worst case of a requirement as text, number by number; "" of the nominal one.
+    """Return the worst case of a requirement as text; "" of the nominal one.
 
     Args:
         requirement: Of :func:`facts_of`.
@@ -138,7 +138,7 @@ def point_text(requirement: Mapping[str, Any]) -> str:
 
 
 def _rounded(value: str) -> str:
-    """Return a written quantity with four digits, in a prefixed unit; what is no quantity as it is."""
+    """Return a written quantity with four digits; other texts unchanged."""
     size, (digits, unit) = any_quantity(value), _parted(value)
     if size is None or any_quantity(f"0 {unit}") not in ((0.0, size[1]), None):
         return value
