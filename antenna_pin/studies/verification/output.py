@@ -103,7 +103,7 @@ def _joined(digits: str, unit: str) -> str:
 
 
 def _unit_of_bound(spec: RequirementSpec) -> dict[str, Any]:
-    """Return unit and size in SI units of a written bound; nothing of a bare number."""
+    """Return unit and size in SI units of a written bound, if it has one."""
     for value in (spec.at_most, spec.at_least):
         unit = "" if value is None else _parted(value)[1]
         size = any_quantity(f"1 {unit}") if unit else None
