@@ -1,8 +1,9 @@
 """Stress where surfaces meet, from a result that exists.
 
 Forces are the run's; pressure, width and shear follow from them, from the geometry and from the materials
-alone (:mod:`antenna_pin.contact.pressure`). A contact law takes no part, so a note tells where its stiffness
-contradicts the geometry: the force of an impact then is that of the law's stiffness, and so is the pressure.
+alone (:mod:`antenna_pin.contact.pressure`). A contact law takes no part, except that it shares a distributed
+load out, so a note tells where its stiffness contradicts the geometry: the force of an impact then is that of
+the law's stiffness, and so is the pressure.
 """
 
 from __future__ import annotations
@@ -17,10 +18,11 @@ import xarray as xr
 
 from antenna_pin.analysis._run import choose
 from antenna_pin.analysis.element_stress import bearing_stress, flank_stress, stop_stress
-from antenna_pin.analysis.joint_stress import Pair, StressCriteria, bushing_load, joint_surfaces
+from antenna_pin.analysis.joint_stress import bushing_load, joint_surfaces
 from antenna_pin.analysis.journal import clearance_shapes
 from antenna_pin.analysis.stress_results import BearingRating, BushingLoad, ContactStress, SurfaceStress
 from antenna_pin.analysis.surface_file import JointSurface, SurfaceFile
+from antenna_pin.analysis.surface_stress import Pair, StressCriteria
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.rules import Positive, PositiveOrInfinite
 from antenna_pin.contact import MATERIALS, Material
@@ -54,7 +56,7 @@ def contact_stress(
         joint: Name of a clearance joint, whose surfaces alone are computed; all surfaces if left out.
         surfaces: What the result does not hold (:func:`antenna_pin.analysis.read_surfaces`).
         yield_share: Share of the yield limit of the weaker material that a peak pressure may reach [-];
-            0.93 of separable surfaces, ECSS-E-ST-33-01C (2009), 4.7.
+            0.93 of separable surfaces, ECSS-E-ST-33-01C (2009).
         factor: Factor on the pressure [-].
         conformal_above: Half-width over radius above which a bore is conformal [-].
 

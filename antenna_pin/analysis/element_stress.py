@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.analysis.joint_stress import ForcePeak, Pair, StressCriteria, Stresses, surface_of
 from antenna_pin.analysis.stress_results import BearingRating, SurfaceStress
 from antenna_pin.analysis.surface_file import FlankSurface, StopSurface
+from antenna_pin.analysis.surface_stress import ForcePeak, Pair, StressCriteria, Stresses, surface_of
 from antenna_pin.contact.ball_rating import ISO76_PRESSURE, ball_load_limit, raceway_ellipse, static_rating
 from antenna_pin.contact.pressure import hertz_line, hertz_point, point_shear
 from antenna_pin.elements import BallBearing
@@ -135,7 +135,7 @@ def _row(
     of: Callable[[Array], Stresses],
     notes: list[str],
 ) -> SurfaceStress:
-    own = ForcePeak(peak.force * scale, peak.time, 0.0)
+    own = ForcePeak(peak.force * scale, peak.time)
     if not math.isfinite(own.force):
         nothing = np.full(1, math.nan)
         stress = Stresses(*(nothing,) * 5)
@@ -157,7 +157,7 @@ def _peak_effort(data: xr.Dataset, place: str, met: list[Any]) -> tuple[ForcePea
     for one in met:
         if one.peak_effort > force:
             force, time = one.peak_effort, one.onset
-    return ForcePeak(force, time, 0.0), effort
+    return ForcePeak(force, time), effort
 
 
 # --- ball bearings ------------------------------------------------------------------------------------------

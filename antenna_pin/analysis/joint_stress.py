@@ -4,163 +4,94 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.analysis.journal import clearance_shapes
+from antenna_pin.analysis.journal import clearance_shapes, journal_motion
 from antenna_pin.analysis.sampled import time_mean
 from antenna_pin.analysis.stress_results import BushingLoad, SurfaceStress
+from antenna_pin.analysis.strip_load import LawStrips, LineLoad, PlaneStrips, StripLaw, bore_depths, line_load
 from antenna_pin.analysis.surface_file import JointSurface
-from antenna_pin.contact import Material, effective_modulus, make_normal_law
-from antenna_pin.contact.pressure import hertz_line, hertz_point, persson_line
+from antenna_pin.analysis.surface_stress import ForcePeak, Pair, StressCriteria, Stresses, surface_of
+from antenna_pin.contact import make_normal_law
+from antenna_pin.contact.normal import CompiledNormalLaw
+from antenna_pin.contact.pressure import LinePressure, hertz_line, hertz_point, persson_line
 from antenna_pin.contact.socket_pressure import ball_in_socket
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.trajectory import names_along
+from antenna_pin.trajectory import contact_ends, names_along
 from antenna_pin.trajectory.read import is_lean
 
-__all__ = ["StressCriteria", "Pair", "bushing_load", "joint_surfaces", "surface_of"]
+__all__ = ["bushing_load", "joint_surfaces"]
 
 Array = NDArray[np.float64]
+Samples = NDArray[np.int64]  # indices of samples
 
 # Approach by the law over that of geometry and materials, within which they are taken to agree.
 _AGREES = 2.0
 # Share of a peak force that is damping, above which it is told.
 _DAMPED = 0.05
-# Largest line load over the mean one, above which the tilt is told.
+# Largest line load over the mean one, above which a bore that is loaded most at its end is edge loaded.
 _UNEVEN = 1.5
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StressCriteria:
-    """Criteria of the analysis.
-
-    Attributes:
-        yield_share: Share of the yield limit that a pressure may reach [-].
-        factor: Factor on the pressure [-].
-        conformal_above: Half-width over radius above which a bore is conformal [-].
-    """
-
-    yield_share: float
-    factor: float
-    conformal_above: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Pair:
-    """Two materials that touch, by name.
-
-    Attributes:
-        names: Their names; empty where none is known.
-        materials: Their numbers.
-        modulus: E* [Pa]; NaN if unknown.
-    """
-
-    names: tuple[str, ...]
-    materials: tuple[Material, ...]
-    modulus: float
-
-    @classmethod
-    def of(cls, bearing: str, journal: str, known: Callable[[str], Material]) -> Pair:
-        """Return the pair of two names."""
-        both = known(bearing), known(journal)
-        return cls(names=(bearing, journal), materials=both, modulus=effective_modulus(*both))
-
-    @property
-    def weakest(self) -> tuple[str, float]:
-        """Name and yield limit of the weaker known material [Pa]; NaN without any."""
-        limits = [(one.yield_strength, name) for name, one in zip(self.names, self.materials, strict=True)]
-        known = [(limit, name) for limit, name in limits if limit is not None]
-        limit, name = min(known, default=(math.nan, ""))
-        return name, limit
-
-    @property
-    def unknown(self) -> tuple[str, ...]:
-        """Names of the materials without a known yield limit, each once."""
-        both = zip(self.names, self.materials, strict=True)
-        return tuple(dict.fromkeys(name for name, one in both if one.yield_strength is None))
-
-    @property
-    def poisson(self) -> float:
-        """Poisson's ratio of the weaker material, 0.3 if unknown [-]."""
-        name, _ = self.weakest
-        return self.materials[self.names.index(name)].poisson if name in self.names else 0.3
-
-
-class Stresses(NamedTuple):
-    """Stress over some forces, each (n,)."""
-
-    pressure: Array  # [Pa]
-    half_width: Array  # [m]
-    half_length: Array  # [m]
-    shear: Array  # [Pa]
-    shear_depth: Array  # [m]
-
-
-class ForcePeak(NamedTuple):
-    """Largest force of a contact, between samples too."""
-
-    force: float  # [N]
-    time: float  # [s]
-    slope: float  # of the journal towards the contact [-]
-
-
-def surface_of(
-    place: str,
-    surface: str,
-    theory: str,
-    pair: Pair,
-    limits: StressCriteria,
-    peak: ForcePeak,
-    stress: Stresses,
-    history: Array,
-    notes: list[str],
-) -> SurfaceStress:
-    """Return the row of a surface with its margin against yield.
-
-    Args:
-        place: Name of the surface.
-        surface: What it is.
-        theory: Of the pressure.
-        pair: Materials.
-        limits: Criteria.
-        peak: Force and time of the peak.
-        stress: At the peak, of one entry.
-        history: Pressure at the samples [Pa].
-        notes: Lines, to which an unknown limit is added.
-    """
-    name, limit = pair.weakest
-    pressure = float(stress.pressure[0])
-    for unknown in pair.unknown:
-        notes = [
-            *notes,
-            f"the yield limit of {unknown} is not known: give materials.{unknown}.yield_strength",
-        ]
-    loaded = pressure > 0.0
-    return SurfaceStress(
-        place=place,
-        surface=surface,
-        theory=theory,
-        time=peak.time,
-        force=peak.force,
-        pressure=pressure,
-        half_width=float(stress.half_width[0]),
-        half_length=float(stress.half_length[0]),
-        shear=float(stress.shear[0]),
-        shear_depth=float(stress.shear_depth[0]),
-        material=name,
-        limit=limit,
-        share=pressure / limit,
-        margin=limits.yield_share * limit / (limits.factor * pressure) - 1.0 if loaded else math.inf * limit,
-        notes=tuple(notes),
-        history=history,
-    )
+# Share of the mean line load, by which loads that are equal differ at most.
+_EVEN = 1e-9
+# Nodes along the line of contact at one end of a bore; a tilt in one plane is exact with two.
+_NODES = 17
+# Points of the pressure that is drawn along it.
+_DRAWN = 129
 
 
 # --- contacts of a joint ------------------------------------------------------------------------------------
+
+
+class _Line(NamedTuple):
+    """Line of contact of one end of a bore.
+
+    The last row of the arrays, at index -1, is without tilt.
+    """
+
+    depth: Array  # at the nodes, (samples + 1, nodes) [m]
+    places: Array  # of the nodes, from the middle of the bore along its axis, (samples + 1, nodes) [m]
+    law: StripLaw
+    tilts: bool  # whether the joint lets its journal tilt
+
+    def length(self, sample: int) -> float:
+        """Return the length of the line at a sample [m]."""
+        return abs(float(self.places[sample, -1] - self.places[sample, 0]))
+
+    def loads(self, force: Array, samples: Samples) -> LineLoad:
+        """Return the loads along the line under forces [N] at samples."""
+        return line_load(force, self.depth[samples], self.places[samples], self.law)
+
+
+class _Contact(NamedTuple):
+    """Facts of one contact of a joint that its theory needs."""
+
+    about: Mapping[str, Any]  # kind and dimensions of the joint
+    pair: Pair
+    own: JointSurface
+    limits: StressCriteria
+    peak: ForcePeak
+    force: Array  # (samples,) [N]
+    slope: Array  # of the journal towards the contact, (samples,) [-]
+    line: _Line | None  # of a bore, if its length is known
+
+
+class _Theory(NamedTuple):
+    """Theory of a contact's pressure."""
+
+    name: str
+    stresses: Callable[[Array, Samples], Stresses]  # under forces [N] at samples
+    notes: list[str]
+    of_line: Callable[[Array], LinePressure] | None = None  # of loads along a bore [N/m]
+    history: Array | None = None  # pressure at the samples [Pa], if it is known already
+
+    def at(self, peak: ForcePeak) -> Stresses:
+        """Return the stress at a peak."""
+        return self.stresses(np.array([peak.force]), np.array([peak.sample]))
 
 
 def joint_surfaces(
@@ -178,168 +109,193 @@ def joint_surfaces(
     """
     about = clearance_shapes(data)[joint]
     found = []
-    for contact, facts in about["contacts"].items():
-        kind = facts["kind"]
-        peak = _peak(data, contact, joint)
-        force = _series(data, "normal_force", contact)
-        slope = _slopes(data, contact, joint, force)
-        make = _KINDS.get(kind)
-        place = contact if contact.startswith(joint) else f"{joint}.{contact}"
-        if make is None:
+    for name, facts in about["contacts"].items():
+        kind, law = facts["kind"], _law_of(facts)
+        if kind not in _KINDS:
             continue
-        theory, of, notes = make(about, pair, own, length, limits, peak, about["load"])
+        peak, force = _peak(data, name), _series(data, "normal_force", name)
+        line = None
+        if kind == "radial" and length is not None and not math.isnan(pair.modulus):
+            line = _line_of(data, joint, name, own.length, length, _strips(about, pair, law))
+        contact = _Contact(about, pair, own, limits, peak, force, _slopes(data, name, joint, force), line)
+        theory = _KINDS[kind](contact)
+        stress = theory.at(peak)
+        history = theory.history
+        if history is None:
+            history = theory.stresses(force, np.arange(force.size)).pressure
+        notes = [*theory.notes, *_notes_of_law(data, name, facts, law, contact)]
         if pair.names == () and math.isnan(pair.modulus):
             notes = ["no materials: give bearing_material and journal_material of the joint", *notes]
-        stress = of(np.array([peak.force]), np.array([peak.slope]))
-        history = of(force, slope).pressure if force.size else np.zeros(0)
-        notes += _notes_of_law(data, contact, facts, peak, about, pair, length)
         largest = int(np.argmax(history)) if history.size and np.isfinite(history).any() else 0
         if history.size and history[largest] > stress.pressure[0]:  # a tilted sample, not the largest force
-            peak = ForcePeak(
-                float(force[largest]), float(data["time"].values[largest]), float(slope[largest])
-            )
-            stress = of(np.array([peak.force]), np.array([peak.slope]))
+            peak = ForcePeak(float(force[largest]), float(data["time"].values[largest]), largest)
+            stress = theory.at(peak)
+        along, told = _along(line, theory, peak)
         surface = {"radial": "bore", "axial": "flange", "spherical": "socket"}.get(kind, kind)
-        found.append(surface_of(place, surface, theory, pair, limits, peak, stress, history, notes))
+        place = name if name.startswith(joint) else f"{joint}.{name}"
+        row = surface_of(place, surface, theory.name, pair, limits, peak, stress, history, [*notes, *told])
+        found.append(replace(row, **along))
     return found
 
 
-_Made = tuple[str, Callable[[Array, Array], Stresses], list[str]]
+# --- bores --------------------------------------------------------------------------------------------------
 
 
-def _bore(
-    about: Mapping[str, Any],
-    pair: Pair,
-    own: JointSurface,
-    length: float | None,
-    limits: StressCriteria,
-    peak: ForcePeak,
-    load: str,
-) -> _Made:
-    """Return theory, stress and notes of a line contact in a bore."""
+def _strips(about: Mapping[str, Any], pair: Pair, law: CompiledNormalLaw | None) -> StripLaw:
+    """Return the strips of a bore: the law of a distributed load, else plane contacts."""
+    if about["load"] == "distributed" and law is not None:
+        return LawStrips(law=law)
     size = about["dimensions"]
-    outer, inner = float(size["bearing_radius"]), float(size["journal_radius"])
-    ends = 1 if about["kind"] == "planar" else 2
-    if length is None:
-        rule = (
-            f"the length of the line of contact is not known: give joints.NAME.length of {about['kind']} play"
-        )
-        return "none", _nothing, [rule]
-    part = length / ends
-    play, curvature = outer - inner, 1.0 / inner - 1.0 / outer
-    mean_radius = math.sqrt(outer * inner)
+    play = float(size["bearing_radius"]) - float(size["journal_radius"])
+    return PlaneStrips(modulus=pair.modulus, clearance=play)
 
-    def line_load(force: Array, slope: Array) -> Array:
-        """Largest load per length along the part of the bore [N/m]."""
-        mean = force / part
-        with np.errstate(divide="ignore", invalid="ignore"):
-            stiffness = (
-                math.pi
-                * pair.modulus
-                / np.maximum(np.log(4.0 * math.pi * pair.modulus * play / mean) - 1.0, 2.0)
-            )
-            whole = force / part + 0.5 * stiffness * slope * part
-            partly = np.sqrt(2.0 * stiffness * slope * force)
-        found: Array = np.where(
-            force > 0.0, np.where(0.5 * stiffness * slope * part <= mean, whole, partly), 0.0
-        )
-        return found
 
-    def hertz(force: Array, slope: Array) -> Stresses:
-        return _line(hertz_line(line_load(force, slope), curvature, pair.modulus), part)
+def _line_of(
+    data: xr.Dataset, joint: str, contact: str, own_length: float | None, length: float, law: StripLaw
+) -> _Line:
+    """Return the line of contact of one end of a bore over a run.
 
-    def conformal(force: Array, slope: Array) -> Stresses:
-        return _line(persson_line(line_load(force, slope), mean_radius, play, pair.modulus), part)
+    Args:
+        data: Of the run.
+        joint: Name of the joint.
+        contact: Name of the contact.
+        own_length: Length of the line of all ends, if it is not that of the joint [m].
+        length: Of the line of all ends of a journal that is not tilted [m].
+        law: What shares the force out.
+    """
+    about = clearance_shapes(data)[joint]
+    size, side = about["dimensions"], {"+": 1.0, "-": -1.0}.get(contact_ends(data)[contact], 0.0)
+    along = np.linspace(0.0, 1.0, _NODES)
+    level = length * (0.5 * side * along if side else along - 0.5)
+    if is_lean(data) or not side:
+        places = np.broadcast_to(level, (data.sizes.get("time", 0) + 1, _NODES))
+        return _Line(np.zeros(places.shape), places, law, bool(side))
+    plus, minus = np.moveaxis(journal_motion(data, joint)["offset"].values, 1, 0)
+    span = plus - minus
+    share = 0.5 * side * along * np.ones((len(span), 1))
+    if own_length is not None:
+        share *= own_length / np.where(span[:, 2:] > 0.0, span[:, 2:], 1.0)
+    nodes = 0.5 * (plus + minus)[:, None, :] + share[..., None] * span[:, None, :]
+    places = nodes[..., 2]
+    circle = float(size["bearing_radius"]) if about["kind"] == "revolute" else 0.0
+    play = float(size["bearing_radius"]) - float(size["journal_radius"])
+    depth = bore_depths(nodes[..., :2], places, play, circle)
+    return _Line(np.vstack([depth, np.zeros(_NODES)]), np.vstack([places, level]), law, True)
 
-    if math.isnan(pair.modulus):
-        return "none", _nothing, []
-    notes = [f"the force is spread over {1e3 * part:.4g} mm of the bore"]
-    at_peak = line_load(np.array([peak.force]), np.array([peak.slope]))
-    uneven = float(at_peak[0]) * part / peak.force if peak.force > 0.0 else 1.0
-    if uneven > _UNEVEN:
+
+def _along(line: _Line | None, theory: _Theory, peak: ForcePeak) -> tuple[dict[str, Any], list[str]]:
+    """Return fields and notes of a surface on its load along the bore."""
+    if line is None or theory.of_line is None or not peak.force > 0.0:
+        return {}, []
+    found, length = line.loads(np.array([peak.force]), np.array([peak.sample])), line.length(peak.sample)
+    ratio, loaded = float(found.peak[0]) * length / peak.force, float(found.loaded[0])
+    place, end = float(found.along[0]), float(found.places[0, -1])
+    edge = ratio > _UNEVEN and place == end
+    notes = [f"the force is spread over {1e3 * length:.4g} mm of the bore"]
+    if peak.sample < 0 and line.tilts:
+        notes.append("no sample of the journal at the peak: its tilt is not known, the load taken as even")
+    if edge:
         notes.append(
-            f"tilt at the peak makes the line load at the end {uneven:.3g} times its mean; the edge's own "
-            "stress is not in it"
+            f"edge loaded: {1e3 * loaded:.3g} mm touch, the load at the end is {ratio:.3g} times its mean; "
+            "the stress of a sharp edge itself is not in it"
         )
-    share = float(hertz(np.array([peak.force]), np.array([peak.slope])).half_width[0]) / inner
-    if share <= limits.conformal_above:
-        theory = f"Hertz, line (half-width {share:.2g} of the radius, at most {limits.conformal_above:g})"
-        return theory, hertz, notes
-    if len(set(pair.names)) > 1:
-        notes.append("Persson's solution is of one material; of two it is an approximation")
-    criterion = f"Hertz's half-width {share:.2g} of the radius, above {limits.conformal_above:g}"
-    return f"Persson, conformal line ({criterion})", conformal, notes
+    fine = np.linspace(float(found.places[0, 0]), end, _DRAWN)
+    if fine[-1] < fine[0]:
+        fine = fine[::-1]
+    stress = theory.of_line(found.at(fine, line.law))
+    width = 2.0 * float(stress.half_width.max())
+    if loaded < width:
+        notes.append(
+            f"the line that touches is shorter than its width of {1e3 * width:.3g} mm: no strips describe it"
+        )
+    row: dict[str, Any] = {"line_load_ratio": ratio, "along": place if ratio > 1.0 + _EVEN else math.nan}
+    row |= {"loaded_length": loaded, "edge_loaded": edge, "places": fine, "profile": stress.pressure}
+    return row, notes
 
 
-def _socket(
-    about: Mapping[str, Any],
-    pair: Pair,
-    own: JointSurface,
-    length: float | None,
-    limits: StressCriteria,
-    peak: ForcePeak,
-    load: str,
-) -> _Made:
-    """Return theory, stress and notes of a ball in its socket."""
-    size = about["dimensions"]
+def _bore(contact: _Contact) -> _Theory:
+    """Return the theory of a line contact in a bore."""
+    size, pair, line = contact.about["dimensions"], contact.pair, contact.line
+    if math.isnan(pair.modulus):
+        return _Theory("none", _nothing, [])
+    if line is None:
+        rule = f"give joints.NAME.length of {contact.about['kind']} play"
+        return _Theory("none", _nothing, [f"the length of the line of contact is not known: {rule}"])
+    outer, inner = float(size["bearing_radius"]), float(size["journal_radius"])
+    play, curvature = outer - inner, 1.0 / inner - 1.0 / outer
+
+    def hertz(load: Array) -> LinePressure:
+        return hertz_line(load, curvature, pair.modulus)
+
+    def conformal(load: Array) -> LinePressure:
+        return persson_line(load, math.sqrt(outer * inner), play, pair.modulus)
+
+    def stresses(force: Array, samples: Samples) -> Stresses:
+        loads = line.loads(force, samples)
+        one, half = of_line(loads.peak), 0.5 * np.abs(loads.places[:, -1] - loads.places[:, 0])
+        return Stresses(one.pressure, one.half_width, half, one.shear, one.shear_depth)
+
+    at_peak = line.loads(np.array([contact.peak.force]), np.array([contact.peak.sample])).peak
+    over = line.loads(contact.force, np.arange(contact.force.size)).peak
+    widest = hertz(np.append(over, at_peak).max(keepdims=True)).half_width
+    share, most = float(widest[0]) / inner, contact.limits.conformal_above
+    notes = []
+    of_line, name = hertz, f"Hertz, line (half-width {share:.2g} of the radius, at most {most:g})"
+    if share > most:
+        of_line = conformal
+        name = f"Persson, conformal line (Hertz's half-width {share:.2g} of the radius, above {most:g})"
+        if len(set(pair.names)) > 1:
+            notes = ["Persson's solution is of one material; of two it is an approximation"]
+    return _Theory(name, stresses, notes, of_line, of_line(over).pressure)
+
+
+def _socket(contact: _Contact) -> _Theory:
+    """Return the theory of a ball in its socket."""
+    size, pair = contact.about["dimensions"], contact.pair
     outer, inner = float(size["socket_radius"]), float(size["ball_radius"])
     curvature = 1.0 / inner - 1.0 / outer
     if math.isnan(pair.modulus):
-        return "none", _nothing, []
+        return _Theory("none", _nothing, [])
 
-    def hertz(force: Array, slope: Array) -> Stresses:
+    def hertz(force: Array, samples: Samples) -> Stresses:
         return _point(hertz_point(force, curvature, curvature, pair.modulus, pair.poisson))
 
-    def conformal(force: Array, slope: Array) -> Stresses:
+    def conformal(force: Array, samples: Samples) -> Stresses:
         bearing, journal = pair.materials
         return _point(ball_in_socket(force, math.sqrt(outer * inner), outer - inner, journal, bearing))
 
-    share = float(hertz(np.array([peak.force]), np.zeros(1)).half_width[0]) / inner
-    if share <= limits.conformal_above or not pair.materials:
-        return f"Hertz, point (half-width {share:.2g} of the radius)", hertz, []
-    criterion = f"Hertz's half-width {share:.2g} of the radius, above {limits.conformal_above:g}"
-    return f"elastic ball in a spherical hollow, conformal ({criterion})", conformal, []
+    most = contact.limits.conformal_above
+    share = float(hertz(np.array([contact.peak.force]), np.array([-1])).half_width[0]) / inner
+    if share <= most or not pair.materials:
+        return _Theory(f"Hertz, point (half-width {share:.2g} of the radius)", hertz, [])
+    criterion = f"Hertz's half-width {share:.2g} of the radius, above {most:g}"
+    return _Theory(f"elastic ball in a spherical hollow, conformal ({criterion})", conformal, [])
 
 
-def _corner(
-    about: Mapping[str, Any],
-    pair: Pair,
-    own: JointSurface,
-    length: float | None,
-    limits: StressCriteria,
-    peak: ForcePeak,
-    load: str,
-) -> _Made:
-    """Return theory, stress and notes of a rounded corner or edge on a plane wall."""
-    radius = own.edge_radius or float(about["dimensions"].get("corner_radius") or 0.0)
+def _corner(contact: _Contact) -> _Theory:
+    """Return the theory of a rounded corner or edge on a plane wall."""
+    size, pair = contact.about["dimensions"], contact.pair
+    radius = contact.own.edge_radius or float(size.get("corner_radius") or 0.0)
     if not radius:
-        return "none", _nothing, ["a sharp corner has no finite pressure: give joints.NAME.edge_radius"]
+        rule = "a sharp corner has no finite pressure: give joints.NAME.edge_radius"
+        return _Theory("none", _nothing, [rule])
     if math.isnan(pair.modulus):
-        return "none", _nothing, []
+        return _Theory("none", _nothing, [])
 
-    def hertz(force: Array, slope: Array) -> Stresses:
+    def hertz(force: Array, samples: Samples) -> Stresses:
         return _point(hertz_point(force, 1.0 / radius, 1.0 / radius, pair.modulus, pair.poisson))
 
-    return "Hertz, point: rounded corner on a plane", hertz, []
+    return _Theory("Hertz, point: rounded corner on a plane", hertz, [])
 
 
-def _flange(
-    about: Mapping[str, Any],
-    pair: Pair,
-    own: JointSurface,
-    length: float | None,
-    limits: StressCriteria,
-    peak: ForcePeak,
-    load: str,
-) -> _Made:
-    """Return theory, stress and notes of a flange on an end face."""
-    size = about["dimensions"]
+def _flange(contact: _Contact) -> _Theory:
+    """Return the theory of a flange on an end face."""
+    size, pair, edge = contact.about["dimensions"], contact.pair, contact.own.edge_radius
     rim = min(float(size["bearing_outer_radius"]), float(size["flange_radius"]))
     bore = float(size["bearing_radius"])
     area = math.pi * (rim**2 - bore**2)
-    edge = own.edge_radius
 
-    def flat(force: Array, slope: Array) -> Stresses:
+    def flat(force: Array, samples: Samples) -> Stresses:
         pressure = force / area
         none = np.full_like(pressure, math.nan)
         return Stresses(pressure, np.full_like(pressure, 0.5 * (rim - bore)), none, none, none)
@@ -347,12 +303,13 @@ def _flange(
     notes = ["mean pressure over the ring"]
     if edge is None:
         notes.append("a sharp edge has no finite pressure: give joints.NAME.edge_radius for that of the edge")
-        return "mean pressure of a flat ring", flat, notes
+        return _Theory("mean pressure of a flat ring", flat, notes)
     if math.isnan(pair.modulus):
-        return "none", _nothing, []
+        return _Theory("none", _nothing, [])
 
-    def rounded(force: Array, slope: Array) -> Stresses:
+    def rounded(force: Array, samples: Samples) -> Stresses:
         """Edge on a plane: an ellipse where tilted, a line where flat."""
+        slope = np.append(contact.slope, 0.0)[samples]
         around = hertz_line(force / (2.0 * math.pi * rim), 1.0 / edge, pair.modulus)
         columns = [
             np.array(one)
@@ -378,29 +335,21 @@ def _flange(
                     column[k] = float(value)
         return Stresses(*columns)
 
-    return (
-        f"Hertz: edge of {1e3 * edge:.3g} mm on a plane, around the rim or, tilted, at a point",
-        rounded,
-        [],
-    )
-
-
-def _line(one: Any, length: float) -> Stresses:
-    half = np.full_like(one.pressure, 0.5 * length)
-    return Stresses(one.pressure, one.half_width, half, one.shear, one.shear_depth)
+    name = f"Hertz: edge of {1e3 * edge:.3g} mm on a plane, around the rim or, tilted, at a point"
+    return _Theory(name, rounded, [])
 
 
 def _point(one: Any) -> Stresses:
     return Stresses(one.pressure, one.half_width, one.half_length, one.shear, one.shear_depth)
 
 
-def _nothing(force: Array, slope: Array) -> Stresses:
+def _nothing(force: Array, samples: Samples) -> Stresses:
     """Return no stress but NaN, and zero where there is no force."""
     none = np.where(force > 0.0, math.nan, 0.0)
     return Stresses(none, none, none, none, none)
 
 
-_KINDS: dict[str, Callable[..., _Made]] = {
+_KINDS: dict[str, Callable[[_Contact], _Theory]] = {
     "radial": _bore,
     "axial": _flange,
     "spherical": _socket,
@@ -434,7 +383,7 @@ def _slopes(data: xr.Dataset, contact: str, joint: str, force: Array) -> Array:
     return np.where((size > 0.0) & (along != 0.0), lean, 0.0)
 
 
-def _peak(data: xr.Dataset, contact: str, joint: str) -> ForcePeak:
+def _peak(data: xr.Dataset, contact: str) -> ForcePeak:
     """Return the largest force of a contact: of its episodes, or of a sample."""
     number = names_along(data, "contact").index(contact)
     mine = np.asarray(data["episode_contact"].values, dtype=int) == number
@@ -442,51 +391,57 @@ def _peak(data: xr.Dataset, contact: str, joint: str) -> ForcePeak:
     times = np.asarray(data["peak_time"].values, dtype=float)[mine]
     force, time = (float(forces.max()), float(times[np.argmax(forces)])) if forces.size else (0.0, math.nan)
     sampled = _series(data, "normal_force", contact)
-    slope = 0.0
+    sample = -1
     if sampled.size:
         own = np.asarray(data["time"].values, dtype=float)
         if sampled.max() > force:
             force, time = float(sampled.max()), float(own[np.argmax(sampled)])
-        slopes = _slopes(data, contact, joint, sampled)
-        slope = float(np.interp(time, own, slopes)) if math.isfinite(time) else 0.0
-    return ForcePeak(force, time, slope)
+        touching = np.flatnonzero(sampled > 0.0)
+        if touching.size and math.isfinite(time):
+            sample = int(touching[np.argmin(np.abs(own[touching] - time))])
+    return ForcePeak(force, time, sample)
+
+
+def _law_of(facts: Mapping[str, Any]) -> CompiledNormalLaw | None:
+    """Return the normal law of a contact; None of a law of a user's own."""
+    law = facts["normal_law"]
+    try:
+        made: CompiledNormalLaw = make_normal_law(
+            law["law"], {name: value for name, (value, _) in law["parameters"].items()}
+        )
+    except AntennaPinError:
+        return None
+    return made
 
 
 def _notes_of_law(
-    data: xr.Dataset,
-    contact: str,
-    facts: Mapping[str, Any],
-    peak: ForcePeak,
-    about: Mapping[str, Any],
-    pair: Pair,
-    length: float | None,
+    data: xr.Dataset, name: str, facts: Mapping[str, Any], law: CompiledNormalLaw | None, contact: _Contact
 ) -> list[str]:
     """Return what contradicts the geometry in the law that made the force."""
+    peak, about = contact.peak, contact.about
     if not peak.force > 0.0:
         return ["never touched"]
-    law = facts["normal_law"]
-    try:
-        numbers = {name: value for name, (value, _) in law["parameters"].items()}
-        elastic = make_normal_law(law["law"], numbers)
-    except AntennaPinError:  # a law of a user's, of which a result holds the name alone
-        return [f"law {law['law']} is a user's own: its stiffness was not compared with the geometry"]
-    depth = _depth_at_peak(data, contact)
+    told = facts["normal_law"]
+    if law is None:
+        return [f"law {told['law']} is a user's own: its stiffness was not compared with the geometry"]
+    numbers = {name: value for name, (value, _) in told["parameters"].items()}
+    depth = _depth_at_peak(data, name)
     notes = []
-    springs = float(elastic.force(depth, 0.0, 1.0)) if math.isfinite(depth) else math.nan
+    springs = float(law.force(depth, 0.0, 1.0)) if math.isfinite(depth) else math.nan
     share = 1.0 - springs / peak.force
-    by_geometry = _approach(about, pair, length, facts["kind"], springs) if springs > 0.0 else math.nan
+    by_geometry = _approach(contact, facts["kind"], springs) if springs > 0.0 else math.nan
     if by_geometry > 0.0 and not _is_of_geometry(numbers, about):
         ratio = depth / by_geometry
         if not 1.0 / _AGREES <= ratio <= _AGREES:
             how = "softer" if ratio > 1.0 else "stiffer"
             notes.append(
-                f"law {law['law']} gives {ratio:.3g} times the approach of this geometry, so it is {how}: "
+                f"law {told['law']} gives {ratio:.3g} times the approach of this geometry, so it is {how}: "
                 "the peak force of an impact is the law's, and its pressure not that of the real pair"
             )
     if share > _DAMPED:
-        name = law.get("dissipation", law)["law"]
+        source = told.get("dissipation", told)["law"]
         notes.append(
-            f"{100.0 * share:.2g} % of the peak force is damping, which {name} fits to a restitution: no "
+            f"{100.0 * share:.2g} % of the peak force is damping, which {source} fits to a restitution: no "
             "elastic pressure stands for it"
         )
     return notes
@@ -513,19 +468,13 @@ def _depth_at_peak(data: xr.Dataset, contact: str) -> float:
     return float(depths[np.argmax(forces)]) if forces.size else math.nan
 
 
-def _approach(about: Mapping[str, Any], pair: Pair, length: float | None, kind: str, force: float) -> float:
+def _approach(contact: _Contact, kind: str, force: float) -> float:
     """Return the elastic approach of geometry and materials under a force [m]; NaN if unknown."""
-    size = about["dimensions"]
-    if kind == "radial" and length is not None:
+    size, pair = contact.about["dimensions"], contact.pair
+    if kind == "radial" and contact.line is not None:
         play = float(size["bearing_radius"]) - float(size["journal_radius"])
-        load = force / (length / (1 if about["kind"] == "planar" else 2))
-        inside = 4.0 * math.pi * pair.modulus * play / load
-        if inside > math.exp(3.0):  # Johnson's, well before it turns over
-            return load / (math.pi * pair.modulus) * (math.log(inside) - 1.0)
-        edge = float(
-            persson_line(np.array(load), float(size["bearing_radius"]), play, pair.modulus).half_angle
-        )
-        return play * (1.0 / math.cos(edge) - 1.0)
+        load = np.array(force / contact.line.length(contact.peak.sample))
+        return float(PlaneStrips(modulus=pair.modulus, clearance=play).depth(load))
     if kind == "spherical":
         curvature = 1.0 / float(size["ball_radius"]) - 1.0 / float(size["socket_radius"])
         return float((0.75 * force / pair.modulus) ** (2.0 / 3.0) * curvature ** (1.0 / 3.0))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import numpy as np
@@ -41,6 +41,12 @@ class SurfaceStress:
         margin: Margin of safety, ``yield_share * limit / (factor * pressure) - 1`` [-].
         notes: Lines on assumptions, and on what makes the number doubtful.
         history: Pressure at the samples of the run, (samples,) [Pa]; empty of a lean result.
+        line_load_ratio: Of a bore, largest load per length over its mean at the peak [-].
+        along: Place of the largest load, from the middle of the bore along its axis; NaN of an even one [m].
+        loaded_length: Length of the line that touches then [m].
+        edge_loaded: Whether the load is largest at an end of the bore, and above 1.5 times its mean.
+        places: Along the bore's axis, (nodes,) [m]; empty of other surfaces.
+        profile: Pressure there at the peak, (nodes,) [Pa].
     """
 
     place: str
@@ -59,6 +65,12 @@ class SurfaceStress:
     margin: float
     notes: tuple[str, ...]
     history: Array
+    line_load_ratio: float = math.nan
+    along: float = math.nan
+    loaded_length: float = math.nan
+    edge_loaded: bool = False
+    places: Array = field(default_factory=lambda: np.zeros(0))
+    profile: Array = field(default_factory=lambda: np.zeros(0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

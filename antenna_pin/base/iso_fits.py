@@ -172,7 +172,7 @@ class IsoFit:
 
     @property
     def tolerance_ratio(self) -> float:
-        """Mean radial clearance over its tolerance [-], at least 3 by ECSS."""
+        """Mean radial clearance over its tolerance [-], at least 3 by ECSS-E-ST-33-01C."""
         return self.mean / self.tolerance
 
     def sigma(self, capability: float = 1.0) -> float:
@@ -248,7 +248,10 @@ def read_fit(text: str) -> IsoFit:
     if not hole[0].isupper() or not shaft[0].islower():
         rule = "the hole's class in capitals before the shaft's in small letters, such as H7/g6"
         raise InvalidParameterError("read_fit", "fit", rule, text)
-    return IsoFit(hole=size_limits(nominal, hole), shaft=size_limits(nominal, shaft))
+    found = IsoFit(hole=size_limits(nominal, hole), shaft=size_limits(nominal, shaft))
+    if not nominal + found.shaft.lower > 0.0:
+        raise InvalidParameterError("read_fit", "fit", "of a size above the deviations of its shaft", text)
+    return found
 
 
 @takes()
@@ -268,7 +271,7 @@ def _millimetres(place: str, nominal: float) -> Fraction:
     # The decimal that a person would write, so that 10 mm is not a range higher by round-off.
     size = Fraction(repr(float(nominal))) * 1000 if math.isfinite(nominal) else Fraction(0)
     if not 0 < size <= _LARGEST:
-        raise InvalidParameterError(place, "nominal", f"above 0 and up to {_LARGEST / 1000:g} m", nominal)
+        raise InvalidParameterError(place, "nominal", f"a size above 0 and up to {_LARGEST} mm", nominal)
     return size
 
 
@@ -278,7 +281,7 @@ def _metres(micrometres: Fraction) -> float:
 
 def _check_grade(place: str, grade: int) -> None:
     if grade not in _GRADES:
-        raise InvalidParameterError(place, "grade", f"from {min(_GRADES)} to {max(_GRADES)}", grade)
+        raise InvalidParameterError(place, "grade", f"a grade from {min(_GRADES)} to {max(_GRADES)}", grade)
 
 
 def _micrometres(size: Fraction, grade: int) -> Fraction:

@@ -16,6 +16,7 @@ from functools import cache
 from typing import Annotated
 
 __all__ = [
+    "ABOVE_ZERO",
     "A_DIRECTION",
     "AtLeastOne",
     "AtLeastTwo",
@@ -30,6 +31,8 @@ __all__ = [
     "obeys",
 ]
 
+#: Rule of a temperature [K].
+ABOVE_ZERO = "above absolute zero"
 #: What a direction must be; a rule for all of its numbers.
 A_DIRECTION = "three finite numbers, not all zero"
 #: What a damping ratio must be of what swings.
@@ -42,6 +45,7 @@ _SPELLINGS = tuple(
     for words, interval in (
         (A_DIRECTION, "[ -inf inf ]"),
         ("positive", "( 0 inf ]"),
+        (ABOVE_ZERO, "( 0 inf ]"),
         ("zero or more", "[ 0 inf ]"),
         (f"at least {_N}", r"[ \1 inf ]"),
         (f"{_N} or more", r"[ \1 inf ]"),

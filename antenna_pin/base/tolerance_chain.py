@@ -154,7 +154,7 @@ class ToleranceChain:
 
     @property
     def tolerance_ratio(self) -> float:
-        """Mean over the width of the worst case [-], at least 3 by ECSS."""
+        """Mean over the width of the worst case [-], at least 3 by ECSS-E-ST-33-01C."""
         return self.mean / self.tolerance if self.tolerance else math.copysign(math.inf, self.mean)
 
     @property

@@ -69,7 +69,7 @@ class MaterialPair:
 
 
 _DELFT = "table of the course AEASM1x, Introduction to Aerospace Structures and Materials, TU Delft"
-_CALLISTER = "Callister, Materials Science and Engineering, appendix B"
+_CALLISTER = "Callister, Fundamentals of Materials Science and Engineering, appendix B"
 _ROLLED = "Rolled Alloys, data sheet of 440C: hardened from 1900 degF, tempered at 600 degF"
 # Pascals of a Brinell or Vickers number, a load in kilogram-force over an area in square millimetres.
 _KGF_MM2 = 9.80665e6
@@ -90,7 +90,7 @@ MATERIALS: Mapping[str, Material] = MappingProxyType(
             density=7830.0,
             source="data sheet of AISI 52100 bearing balls (29.5e6 psi, 0.283 lb/in^3); poisson assumed",
             expansion=11.9e-6,
-            expansion_source="recalled: usual in data sheets of AISI 52100",
+            expansion_source="not verified: as often printed for AISI 52100",
         ),
         "steel-440c": Material(
             young=200e9,
@@ -103,7 +103,7 @@ MATERIALS: Mapping[str, Material] = MappingProxyType(
             hardness=580.0 * _KGF_MM2,
             hardness_source=f"{_ROLLED} (580 HB)",
             expansion=10.2e-6,
-            expansion_source="ss440c.com; 5.6e-6 per degF in the data sheet of Rolled Alloys",
+            expansion_source=f"{_CALLISTER}.6: of 440A; 5.6e-6 per degF in the data sheet of Rolled Alloys",
         ),
         "steel-301": Material(young=193e9, poisson=0.3, density=8000.0, source=f"{_DELFT}, AISI 301"),
         "aluminium-2024-t3": Material(
@@ -113,29 +113,33 @@ MATERIALS: Mapping[str, Material] = MappingProxyType(
             source=f"{_DELFT}, AA 2024-T3",
             yield_strength=345e6,
             ultimate_strength=485e6,
-            strength_source=f"{_CALLISTER}.4: alloy 2024, T3 (recalled)",
+            strength_source=f"{_CALLISTER}.4: alloy 2024, T3",
+            hardness=120.0 * _KGF_MM2,
+            hardness_source="Metals Handbook, desk edition: 2024-T3, 120 HB with 500 kgf",
             expansion=22.9e-6,
-            expansion_source=f"{_CALLISTER}.6: alloy 2024 (recalled)",
+            expansion_source=f"{_CALLISTER}.6: alloy 2024",
         ),
         "aluminium-7075-t6": Material(
             young=71e9,
             poisson=0.33,
             density=2800.0,
-            source=f"{_CALLISTER}: alloy 7075 (recalled); 72 GPa elsewhere",
+            source=f"{_CALLISTER}.2: alloy 7075; 72 GPa elsewhere",
             yield_strength=505e6,
             ultimate_strength=572e6,
-            strength_source=f"{_CALLISTER}.4: alloy 7075, T6 (recalled)",
+            strength_source=f"{_CALLISTER}.4: alloy 7075, T6; 503 MPa elsewhere",
+            hardness=150.0 * _KGF_MM2,
+            hardness_source="data sheets of 7075-T6: 150 HB with 500 kgf, typical",
             expansion=23.4e-6,
-            expansion_source=f"{_CALLISTER}.6: alloy 7075",
+            expansion_source=f"{_CALLISTER}.6: alloy 7075; 23.6e-6 elsewhere",
         ),
         "titanium-6al-4v": Material(
             young=114e9,
             poisson=0.34,
             density=4430.0,
             source=f"{_DELFT}, Ti6Al-4V",
-            yield_strength=828e6,
-            ultimate_strength=897e6,
-            strength_source="data sheets of annealed Ti-6Al-4V: the least (910 and 1000 MPa typical)",
+            yield_strength=827e6,
+            ultimate_strength=896e6,
+            strength_source=f"{_CALLISTER}.4: annealed, the least, 120 and 130 ksi",
             expansion=8.6e-6,
             expansion_source=f"{_CALLISTER}.6: Ti-6Al-4V",
         ),
@@ -146,7 +150,7 @@ MATERIALS: Mapping[str, Material] = MappingProxyType(
             source="Dowling, Mechanical Behavior of Materials, table 5.2 (70Cu-30Zn); density: middle of the "
             "520 to 540 lb/ft^3 of Gere, Mechanics of Materials",
             expansion=19.9e-6,
-            expansion_source=f"{_CALLISTER}.6: cartridge brass, C26000 (recalled)",
+            expansion_source=f"{_CALLISTER}.6: cartridge brass, C26000; from 20 to 300 degC",
         ),
         "bronze": Material(
             young=104e9,
@@ -164,7 +168,7 @@ MATERIALS: Mapping[str, Material] = MappingProxyType(
             source="azom.com, article 6294: bearing bronze UNS C93200, SAE 660",
             yield_strength=125e6,
             ultimate_strength=240e6,
-            strength_source="azom.com, article 6294; yield at 0.5 % of strain; 138 MPa if continuously cast",
+            strength_source=f"{_CALLISTER}.4: sand cast; yield at 0.5 % of strain",
             hardness=65.0 * _KGF_MM2,
             hardness_source="azom.com, article 6294 (65 HB)",
             expansion=18.0e-6,
@@ -176,7 +180,7 @@ MATERIALS: Mapping[str, Material] = MappingProxyType(
             density=3290.0,
             source="Lily Bearing, ceramic materials and their properties, HP-Si3N4",
             expansion=2.7e-6,
-            expansion_source=f"{_CALLISTER}.6: silicon nitride, hot pressed (recalled)",
+            expansion_source=f"{_CALLISTER}.6: silicon nitride, hot pressed",
         ),
         "nylon-66": Material(
             young=2.7e9,
@@ -185,7 +189,7 @@ MATERIALS: Mapping[str, Material] = MappingProxyType(
             source="Dowling, Mechanical Behavior of Materials, table 5.2 (dry); density: middle of 1.10 to "
             "1.15 g/cm^3, finemech.com",
             expansion=144e-6,
-            expansion_source=f"{_CALLISTER}.6: nylon 6,6 (recalled)",
+            expansion_source=f"{_CALLISTER}.6: nylon 6,6",
         ),
     }
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Literal, Self
 
 from pydantic import BeforeValidator, model_validator
@@ -19,6 +20,10 @@ from antenna_pin.scenario.spec import (
 )
 
 __all__ = ["OPTIONS", "RequirementSpec", "check_requirements"]
+
+
+# A name that a file of any system can have.
+_FILE_NAME = re.compile(r"\w[\w-]{0,99}")
 
 
 def _band(value: object) -> tuple[float, float]:
@@ -162,6 +167,9 @@ def check_requirements(requirements: dict[str, RequirementSpec], uncertain: dict
             rule = "must have values, between, distribution or tolerance, got a range for a grid"
             refuse(rule, "uncertain", name, "start" if one.start is not None else "zip")
     for name, requirement in requirements.items():
+        if not _FILE_NAME.fullmatch(name):
+            rule = "must have a name of letters, digits, _ and -, as the file of its worst case has it"
+            refuse(f"{rule}, got {shown(name)}", "requirements", name)
         for k, varied in enumerate(requirement.varies or ()):
             if varied not in uncertain:
                 refuse_name("uncertain number", varied, uncertain, "requirements", name, "varies", k)

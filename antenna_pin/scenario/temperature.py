@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from antenna_pin.base.iso_fits import IsoFit
+from antenna_pin.base.rules import ABOVE_ZERO
 from antenna_pin.base.units import any_quantity, shown
 from antenna_pin.scenario.spec import QuantityRule, Spec, Vector, refuse
 
@@ -25,7 +26,7 @@ __all__ = [
 #: Temperature of dimensions on drawings, 20 degC (ISO 1) [K].
 REFERENCE = 293.15
 
-Temperature = Annotated[float, QuantityRule("K", "positive")]
+Temperature = Annotated[float, QuantityRule("K", ABOVE_ZERO)]
 
 
 def _quantities(value: object) -> object:
@@ -46,7 +47,7 @@ class TemperatureTable(Spec):
     """
 
     key: str
-    temperature: Annotated[tuple[float, ...], Vector("K", (), "positive")]
+    temperature: Annotated[tuple[float, ...], Vector("K", (), ABOVE_ZERO)]
     value: Annotated[tuple[Any, ...], BeforeValidator(_quantities)] | None = None
     factor: Annotated[tuple[float, ...], Vector("1", ())] | None = None
     part: str | None = None

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,10 +11,13 @@ import xarray as xr
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import SurfaceFile, contact_stress, read_surfaces
 from antenna_pin.analysis.element_stress import ball_loads, flank_stress
-from antenna_pin.analysis.joint_stress import ForcePeak, JointSurface, Pair, StressCriteria, _bore
+from antenna_pin.analysis.surface_stress import Pair, StressCriteria
 from antenna_pin.contact import MATERIALS, effective_modulus, hertz_line, persson_line
 from antenna_pin.elements import BallBearing
 from antenna_pin.errors import InvalidParameterError, ScenarioError, UnknownNameError
+from antenna_pin.scenario.requirements import RequirementSpec
+from antenna_pin.studies.verification.quantities import QUANTITIES
+from antenna_pin.studies.verification.quantity import Case
 
 STRONG = {"materials.steel.yield_strength": "300 MPa"}
 
@@ -70,20 +74,6 @@ def test_pv_is_force_over_projected_area_times_slip(pendulum):
     force = np.linalg.norm(pendulum.data["joint_force"].values[:, 0, :2], axis=1)
     assert bush.pressure == pytest.approx(force.max() / (2.0 * outer * length), rel=1e-12)
     assert 0.0 < bush.mean_pv < bush.pv <= bush.pressure * bush.speed
-
-
-def test_tilt_raises_the_line_load():
-    """A bore whose end carries all: a linear foundation loaded in a triangle has sqrt(2 k phi F)."""
-    pair = Pair.of("steel-440c", "steel-440c", MATERIALS.__getitem__)
-    about = {"dimensions": {"bearing_radius": 0.01, "journal_radius": 0.00995}, "kind": "revolute"}
-    limits = StressCriteria(yield_share=1.0, factor=1.0, conformal_above=1.0)
-    _, of, notes = _bore(about, pair, JointSurface(), 0.05, limits, ForcePeak(100.0, 0.0, 1e-3), "point")
-    flat, tilted = (of(np.array([100.0]), np.array([slope])).pressure[0] for slope in (0.0, 1e-3))
-    mean = 100.0 / 0.025
-    log = math.log(4.0 * math.pi * pair.modulus * 5e-5 / mean) - 1.0
-    peak = math.sqrt(2.0 * math.pi * pair.modulus / log * 1e-3 * 100.0)
-    assert tilted / flat == pytest.approx(math.sqrt(peak / mean), rel=1e-12)  # pressure is as the root of it
-    assert any(f"{peak / mean:.3g} times its mean" in note for note in notes)
 
 
 def test_a_bearing_on_the_child_has_the_same_pressure():
@@ -198,3 +188,33 @@ def test_a_law_of_the_geometry_is_no_contradiction_but_its_damping_is():
     # Flores: F = K depth^n (1 + 8 (1 - c) / (5 c) rate / onset): the damping's share of it, here by the rate.
     part = 1.6 * rate / onset
     assert float(told.split(" %")[0]) == pytest.approx(100.0 * part / (1.0 + part), rel=0.05) and depth > 0.0
+
+
+@pytest.mark.parametrize(
+    ("quantity", "of", "expected"),
+    [
+        ("contact_pressure", "hinge.radial+", lambda rows: rows["hinge.radial+"].pressure),
+        ("contact_margin", "hinge", lambda rows: min(one.margin for one in rows.values() if one.force)),
+        ("line_load_ratio", None, lambda rows: 1.0),
+        ("line_load_ratio", "hinge.radial-", lambda rows: rows["hinge.radial-"].line_load_ratio),
+    ],
+)
+def test_requirements_bound_the_stress(pendulum, quantity, of, expected):
+    rows = {one.place: one for one in contact_stress(pendulum).surfaces}
+    spec = RequirementSpec(quantity=quantity, of=of, at_most=1.0)
+    case = Case(pendulum.scenario, lambda: pendulum)
+    assert QUANTITIES[quantity].find(case, spec) == pytest.approx(expected(rows), rel=1e-9)
+
+
+def test_a_stress_that_is_not_known_is_not_taken_for_none(pendulum):
+    """Both halves of the bore met: the margin of the one whose limit is unknown must not drop out."""
+    found = contact_stress(pendulum)
+    blind = tuple(
+        replace(one, margin=math.nan) if one.place == "hinge.radial-" else one for one in found.surfaces
+    )
+    case = Case(pendulum.scenario, lambda: pendulum, memo={"stress": replace(found, surfaces=blind)})
+    spec = RequirementSpec(quantity="contact_margin", of="hinge", at_least=0.0)
+    assert math.isnan(QUANTITIES["contact_margin"].find(case, spec))
+    with pytest.raises(UnknownNameError, match="surface 'hing' is unknown; did you mean"):
+        spec = RequirementSpec(quantity="contact_margin", of="hing", at_least=0.0)
+        QUANTITIES["contact_margin"].find(case, spec)

@@ -61,6 +61,37 @@ def test_a_fit_gives_the_radii_and_survives_json():
             {"clearance.hinge.fit": "20 H7/g6", "clearance.hinge.fit_shaft": 2},
             "fit_shaft must be from -1 to 1",
         ),
+        *(
+            ({"temperature": cold}, f"temperature.all must be above absolute zero, got {cold!r}")
+            for cold in ("-300 degC", "0 K", "-500 degF")
+        ),
+        ({"temperature": "nan"}, r"temperature.all must be a temperature \[K\], got 'nan' \(not finite\)"),
+        (
+            {"temperature.all": "20 degC", "temperature.reference": "-274 degC"},
+            "temperature.reference must be above absolute zero",
+        ),
+        (
+            {
+                "temperature.tables.f": {
+                    "key": "clearance.hinge.friction.static",
+                    "temperature": ["-280 degC", "20 degC"],
+                    "factor": [1, 2],
+                }
+            },
+            r"temperature.tables.f.temperature(\[0\])? must be above absolute zero",
+        ),
+        *(
+            ({"clearance.hinge.fit": fit}, words)
+            for fit, words in (
+                ("20 H7/x6", "of a letter among a b c"),
+                ("20 h7/g6", "hole's class in capitals"),
+                ("501 H7/g6", "a size above 0 and up to 500 mm, got '501 H7/g6'"),
+                ("0.3 H7/a11", "of a size above the deviations of its shaft"),
+                ("20 H0/g6", "a grade from 1 to 16"),
+                ("nan H7/g6", "two tolerance classes"),
+            )
+        ),
+        ({"clearance.hing.fit": "20 H7/g6"}, "or did you mean clearance.hinge"),
         ({"temperature": "3 mm"}, r"temperature.all must be a temperature \[K\], got '3 mm'"),
         (
             {"temperature.tables.f": {"key": "duration", "temperature": [1, 2], "factor": [1]}},
@@ -235,3 +266,18 @@ def test_a_chain_of_a_scenario_grows_with_its_materials():
     found = tolerance_chain(scenario, "end_play")
     assert found.nominal == pytest.approx(0.0503 * (1 + 23.4e-4) - 0.05 * (1 + 11.7e-4), rel=1e-12)
     assert math.isclose(found.tolerance, 1e-4 * (1 + 23.4e-4) + 1e-4 * (1 + 11.7e-4), rel_tol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("side", "part", "sign"), [("parent", "bar", -1), ("child", "bar", 1), ("child", "stand", -1)]
+)
+def test_the_part_that_has_the_bearing_grows_the_bore(side, part, sign):
+    """80 K of steel on 9.9 mm of journal, or on 10 mm of bore, whichever link carries it."""
+    changes = {
+        "materials.steel.expansion": 11.7e-6,
+        "clearance.hinge.bearing_on": side,
+        "temperature": {"all": "20 degC", "parts": {part: "100 degC"}},
+    }
+    play = joint_play(load_scenario("pendulum", overrides=changes), "hinge").radial
+    radius = 0.01 if sign > 0 else 0.0099
+    assert play - 1e-4 == pytest.approx(sign * 80.0 * 11.7e-6 * radius, rel=1e-9)

@@ -71,6 +71,9 @@ def test_tolerance_of_a_fit_at_a_temperature(cli, printed, tmp_path):
     assert "less than the 3 required by ECSS-E-ST-33-01C (2009)" in said
     assert "195.8 degC" in said  # 20.5 um over 10 mm and the difference of expansions
     assert (tmp_path / "play.png").is_file()
+    assert "at least the 0.7 of --least-ratio" in printed(
+        cli("tolerance", "pendulum", *FIT, *aluminium, "--least-ratio", "0.7")
+    )
 
 
 def test_tolerance_of_a_chain(cli, tmp_path):

@@ -1,12 +1,14 @@
 """The command: exit codes, numbers as JSON and CSV, and a report that needs nothing but itself."""
 
 import json
+import math
 import re
 
 import pytest
 from typer.testing import CliRunner
 
 from antenna_pin.apps.cli import app
+from antenna_pin.studies.verification import point_text, result_text
 
 FAR = "[requirements.far]\ntext = 'far & away'\nquantity = 'final_position'\nof = 'slide'\nat_least = '{}'\n"
 AT_ONCE = ["--workers", "0", "--no-progress"]
@@ -42,7 +44,8 @@ def test_report_is_one_page_with_every_number_and_its_file(sled):
     facts = json.loads((out / "verification.json").read_text())
     for text in ("far &amp; away", "worst/far.toml", facts["digest"], "<span>verify</span>", "Not covered"):
         assert text in page
-    assert "drives.push.value = 3.0 N" in page and "energy" in page
+    assert "push 3\N{NO-BREAK SPACE}N, " in page and "Hz (worst/far.toml)" in page and "energy" in page
+    assert 'data-label="worst result"' in page  # as a phone shows the matrix
     assert facts["requirements"][0]["integrity"]["outcome"] == "COMPLETED"
 
 
@@ -62,3 +65,24 @@ def test_wrong_options_are_refused(sled, words, said):
     path = sled(FAR.format("1 m"))
     found = CliRunner().invoke(app, ["verify", str(path), *words], catch_exceptions=False)
     assert found.exit_code == 2 and said in found.stderr
+
+
+@pytest.mark.parametrize(
+    ("bound", "value", "expected"),
+    [
+        ({"unit": "deg", "size": math.pi / 180.0}, math.radians(41.354), "41.35 deg"),
+        ({"unit": "N*m", "size": 1.0}, 0.06, "0.06 N m"),
+        ({"unit": "m/s^2", "size": 1.0}, -0.1, "−0.1 m/s²"),
+        ({}, 0.06, "60 mrad"),
+        ({"unit": "deg", "size": math.pi / 180.0}, None, "–"),
+    ],
+)
+def test_results_are_printed_in_the_unit_of_their_bound(bound, value, expected):
+    found = result_text({"units": "rad", "bound_unit": bound}, value)
+    assert found.replace("\N{NO-BREAK SPACE}", " ") == expected
+
+
+def test_points_are_printed_with_four_digits_and_prefixes():
+    values = {"a": "1.60385352e-05 m", "b": "0.0305811181 N*m/A", "c": "steel", "d": "20 degC", "e": "3"}
+    found = point_text({"worst_values": values}).replace("\N{NO-BREAK SPACE}", " ")
+    assert found == "a 16.04 µm, b 0.03058 N m/A, c steel, d 20 degC, e 3"

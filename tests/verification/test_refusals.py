@@ -3,6 +3,7 @@
 import pytest
 
 from antenna_pin.errors import AntennaPinError
+from antenna_pin.studies.sweep.journal import Journal
 from antenna_pin.studies.verification import load_verification, verify
 
 GOOD = "[requirements.far]\nquantity = 'final_position'\nof = 'slide'\n"
@@ -61,6 +62,13 @@ GOOD = "[requirements.far]\nquantity = 'final_position'\nof = 'slide'\n"
             + "at_most = 1\n[uncertain.load]\nkey = 'drives.push.value'\nstart = 1\nstop = 2\ncount = 3\n",
             "uncertain.load.start must have values, between, distribution or tolerance",
         ),
+        ("[requirements]\n", "requirements must hold one at least, got none"),
+        (GOOD + "at_most = nan\n", "requirements.far.at_most must be a number, .* got nan"),
+        (GOOD + "at_most = '1 parsnip'\n", "requirements.far.at_most must be .*'1 parsnip'"),
+        (
+            GOOD.replace("far", '"../far"') + "at_most = 1\n",
+            "must have a name of letters, digits, _ and -, as the file .* got '../far'",
+        ),
         (
             GOOD + "at_most = 1\nafter = '2 s'\n",
             "requirements.far.after must be left out: final_position has none",
@@ -81,6 +89,34 @@ def test_an_object_that_is_not_there_is_refused_at_the_nominal_run(sled):
     )
     with pytest.raises(AntennaPinError, match="requirements.far: .*'slid' is unknown; did you mean slide"):
         verify(plan, sled("").parent / "out")
+
+
+def test_a_time_beyond_the_run_is_refused(sled):
+    text = GOOD.replace("final_position", "signal_peak").replace("'slide'", "'slide_position[slide]'")
+    text += "at_most = 1\nafter = '9 s'\n"
+    with pytest.raises(AntennaPinError, match="after must be a time with samples .* ends at 1 s, got 9 s"):
+        verify(load_verification(sled(text)), sled("").parent / "out")
+
+
+def test_two_verifications_in_one_folder_and_a_damaged_journal(sled):
+    """One at a time; lines that are no points are left out and evaluated anew."""
+    path = sled(GOOD + "at_most = '9 m'\nover = 'corners'\n")
+    plan, folder = load_verification(path), path.parent / "out"
+    first = verify(plan, folder)
+    (journal,) = folder.glob("points/*/journal")
+    whole = journal.read_bytes()
+    for damaged in (whole[:-20], b"garbage{\n" + whole, b"\xff\x00" * 500, b""):
+        journal.write_bytes(damaged)
+        again = verify(plan, folder)
+        assert again.met and again.points == first.points
+    other = Journal(journal, b"of another process")
+    with pytest.raises(AntennaPinError, match="must not be in use, got another process"):
+        verify(plan, folder)
+    other.close()
+    file = path.parent / "file"
+    file.touch()
+    with pytest.raises(AntennaPinError, match="file: must be a folder, got a file"):
+        verify(plan, file)
 
 
 def test_a_scenario_has_requirements_of_its_own(sled):

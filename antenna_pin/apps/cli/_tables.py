@@ -409,7 +409,8 @@ def length_text(value: float, digits: int = 4) -> str:
     """Return a length with a unit that suits it."""
     if not math.isfinite(value):
         return "-"
-    size, unit = (1.0, "m") if value >= 0.1 else (1e-3, "mm") if value >= 1e-4 else (1e-6, "um")
+    large = abs(value)
+    size, unit = (1.0, "m") if large >= 0.1 else (1e-3, "mm") if large >= 1e-4 else (1e-6, "um")
     return f"{value / size:.{digits}g} {unit}"
 
 

@@ -118,6 +118,19 @@ def _print(result: ContactStress, label: str) -> None:
     rule = f"margin = {result.yield_share:g} limit / ({result.factor:g} pressure) - 1"
     if met:
         print_rows(f"{label}: contact stress at its peak; {rule}", head, rows)
+    if lines := [one for one in met if math.isfinite(one.line_load_ratio)]:
+        head = ["", "largest / mean load", "at, along the axis", "length that touches", "edge loaded"]
+        rows = [
+            [
+                one.place,
+                _plain(one.line_load_ratio),
+                length_text(one.along),
+                length_text(one.loaded_length),
+                "yes" if one.edge_loaded else "no",
+            ]
+            for one in lines
+        ]
+        print_rows("bores: load along the line at that peak, from the middle of the bore", head, rows)
     said: dict[str, list[str]] = {}
     for one in met:
         theory = one.theory + (f"; limit of {one.material}" if math.isfinite(one.limit) else "")

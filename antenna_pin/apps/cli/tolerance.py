@@ -21,14 +21,12 @@ from antenna_pin.apps.cli._common import (
 )
 from antenna_pin.apps.cli._export import CsvOption, JsonOption, csv_target, exported, save_plot
 from antenna_pin.apps.cli._tables import length_text, print_rows
-from antenna_pin.base.rules import Positive
+from antenna_pin.base.rules import ABOVE_ZERO, Positive
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
 
-# Of its own tolerance a clearance is to be at least this much (ECSS-E-ST-33-01C, 2009).
-_LEAST_RATIO = 3.0
 # Temperatures of the figure; a play is nearly a line over them.
 _POINTS = 81
 
@@ -40,6 +38,9 @@ def tolerance(
     capability: Annotated[
         Positive, typer.Option(help="C_p of the processes that make holes and shafts.")
     ] = 1.0,
+    least_ratio: Annotated[
+        Positive, typer.Option(help="Least play over its own tolerance (3: ECSS-E-ST-33-01C, 2009).")
+    ] = 3.0,
     plot: Annotated[
         Path | None,
         typer.Option("--plot", metavar="FILE", help="Figure of the play over temperature: png, pdf or svg."),
@@ -59,14 +60,20 @@ def tolerance(
     target, figure = csv_target(csv), figure_target(plot, "tolerance", "--plot")
     loaded = load(scenario, case, settings)
     joints, chains = _joints(loaded, capability), _chains(loaded)
-    facts = {"scenario": loaded.name, "case": loaded.case, "joints": joints, "chains": chains}
+    facts = {
+        "scenario": loaded.name,
+        "case": loaded.case,
+        "least_ratio": least_ratio,
+        "joints": joints,
+        "chains": chains,
+    }
     if not exported(
         facts,
         [*joints, *({k: v for k, v in one.items() if k != "shares"} for one in chains)],
         as_json,
         target,
     ):
-        _print(stem(loaded), joints, chains)
+        _print(stem(loaded), joints, chains, least_ratio)
     if figure is not None:
         from antenna_pin.scenario.assemble import play_over_temperature
         from antenna_pin.show.plot import figure_play_over_temperature
@@ -147,7 +154,9 @@ def _chains(scenario: Scenario) -> list[dict[str, Any]]:
     return found
 
 
-def _print(label: str, joints: list[dict[str, Any]], chains: list[dict[str, Any]]) -> None:
+def _print(
+    label: str, joints: list[dict[str, Any]], chains: list[dict[str, Any]], least_ratio: float
+) -> None:
     fits = [one for one in joints if "fit" in one]
     if fits:
         head = ["fit", "", "hole [um]", "shaft [um]", "least play", "mean", "largest", "standard deviation"]
@@ -165,10 +174,11 @@ def _print(label: str, joints: list[dict[str, Any]], chains: list[dict[str, Any]
         print_rows(f"{label}: fits, ISO 286; radial play at the temperatures of the parts", head, rows)
         for one in fits:
             ratio = one["play_over_tolerance"]
-            verdict = "at least" if ratio >= _LEAST_RATIO else "less than"
+            verdict = "at least" if ratio >= least_ratio else "less than"
+            source = "required by ECSS-E-ST-33-01C (2009)" if least_ratio == 3.0 else "of --least-ratio"
             say(
                 f"{one['joint']}: mean play {ratio:.3g} times its own tolerance, {verdict} the "
-                f"{_LEAST_RATIO:g} required by ECSS-E-ST-33-01C (2009)"
+                f"{least_ratio:g} {source}"
             )
     if joints:
         head = [
@@ -240,7 +250,10 @@ def _kelvin(text: str, option: str) -> float:
     from antenna_pin.base.units import QuantityError, quantity
 
     try:
-        return quantity(text, "K", option)
+        found = quantity(text, "K", option)
     except QuantityError as error:
         rule, _, said = error.reason.removeprefix("must be ").partition(", got ")
         raise InvalidParameterError("tolerance", option, rule, said=said) from None
+    if not found > 0.0:
+        raise InvalidParameterError("tolerance", option, ABOVE_ZERO, text)
+    return found

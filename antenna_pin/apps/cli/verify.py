@@ -139,23 +139,19 @@ def _rows(facts: Mapping[str, Any]) -> tuple[list[str], Iterator[list[Any]]]:
 
 
 def _print(facts: Mapping[str, Any]) -> None:
-    from antenna_pin.base.readable import readable
+    from antenna_pin.studies.verification import point_text, result_text
 
     rows = []
     for one in facts["requirements"]:
-        units = one["units"]
         bounds = [one["bound"]]
         chance = one.get("probability")
-        result = "-" if one["result"] is None else readable(one["result"], units)
-        margin = "-" if one["margin"] is None else readable(one["margin"], units, 3)
+        result, margin = result_text(one, one["result"]), result_text(one, one["margin"], 3)
         if chance:
             result = f"fails {chance['low']:.2g} to {chance['high']:.2g}"
             margin = f"{one['margin']:.3g}"
             bounds.append(f"probability {1.0 - chance['allowed']:.6g}")
-        worst = ", ".join(f"{name} {value}" for name, value in one["worst_values"].items())
-        rows.append(
-            [one["requirement"], ", ".join(bounds), result, margin, one["verdict"], worst or "nominal"]
-        )
+        worst = point_text(one) or "nominal"
+        rows.append([one["requirement"], ", ".join(bounds), result, margin, one["verdict"], worst])
     head = ["requirement", "bound", "worst result", "margin", "verdict", "worst case"]
     print_rows(f"{facts['name']}: {facts['title']}", head, rows, numbers=False)
     for one in facts["requirements"]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,52 +13,71 @@ from antenna_pin.scenario import JointPlay
 from antenna_pin.show.plot._style import Width
 from antenna_pin.show.plot.grammar import Axis, Panel, PlotCurve, PlotMark, Points, Rule, Sheet, figure
 
-if TYPE_CHECKING:
-    pass
-
 __all__ = ["figure_contact_stress", "figure_play_over_temperature"]
 
 # Surfaces that a panel shows at most, those with the largest pressures.
 _MOST = 6
+# Largest over mean load of a line, from which on its pressure is drawn along the bore.
+_TILTED = 1.01
 
 
 @figure(stress="Contact stress of a run.", case="Name of the run's case, for the foot note.")
 def figure_contact_stress(stress: ContactStress, *, case: str = "run", width: Width = "page") -> Sheet:
-    """Return contact pressures and PV of bushings over time."""
+    """Return contact pressures over time and along bores, and PV of bushings."""
     met = [one for one in stress.surfaces if one.history.size and np.nanmax(one.history, initial=0.0) > 0.0]
     if not met:
         raise InvalidParameterError(
             "figure_contact_stress", "stress", "that of a run with samples in which surfaces met", said="none"
         )
     shown = sorted(met, key=lambda one: -one.pressure)[:_MOST]
-    limits = sorted(
-        {stress.yield_share / stress.factor * one.limit for one in shown if one.surface != "raceway"}
-    )
-    marks: list[PlotMark] = [
-        PlotCurve(one.place, stress.time, one.history, {"color": f"C{k}"}) for k, one in enumerate(shown)
+    # Balls press a hundred times harder than bores: a panel, and limits, of their own.
+    kinds = [
+        (title, [(k, one) for k, one in enumerate(shown) if (one.surface == "raceway") is raceway])
+        for title, raceway in (("contact pressure", False), ("contact pressure of balls", True))
     ]
-    marks += [
-        Points(np.array([[one.time, one.pressure]]), {"color": f"C{k}"})
-        for k, one in enumerate(shown)
-        if math.isfinite(one.time)
-    ]
-    largest = max(one.pressure for one in shown)
-    marks += [
-        Rule(limit, {"color": "#999999", "linewidth": 0.8}) for limit in limits if limit < 3.0 * largest
-    ]
-    rows: list[list[Panel | None]] = [[Panel("contact pressure", marks, Axis("pressure", "Pa"))]]
+    rows: list[list[Panel | None]] = []
+    grey = False
+    for title, mine in kinds:
+        if not mine:
+            continue
+        marks: list[PlotMark] = [
+            PlotCurve(one.place, stress.time, one.history, {"color": f"C{k}"}) for k, one in mine
+        ]
+        marks += [
+            Points(np.array([[one.time, one.pressure]]), {"color": f"C{k}"})
+            for k, one in mine
+            if math.isfinite(one.time)
+        ]
+        largest = max(one.pressure for _, one in mine)
+        limits = {
+            stress.yield_share / stress.factor * one.limit for _, one in mine if one.surface != "raceway"
+        }
+        near = [limit for limit in sorted(limits) if limit < 3.0 * largest]
+        marks += [Rule(limit, {"color": "#999999", "linewidth": 0.8}) for limit in near]
+        grey = grey or bool(near)
+        rows.append([Panel(title, marks, Axis("pressure", "Pa"))])
+    tilted = [(k, one) for k, one in enumerate(shown) if one.line_load_ratio > _TILTED]
+    if tilted:
+        curves = [
+            PlotCurve(one.place, 1e3 * one.places, one.profile, {"color": f"C{k}"}) for k, one in tilted
+        ]
+        along = Axis("along the bore's axis [mm]")
+        rows.append([Panel("along the bore at its peak", curves, Axis("pressure", "Pa"), along, named=False)])
     if stress.bushings:
         curves = [
-            PlotCurve(one.joint, stress.time, 1e-6 * one.history, {"color": f"C{k}"})
+            PlotCurve(one.joint, stress.time, one.history, {"color": f"C{k}"})
             for k, one in enumerate(stress.bushings, start=len(shown))
         ]
-        rows.append([Panel("PV of bushings", curves, Axis("pressure times speed [MPa m/s]"))])
+        names = ", ".join(one.joint for one in stress.bushings)
+        title = f"PV of {names}" if len(stress.bushings) == 1 else "PV of bushings"
+        panel = Panel(title, curves, Axis("pressure times speed", "Pa m/s"), named=len(stress.bushings) > 1)
+        rows.append([panel])
     notes = [f"{case}: dots, peaks between samples too"]
     if len(met) > len(shown):
         notes.append(f"of {len(met)} surfaces the {len(shown)} with the largest pressures")
-    if limits and any(limit < 3.0 * largest for limit in limits):
+    if grey:
         notes.append(f"grey: {stress.yield_share:g} of the yield limit over a factor of {stress.factor:g}")
-    return Sheet(rows, width, 65.0 * len(rows), notes)
+    return Sheet(rows, width, 55.0 * len(rows) + 10.0, notes)
 
 
 @figure(plays="Plays of each joint, by name, one a temperature of all parts.")

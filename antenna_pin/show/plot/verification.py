@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from antenna_pin.base.readable import printed_unit
+from antenna_pin.base.readable import number, printed_unit
 from antenna_pin.show.plot._style import COLOURS, Array, Width, literal
 from antenna_pin.show.plot.grammar import Axis, ByHand, Panel, PlotCurve, PlotMark, Rule, Sheet, figure
 
@@ -39,7 +39,7 @@ def figure_margins(requirements: Sequence[Mapping[str, Any]], *, width: Width = 
         colours = [_GOOD if share >= 0.0 else _BAD for share in shares]
         axes.barh(np.arange(len(names)), 100.0 * clipped, 0.6, color=colours)
         for k, share in enumerate(shares):
-            text = f" {100.0 * share:.3g} % " if abs(share) < 100.0 else " beyond 100 times "
+            text = f" {number(100.0 * share, 3)} % " if abs(share) < 100.0 else " beyond 100 times "
             axes.text(
                 100.0 * float(np.clip(share, 0.0, limit)),
                 k,
@@ -58,6 +58,8 @@ def figure_margins(requirements: Sequence[Mapping[str, Any]], *, width: Width = 
     x = Axis("margin, of the bound [%]", ticks=0)
     panel = Panel("", [ByHand(draw), Rule(0.0, _THIN, "x")], y, x, finish=finish, lettered=False)
     note = "bars end at 150 %; a probability's is that of what its bound allows"
+    if len(shown) < len(known):
+        note += "; without a bar: bound of zero, or no result"
     return Sheet([[panel]], width, 24.0 + _ROW * max(len(names), 1), (note,))
 
 
@@ -99,6 +101,7 @@ def figure_effects(
         axes.barh(places + 0.18, across * high, 0.34, color=COLOURS[1], label="at the upper limit")
 
     def finish(axes: Axes) -> None:
+        axes.margins(x=0.06)
         axes.invert_yaxis()
         axes.grid(axis="y", visible=False)
 

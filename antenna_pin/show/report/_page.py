@@ -44,6 +44,7 @@ class PageTable:
     caption: str = ""
     key: str = ""  # identifier in the page
     dense: bool = False  # of so many rows that it is set small
+    sentences: bool = False  # of text: read from the left, and row below row on a phone
     kind: str = field(default="table", init=False)
 
     @property

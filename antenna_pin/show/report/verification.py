@@ -28,6 +28,7 @@ from antenna_pin.show.report._runs import ReportedRun, reported
 from antenna_pin.show.report.document import Report, page
 from antenna_pin.show.report.figures import drawn, picture
 from antenna_pin.show.report.results import conservation
+from antenna_pin.studies.verification import point_text, result_text
 from antenna_pin.trajectory import Trajectory
 
 __all__ = ["verification_report"]
@@ -132,13 +133,18 @@ def _result(one: Mapping[str, Any]) -> str:
             f"probability of failure {number(chance['probability'], 2)} ({number(chance['low'], 2)} to "
             f"{number(chance['high'], 2)} at {percent:g} %)"
         )
-    return _text(one["result"], one["units"])
+    return _value(one, one["result"])
+
+
+def _value(one: Mapping[str, Any], value: float | None, digits: int = 4) -> str:
+    """Return a result in the unit of its bound, on one line."""
+    return result_text(one, value, digits).replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _margin(one: Mapping[str, Any]) -> str:
     if one.get("probability"):
         return number(one["margin"], 3)
-    return _text(one["margin"], one["units"], 3)
+    return _value(one, one["margin"], 3)
 
 
 def _requirement_text(one: Mapping[str, Any]) -> str:
@@ -164,7 +170,9 @@ def _matrix(facts: Mapping[str, Any], figures: bool) -> Section:
         for one in facts["requirements"]
     ]
     head = ("requirement", "text", "bound", "worst result", "margin", "verdict", "method", "shown under")
-    table = PageTable(columns=head, rows=tuple(rows), caption="Verification matrix", key="matrix")
+    table = PageTable(
+        columns=head, rows=tuple(rows), caption="Verification matrix", key="matrix", sentences=True
+    )
     items: list[Item] = [table]
     if figures:
         try:
@@ -190,20 +198,16 @@ def _matrix(facts: Mapping[str, Any], figures: bool) -> Section:
 def _worst(facts: Mapping[str, Any]) -> Section:
     rows = []
     for one in facts["requirements"]:
-        sets = (
-            "; ".join(f"{key} = {value}" for key, value in one["worst_case"].items()) or "the nominal values"
-        )
         rows.append(
             Row(
                 one["requirement"],
                 (
-                    Cell(sets),
-                    Cell(_text(one["nominal"], one["units"])),
-                    Cell(_text(one["result"], one["units"])),
+                    Cell(f"{point_text(one) or 'the nominal values'} ({one['shown_in']})"),
+                    Cell(_value(one, one["nominal"])),
+                    Cell(_value(one, one["result"])),
                     Cell(_kind_of_point(one)),
                     Cell(str(one["points"])),
                     Cell(_integrity(one["integrity"])),
-                    Cell(one["shown_in"]),
                 ),
             )
         )
@@ -215,14 +219,17 @@ def _worst(facts: Mapping[str, Any]) -> Section:
         "where",
         "points",
         "integrity of that run",
-        "scenario to run",
     )
     table = PageTable(
-        columns=head, rows=tuple(rows), caption="Worst cases found, and the runs that show them", key="worst"
+        columns=head,
+        rows=tuple(rows),
+        caption="Worst cases found, and the runs that show them",
+        key="worst",
+        sentences=True,
     )
     meaning = (
         "Integrity: error of the energy balance over what the tolerance explains, and drifts of "
-        "momentum likewise; a run beyond them is not taken as shown.",
+        "momentum likewise; a run beyond them is not taken as shown. Files are scenarios that run.",
     )
     return Section(key="worst", title="Worst cases", items=(table,), meaning=meaning)
 
@@ -280,7 +287,7 @@ def _analysis(
                 one["requirement"],
                 (
                     Cell(f"{one['meaning']}{', ' + one['of'] if one['of'] else ''}"),
-                    Cell(_text(one["nominal"], one["units"])),
+                    Cell(_value(one, one["nominal"])),
                     Cell(_result(one)),
                     Cell(_bound(one)),
                     Cell(_VERDICTS[one["verdict"]]),
@@ -290,7 +297,13 @@ def _analysis(
         ]
         head = ("requirement", "quantity", "nominal", "worst", "bound", "verdict")
         items.append(
-            PageTable(columns=head, rows=tuple(rows), caption=f"{title}: requirements", key=f"of-{key}")
+            PageTable(
+                columns=head,
+                rows=tuple(rows),
+                caption=f"{title}: requirements",
+                key=f"of-{key}",
+                sentences=True,
+            )
         )
     for one in curves:
         if one["analysis"] == key:
@@ -314,7 +327,13 @@ def _analysis(
 def _curve(one: Mapping[str, Any], run: Trajectory | None, figures: bool) -> Iterator[Item]:
     if "rows" in one:
         rows = tuple(Row(str(name), tuple(Cell(str(cell)) for cell in cells)) for name, *cells in one["rows"])
-        yield PageTable(columns=tuple(one["head"]), rows=rows, caption=str(one["title"]), key=str(one["key"]))
+        yield PageTable(
+            columns=tuple(one["head"]),
+            rows=rows,
+            caption=str(one["title"]),
+            key=str(one["key"]),
+            sentences=bool(one.get("sentences")),
+        )
     if not figures:
         return
     key, caption = f"figure-of-{one['key']}", str(one.get("caption", ""))
@@ -443,7 +462,7 @@ def _sensitivities(facts: Mapping[str, Any], figures: bool) -> Section:
     largest = {one["requirement"]: one["largest"] for one in facts["budget"]}
     rows = []
     for one in facts["requirements"]:
-        cells = [_change(by.get((one["requirement"], name)), one["units"]) for name in numbers]
+        cells = [_change(one, by.get((one["requirement"], name))) for name in numbers]
         rows.append(Row(one["requirement"], (*cells, Cell(largest.get(one["requirement"], "") or _DASH))))
     table = PageTable(
         columns=("requirement", *numbers, "largest"), rows=tuple(rows), key="sensitivities",
@@ -463,14 +482,15 @@ def _sensitivities(facts: Mapping[str, Any], figures: bool) -> Section:
         rows=tuple(_range(one) for one in facts["uncertain"]),
         caption="Uncertain numbers",
         key="uncertain",
+        sentences=True,
     )
     return Section(key="sensitivities", title="Sensitivities", items=(*items, ranges))
 
 
-def _change(one: Mapping[str, Any] | None, units: str) -> Cell:
+def _change(requirement: Mapping[str, Any], one: Mapping[str, Any] | None) -> Cell:
     if one is None or one["change"] is None:
         return Cell(_DASH)
-    return Cell(readable(one["change"], units, 3), one["change"])
+    return Cell(_value(requirement, one["change"], 3), one["change"])
 
 
 def _range(one: Mapping[str, Any]) -> Row:
@@ -485,14 +505,15 @@ def _range(one: Mapping[str, Any]) -> Row:
 
 
 def _budget(facts: Mapping[str, Any]) -> Section:
+    of = {one["requirement"]: one for one in facts["requirements"]}
     rows = [
         Row(
             one["requirement"],
             (
-                Cell(readable(one["sum"], one["units"], 3), one["sum"]),
-                Cell(readable(one["root_sum_square"], one["units"], 3), one["root_sum_square"]),
+                Cell(_value(of[one["requirement"]], one["sum"], 3), one["sum"]),
+                Cell(_value(of[one["requirement"]], one["root_sum_square"], 3), one["root_sum_square"]),
                 Cell(one["largest"] or _DASH),
-                Cell(readable(one["largest_change"], one["units"], 3), one["largest_change"]),
+                Cell(_value(of[one["requirement"]], one["largest_change"], 3), one["largest_change"]),
             ),
         )
         for one in facts["budget"]
@@ -520,7 +541,7 @@ def _not_covered(facts: Mapping[str, Any]) -> Section:
         Row(subject.partition(":")[0], (Cell(subject.partition(":")[2].strip() or "not computed"),))
         for subject in facts["not_covered"]
     )
-    table = PageTable(columns=("subject", "what is left out"), rows=rows, key="not-covered")
+    table = PageTable(columns=("subject", "what is left out"), rows=rows, key="not-covered", sentences=True)
     notes = (f"Analyses without a requirement in this file: {', '.join(empty)}.",) if empty else ()
     return Section(key="not-covered", title="Not covered", lead=tuple(lead), items=(table,), notes=notes)
 

@@ -8,6 +8,8 @@ from antenna_pin.studies.verification.measured_loop import measured_loop as meas
 from antenna_pin.studies.verification.measured_loop import measured_phase_margin as measured_phase_margin
 from antenna_pin.studies.verification.output import facts_of as facts_of
 from antenna_pin.studies.verification.output import nominal_run as nominal_run
+from antenna_pin.studies.verification.output import point_text as point_text
+from antenna_pin.studies.verification.output import result_text as result_text
 from antenna_pin.studies.verification.output import save_verification as save_verification
 from antenna_pin.studies.verification.plan import RequirementsFile as RequirementsFile
 from antenna_pin.studies.verification.plan import UncertainNumber as UncertainNumber

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from antenna_pin.base.arguments import takes
-from antenna_pin.base.readable import readable
+from antenna_pin.base.readable import number, readable
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.scenario.requirements import RequirementSpec
 from antenna_pin.studies.verification.design_quantities import loop_of, margin_of, stress_of
@@ -81,7 +81,7 @@ def _loops(verified: Verified, say: Callable[[str], None]) -> Iterator[dict[str,
 
 
 def _margins(verified: Verified, case: Case) -> Iterator[dict[str, Any]]:
-    for number, spec in enumerate(_specs(verified, "motorization_margin"), start=1):
+    for count, spec in enumerate(_specs(verified, "motorization_margin"), start=1):
         found = margin_of(case, spec)
         data = found.data.sel(position=found.position, method="nearest")
         unit = "N" if found.sliding else "N m"
@@ -101,7 +101,7 @@ def _margins(verified: Verified, case: Case) -> Iterator[dict[str, Any]]:
         place = readable(found.position, "m" if found.sliding else "rad")
         yield {
             "analysis": "motorization",
-            "key": f"motorization-{number}",
+            "key": f"motorization-{count}",
             "title": f"Motorization of {found.joint} at {place}, where its margin is smallest",
             "head": ("source", "class", "resists", "factor", "drives", "factor", "value"),
             "rows": rows,
@@ -114,7 +114,7 @@ def _margins(verified: Verified, case: Case) -> Iterator[dict[str, Any]]:
 def _torque_angle(verified: Verified, case: Case) -> Iterator[dict[str, Any]]:
     from antenna_pin.studies.statics.torque_angle import DEFINITIONS
 
-    for number, spec in enumerate(_specs(verified, *_LOOP_MEASURES), start=1):
+    for count, spec in enumerate(_specs(verified, *_LOOP_MEASURES), start=1):
         found = loop_of(case, spec)
         turning = {"stiffness": "N m/rad", "area": "J", "friction": "N m"}
         sliding = {"stiffness": "N/m", "area": "J", "friction": "N"}
@@ -126,9 +126,10 @@ def _torque_angle(verified: Verified, case: Case) -> Iterator[dict[str, Any]]:
         ]
         yield {
             "analysis": "motorization",
-            "key": f"torque-angle-{number}",
+            "key": f"torque-angle-{count}",
             "title": f"Torque-angle loop of {found.joint}, {readable(found.amplitude, units['friction'])}",
             "head": ("measure", "value", "definition"),
+            "sentences": True,
             "rows": rows,
             "loop": found.data,
             "caption": f"Torque-angle loop of {found.joint}",
@@ -138,6 +139,8 @@ def _torque_angle(verified: Verified, case: Case) -> Iterator[dict[str, Any]]:
 
 def _stress(case: Case) -> Iterator[dict[str, Any]]:
     found = stress_of(case)
+    met = [one for one in found.surfaces if math.isfinite(one.pressure) and one.pressure > 0.0]
+    told: dict[str, list[str]] = {}
     rows = [
         [
             one.place,
@@ -147,21 +150,28 @@ def _stress(case: Case) -> Iterator[dict[str, Any]]:
             readable(one.half_width, "m"),
             readable(one.shear_depth, "m"),
             readable(one.margin, "1", 3) if math.isfinite(one.margin) else "unknown",
-            "; ".join((one.theory, *one.notes)),
+            f"{number(one.line_load_ratio, 3)}{', edge loaded' if one.edge_loaded else ''}",
+            one.theory,
         ]
-        for one in found.surfaces
-        if math.isfinite(one.pressure) and one.pressure > 0.0
+        for one in met
     ]
+    for one in met:
+        for note in one.notes:
+            told.setdefault(note, []).append(one.place)
     if rows:
         yield {
             "analysis": "stress",
             "key": "surfaces",
+            "sentences": True,
             "title": "Contact stress at its peak, nominal run",
-            "head": ("surface", "kind", "force", "pressure", "half-width", "shear at", "margin", "by"),
+            "head": (
+                *("surface", "kind", "force", "pressure", "half-width", "shear at", "margin"),
+                *("largest / mean load", "theory"),
+            ),
             "rows": rows,
             "stress": found,
             "caption": "Contact pressure over the nominal run",
-            "notes": found.notes,
+            "notes": (*(f"{', '.join(places)}: {note}" for note, places in told.items()), *found.notes),
         }
     if found.bearings:
         yield {
@@ -192,8 +202,8 @@ def _stress(case: Case) -> Iterator[dict[str, Any]]:
                     one.joint,
                     readable(one.pressure, "Pa"),
                     readable(one.speed, "m/s"),
-                    f"{readable(1e-6 * one.pv, '1')} MPa m/s",
-                    f"{readable(1e-6 * one.mean_pv, '1')} MPa m/s",
+                    readable(one.pv, "Pa m/s"),
+                    readable(one.mean_pv, "Pa m/s"),
                 ]
                 for one in found.bushings
             ],

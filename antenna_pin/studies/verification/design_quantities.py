@@ -187,23 +187,20 @@ def stress_of(case: Case) -> Any:
     return case.memo["stress"]
 
 
-def _surface(column: str, least: bool) -> Find:
+def _surface(column: str, least: bool, kind: str = "") -> Find:
     def find(case: Case, spec: RequirementSpec) -> Value:
-        rows = stress_of(case).surfaces
-        found = {one.place: float(getattr(one, column)) for one in rows}
-        mine = {
-            place: value
-            for place, value in found.items()
-            if spec.of is None
-            or spec.of == place
-            or place.startswith((f"{spec.of}.", f"bearings.{spec.of}."))
-        }
+        rows = [one for one in stress_of(case).surfaces if kind in ("", one.surface)]
+        mine = [
+            one
+            for one in rows
+            if spec.of in (None, one.place) or one.place.startswith((f"{spec.of}.", f"bearings.{spec.of}."))
+        ]
         if not mine:
-            raise UnknownNameError(spec.quantity, "surface", spec.of or "any", found)
-        # Surfaces that never touch have no pressure; of those that do all must be known.
-        values = [value for place, value in mine.items() if math.isfinite(value)]
-        if not values:
-            return math.nan
+            raise UnknownNameError(spec.quantity, "surface", spec.of or "any", [one.place for one in rows])
+        # Of surfaces that met all must be known; others are without load.
+        values = [float(getattr(one, column)) for one in mine if one.force != 0.0]
+        if not values or any(map(math.isnan, values)):
+            return 0.0 if not values and not least else math.nan
         return min(values) if least else max(values)
 
     return find
@@ -248,6 +245,10 @@ def _of_contacts() -> Iterator[VerifiedQuantity]:
     yield VerifiedQuantity(
         "contact_margin", "1", "least margin of safety of contact pressure against the yield limit", "stress",
         "surface", _surface("margin", True),
+    )  # fmt: skip
+    yield VerifiedQuantity(
+        "line_load_ratio", "1", "largest load per length along a bore over its mean, at the peak pressure",
+        "stress", "surface", _surface("line_load_ratio", False, "bore"), needs_series=True,
     )  # fmt: skip
     yield VerifiedQuantity(
         "static_factor", "1", "static safety factor of a ball bearing by ISO 76", "stress", "bearing",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import math
+import re
 import shlex
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
@@ -15,7 +16,9 @@ from typing import Any
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.files import replacing
 from antenna_pin.base.interruption import uninterrupted
+from antenna_pin.base.readable import number, printed_unit, readable
 from antenna_pin.base.tables import write_csv
+from antenna_pin.base.units import any_quantity
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.run.simulation import simulate
 from antenna_pin.scenario import Scenario, found_from, scenario_toml
@@ -25,7 +28,10 @@ from antenna_pin.studies.verification.quantity import ANALYSES
 from antenna_pin.studies.verification.verify import Demonstration, Verified
 from antenna_pin.trajectory import Trajectory, library_versions
 
-__all__ = ["NOT_COVERED", "facts_of", "nominal_run", "save_verification"]
+__all__ = ["NOT_COVERED", "facts_of", "nominal_run", "point_text", "result_text", "save_verification"]
+
+# A number, and what follows it.
+_WRITTEN = re.compile(r"([-+]?[0-9_.]*(?:[eE][-+]?[0-9]+)?)\s*(.*)", re.DOTALL)
 
 #: Subjects of a mechanism's verification that no analysis here covers.
 NOT_COVERED = (
@@ -78,11 +84,67 @@ def _distribution(one: UncertainNumber) -> str:
     return "even" if spec.spacing == "linear" else "even in its logarithm"
 
 
+def _parted(value: object) -> tuple[str, str]:
+    """Return number and unit of a written quantity, the unit "" of a bare number."""
+    digits, unit = _WRITTEN.fullmatch(str(value).strip()).groups()  # type: ignore[union-attr]
+    return digits, unit
+
+
 def _bound(spec: RequirementSpec) -> str:
-    """Return the bounds as they are written."""
-    parts = [f"at least {spec.at_least}"] if spec.at_least is not None else []
-    parts += [f"at most {spec.at_most}"] if spec.at_most is not None else []
-    return " and ".join(parts)
+    """Return the bounds as they are written, their units in print."""
+    ends = (("at least", spec.at_least), ("at most", spec.at_most))
+    given = [(words, *_parted(value)) for words, value in ends if value is not None]
+    return " and ".join(f"{words} {_joined(digits, unit)}" for words, digits, unit in given)
+
+
+def _joined(digits: str, unit: str) -> str:
+    """Return number and unit in print, which no line break parts."""
+    return f"{digits} {printed_unit(unit)}".strip().replace(" ", "\N{NO-BREAK SPACE}")
+
+
+def _unit_of_bound(spec: RequirementSpec) -> dict[str, Any]:
+    """Return unit and size in SI units of a written bound, if it has one."""
+    for value in (spec.at_most, spec.at_least):
+        unit = "" if value is None else _parted(value)[1]
+        size = any_quantity(f"1 {unit}") if unit else None
+        if size is not None and any_quantity(f"0 {unit}") == (0.0, size[1]):  # no scale with an offset
+            return {"unit": unit, "size": size[0]}
+    return {}
+
+
+@takes()
+def result_text(requirement: Mapping[str, Any], value: float | None, digits: int = 4) -> str:
+    """Return a result, or a margin, as text in the unit of the requirement's bound.
+
+    Args:
+        requirement: Of :func:`facts_of`.
+        value: In SI units; None gives a dash.
+        digits: Significant digits.
+    """
+    of_bound = requirement.get("bound_unit")
+    if value is None or not of_bound or value == 0.0:
+        return readable(value, requirement["units"], digits)
+    return _joined(number(value / of_bound["size"], digits), of_bound["unit"])
+
+
+@takes()
+def point_text(requirement: Mapping[str, Any]) -> str:
+    """Return the worst case of a requirement as text; "" of the nominal one.
+
+    Args:
+        requirement: Of :func:`facts_of`.
+    """
+    return ", ".join(f"{name} {_rounded(value)}" for name, value in requirement["worst_values"].items())
+
+
+def _rounded(value: str) -> str:
+    """Return a written quantity with four digits; other texts unchanged."""
+    size, (digits, unit) = any_quantity(value), _parted(value)
+    if size is None or any_quantity(f"0 {unit}") not in ((0.0, size[1]), None):
+        return value
+    if len(size[1]) > len(unit):  # no unit with a name: in base units it would be harder to read
+        return _joined(number(float(digits)), unit)
+    return readable(size[0], size[1] or "1").replace(" ", "\N{NO-BREAK SPACE}")
 
 
 def _requirement(verified: Verified, shown: Demonstration) -> dict[str, Any]:
@@ -101,6 +163,7 @@ def _requirement(verified: Verified, shown: Demonstration) -> dict[str, Any]:
         "at_least": _number(shown.low),
         "at_most": _number(shown.high),
         "bound": _bound(spec),
+        "bound_unit": _unit_of_bound(spec),
         "over": spec.over,
         "method": shown.method,
         "nominal": _number(shown.nominal),

@@ -226,8 +226,11 @@ def _signal(case: Case, spec: RequirementSpec) -> tuple[Any, Any, str]:
     high = math.inf if spec.before is None else spec.before
     inside = (time >= low) & (time <= high)
     if not inside.any():
-        said = f"{spec.after} s to {spec.before} s of {time[-1]:g} s"
-        raise InvalidParameterError(spec.quantity, "after", "a time within the run", said=said)
+        key = "after" if low > time[0] else "before"
+        rule = f"a time with samples of the run, which ends at {time[-1]:g} s"
+        raise InvalidParameterError(
+            spec.quantity, key, rule, said=f"{spec.after if key == 'after' else high:g} s"
+        )
     return time[inside], values[inside], found.units
 
 
