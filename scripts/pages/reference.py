@@ -70,9 +70,8 @@ def figures_table() -> str:
         ]
         drawn = [place for place, mark in (("plot", figure.standard), ("report", figure.reported)) if mark]
         shows = figure.title.format(joint="a joint")
-        needed = [f"needs {figure.needed}"] if figure.needed else []
-        said = [", ".join(drawn) or "by name", *papers]
-        lines.append(f"- `{figure.name}`: {'; '.join([shows, *needed])} ({'; '.join(said)})")
+        said = [*([] if len(drawn) == 2 else [", ".join(drawn) or "by name"]), *papers]
+        lines.append(f"- `{figure.name}`: {shows}" + (f" ({'; '.join(said)})" if said else ""))
     return "\n".join([*lines, ""])
 
 
