@@ -1,9 +1,8 @@
 """Stored machine code of a kernel, made callable without Numba's compiler.
 
-Numba reads a kept function as if it were to be compiled against: it loads its whole compiler, half a second
-of it, parses the function's LLVM code and looks through its symbols. To be called, a function needs none of
-that: its object file is given to LLVM's linker as it is. Its LLVM code, which callers that are compiled again
-may want, is stored with it and parsed for them only.
+Numba reads a stored function as input for compilation: it loads its whole compiler, half a second, parses the
+function's LLVM code and examines its symbols. A call needs none of that: the object file is passed to LLVM's
+linker as it is. The LLVM code is stored too, and parsed for callers that are compiled again only.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ try:
     from numba import _dynfunc
     from numba.core.compiler import compile_result
     from numba.core.runtime import _nrt_python
-except ImportError:  # neither is promised by Numba
+except ImportError:  # both are internal to Numba
     _dynfunc = _nrt_python = compile_result = None
 
 __all__ = ["Code", "Kept", "KernelCode", "called", "kept_of", "link", "add_kernel_symbol"]
@@ -31,10 +30,10 @@ class Kept(NamedTuple):
     Attributes:
         needs: Kernels that it calls by name, each with the types of its arguments.
         object: Its object file.
-        bitcode: Its LLVM code, for callers into which it is put, compressed: two thirds of all.
-        description: Numba's.
-        environments: What it needs of Python, its own first.
-        signature: Types of its arguments and of what it returns.
+        bitcode: Its LLVM code, for callers that include it, compressed: two thirds of the size.
+        description: Numba's description of the function.
+        environments: Python objects that it uses, its own first.
+        signature: Types of its arguments and of its return value.
     """
 
     needs: set[Any]
@@ -50,10 +49,10 @@ class KernelCode(NamedTuple):
 
     Attributes:
         symbol: The name.
-        function: What its object file calls it.
+        function: Name in its object file.
         needs: Symbols of kernels that it calls.
         object: Its object file.
-        environments: What it needs of Python.
+        environments: Python objects that it uses.
     """
 
     symbol: str
@@ -100,7 +99,7 @@ def called(context: Any, code: Kept) -> Any:
     """Return a stored function, linked, as Numba's compile result.
 
     Raises:
-        AttributeError: Numba or llvmlite has changed inside.
+        AttributeError: Internals of Numba or llvmlite have changed.
     """
     description, environment = code.description, code.environments[0]
     engine = context.codegen()._engine._ee
@@ -130,8 +129,8 @@ def called(context: Any, code: Kept) -> Any:
     )
 
 
-#: Addresses of kernels by the names that hold in every process; digests of object files that were loaded
-#: for callers only, by their functions; and environments whose place code knows.
+#: Addresses of kernels by their process-independent names; digests of object files loaded for callers only,
+#: by function; and environments whose address compiled code stores.
 _symbols: dict[str, int] = {}
 _linked: dict[str, int] = {}
 _placed: dict[str, Any] = {}
