@@ -31,7 +31,7 @@ from antenna_pin.dynamics.constraints.root_kernels import write_root
 #: Largest remainder of a dependent row, relative to its length: round-off for true redundancy. A row that is
 #: small beside those of its closure counts by its size.
 DEPENDENT = 1e-9
-#: The same within a run, where a row is dropped. Stages of a step violate the constraints by their errors, and
+#: The same within a run, where a row is dropped. Stages of a step violate constraints by their errors, and
 #: redundant rows deviate as much from their dependence, which is more than round-off. Near a singular
 #: position an almost lost equation amplifies round-off to accelerations, which lead from one branch to
 #: another; dropping it leaves an error of the order of this share's square.
