@@ -179,7 +179,7 @@ def beyond_capture(latch: Capture, rate: float, inertia: float) -> float:
 
     It is zero or less where the latch captures.
 
-    A latch with a greatest energy asks for the joint's reduced inertia; not-a-number gives not-a-number.
+    A latch with a greatest energy needs the joint's reduced inertia; NaN gives NaN.
     """
     most = latch.rate_limit
     if not math.isinf(latch.energy_limit):

@@ -149,7 +149,7 @@ class Chirp(Reference):
 
     .. math:: f = f_0 + (f_1 - f_0) s / T \quad\text{or}\quad f = f_0 (f_1 / f_0)^{s / T}
 
-    with s the time since ``start``. Before, it stands at its first value; behind, it goes on at ``last``.
+    with s the time since ``start``. Before, it has its first value; afterwards, it continues at ``last``.
 
     Attributes:
         mean: [rad] ([m]).

@@ -109,8 +109,8 @@ def held_torque(latch: Latch, angle: float, rate: float) -> float:
 
     With play it is that of the flank under load.
 
-    Where that would pull, the joint comes off it (``switch``); in a trial step beyond, the torque
-    goes on as it is, so that steps are smooth.
+    Where that would pull, the joint leaves it (``switch``); in a trial step beyond, the torque
+    continues, so that steps are smooth.
     """
     if latch.half_play > 0.0 and latch.flank == 0.0:
         return 0.0

@@ -76,7 +76,7 @@ class Thruster(AtPoint):
             missing = "fall_time" if self.rise_time > 0.0 else "rise_time"
             raise InvalidParameterError(self, missing, "above zero, as the other time constant is")
         if self.seed is not None and self.azimuth:
-            raise InvalidParameterError(self, "azimuth", "left out beside a seed, from which it is drawn")
+            raise InvalidParameterError(self, "azimuth", "omitted if a seed is given, from which it is drawn")
         if self.misalignment >= 0.5 * math.pi:
             raise InvalidParameterError(self, "misalignment", "below a quarter of a turn")
         if len(self.durations) not in (1, len(self.starts)) or bool(self.starts) != bool(self.durations):

@@ -269,7 +269,7 @@ def check_controller(name: str, controller: Any) -> None:
             unit = " [s]" if declared.unit == "s" else ""
             raise InvalidParameterError(place, key, f"{declared.rule} and finite{unit}", value)
     if controller.delay and controller.delay_periods:
-        rule = "left out beside delay; give the one or the other"
+        rule = "omitted if delay is given"
         raise InvalidParameterError(place, "delay_periods", rule, controller.delay_periods)
     for key in ("commands", "signals"):
         names = getattr(controller, key)

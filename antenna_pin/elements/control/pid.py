@@ -30,7 +30,7 @@ class PidState:
     """State of a PID controller.
 
     Attributes:
-        begun: Whether it has been asked before.
+        begun: Whether it has been evaluated before.
         integral: Of the integrator, in the unit of its command.
         derivative: Its part of the command, filtered.
         error: At the sampling time before.
