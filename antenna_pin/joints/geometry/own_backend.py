@@ -60,17 +60,17 @@ class OwnBackend:
             else:
                 self._distances.query(pose, self._table, row, list(wanted))
         except BaseException as error:
-            raise refused(self.name, self.told(pose), _RULE, error) from error
+            raise refused(self.name, self.pose_text(pose), _RULE, error) from error
         if pose.tobytes() != before:
             pose[:] = np.frombuffer(before, pose.dtype)
-            raise FunctionError(self.name, self.told(pose), _RULE, "a pose that it had changed")
+            raise FunctionError(self.name, self.pose_text(pose), _RULE, "a pose that it had changed")
         # Plain numbers: a query is evaluated several times a step.
         for k, numbers in enumerate(own.tolist()):
             if wanted is None or wanted[k]:
                 _, x, y, z, *_ = numbers
                 if not (abs(x * x + y * y + z * z - 1.0) <= 2.0 * _UNIT and math.isfinite(sum(numbers))):
                     got = f"{shown(dict(zip(_GIVEN, numbers, strict=True)))} for contact {k}"
-                    raise FunctionError(self.name, self.told(pose), _RULE, got)
+                    raise FunctionError(self.name, self.pose_text(pose), _RULE, got)
         self._numbers_of(table, row)[:] = own
 
     def _numbers_of(self, table: NDArray[Any], row: int) -> NDArray[np.float64]:
@@ -78,7 +78,7 @@ class OwnBackend:
         rows = table[row : row + self._contacts]
         return rows.view(np.float64).reshape(self._contacts, -1)[:, : len(_GIVEN)]
 
-    def told(self, pose: NDArray[Any]) -> str:
-        """Return a question in words."""
+    def pose_text(self, pose: NDArray[Any]) -> str:
+        """Return the queried pose as text."""
         x, y, z = pose["centre"][0].tolist()
         return f"journal at x = {x:.9g} m, y = {y:.9g} m, z = {z:.9g} m in its bearing"
