@@ -225,7 +225,7 @@ class AxialPreload(Bearing):
     Attributes:
         force: F, along the bearing's axis; negative the other way [N].
         stiffness: k [N/m].
-        given_at: Where the force is F: just ``touching`` the face, at ``rest`` on it with no other load, or
+        given_at: Place of the force F: just ``touching`` the face, at ``rest`` on it with no other load, or
             ``centred``.
         position: z_F instead [m].
     """

@@ -43,7 +43,7 @@ class BoucWen(Element):
         beta: Rate of yielding away from zero; the larger, the thicker is the loop [-].
         gamma: Difference of that on the way back, at most beta in size [-].
         exponent: n; the larger, the sharper is the knee [-].
-        rest_angle: Where the elastic part is at rest [rad] ([m]).
+        rest_angle: Rest angle of the elastic part [rad] ([m]).
         start: z at the start of a run [-].
 
     References:

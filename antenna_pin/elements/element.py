@@ -346,7 +346,7 @@ class Drive(Element):
     """Base of the elements that put work in.
 
     Attributes:
-        axis: Whose axis the torque acts about; it matters at joints with play.
+        axis: Part whose axis the torque acts about, at joints with play.
     """
 
     integrals: ClassVar[tuple[Integral, ...]] = (WORK, GROSS_WORK)

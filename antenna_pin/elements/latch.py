@@ -38,7 +38,7 @@ class Latch(Capture):
         stiffness: k [N*m/rad] ([N/m]).
         damping: c [N*m*s/rad] ([N*s/m]).
         play: p, in all, from flank to flank [rad] ([m]).
-        flank: Which flank the joint is pressed to, +1 above, -1 below, 0 neither.
+        flank: Flank under load, +1 above, -1 below, 0 neither.
     """
 
     kernels: ClassVar[str] = __name__

@@ -38,8 +38,8 @@ class Motor(Drive):
     joint, and its circuit continues as if the joint stood still.
 
     Attributes:
-        value: What is commanded: voltage [V] or current [A], by ``mode``.
-        mode: What is commanded.
+        value: Commanded voltage [V] or current [A], by ``mode``.
+        mode: Commanded quantity.
         torque_constant: K_t [N*m/A].
         back_emf: K_e; that of the torque, if not given [V*s/rad].
         resistance: R [ohm].

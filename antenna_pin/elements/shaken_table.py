@@ -29,7 +29,7 @@ class TableShake(Shake):
     drifts, and is not corrected.
 
     Attributes:
-        of: What the numbers of the course are of.
+        of: Quantity of the course.
         file: Where the table came from, relative to the scenario's folder; None if it is given as numbers.
         time: Strictly increasing, at least two; a run must lie within them [s].
         course: A number for each time, in SI units once multiplied by ``scale``.

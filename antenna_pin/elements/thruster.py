@@ -41,7 +41,7 @@ class Thruster(AtPoint):
         throttle: Share of the thrust between pulses, which a controller commands [-].
         minimum_on_time: Of a pulse [s].
         minimum_impulse: Impulse bit: of a pulse at least [N*s].
-        short_pulses: What becomes of shorter pulses: ``refuse`` or ``lengthen``.
+        short_pulses: Shorter pulses: ``refuse`` or ``lengthen``.
         misalignment: Angle of the direction's error, or with a seed its standard deviation [rad].
         azimuth: Of the error [rad].
         seed: From which the error is drawn [-]; None for the one that is given.
