@@ -99,10 +99,10 @@ def _number(value: Any, unit: str, key: str) -> float:
 def worst_cases(
     extremes: Extremes, margin_of: Callable[[Scenario], tuple[float, float]], *, search: bool
 ) -> list[MarginCase]:
-    """Return the margins of all corners, and of what a search comes by.
+    """Return the margins of all corners, and of the points of a search.
 
     The search is a compass search (Kolda, Lewis and Torczon 2003) in the case of the smallest margin, from
-    its worst corner, the middle and points of a Halton sequence; corners of a monotone margin are its end.
+    its worst corner, the middle and points of a Halton sequence; for a monotone margin it ends at a corner.
 
     Args:
         extremes: Cases and ranges.

@@ -162,9 +162,9 @@ class RunTime(NamedTuple):
     """Estimates of the time of a run [s].
 
     Attributes:
-        least: At the greatest pace measured.
-        mean: At the last pace.
-        most: At the least pace.
+        least: Estimate at the greatest measured pace.
+        mean: Estimate at the last pace.
+        most: Estimate at the least pace.
     """
 
     least: float
