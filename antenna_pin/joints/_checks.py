@@ -18,7 +18,7 @@ __all__ = ["check_asked", "check_friction", "check_load"]
 
 
 def _check_kinds(place: str, law: Any) -> None:
-    """Refuse a law whose code kernels do not support.
+    """Refuse a law with a code that kernels do not support.
 
     Args:
         place: The joint, for the message.

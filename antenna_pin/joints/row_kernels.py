@@ -215,7 +215,7 @@ def place_flange_force(shape: Revolute, pose: Pose, out: Contact) -> None:
 
 @inlined
 def arm_power(pose: Pose, out: Contact) -> float:
-    """Return the power between a flange's deepest point and its force [W]."""
+    """Return the power of a flange's spring between deepest point and force [W]."""
     return float(out.elastic * arm_rate(pose, out))
 
 

@@ -122,7 +122,7 @@ def positions_along(
     lower, upper = limits_of(system, joint)
     if positions is not None:
         if start is not None or stop is not None:
-            raise InvalidParameterError("statics", "positions", "left out with start and stop", "both")
+            raise InvalidParameterError("statics", "positions", "omitted if start and stop are given", "both")
         places = np.array([quantity(one, unit, "positions") for one in positions])
     else:
         ends = []
