@@ -1,6 +1,6 @@
 from antenna_pin.analysis._run import LONG as LONG
-from antenna_pin.analysis._run import beside as beside
 from antenna_pin.analysis._run import blocks as blocks
+from antenna_pin.analysis._run import samples_around as samples_around
 from antenna_pin.analysis.at_a_glance import Answer as Answer
 from antenna_pin.analysis.at_a_glance import Line as Line
 from antenna_pin.analysis.at_a_glance import answer as answer

@@ -17,7 +17,7 @@ from antenna_pin.trajectory import Trajectory, series
 __all__ = [
     "AXES",
     "Array",
-    "beside",
+    "samples_around",
     "blocks",
     "choose",
     "data_of",
@@ -105,7 +105,9 @@ def blocks(data: xr.Dataset, rows: int | None = None, overlap: int = 0) -> Itera
 
 
 @takes()
-def beside(data: xr.Dataset, times: Array, rows: int | None = None) -> Iterator[tuple[slice, xr.Dataset]]:
+def samples_around(
+    data: xr.Dataset, times: Array, rows: int | None = None
+) -> Iterator[tuple[slice, xr.Dataset]]:
     """Yield slices of times with the samples of a run for interpolation there.
 
     Of a run that is not long these are all times, and all samples.

@@ -13,12 +13,12 @@ from numpy.typing import ArrayLike
 from antenna_pin.analysis._run import (
     Array,
     RunLike,
-    beside,
     blocks,
     choose,
     data_of,
     label_of,
     sample_times,
+    samples_around,
     variable,
 )
 from antenna_pin.analysis.body_motion import base_motion, common_samples, motion_deviation
@@ -332,7 +332,7 @@ class _Pair:
         at = sample_times(part, "deviation")
         near = [
             self._variables(part.isel(time=some), at[some], smooth)
-            for some, smooth in beside(self._reference, at)
+            for some, smooth in samples_around(self._reference, at)
         ]
         variables = {
             name: (dims, values if len(near) == 1 else np.concatenate([one[name][1] for one in near]), about)

@@ -27,7 +27,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import AXES, Array, RunLike, beside, blocks, data_of, label_of
+from antenna_pin.analysis._run import AXES, Array, RunLike, blocks, data_of, label_of, samples_around
 from antenna_pin.analysis.bodies import body_poses, body_twists, mechanism_of
 from antenna_pin.analysis.body_motion import interpolate_attitude, interpolation_error
 from antenna_pin.analysis.orbit import Orbit, Vector3
@@ -47,7 +47,8 @@ __all__ = ["Antenna", "Command", "boresight", "pointing_error", "pointing_spec"]
 def ideal_attitude(ideal: xr.Dataset, body: str, time: Array) -> Rotation:
     """Return a link's attitude in the ideal run at some times, (n,) [s]."""
     found = [
-        interpolate_attitude(time[some], *_knots(data, body)).as_quat() for some, data in beside(ideal, time)
+        interpolate_attitude(time[some], *_knots(data, body)).as_quat()
+        for some, data in samples_around(ideal, time)
     ]
     return Rotation.from_quat(found[0] if len(found) == 1 else np.concatenate(found))
 

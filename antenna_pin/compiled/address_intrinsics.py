@@ -81,11 +81,11 @@ def _unboxed(kind: Any, value: Any, c: Any) -> Any:
         for part, native in reversed(natives):
             if native.cleanup is not None:
                 native.cleanup()
-            if c.context.enable_nrt:  # whose wrapper gives back what it knows of: of this an address only
+            if c.context.enable_nrt:  # Numba's wrapper returns a counted object: its address alone is used.
                 c.context.nrt.decref(c.builder, part, native.value)
 
-    # What reads it counts on it as it is now: nothing may be read before it is written, nor where LLVM sees
-    # that this is the place that has been written.
+    # Readers rely on the present values: reads must not be moved before writes, and LLVM must not assume
+    # that the address is another one.
     seal = ir.InlineAsm(ir.FunctionType(address, [address]), "", "=r,0,~{memory}", side_effect=True)
     sealed = c.builder.call(seal, [block])
     return NativeValue(sealed, cleanup=cleanup, is_error=c.builder.load(failed))

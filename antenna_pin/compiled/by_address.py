@@ -1,8 +1,8 @@
 """Named tuples that compiled code passes by address instead of word by word.
 
-An array is five to nine words to compiled code, and what a step works on is forty arrays: written for each
-call, and read again by who is called, they take as long as the arithmetic. Of a tuple that is handed on by
-its address the words are laid out once, when Python calls, and nobody changes them from there on.
+An array is five to nine words in compiled code, and a step works on forty arrays: writing them for each call,
+and reading them again in the callee, takes as long as the arithmetic. A tuple passed by address is laid out
+once, when Python calls; nothing changes the words afterwards.
 """
 
 from __future__ import annotations

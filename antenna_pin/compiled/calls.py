@@ -1,7 +1,7 @@
 """Calls of functions by their addresses, from kernels.
 
-A kernel is compiled once, whatever functions it is given: an address is a number among numbers
-(``given_functions.py``). Compiled, these calls are what ``_intrinsics.py`` says.
+A kernel is compiled once for all functions: an address is a number (``given_functions.py``).
+``intrinsics.py`` has the compiled form of these calls.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ import ctypes
 
 __all__ = ["CALLED_BACK", "call_1", "call_3", "call_back"]
 
-#: A function that kernels call by its address: of a time [s] and the address of an object, which functions in
-#: Python leave aside, it gives a status.
+#: Signature of a function that kernels call by address: time [s] and address of an object (ignored by
+#: functions in Python); it returns a status.
 CALLED_BACK = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_double, ctypes.c_void_p)
 
 _OF_1 = ctypes.CFUNCTYPE(*[ctypes.c_double] * 2)

@@ -21,19 +21,19 @@ __all__ = [
 ]
 
 
-#: Forecast for the first run of a kind on a machine, as text: all that a run needs, on two cores or one.
+#: Forecast of the compile time of a first run on a machine, as text, on one or two cores.
 COMPILE_TIME = "2 to 4 minutes"
 
 
 class CompileClock:
     """Clock of this thread's compilation time, nested compilation counted once.
 
-    What is found compiled on the disk takes none.
+    Code loaded from the cache takes none.
     """
 
     def __init__(self) -> None:
         """Stand at zero."""
-        #: Time so far [s].
+        #: Compilation time so far [s].
         self.seconds = 0.0
         self._thread = threading.get_ident()
         self._depth, self._began = 0, 0.0
@@ -62,7 +62,7 @@ class CompileClock:
                 self.seconds += time.perf_counter() - self._began
 
 
-#: Clocks that run, of all threads, the innermost last.
+#: Running clocks of all threads, the innermost last.
 _clocks: list[CompileClock] = []
 
 

@@ -1,7 +1,7 @@
 """Decorators of compiled kernels, which load Numba at first use.
 
-A module of kernels is imported by many who call none of them, as a command that only tells of a scenario.
-What stands in for a kernel becomes Numba's when it is called, and when Numba meets it in a caller.
+Many importers of a module of kernels call none of them, such as commands that describe a scenario. A
+placeholder becomes Numba's kernel at its first call, or when Numba finds it in a caller.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ _Function = TypeVar("_Function", bound=Callable[..., Any])
 def kernel(function: _Function) -> _Function:
     """Compile a function at its first call, separately, and store the machine code.
 
-    Division by zero gives infinity there, not an exception. Nothing may be allocated: references to arrays
-    are not counted, which would take as long as all the arithmetic.
+    Division by zero gives infinity in compiled code, not an exception. Nothing may be allocated: references
+    to arrays are not counted, since counting would take as long as all the arithmetic.
     """
-    # Left unsaid, Numba takes over what the caller says for which it is compiled.
+    # Without an explicit setting Numba would use the caller's.
     return _later(function, cached=True, alone=True, forceinline=False)
 
 
@@ -69,7 +69,7 @@ def inlined(function: _Function) -> _Function:
 def composed(function: _Function) -> _Function:
     """Compile a function composed of kernels at import, inlined into its callers.
 
-    Nothing of it is kept: its callers' machine code holds it; what it is made from stands under the stamp.
+    It has no machine code of its own: its callers contain it, and its parts belong to their stamp.
     """
     return _later(function, cached=False, forceinline=True)
 
@@ -77,7 +77,7 @@ def composed(function: _Function) -> _Function:
 def composed_later(make: Callable[[], Any]) -> Any:
     """Return the composition by ``make``, delayed until its first call or compilation.
 
-    A process that finds its callers compiled never does, and loads nothing of what it is made from.
+    A process that finds its callers compiled neither composes it nor loads its parts.
     """
     if _plain():
         made = functools.cache(make)
@@ -108,7 +108,7 @@ def _plain() -> bool:
 def _as_compiled() -> types.SimpleNamespace:
     """Return the ``math`` of compiled code, which gives NaN or infinity instead of errors.
 
-    Nor does it warn, and from here on NumPy does not either.
+    It does not warn, and switches off NumPy's warnings as well.
     """
     import numpy as np
 
@@ -131,10 +131,10 @@ def _as_compiled() -> types.SimpleNamespace:
     )
 
 
-# Numba types what a kernel calls within the typing of its caller, some forty frames each: a loop that asks
-# all kinds of elements goes deeper than the thousand that Python allows.
+# Numba infers the types of callees within the inference of their caller, some forty frames each: the chain
+# of all kinds of elements exceeds Python's limit of a thousand.
 _DEEP = 10_000
-#: Of threads that come to the same kernel one makes it: there is one of each.
+#: Locks by kernel: of several threads one compiles.
 _MAKING = threading.RLock()
 
 
@@ -142,7 +142,7 @@ def _load_numba(name: str) -> None:
     """Load Numba for a kernel.
 
     Raises:
-        MissingToolError: It is not installed.
+        MissingToolError: Numba is not installed.
     """
     from antenna_pin.compiled.compile_time import clock_numba
     from antenna_pin.compiled.shipped_code import misfit
@@ -176,14 +176,14 @@ def _for_kernels(kind: type[Any]) -> type[Any]:
 class _LazyKernel:
     """A function that is compiled by Numba at its first use.
 
-    What other kernels call has no way in from Python: for a run's arrays that is more machine code than the
-    arithmetic, and most kernels are called by kernels only. What Python calls is compiled apart.
+    Kernels called by other kernels only have no wrapper for Python: for a run's arrays a wrapper is more
+    machine code than the arithmetic. Kernels called from Python are compiled with one.
     """
 
     __wrapped__: Callable[..., Any]
-    _made: Any  # Numba's, for kernels
-    _entry: Any  # Numba's, for Python
-    _called: Any  # what Python calls: of a shared library, else the entry
+    _made: Any  # Numba's function, for kernels
+    _entry: Any  # Numba's function, for Python
+    _called: Any  # function that Python calls: of a shared library, else the entry
 
     def __init__(self, function: Callable[..., Any], options: dict[str, bool]) -> None:
         functools.update_wrapper(self, function)
@@ -193,7 +193,7 @@ class _LazyKernel:
         return self._called(*arguments)
 
     def __getattr__(self, name: str) -> Any:
-        # What looks at any object asks for such names; of Numba's begins one with a single underscore.
+        # Tools that inspect any object request such names; one of Numba's begins with a single underscore.
         if name.startswith("__"):
             raise AttributeError(name)
         if name not in ("_made", "_entry", "_called"):
@@ -227,7 +227,7 @@ class _LazyKernel:
         return shipped(self._name(), self._options.get("nogil", False), lambda: self._entry)
 
     def __reduce__(self) -> str:
-        return self.__wrapped__.__qualname__  # pickled by its name, as a function
+        return self.__wrapped__.__qualname__  # pickled by name, like a function
 
 
 class _DeferredKernel(_LazyKernel):

@@ -1,6 +1,6 @@
 """Functions of a user's compiled by Numba: checks and addresses.
 
-Kernels call them by their addresses (``calls.py``).
+Kernels call them by address (``calls.py``).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ __all__ = ["address_of", "callable_of", "is_compiled"]
 
 def is_compiled(*functions: object) -> bool:
     """Return whether functions are compiled, by ``numba.njit`` or ``numba.cfunc``."""
-    if "numba" not in sys.modules:  # so that nobody has compiled any
+    if "numba" not in sys.modules:  # without Numba no function is compiled
         return not functions
     from numba.core.ccallback import CFunc
     from numba.core.dispatcher import Dispatcher
@@ -36,23 +36,23 @@ def callable_of(function: Callable[..., float], arguments: int) -> Callable[...,
     def call(*question: float) -> float:
         answer = float(called(*question))
         if math.isnan(answer):
-            of_user(*question)  # which says why, if it raises
+            of_user(*question)  # raises an error with the reason
         return answer
 
     return call
 
 
 def address_of(place: str, name: str, function: Any, arguments: int) -> float:
-    """Return where a compiled function of so many floats stands, which gives a float.
+    """Return the address of a compiled function of so many floats that returns a float.
 
     Raises:
-        InvalidParameterError: It does not take them, or gives something else.
+        InvalidParameterError: It has other arguments, or another return type.
     """
     from numba.core.errors import NumbaError
 
     count = "1 float" if arguments == 1 else f"{arguments} floats"
     rule = f"a compiled function of {count} that returns a float"
-    given = getattr(function, "_sig", _signature(arguments))  # of one by cfunc
+    given = getattr(function, "_sig", _signature(arguments))  # compiled by cfunc
     if given != _signature(arguments):
         raise InvalidParameterError(place, name, rule, f"one of {given}")
     try:
@@ -102,5 +102,5 @@ def _compiled(function: Any, arguments: int) -> Any:
     return compiled
 
 
-#: Compiled functions, kept for as long as their addresses are in use anywhere.
+#: Compiled functions, referenced as long as their addresses are in use.
 _KEPT: list[Any] = []

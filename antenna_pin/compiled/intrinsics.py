@@ -1,6 +1,6 @@
 """Compiled forms of a few functions: a record, a lane, a call by address.
 
-Loaded with the first kernel that is needed, for Numba; the functions themselves stand where no Numba is.
+Loaded for Numba with the first kernel; the functions themselves are in modules that do not import Numba.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def _lowered_call_back(context: Any, builder: Any, signature: Any, values: Any) 
 
 
 _VECTOR = ir.VectorType(ir.DoubleType(), LANES)
-# Numbers stand anywhere in their arrays.
+# Lanes may start at any index of an array.
 _ALIGNMENT = 8
 
 

@@ -1,9 +1,9 @@
-"""Functions handed to Numba: what ``decorators.py`` declares is made here when it is first needed.
+"""Functions handed to Numba, prepared when first needed (``decorators.py`` declares them).
 
-Numba caches a compiled function by the age of the file it stands in, and does not see that a function it
-calls in another file has changed. The kernels call one another across rooms, so here every cache entry is
-tied to the code of the kernel file it is in and of all kernel files which that imports, directly or not: a
-change in one of them compiles these again, other than of docstrings, comments and annotations of functions.
+Numba caches a compiled function by the age of its file and does not detect a change of a function called in
+another file. Kernels call each other across packages, so every cache entry is tied to the code of its kernel
+file and of all kernel files that this one imports, directly or not. Changes other than of docstrings,
+comments and annotations of functions recompile.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ __all__ = ["code_of", "dispatcher", "stamp_of", "stamped_files"]
 aim_at_baseline()
 compare_settings_fast()
 
-_ROOMS_OF_KINDS = ("elements", "contact", "joints")  # where a kind's kernels stand beside its class
-# What files say in which kernels stand, or fields of the records of elements.
+_ROOMS_OF_KINDS = ("elements", "contact", "joints")  # kernels are in the modules of classes
+# markers of files with kernels, or with fields of elements' records
 _MARKS = (b"antenna_pin.compiled.decorators import", b"antenna_pin.elements.element import")
-_REGISTRY = "elements/registry.py"  # names files that are compiled into the chains of kinds
+_REGISTRY = "elements/registry.py"  # names the files that are compiled into the chains of kinds
 
 
 def stamped_files() -> tuple[Path, ...]:
@@ -64,7 +64,7 @@ def stamped_files() -> tuple[Path, ...]:
 def stamp_of(path: str | Path) -> str:
     """Return the stamp of a file's kernels: a digest of its and imported code.
 
-    A file outside the package is tied to all of them.
+    A file outside the package is tied to all kernel files.
     """
     stamps = _stamps()
     return stamps.get(str(Path(path).resolve()), stamps[""])
@@ -124,10 +124,10 @@ def _imports(path: Path, text: bytes, stamped: Collection[Path]) -> set[Path]:
 
 
 def code_of(text: bytes | str, with_methods: bool = False) -> str:
-    """Return the syntax tree of a module, as text, without what kernels cannot depend on.
+    """Return the syntax tree of a module, as text, without parts that cannot affect kernels.
 
-    That are docstrings, annotations of functions, and of classes the methods and the declarations of fields
-    except for names and types; of properties that are ``packed`` these stay too.
+    These are docstrings, annotations of functions, and in classes the methods and the declarations of fields
+    except for names and types; properties that are ``packed`` remain.
     """
     tree = ast.parse(text)
     for node in ast.walk(tree):
@@ -163,11 +163,11 @@ def dispatcher(
     """Return a function as Numba compiles it; the function itself where nothing is compiled.
 
     Args:
-        function: In Python.
-        cached: Whether its machine code is kept, and a plain constant counts as the number it is.
+        function: Function in Python.
+        cached: Whether its machine code is stored, and a plain constant counts as a number.
         alone: Whether its callers call it by name (:func:`antenna_pin.compiled.stand_alone.stand_alone`).
-        entry: Whether it is for Python to call, not for kernels.
-        **options: Numba's.
+        entry: Whether Python calls it, not kernels.
+        **options: Options of Numba.
     """
     compiled = _njit(function, no_cpython_wrapper=not entry, **options)
     if cached:
@@ -181,8 +181,8 @@ def dispatcher(
 def _take_constants_as_numbers(compiled: Any) -> None:
     """Let calls with a plain constant use the function compiled for numbers.
 
-    Numba makes of a constant a type of its own: the function, and all that it calls, would be compiled once
-    more for each.
+    Numba gives a constant a type of its own: the function and all its callees would be compiled once more for
+    each constant.
     """
     if getattr(compiled, "py_func", None) is None:  # NUMBA_DISABLE_JIT=1
         return
@@ -206,5 +206,5 @@ def _njit(function: Callable[..., Any], **options: bool) -> Any:
             **options,
         )(function)
     except KeyError:
-        # These options are Numba's own, not promised ones; without that against counting kernels are slower.
+        # These options are internal to Numba; without the one against reference counts kernels are slower.
         return numba.njit(error_model="numpy", **options)(function)

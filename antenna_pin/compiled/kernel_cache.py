@@ -1,14 +1,14 @@
 """Store of kernels' machine code in files, verified when read, and optional.
 
-Numba trusts its files: one that was cut off ends in an error of pickle, one with a flipped bit is called.
-Here every file starts with the digest of the rest and names what it was compiled for; one that does not hold
-counts as not there, so that it is compiled and written again. They are pickles, which run code as they are
-read: a folder that somebody else may write (:mod:`antenna_pin.compiled.ownership`) is neither read nor
+Numba trusts its files: a truncated one ends in an error of pickle, one with a flipped bit is executed. Here
+every file starts with the digest of the rest and names what it was compiled for; an invalid file counts as
+missing, so that the kernel is compiled and written again. The files are pickles, which execute code when
+read: a folder that another user may write to (:mod:`antenna_pin.compiled.ownership`) is neither read nor
 written.
 
-What is called from Python needs a hundred kernels that stand alone (:mod:`antenna_pin.compiled.stand_alone`).
-They are read one by one when it is loaded for the first time, and packed into one file beside its own for
-the next process, which links them without making them callable by anything but machine code.
+A kernel called from Python needs a hundred kernels compiled alone (:mod:`antenna_pin.compiled.stand_alone`).
+They are read one by one at its first load, and packed into one file for the next process, which links them
+for machine code only.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ from antenna_pin.compiled.turns import Turn
 
 try:
     from numba.core.caching import FunctionCache, IndexDataCacheFile, InTreeCacheLocator, NullCache
-except ImportError:  # none of it is promised by Numba
+except ImportError:  # internal to Numba
     FunctionCache = IndexDataCacheFile = NullCache = object
 
 __all__ = ["FORMAT", "KernelCacheWarning", "keep", "remembered", "stored_code"]
@@ -63,10 +63,9 @@ class KernelCacheWarning(RuntimeWarning):
 def keep(dispatcher: Any, stamp: str, entry: bool = False) -> None:
     """Store a compiled function in the first writable folder, under a stamp.
 
-    One for Python to call has files of its own beside those of the same function for kernels.
-
-    These are NUMBA_CACHE_DIR, the sources' ``__pycache__`` and the user's cache, in this order. If there is
-    none, a :class:`KernelCacheWarning` states this once, when something has been compiled.
+    A function for Python has files of its own beside those of the same function for kernels. The folders are
+    NUMBA_CACHE_DIR, the sources' ``__pycache__`` and the user's cache, in this order. If none is writable, a
+    :class:`KernelCacheWarning` states this once, when something has been compiled.
     """
     function = getattr(dispatcher, "py_func", None)
     if function is None:  # NUMBA_DISABLE_JIT=1
@@ -142,14 +141,15 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
         super().save(key, (key, data))
 
     def load(self, key: Any) -> Any:
-        """Return an entry, or None if there is none that holds.
+        """Return a valid entry, or None.
 
-        Two processes that compile at once may give two entries one name; the key in it tells them apart.
+        Two processes that compile at the same time may give two entries one name; the key in the entry
+        distinguishes them.
         """
         try:
             found = super().load(key)
             return found[1] if found is not None and found[0] == key else None
-        except Exception:  # pickle promises no certain ones
+        except Exception:  # pickle may raise any exception
             return None
 
     def _load_index(self) -> Any:
@@ -172,7 +172,7 @@ class _SealedFiles(IndexDataCacheFile):  # type: ignore[misc]
         """Return the stored parts that an entry needs.
 
         Raises:
-            Exception: There is nothing that holds.
+            Exception: No valid parts are stored.
         """
         return self._read(self._pack_path(key))
 
@@ -235,7 +235,7 @@ def remembered(function: Any, contents: str, make: Callable[[], str]) -> str:
     try:
         cache, owner = FunctionCache(function), os.stat(function.__code__.co_filename).st_uid
         files = _SealedFiles(cache._cache_path, "stamp", contents, owner)
-    except (RuntimeError, OSError, AttributeError, TypeError):  # nothing can be kept
+    except (RuntimeError, OSError, AttributeError, TypeError):  # nothing can be stored
         return make()
     found = files.load(contents)
     if found is None:
@@ -270,13 +270,13 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         self._turn, self._is_entry = turn, entry
         self._source = Path(function.__code__.co_filename)
         base, source = self._impl.filename_base, function.__code__.co_filename
-        if "<" not in function.__qualname__:  # there is one of this name, wherever in the file it stands
+        if "<" not in function.__qualname__:  # a file has at most one function of this name
             base = base.replace(f"-{function.__code__.co_firstlineno}.", ".")
         if entry:
             name, _, tag = base.rpartition(".")
             base = f"{name}.entry.{tag}"
-        owner = os.stat(source).st_uid  # who is trusted with the sources is with what they are compiled to
-        # Beside the sources may stand what who installed them has compiled, for others to read.
+        owner = os.stat(source).st_uid  # The owner of the sources is trusted with their machine code.
+        # Beside the sources may be machine code of the installing user, readable for others.
         beside = InTreeCacheLocator(function, source).get_cache_path()
         folders = [self._cache_path, *([beside] if beside != self._cache_path else [])]
         self._all_files = [_SealedFiles(folder, base, stamp, owner) for folder in folders]
@@ -291,7 +291,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         found = self._stored(keys)
         if found is None:
             self._turn.begin(self._cache_path)
-            found = self._stored(keys)  # another process may have made it by now
+            found = self._stored(keys)  # another process may have created it meanwhile
         if found is not None:
             return self._loaded(*found, target_context)
         tell_of_compiling()
@@ -338,7 +338,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
     def _pack(self, key: Any) -> tuple[KernelCode, ...]:
         """Return a function's parts in order of dependence; nothing without a pack."""
         for files in self._all_files:
-            with contextlib.suppress(Exception):  # pickle promises no certain ones
+            with contextlib.suppress(Exception):  # pickle may raise any exception
                 whose, parts = files.read_pack(key)
                 if whose == (self._stamp, str(key)):
                     return tuple(parts)
@@ -349,7 +349,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
         (key, needs), self._unpacked = self._unpacked or (None, ()), None
         parts = parts_of(needs)
         if parts and self._cache_file.closed:
-            with contextlib.suppress(OSError):  # what is not packed is read one by one
+            with contextlib.suppress(OSError):  # unpacked kernels are read one by one
                 self._cache_file.write_pack(key, ((self._stamp, str(key)), parts))
 
     def save_overload(self, sig: Any, data: Any) -> None:
@@ -362,7 +362,7 @@ class _KernelCache(FunctionCache):  # type: ignore[misc]
                     self._cache_file.save(key, kept)
                     self._cache_file.sweep(self._source)
                     self._note(key, kept)
-        except OSError as error:  # full, or no longer to be written
+        except OSError as error:  # disk full, or no longer writable
             _tell(f"{self._cache_path}: {error.strerror or error}")
 
 

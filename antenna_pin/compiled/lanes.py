@@ -1,9 +1,9 @@
 """Four numbers at once in compiled code, in one register of the processor.
 
-Compilers make such code of sums only if they may change the order of additions, which changes results. Here
-each of the four is independent: the results are the numbers of as many loops, to the last bit. Lanes
-add, subtract and multiply, with one another and with a number. Uncompiled they are arrays;
-compiled, what ``_intrinsics.py`` says.
+Compilers vectorise sums only if they may change the order of additions, which changes results. Here the four
+numbers are independent: the results are those of four separate loops, to the last bit. Lanes add, subtract
+and multiply, with one another and with a number. Uncompiled they are arrays; ``intrinsics.py`` has the
+compiled form.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """Stored machine code of a kernel, made callable without Numba's compiler.
 
-Numba reads a kept function as if it were to be compiled against: it loads its whole compiler, half a second
-of it, parses the function's LLVM code and looks through its symbols. To be called, a function needs none of
-that: its object file is given to LLVM's linker as it is. Its LLVM code, which callers that are compiled again
-may want, is stored with it and parsed for them only.
+Numba reads a stored function as input for compilation: it loads its whole compiler, half a second, parses the
+function's LLVM code and examines its symbols. A call needs none of that: the object file is passed to LLVM's
+linker as it is. The LLVM code is stored too, and parsed for callers that are compiled again only.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ try:
     from numba import _dynfunc
     from numba.core.compiler import compile_result
     from numba.core.runtime import _nrt_python
-except ImportError:  # neither is promised by Numba
+except ImportError:  # both are internal to Numba
     _dynfunc = _nrt_python = compile_result = None
 
 __all__ = [
@@ -76,7 +75,7 @@ class KernelCode(NamedTuple):
 
     Attributes:
         symbol: The name.
-        function: What its object file calls it.
+        function: Name in its object file.
         needs: Symbols of kernels that it calls.
         object: Its object file.
         environments: What it needs of Python.
@@ -129,7 +128,7 @@ def called(context: Any, code: Kept) -> Any:
     """Return a stored function, linked, as Numba's compile result.
 
     Raises:
-        AttributeError: Numba or llvmlite has changed inside.
+        AttributeError: Internals of Numba or llvmlite have changed.
     """
     description, environment = code.description, code.environments[0]
     engine = context.codegen()._engine._ee
@@ -161,8 +160,8 @@ def called(context: Any, code: Kept) -> Any:
     )
 
 
-#: Addresses of kernels by the names that hold in every process; digests of object files that were loaded
-#: for callers only, by their functions; and environments whose place code knows.
+#: Addresses of kernels by their process-independent names; digests of object files loaded for callers only,
+#: by function; and environments whose address compiled code stores.
 _symbols: dict[str, int] = {}
 _linked: dict[str, int] = {}
 _placed: dict[str, Any] = {}

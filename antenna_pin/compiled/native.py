@@ -1,11 +1,11 @@
 """Loader of the shim to Pinocchio's and coal's machine code (``antenna_pin/native/shim.h``).
 
-Compiled loops call the shim's functions by address, without the interpreter and its lock. It is used where
-its file stands in the package, was compiled against the very versions of Pinocchio and coal that are
-installed, and with the instruction set of their bindings; otherwise the same questions go to Python, with the
-same results to the last bit. :func:`native_state` tells which it is.
+Compiled loops call the shim's functions by address, without the interpreter and its lock. It is used if its
+file is in the package and was compiled against the installed versions of Pinocchio and coal, with the
+instruction set of their bindings; otherwise Python is called instead, with the same results to the last bit.
+:func:`native_state` returns the state.
 
-``ANTENNA_PIN_NATIVE=off`` leaves it aside, ``ANTENNA_PIN_NATIVE=required`` refuses to go without it.
+``ANTENNA_PIN_NATIVE=off`` disables it, ``ANTENNA_PIN_NATIVE=required`` refuses to run without it.
 """
 
 from __future__ import annotations
@@ -44,10 +44,10 @@ __all__ = [
 _VARIABLE = "ANTENNA_PIN_NATIVE"
 _INTERFACE = 1
 
-# Which shape of a pair is turned, as in shim.h.
+# Rotated shape of a pair, as in shim.h.
 NOT_TURNED, FIRST_TURNED, SECOND_TURNED, PLANE_GIVEN = range(4)
 
-# C++ types whose addresses the bindings know, by their mangled names.
+# C++ types whose addresses the bindings give, by their mangled names.
 _MODEL = b"N9pinocchio8ModelTplIdLi0ENS_25JointCollectionDefaultTplEEE"
 _FUNCTOR = b"N4coal15ComputeDistanceE"
 _REQUEST = b"N4coal15DistanceRequestE"
@@ -229,7 +229,7 @@ def _bindings() -> Any:
     pattern = f"libboost_python{sys.version_info[0]}{sys.version_info[1]}.so.*"
     for path in [] if prefix is None else sorted((prefix / "lib").glob(pattern)):
         with contextlib.suppress(OSError, AttributeError):
-            # By its name alone, and only if it is loaded: a second copy would know nothing.
+            # By its name, and only if loaded: a second copy would have other type tables.
             boost = ctypes.PyDLL(path.name, mode=os.RTLD_NOLOAD | os.RTLD_NOW)
             query = boost._ZN5boost6python9converter8registry5queryENS0_9type_infoE
             query.restype, query.argtypes = ctypes.c_void_p, [ctypes.c_char_p]
@@ -261,7 +261,7 @@ class _NotUsedError(Exception):
 
 
 def native_shim() -> NativeShim | None:
-    """Return the shim; None where Python answers in its place.
+    """Return the shim; None where Python is used instead.
 
     Raises:
         InvalidParameterError: ``ANTENNA_PIN_NATIVE`` is neither ``off`` nor ``required`` nor empty.
@@ -310,7 +310,7 @@ def _load(path: Path) -> NativeShim:
     """Return the shim in a file, checked.
 
     Raises:
-        _NotUsedError: It is not there, or was not compiled for what is installed.
+        _NotUsedError: It is missing, or was compiled for other versions.
     """
     versions = _versions_in(path)
     owner = os.stat(__file__).st_uid
@@ -322,7 +322,7 @@ def _load(path: Path) -> NativeShim:
         import eigenpy
 
         own = eigenpy.SimdInstructionSetsInUse()
-        if prefix is not None:  # by their own names, so that there is one of each
+        if prefix is not None:  # by their own names, so that each is loaded once
             for name in ("libpinocchio_default.so", "libcoal.so"):
                 ctypes.CDLL(str(prefix / "lib" / name))
         library = ctypes.CDLL(str(path), mode=os.RTLD_NOW)

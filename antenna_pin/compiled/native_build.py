@@ -37,17 +37,17 @@ __all__ = [
     "seal",
 ]
 
-#: Folder of the sources, and of what is built of them.
+#: Folder of the sources, and of the shared library.
 FOLDER = Path(__file__).parents[1] / "native"
 #: Name of the shared library.
 NAME = "shim.so"
 
 _SOURCES = ("shim.h", "shim.cpp")
 _MARKER = b"antenna_pin shim: "
-# Behind the shared library stands this and its digest: one that is cut off would crash who loads it.
+# The shared library ends with this and its digest: a truncated file would crash the process that loads it.
 _SEAL = b"\nantenna_pin seal: "
 _COMPILERS = ("c++", "g++", "clang++")
-# As Pinocchio's and coal's own CMake files define them for whoever uses the headers.
+# Definitions of Pinocchio's and coal's CMake files for users of the headers.
 _DEFINITIONS = (
     "NDEBUG",
     "PINOCCHIO_ENABLE_TEMPLATE_INSTANTIATION",
@@ -57,7 +57,7 @@ _DEFINITIONS = (
     "BOOST_MPL_CFG_NO_PREPROCESSED_HEADERS",
     "BOOST_FUSION_INVOKE_MAX_ARITY=12",
 )
-_LONGEST = 300.0  # that a compiler may take [s]
+_LONGEST = 300.0  # limit of a compiler's time [s]
 
 
 class NativeBuildError(RuntimeError):
@@ -108,7 +108,7 @@ def seal(path: Path) -> None:
 def build(target: Path = FOLDER / NAME, sources: Path = FOLDER) -> str:
     """Build the shim unless it is up to date; return a sentence on it.
 
-    Of several builds at once one compiles and the others wait; the file is whole or not there.
+    Of several builds at the same time one compiles and the others wait; the file is complete or missing.
 
     Args:
         target: The shared library.
@@ -164,7 +164,7 @@ def _turn(folder: Path) -> Iterator[None]:
     except OSError as error:
         raise NativeBuildError(f"native: {folder} must be a folder, got {error.strerror}") from None
     try:
-        with contextlib.suppress(OSError):  # where folders cannot be locked, each builds for itself
+        with contextlib.suppress(OSError):  # where folders cannot be locked, each process builds for itself
             fcntl.flock(held, fcntl.LOCK_EX)
         yield
     finally:

@@ -1,7 +1,7 @@
 """Ownership of files: code is loaded from closed folders only.
 
-The rule is that of ssh for its keys: every folder on the way belongs to one who is trusted, and is not open
-to others for writing; a folder like ``/tmp``, in which nobody may move what is another's, may be on the way.
+The rule is that of ssh for its keys: every folder of the path belongs to a trusted user and is not writable
+for others; a sticky folder like ``/tmp``, in which only owners may move files, is permitted in the path.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ def stranger_of(folder: str | os.PathLike[str], trusted: int) -> str | None:
     """Return, as text, a further user with write access to a folder; None without one.
 
     Args:
-        folder: It must be there.
-        trusted: Number of a user beside root and the present one who may, as the owner of the sources.
+        folder: Existing folder.
+        trusted: Number of a trusted user besides root and the present one, as the owner of the sources.
 
     Raises:
-        OSError: It cannot be examined.
+        OSError: The folder cannot be examined.
     """
     whole = Path(folder).resolve(strict=True)
     for at in (whole, *whole.parents):
@@ -38,9 +38,9 @@ def open_to(about: os.stat_result, trusted: int, *, sticky: bool = False) -> str
     """Return, as text, a further user with write access by a ``stat``; None without one.
 
     Args:
-        about: Of a file or folder.
+        about: Result of ``stat`` of a file or folder.
         trusted: As for :func:`stranger_of`.
-        sticky: Whether a folder in which only owners may move things counts as closed.
+        sticky: Whether a folder in which only owners may move files counts as closed.
     """
     if about.st_uid not in (0, os.geteuid(), trusted):
         return f"belongs to {_user(about.st_uid)}"

@@ -23,8 +23,8 @@ else:
 def record(numbers: NDArray[Any], layout: Layout[_Record]) -> _Record:
     """Return flat numbers, shape (n,), as a record of that size: names instead of offsets.
 
-    Compiled code (``intrinsics.py``) reads a field of it as it reads an entry of the array, and checks
-    nothing; a ``view`` would cost 2 ns.
+    Compiled code (``intrinsics.py``) reads a field like an entry of the array, and checks nothing; a ``view``
+    would cost 2 ns.
     """
     found: _Record = numbers.view(layout)[0]
     return found

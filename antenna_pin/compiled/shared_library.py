@@ -1,8 +1,8 @@
 """Shared library of all stored kernels, linked for a wheel.
 
-``shipped_code.py`` calls it. Numba's compiled functions are stored as object files for its own linker, with
-optimised LLVM code beside them. From that code object files are generated here that a shared library can
-hold, without what only Numba calls. The instructions between numbers are the same, and so are all results.
+``shipped_code.py`` calls it. Numba stores compiled functions as object files for its own linker, with
+optimised LLVM code. From that code object files for a shared library are generated here, without the parts
+that only Numba calls. The instructions between numbers are the same, and so are all results.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ from antenna_pin.compiled.target import BASELINE
 
 __all__ = ["write_library"]
 
-#: What code calls of Numba's own library: here for arrays in C order, as all are that kernels reshape.
+#: Functions of Numba's runtime that code calls: here for arrays in C order, as all reshaped ones are.
 _HELPERS = """
 #include <stdint.h>
 int numba_attempt_nocopy_reshape(intptr_t axes, const intptr_t *dims, const intptr_t *strides,
@@ -74,8 +74,8 @@ def write_library(package: Path, folder: Path, sources: Iterable[Path] | None = 
 
     Args:
         package: Folder of the package, with machine code beside its sources.
-        folder: Where both are written, a folder of a package with the same sources.
-        sources: Files that the kernels depend on; all stamped ones unless given.
+        folder: Folder for both, of a package with the same sources.
+        sources: Files that the kernels depend on; all stamped ones by default.
 
     Raises:
         OSError: There is no linker.

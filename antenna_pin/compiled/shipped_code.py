@@ -1,12 +1,12 @@
 """Kernels of a wheel's shared library, called without Numba.
 
-A wheel may hold the machine code of all kernels in one shared library (``shared_library.py``), with an index
-in plain data: per kernel and types of its arguments an entry, a function of C. An entry takes a row of 8-byte
-words: the numbers of a call, and the addresses of its arrays and records as Python has them; shapes, strides
-and addresses of data it reads from these objects itself.
+A wheel may contain the machine code of all kernels in one shared library (``shared_library.py``), with an
+index in plain data: for each kernel and types of its arguments an entry, a function of C. An entry takes a
+row of 8-byte words: the numbers of a call, and the addresses of its arrays and records in Python; it reads
+shapes, strides and addresses of data from these objects.
 
-The library is used where it holds what was written, belongs to who is trusted, was made from the sources that
-are there, and runs on the processor. Otherwise, and for types of arguments that it has not, Numba compiles.
+The library is used if it is unchanged since it was written, belongs to a trusted user, was built from the
+present sources, and runs on the processor. Otherwise, and for other types of arguments, Numba compiles.
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ __all__ = [
 ]
 
 LIBRARY, INDEX = "kernels.so", "kernels.json"
-FORMAT = 1  # of the index
+FORMAT = 1  # format of the index
 
-#: Where NumPy's arrays hold the addresses of data, shape and strides, and its records that of data [bytes].
+#: Offsets of the addresses of data, shape and strides in NumPy's arrays, and of data in its records [bytes].
 DATA, SHAPE, STRIDES, RECORD = 16, 32, 40, 24
 
 _C_ORDER, _FORTRAN_ORDER, _WRITEABLE = 0x1, 0x2, 0x400
@@ -55,7 +55,7 @@ _NUMBERS: dict[type, str] = {float: "d", np.float64: "d", int: "q", np.int64: "q
 
 _FOLDER = Path(__file__).parent
 
-#: Codes of what an entry returns: of nothing, of a number, of a tuple.
+#: Codes of an entry's return value: nothing, a number, a tuple.
 Result = str | list[Any]
 
 
@@ -71,7 +71,7 @@ def shipped(
     Args:
         name: Module and name of the kernel.
         released: Whether other threads run during a call.
-        otherwise: Returns what is called for other types of arguments.
+        otherwise: Returns the function for other types of arguments.
     """
     opened = _opened()
     if isinstance(opened, str) or name not in opened[0]:
@@ -109,11 +109,11 @@ def _entry(name: str, library: Any, symbol: str, codes: str, result: Result) -> 
     """Return an entry as a function of a row.
 
     Args:
-        name: Of the kernel.
+        name: Name of the kernel.
         library: The library.
-        symbol: Of the entry.
-        codes: Of the row.
-        result: Codes of what it returns.
+        symbol: Symbol of the entry.
+        codes: Codes of the row.
+        result: Codes of the return value.
     """
     function = library[symbol]
     function.argtypes, function.restype = (ctypes.c_char_p, ctypes.c_void_p), ctypes.c_int32
@@ -201,7 +201,7 @@ def key_of(types: Iterable[str]) -> str:
 
 @cache
 def _opened() -> tuple[dict[str, dict[str, Any]], ctypes.CDLL, ctypes.PyDLL] | str:
-    """Return the index and two handles of the library; else why it is not used.
+    """Return the index and two handles of the library; else the reason against its use.
 
     A call by the second handle holds the interpreter's lock.
     """

@@ -11,7 +11,7 @@ from typing import Any
 
 __all__ = ["pack_of", "sweep"]
 
-#: Modules, by folder of machine code and name, that this process has swept: once is enough.
+#: Modules cleaned by this process, by folder of machine code and name.
 _swept: set[tuple[Path, str]] = set()
 
 
@@ -24,8 +24,8 @@ def pack_of(index: str, key: Any) -> str:
 def sweep(index: str, read: Callable[[str], Any], stamp: tuple[Any, Any], source: Path) -> None:
     """Delete a folder's machine code of other stamps of a module, and of missing modules.
 
-    All of the same version of Python. A process that was about to read some of it finds nothing, and
-    compiles. What cannot be read is left: it may be somebody else's.
+    Files of the same version of Python only. A process about to read a deleted file finds nothing, and
+    compiles. Unreadable files are left: they may belong to others.
 
     Args:
         index: Path of the index of a function of the module.
@@ -38,7 +38,7 @@ def sweep(index: str, read: Callable[[str], Any], stamp: tuple[Any, Any], source
         return
     _swept.add((folder, source.stem))
     tag = index.removesuffix(".nbi").rpartition(".")[2]
-    # Looked for before indexes are read: what is written meanwhile stands in its index before it is there.
+    # Listed before indexes are read: a file written meanwhile is in its index first.
     found = {
         path
         for kind in ("nbi", "*.nbc", "*.nbp")
@@ -48,7 +48,7 @@ def sweep(index: str, read: Callable[[str], Any], stamp: tuple[Any, Any], source
     for path in [path for path in found if path.suffix == ".nbi"]:
         try:
             *own, names = read(str(path))
-        except Exception:  # pickle promises no certain ones
+        except Exception:  # pickle may raise any exception
             found.difference_update(folder.glob(f"{glob.escape(path.stem)}.*"))
             continue
         if tuple(own) == stamp and _module(path) == source.stem:

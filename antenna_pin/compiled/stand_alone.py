@@ -1,8 +1,7 @@
 """Separately compiled kernels: callers refer to them by process-independent names.
 
-Numba puts all that a function calls into it and optimises it there once more, so that what is called from
-ten places is compiled ten times over. What stands alone is compiled once; its callers find it when they are
-loaded.
+Numba includes all callees in a function and optimises them there again: a callee of ten callers is compiled
+ten times. A kernel that stands alone is compiled once; its callers are linked to it when loaded.
 """
 
 from __future__ import annotations
@@ -18,7 +17,7 @@ from antenna_pin.compiled.machine_code import DeferredCall, Kept, KernelCode, ad
 try:
     from numba.core.base import OverloadSelector
     from numba.core.imputils import user_function
-except ImportError:  # neither is promised by Numba
+except ImportError:  # both are internal to Numba
     OverloadSelector = user_function = None
 
 __all__ = [
@@ -37,8 +36,8 @@ __all__ = [
 def stand_alone(dispatcher: Any) -> None:
     """Let callers of a compiled function call it by name instead of holding its code.
 
-    What they need is kept with their machine code, and loaded or compiled before that is. Where Numba has
-    changed inside, they hold it, as Numba has it.
+    The kernels that they need are stored with their machine code, and loaded or compiled first. Where Numba's
+    internals have changed, callers include the code, as by default.
     """
     if getattr(dispatcher, "py_func", None) is None:  # NUMBA_DISABLE_JIT=1
         return
@@ -115,7 +114,7 @@ def all_needs(library: Any) -> tuple[set[Any], set[DeferredCall]]:
     return needs, deferred
 
 
-#: What this process has read or compiled, by the names by which it is called.
+#: Kernels that this process has read or compiled, by name.
 _parts: dict[str, KernelCode] = {}
 
 

@@ -1,8 +1,8 @@
 """Target processor of machine code: one for a whole family, for identical code and results.
 
-Numba makes code for the processor at hand. What is made for the third level of x86-64 (AVX2 and FMA, in use
-since 2013) runs on every processor that has it, with the same results to the last bit, and takes as long:
-kernels are scalar. So it can be installed with the package. ``NUMBA_CPU_NAME`` has its own way.
+Numba compiles for the present processor. Code for the third level of x86-64 (AVX2 and FMA, in use since 2013)
+runs on every processor that has it, with the same results to the last bit, and takes as long: kernels are
+scalar. So it can be installed with the package. ``NUMBA_CPU_NAME`` takes precedence.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ __all__ = ["BASELINE", "aim_at_baseline", "baseline_runs"]
 
 BASELINE = "x86-64-v3"
 
-# As Linux names them.
+# Names of features in Linux.
 _NEEDED = set("avx avx2 bmi1 bmi2 cx16 f16c fma abm movbe popcnt sse4_2 xsave".split())
 _FEATURES = Path("/proc/cpuinfo")
 
@@ -30,7 +30,7 @@ def baseline_runs() -> bool:
 
 
 def aim_at_baseline() -> None:
-    """Have Numba make code for the baseline where it runs, unless a processor is named.
+    """Have Numba compile for the baseline if available and no processor is named.
 
     Where a script has had Numba compile something of its own before, that continues for the processor at
     hand. Numba rereads its settings when a variable ``NUMBA_*`` changes, which resets this one.

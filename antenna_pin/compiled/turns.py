@@ -1,7 +1,7 @@
 """Turns of processes that need the same kernel: one compiles, the others wait.
 
-Each holds a byte of a file beside the kernels while it compiles one. The system lets go of it when a process
-ends, however it does; where files cannot be locked, each compiles for itself.
+Each process locks a byte of a file beside the kernels while it compiles one. The system releases the lock
+when a process ends, for any reason; where files cannot be locked, each process compiles for itself.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from functools import lru_cache
 
 __all__ = ["Turn"]
 
-# Longest wait [s], for one that compiles nothing any more and does not end; and between two looks.
+# Longest wait for a process that hangs [s], and time between two checks [s].
 _LONGEST, _LOOK = 300.0, 0.02
 
 
@@ -24,7 +24,7 @@ class Turn:
     def __init__(self, kernel: str) -> None:
         """Name the kernel."""
         self.kernel = kernel
-        # Within 4 GB: where a file cannot be as long, its bytes cannot be held either.
+        # Below 4 GB: some systems cannot lock bytes beyond.
         self._byte = int.from_bytes(hashlib.sha256(kernel.encode()).digest()[:4], "little")
         self._file: int | None = None
 

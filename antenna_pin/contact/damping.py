@@ -131,7 +131,7 @@ class TsujiDamping(_OfRestitution):
 
     With other elastic laws :math:`K \delta^{1/2}` is the secant stiffness :math:`f_e / \delta`, and of a
     power law :math:`\alpha = \sqrt{2 (n + 1)}\, \zeta`. Cut off where it would pull it delivers
-    :math:`\exp[-\zeta (\pi - 2 \arcsin\zeta) / \sqrt{1 - \zeta^2}]`: asked 0.9, 0.902, asked 0.5, 0.55.
+    :math:`\exp[-\zeta (\pi - 2 \arcsin\zeta) / \sqrt{1 - \zeta^2}]`: 0.902 for 0.9, 0.55 for 0.5.
 
     Beside an elastic law that is linear at small depth, or nearly, as the laws with a logarithm are, the
     force jumps at the onset as that of a Kelvin-Voigt contact does.
@@ -161,7 +161,7 @@ class JankowskiDamping(_OfRestitution):
 
     Continuous, with a kink where the approach ends. With other elastic laws :math:`K \sqrt\delta` is the
     secant stiffness. With a power law it delivers :math:`\exp(-\zeta \arccos\zeta / \sqrt{1 - \zeta^2})`,
-    :math:`\zeta = 2 \xi / \sqrt{2 (n + 1)}`: with n = 3/2 asked 0.9, 0.900, asked 0.5, 0.495.
+    :math:`\zeta = 2 \xi / \sqrt{2 (n + 1)}`: with n = 3/2 0.900 for 0.9, 0.495 for 0.5.
 
     Beside an elastic law that is linear at small depth, or nearly, as the laws with a logarithm are, the
     force jumps at the onset as that of a Kelvin-Voigt contact does.

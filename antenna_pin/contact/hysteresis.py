@@ -113,7 +113,7 @@ class ExactDamping(HysteresisDamping):
 class HuntCrossleyDamping(HysteresisDamping):
     r""":math:`\chi = \tfrac32 (1 - c_r)`.
 
-    For restitution near 1: asked 0.9 it delivers 0.909, asked 0.5, 0.66; never less than 0.488.
+    For restitution near 1: delivers 0.909 for 0.9, 0.66 for 0.5; at least 0.488.
 
     References:
         Hunt and Crossley (1975), J. Appl. Mech. 42(2), 440-445.
@@ -126,7 +126,7 @@ class HuntCrossleyDamping(HysteresisDamping):
 class HerbertMcWhannellDamping(HysteresisDamping):
     r""":math:`\chi = 6 (1 - c_r) / [(2 c_r - 1)^2 + 3]`.
 
-    Asked 0.9 it delivers 0.901, asked 0.5, 0.59; never less than 0.488.
+    Delivers 0.901 for 0.9, 0.59 for 0.5; at least 0.488.
 
     References:
         Herbert and McWhannell (1977), J. Eng. Ind. 99(3), 795-798; the formula as a public multibody code
@@ -140,7 +140,7 @@ class HerbertMcWhannellDamping(HysteresisDamping):
 class LeeWangDamping(HysteresisDamping):
     r""":math:`\chi = \tfrac34 (1 - c_r)`.
 
-    Half of Hunt and Crossley's: asked 0.9 it delivers 0.952, asked 0.5, 0.80; never less than 0.663.
+    Half of Hunt and Crossley's: delivers 0.952 for 0.9, 0.80 for 0.5; at least 0.663.
 
     References:
         Lee and Wang (1983), J. Mech. Transm. Autom. Des. 105(3), 534-543; the formula as a public multibody
@@ -154,7 +154,7 @@ class LeeWangDamping(HysteresisDamping):
 class LankaraniNikraveshDamping(HysteresisDamping):
     r""":math:`\chi = \tfrac34 (1 - c_r^2)`.
 
-    Derived for restitution near 1: asked 0.9 it delivers 0.913, asked 0.5, 0.73; never less than 0.663.
+    Derived for restitution near 1: delivers 0.913 for 0.9, 0.73 for 0.5; at least 0.663.
 
     References:
         Lankarani and Nikravesh (1990), J. Mech. Des. 112(3), 369-376.
@@ -167,8 +167,8 @@ class LankaraniNikraveshDamping(HysteresisDamping):
 class GonthierDamping(HysteresisDamping):
     r""":math:`\chi = (1 - c_r^2) / c_r`.
 
-    An explicit approximation of the exact relation, good at low restitution: asked 0.9 it delivers 0.876,
-    asked 0.3, 0.304.
+    An explicit approximation of the exact relation, good at low restitution: delivers 0.876
+    for 0.9, 0.304 for 0.3.
 
     References:
         Gonthier, McPhee, Lange and Piedboeuf (2004), Multibody Syst. Dyn. 11, 209-233.
@@ -183,7 +183,7 @@ class GonthierDamping(HysteresisDamping):
 class ZhiyingQishaoDamping(HysteresisDamping):
     r""":math:`\chi = \tfrac34 (1 - c_r^2) \exp[2 (1 - c_r)]`.
 
-    Asked 0.9 it delivers 0.896, asked 0.5, 0.48; never less than 0.179.
+    Delivers 0.896 for 0.9, 0.48 for 0.5; at least 0.179.
 
     References:
         Qin and Lu (2006), also cited as Zhiying and Qishao, J. Dyn. Control 4(4), 294-298; the formula as a
@@ -198,7 +198,7 @@ class YeDamping(HysteresisDamping):
     r""":math:`\chi = 3 (1 - c_r) / (2 c_r)`, given for a linear spring.
 
     As the restitution does not depend on the elastic law it holds with others as well; Hu and Guo's is the
-    same factor. Asked 0.9 it delivers 0.900, asked 0.5, 0.49, asked 0.2, 0.17.
+    same factor. Delivers 0.900 for 0.9, 0.49 for 0.5, 0.17 for 0.2.
 
     References:
         Ye, Li and Zhu (2009), on the pounding of structures.
@@ -213,7 +213,7 @@ class YeDamping(HysteresisDamping):
 class FloresDamping(HysteresisDamping):
     r""":math:`\chi = 8 (1 - c_r) / (5 c_r)`.
 
-    Asked 0.9 it delivers 0.894, asked 0.5, 0.47.
+    Delivers 0.894 for 0.9, 0.47 for 0.5.
 
     References:
         Flores, Machado, Silva and Martins (2011), Multibody Syst. Dyn. 25, 357-375.
@@ -244,7 +244,7 @@ class GharibHurmuzluDamping(HysteresisDamping):
 class HuGuoDamping(HysteresisDamping):
     r""":math:`\chi = 3 (1 - c_r) / (2 c_r)`.
 
-    Asked 0.9 it delivers 0.900, asked 0.5, 0.49, asked 0.2, 0.17. A public multibody code (DyS) has half of
+    Delivers 0.900 for 0.9, 0.49 for 0.5, 0.17 for 0.2. A public multibody code (DyS) has half of
     it.
 
     References:
@@ -261,7 +261,7 @@ class HuGuoDamping(HysteresisDamping):
 class CarvalhoMartinsDamping(HysteresisDamping):
     r""":math:`\chi = 3 (1 - c_r)(11 - c_r) / [2 (1 + 9 c_r)]`.
 
-    Asked 0.9 it delivers 0.900, asked 0.5, 0.500, asked 0.2, 0.212. It is finite at zero restitution, where
+    Delivers 0.900 for 0.9, 0.500 for 0.5, 0.212 for 0.2. It is finite at zero restitution, where
     it delivers 0.061.
 
     References:
@@ -279,8 +279,8 @@ class PantWijeyewickremaDamping(HysteresisDamping):
     .. math:: f = \begin{cases} f_e\, (1 + \chi\, \dot\delta / \dot\delta_0) & \dot\delta > 0 \\
               f_e & \dot\delta \le 0 \end{cases}
 
-    Given for a linear spring. Continuous, with a kink where the approach ends. Asked 0.9 it delivers 0.902,
-    asked 0.5, 0.525, asked 0.3, 0.328. Codes exist that damp in both phases, which at 0.5 would deliver 0.22:
+    Given for a linear spring. Continuous, with a kink where the approach ends. Delivers 0.902 for 0.9,
+    0.525 for 0.5, 0.328 for 0.3. Codes exist that damp in both phases, which at 0.5 would deliver 0.22:
     not this law.
 
     References:

@@ -73,7 +73,7 @@ def acting_in(system: System) -> Iterator[Acting]:
 def actuators_of(system: System) -> Mapping[str, str]:
     """Return the places that take commands, ``drives.motor.value``, by all names that they have.
 
-    These are ``motor``, if no other is called so, ``drives.motor`` and the place itself.
+    The names are ``motor``, if unique, ``drives.motor`` and the place itself.
     """
     found: dict[str, str] = {}
     twice = set()
@@ -123,18 +123,18 @@ _ON = "on"
 
 
 class Adjustments:
-    """Elements as they are at the moment, in a program of one run.
+    """Present elements of a run, in its copy of a program.
 
     A place is written as in a scenario file: ``drives.motor.value``, ``springs.coil.stiffness``. Besides its
-    own numbers an element has ``on``: off, it does nothing. A prescribed motion has not: it holds.
+    own numbers an element has ``on``; if off, it does not act. A prescribed motion has no ``on``.
 
     Args:
-        system: The system, which stays what it is.
+        system: The system; not changed.
         program: The run's copy of its program; written.
 
     Attributes:
-        values: What has been changed, by place.
-        elements: As they are, by place.
+        values: Changed values, by place.
+        elements: Present elements, by place.
     """
 
     def __init__(self, system: System, program: Array) -> None:
@@ -174,7 +174,7 @@ class Adjustments:
             head = self._program[block : block + kernels.PARAMETERS].view(kernels.ELEMENT)
             head["on"] = float(value)
             if isinstance(source, Modal) and not value:
-                self.change(element, Change(0))  # switched off it lets go
+                self.change(element, Change(0))  # released when switched off
         elif key in keys:
             given = int(value) if key == "mode" else float(value)
             changed = dataclasses.replace(source, **{key: given})
@@ -237,15 +237,15 @@ def first_modes(system: System, y: Array, t: float = 0.0) -> tuple[tuple[str, fl
             change = one.element.initial_change(met) if one.element.acts else one.element.first_off(met)
             if change is not None:
                 found.change(one.place, change)
-                for other in change.switches_off:  # what a latch holds at the start it has captured
+                for other in change.switches_off:  # a latch that holds at the start has captured
                     found.set(f"{other}.on", False)
     return tuple(found.values.items())
 
 
 def modes_kept(system: System, adjusted: Sequence[tuple[str, float]]) -> tuple[tuple[str, float], ...]:
-    """Return what belongs to modes of what has been adjusted of another system: (place, value).
+    """Return the mode-dependent adjustments of another system: (place, value).
 
-    Of a latch that holds that is also what it has switched off.
+    For a latch that holds these include the elements that it has switched off.
     """
     modal = {one.place: one.element for one in acting_in(system) if isinstance(one.element, Modal)}
     others = {f"{place}.on" for one in modal.values() for place in getattr(one, "switches_off", ())}

@@ -1,12 +1,13 @@
 """Changes of joint motion and force direction of elements with the joint's state, compiled.
 
-Of a joint an element sees its angle, or way, s and the rate s' = g . v of that, and acts along n: its effort
-does n of it along the joint's freedoms, at the rate n . v. A displacement (w, dv) of the joint makes
+An element at a joint depends on its angle, or displacement, s and the rate s' = g . v, and acts along n: its
+generalized force is its effort times n, its power the effort times n . v. A displacement (w, dv) of the joint
+gives
 
     ds = g . w,    ds' = g . dv + Dg(w) . v,    dn = Dn(w),    d(n . v) = n . dv + Dn(w) . v
 
-with g and n of :func:`antenna_pin.dynamics.kernels.own_motion` and ``act_at``. Of both all is known in closed
-form: the axis of what is on the parent is n x w as the child turns by w, its centre goes by -w - w x d.
+with g and n of :func:`antenna_pin.dynamics.kernels.own_motion` and ``act_at``. All have closed forms: as the
+child rotates by w, the axis of the parent changes by n x w, its centre by -w - w x d.
 """
 
 from __future__ import annotations
@@ -25,10 +26,10 @@ from antenna_pin.joints.layout_kernels import JointRecord, joint_at
 from antenna_pin.joints.pose_kernels import axis_of_parent, journal_centre
 from antenna_pin.mechanism.twist_kernels import twist_slopes
 
-#: Rows of what is written of a joint, each over its freedoms: g and Dg . v, n and Dn . v, then Dn along each
+#: Rows written for a joint, each over its freedoms: g and Dg . v, n and Dn . v, then Dn along each
 #: of the freedoms.
 G, G_CHANGE, N, N_CHANGE, N_CHANGES = 0, 1, 2, 3, 4
-#: How many rows there are at most, and of how many freedoms.
+#: Largest number of rows, and of freedoms.
 ROWS, MOST = 10, 6
 
 
@@ -89,8 +90,8 @@ def _write_turned(
 def _write_slid(j: JointRecord, e: ElementHead, y: Floats, row: int, out: Floats) -> None:
     """Write the rows of a joint with play that slides, but for n.
 
-    Its way has the gradient (a, c x a), of what is on the parent's axis a and the child's centre c, or with
-    the bearing on the child of that's axis and the journal's centre; it acts along the like.
+    Its displacement has the gradient (a, c x a), with the parent's axis a and the child's centre c, or with
+    the bearing on the child its axis and the journal's centre; the force acts along the same.
     """
     fixed = j.axes[0, 2], j.axes[1, 2], j.axes[2, 2]
     turned = axis_of_parent(j, y)
@@ -122,14 +123,14 @@ def write_motion(p: Floats, b: int, y: Floats, nq: int, tau: Floats, out: Floats
 
     Args:
         p: Program.
-        b: Where the head stands.
+        b: Place of the head.
         y: State.
-        nq: Where v begins in it.
+        nq: Start of v in it.
         tau: Scratch, (nv,).
         out: Rows over the freedoms, (ROWS, MOST).
 
     Returns:
-        Angle (or way) and its rate.
+        Angle (or displacement) and its rate.
     """
     e = element_at(p, b)
     first, count = freedoms_of(p, b)

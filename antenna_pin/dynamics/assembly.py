@@ -36,13 +36,13 @@ __all__ = [
 ]
 
 
-# --- how a mechanism on a shaken base begins: with its base ---
+# --- start of a mechanism on a shaken base ---
 
 
 def start_with_base(system: System, y: NDArray[np.float64]) -> None:
     """Place the joints of a shaken base at the start of their motions, in place.
 
-    All else is given relative to the base and so begins with it: no blow sets it moving.
+    All other positions and rates are relative to the base.
     """
     for drive in system.drives.values():
         if isinstance(drive, Shake):
@@ -50,9 +50,9 @@ def start_with_base(system: System, y: NDArray[np.float64]) -> None:
             y[slot.q], y[system.model.nq + slot.v.start], _ = drive.at(0.0)
 
 
-# --- loops that are open: by how much, and whether a motion is too fast for them ---
+# --- open loops: residuals, and motions that loops cannot follow ---
 
-# Of a motion's rate: what loops are open by in speed is round-off.
+# Residual rate of open loops that is round-off, relative to a motion's rate.
 _ROUND_OFF = 1e-12
 
 
@@ -80,7 +80,7 @@ def said_of_open(system: System, residuals: Any, length: float) -> str:
     )
 
 
-# --- motions before a run: their joints' limits, and jumps that no joint can follow ---
+# --- motions before a run: limits of their joints, and jumps ---
 
 # Times at which a motion is compared with its joint's limits.
 _LOOKS = 1001
@@ -133,16 +133,16 @@ def check_jumps(system: System, name: str, motion: Motion, begin: float, end: fl
 
 Array = NDArray[np.float64]
 
-#: How a free base is called among joints that are held.
+#: Name of a free base among held joints.
 BASE = "base"
 
-# How far from a start its neighbours are in which the rank is looked at, of its largest component [rad or m].
+# Distance from a start of the states in which the rank is examined, by largest component [rad or m].
 _BESIDE = 1e-3
-# Residual up to which a state given in Python counts as closed, for it may have been written down.
+# Residual up to which a state given in Python counts as closed: it may have been written with few digits.
 _GIVEN = 1e-6
-# Angle that axes may be apart by for want of digits [rad].
+# Angle between axes that counts as rounding of digits [rad].
 _INEXACT = 1e-3
-# Most steps in which a run is followed.
+# Largest number of steps of a motion's course.
 _FOLLOWED = 5000
 
 
@@ -157,23 +157,23 @@ def assembled(
 ) -> tuple[Array, Array]:
     """Return a nearby configuration and velocity that close loops and follow motions.
 
-    Journals stay where they are in their bearings, and as fast, except for what their joints leave free. A
-    free base stays if no closure holds it to the world, and as fast if it can. Velocities of joints that no
-    equation connects to a held or prescribed rate stay; followers follow their leaders; in loops the velocity
-    is the nearest in kinetic energy.
+    Journals keep their pose and velocity in their bearings, except for the freedoms of their joints. A free
+    base stays if no closure holds it to the world, and keeps its velocity if possible. Velocities of joints
+    that no equation connects to a held or prescribed rate stay; followers follow their leaders; in loops the
+    velocity is the nearest in kinetic energy.
 
     Args:
         system: The system.
-        q: Where the search begins, (nq,).
+        q: First guess, (nq,).
         v: Likewise, (nv,); zero if not given.
-        held: Names of joints whose position and velocity are to stay; ``base`` is that of a free base.
+        held: Names of joints whose position and velocity stay; ``base`` is that of a free base.
         angles: As for :meth:`System.state`.
 
     Returns:
         Configuration (nq,) and velocity (nv,), with residuals below 1e-12.
 
     Raises:
-        MechanismError: There is none; says what is lacking and where.
+        MechanismError: There is none; the message names the violated constraint.
     """
     y = system.state(q, np.zeros(system.model.nv) if v is None else v, angles)
     for name in held:
@@ -185,21 +185,21 @@ def assembled(
 
 
 def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collection[str]) -> None:
-    """Do what :func:`assembled` does to a state [q, v, x], in place.
+    """Apply :func:`assembled` to a state [q, v, x], in place.
 
     Args:
         system: The system.
         y: The state.
-        held_q: Names of joints whose position is to stay.
-        held_v: Names of joints whose velocity is to stay.
+        held_q: Names of joints whose position stays.
+        held_v: Names of joints whose velocity stays.
     """
-    if system.plan is None or system.plan.count == 0:  # what elements hold they hold where it is
+    if system.plan is None or system.plan.count == 0:  # elements hold their joints at their present positions
         return
     workspace = Workspace(system)
     constraints = workspace.constraints
     assert constraints is not None
     for drive in system.drives.values():
-        if isinstance(drive, Motion) and drive.joint in system.turn_x:  # its turns are the motion's
+        if isinstance(drive, Motion) and drive.joint in system.turn_x:  # whole turns are those of the motion
             y[system.model.nq + system.model.nv + system.turn_x[drive.joint]] = drive.at(0.0)[0]
     start_with_base(system, y)
     workspace.prepare_motions(0.0, y)
@@ -214,7 +214,7 @@ def assemble(system: System, y: Array, held_q: Collection[str], held_v: Collecti
     _write_follower_rates(system, y, held_v)
     trial = y.copy()
     unclosed = find_velocity(constraints, trial, program, _free(system, y, {*held_v, BASE}))
-    if unclosed is not None:  # a free base moves only if it must
+    if unclosed is not None:  # a free base moves only if necessary
         trial = y.copy()
         unclosed = find_velocity(constraints, trial, program, _free(system, y, held_v))
     y[:] = trial
@@ -287,7 +287,7 @@ def _free_of_play(slot: JointSlot, motion: str | None, y: Array) -> Array:
         free[3:, 0] = slot.axis
     else:
         vector, real = y[slot.q][3:6], y[slot.q][6]
-        # The bearing's axis seen from the child.
+        # bearing's axis in the child's frame
         free[:3, 0] = slot.axis - 2.0 * np.cross(vector, real * slot.axis - np.cross(vector, slot.axis))
     return free
 
@@ -315,7 +315,7 @@ def check_closed(system: System, y: Array) -> None:
 def check_motions(system: System, y: Array, begin: float, end: float) -> None:
     """Refuse motions that exceed joint limits, jump, or conflict with the loops.
 
-    That they can is examined only where nothing else is free to move.
+    Conflicts are examined only if no other joint is free to move.
 
     Args:
         system: The system.
@@ -354,7 +354,7 @@ def _check_reach(system: System, workspace: Workspace, y: Array, begin: float, e
                 break
             h *= 0.5
             if h < 1e-9 * (end - begin):
-                for one in system.motions:  # a function without an answer there says so
+                for one in system.motions:  # the function itself reports a missing value there
                     system.drives[one.name].at(t + 2.0 * h)  # type: ignore[attr-defined]
                 raise MechanismError(
                     f"motions: out of reach from t = {number(t)} s on: {worst_row(constraints)} cannot be "

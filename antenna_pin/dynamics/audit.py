@@ -64,7 +64,7 @@ def audit(workspace: Workspace, y: Array) -> Audit:
     """Return energies and momenta of a state.
 
     Args:
-        workspace: Its contact table and memory must be those of this state, as after ``measure(y)``.
+        workspace: Workspace with contact table and memory of this state, as after ``measure(y)``.
         y: State [q, v, x].
     """
     model = workspace.model

@@ -13,10 +13,10 @@ class AuditRecord(Record):
     """Energies and momenta of a state; those of contacts and springs are written elsewhere."""
 
     kinetic: float  # [J]
-    contacts: float  # stored there [J]
-    springs: float  # stored there [J]
+    contacts: float  # energy of contacts [J]
+    springs: float  # energy of springs [J]
     gravity: float  # [J]
-    linear: Vector3  # momentum [kg m/s]
+    linear: Vector3  # linear momentum [kg m/s]
     angular: Vector3  # momentum about the mass centre [kg m^2/s]
     linear_scale: float  # [kg m/s]
     angular_scale: float  # [kg m^2/s]
@@ -38,11 +38,11 @@ def audit_state(
 
     Args:
         y: State, q and v first.
-        nq: Where v starts in it.
+        nq: Start of v in it.
         tree: Bodies, parents first.
         gravity: (3,) [m/s^2].
-        places: To write to, PLACE, (bodies + 1,).
-        audits: To write to, AUDIT, (1,).
+        places: Written: PLACE, (bodies + 1,).
+        audits: Written: AUDIT, (1,).
     """
     bodies = tree.shape[0]
     out = audits[0]
@@ -65,7 +65,7 @@ def audit_state(
         out.linear[1] += py
         out.linear[2] += pz
         out.kinetic += kinetic
-    if mass > 0.0:  # a rotor may have an inertia alone
+    if mass > 0.0:  # a rotor may have inertia without mass
         cx, cy, cz = cx / mass, cy / mass, cz / mass
     out.gravity = -mass * (gravity[0] * cx + gravity[1] * cy + gravity[2] * cz)
     for b in range(bodies):
@@ -108,7 +108,7 @@ def mass_centre(tree: Records[Body], places: Records[Place], out: Floats) -> Non
         x += body.mass * (own.origin[0] + sx)
         y += body.mass * (own.origin[1] + sy)
         z += body.mass * (own.origin[2] + sz)
-    whole = mass if mass > 0.0 else 1.0  # rotors may have an inertia alone
+    whole = mass if mass > 0.0 else 1.0  # rotors may have inertia without mass
     out[0], out[1], out[2] = x / whole, y / whole, z / whole
 
 
@@ -129,7 +129,7 @@ def _momenta(
 ) -> tuple[float, float, float, float, float, float, float]:
     """Return a body's momenta about its mass centre, in the world, and kinetic energy.
 
-    That of the armature at its joint is in the energy, and in no momentum.
+    The armature of its joint counts in the energy, not in the momenta.
     """
     wx, wy, wz = own.spin[0], own.spin[1], own.spin[2]
     ux = own.velocity[0] + wy * sz - wz * sy

@@ -15,10 +15,10 @@ from antenna_pin.joints.pose_kernels import journal_place, journal_state
 class BearingLoad(Record):
     """A bearing at a sample, in bearing axes."""
 
-    place: Vector3  # of the journal at the reference point [m]
-    tilt: Vector3  # of the journal's axis; size: the sine
-    force: Vector3  # on the journal [N]
-    moment: Vector3  # on it about the reference point [N m]
+    place: Vector3  # position of the journal at the reference point [m]
+    tilt: Vector3  # tilt of the journal's axis; its length is the sine
+    force: Vector3  # force on the journal [N]
+    moment: Vector3  # moment on it about the reference point [N m]
 
 
 BEARING_LOAD = layout(BearingLoad)
@@ -28,14 +28,14 @@ BEARING_LOAD = layout(BearingLoad)
 def look_at_bearings(
     program: Floats, states: Floats, blocks: Ints, poses: Records[Pose], out: NDArray[BearingLoad]
 ) -> None:
-    """Write what bearings carry in states, ``BEARING_LOAD``, (n, blocks).
+    """Write the loads of bearings in states, ``BEARING_LOAD``, (n, blocks).
 
     Args:
-        program: Of all force elements.
+        program: Program of all force elements.
         states: (n, nq + nv + nx).
         blocks: Places of the bearings in the program.
-        poses: To write to, POSE, (1,).
-        out: To write to.
+        poses: Written: POSE, (1,).
+        out: Written.
     """
     nq = head_of(program).nq
     pose = poses[0]

@@ -82,7 +82,7 @@ def closures_by_name(
     """Return all closures by name, those of joints held by constraint first."""
     found = {name: _held_closure(mechanism, name, kind) for name, kind in held_kinds.items()}
     for name, closure in closures.items():
-        # Of a load, a closure and a joint of one name could not be told apart.
+        # A load, a closure and a joint of one name would be ambiguous.
         if name in mechanism.joints:
             raise InvalidParameterError(
                 "System", f"closures[{name!r}]", "of another name than a joint's", name
@@ -111,14 +111,14 @@ def _held_closure(mechanism: Mechanism, name: str, kind: HeldKind) -> Closure:
 
 Array = NDArray[np.float64]
 
-#: Joints without play that elements can act at, by their kind.
+#: Joints without play at which elements can act, by their kind.
 WITH_AXIS = {"revolute": FIXED_AXIS, "continuous": CIRCLE, "prismatic": SLIDE}
 
 
 def element_block(system: Any, place: str, element: ForceElement, x: int) -> Array:
     """Return the block of an element, or refuse a joint at which it cannot act.
 
-    That of an element between two joints, or that measures another joint than its own, ends with a head for
+    The block of an element between two joints, or with measurements at another joint, ends with a head for
     the second.
     """
     if isinstance(element, BetweenJoints):
@@ -196,12 +196,12 @@ def slides(mechanism: Mechanism, clearances: Sequence[ClearanceJoint], joint: st
 
 
 class Blocks:
-    """A program that grows, and with it what its blocks integrate.
+    """A growing program, and the integrals of its blocks.
 
     Attributes:
         all: The program's head, still zero, and the blocks so far.
-        x: Where in x the next block's numbers start.
-        size: How many numbers the program has so far.
+        x: Start of the next block's numbers in x.
+        size: Number of words so far.
     """
 
     def __init__(self, x: int) -> None:
@@ -358,7 +358,7 @@ def on_bearings(
     """Return the names of the joints without play that bearings carry.
 
     Raises:
-        MechanismError: One that is not free in the tree, is held by constraint, or moves in a plane only.
+        MechanismError: A joint is not free in the tree, is held by constraint, or moves in a plane only.
         InvalidParameterError: A preload at a joint without play.
     """
     found: dict[str, None] = {}

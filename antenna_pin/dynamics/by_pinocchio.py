@@ -1,7 +1,7 @@
 """Dynamics of a tree by Pinocchio, as callbacks of compiled code (:mod:`outside_kernels`).
 
-Where the shim to Pinocchio's machine code is there (:mod:`antenna_pin.compiled.native`), compiled code calls
-it by address; else Pinocchio is called in Python. Results are the same to the last bit.
+With the shim to Pinocchio's machine code (:mod:`antenna_pin.compiled.native`) compiled code calls it by
+address; otherwise Pinocchio is called in Python. Results are the same to the last bit.
 """
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ Answer = Callable[[float], None]
 def accelerations_of(model: Any, data: Any, y: Array, effort: Array) -> tuple[Answer, Array]:
     """Return a function for forward dynamics, and its array of accelerations, (nv,).
 
-    That is Pinocchio's own array: what ``pin.aba`` returns would be a copy of it, and cost a tenth more. The
-    answer has to be kept as long as the array is read.
+    The array is Pinocchio's own: the return value of ``pin.aba`` would be a copy, at a tenth more time. The
+    function must be referenced as long as the array is read.
     """
     q, v, aba = y[: model.nq], y[model.nq : model.nq + model.nv], pin.aba
 
@@ -52,8 +52,8 @@ def machine_code_of(
 ) -> tuple[Evaluator, int, int] | None:
     """Return the evaluator of a tree in machine code, and its functions' addresses.
 
-    None where there is no shim, or where it does not give Pinocchio's acceleration of the neutral state to
-    the last bit, as from a library that is not the bindings'.
+    None without a shim, or if it does not give Pinocchio's acceleration of the neutral state to the last bit,
+    for example with another library than that of the bindings.
 
     Args:
         model: Pinocchio's model.

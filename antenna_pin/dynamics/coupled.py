@@ -27,9 +27,9 @@ def couplings_of(
     """Return the couplings by name: the URDF's by their followers, then those given.
 
     Raises:
-        UnknownNameError: A joint that there is not.
-        MechanismError: A joint without one axis, joints that follow each other round in a circle.
-        InvalidParameterError: A name that one of the URDF's has, or a closure.
+        UnknownNameError: An unknown joint.
+        MechanismError: A joint without one axis, or couplings that form a cycle.
+        InvalidParameterError: A name of one of the URDF's couplings, or of a closure.
     """
     where, found = mechanism.urdf.where, {}
     for name, numbers in mechanism.urdf.mimics.items():
@@ -85,14 +85,14 @@ def facts_of_couplings(mechanism: Mechanism, couplings: Mapping[str, Coupling]) 
 def put_followers(
     mechanism: Mechanism, couplings: Collection[Coupling], q: Array, known: Mapping[str, float] | None = None
 ) -> None:
-    """Put joints where couplings to others want them, in a configuration, in place.
+    """Set coupled joints in a configuration, in place.
 
     Args:
         mechanism: The mechanism.
-        couplings: Without circles.
+        couplings: Couplings without cycles.
         q: Configuration, (nq,).
-        known: Positions of joints that are given [rad] ([m]), which stay; where nothing is known of joints
-            that hang together, the first leader is at zero.
+        known: Given positions of joints [rad] ([m]), which stay; if none of connected joints is known, the
+            first leader is at zero.
     """
     for name, place in _coupled(mechanism, couplings, dict(known or {})):
         slot = mechanism.joint(name)

@@ -1,24 +1,23 @@
-r"""Impulses at joints: velocities that jump while all that is held stays held.
+r"""Impulses at joints: velocity jumps under constraints.
 
-Of rows J that hold, with their wanted rates s after the jump, the velocity after it is
+With active rows J and their rates s after the jump, the velocity after it is
 
 .. math:: v^+ = v^- + M^{-1} J^T \Lambda, \qquad J v^+ = s
 
-the nearest to that before in kinetic energy. The impulses are inner ones of the mechanism, so all
-momentum stays.
+the nearest to that before in kinetic energy. The impulses are internal, so all momentum is conserved.
 
 Stops that are struck at one instant, or that joints rest on, push only. With u their rates off the stops and
 p their impulses they obey Newton's law in Moreau's form,
 
 .. math:: 0 \le p_i \quad \perp \quad u_i^+ - b_i \ge 0, \qquad b_i = e_i\, |u_i^-|, \quad u_i^- \le 0
 
-a complementarity problem whose velocity is the nearest one that the inequalities admit: it is unique, and
-depends on no order. Its impulses are found by the finite method of Lawson and Hanson for least distances. As
-no row that pushes was leaving its stop, stops take
+a complementarity problem whose velocity is the nearest one that satisfies the inequalities: it is unique, and
+independent of the order. Its impulses are found by the finite method of Lawson and Hanson for least
+distances. As no pushing row was leaving its stop, stops take
 
 .. math:: -\tfrac12 \sum_i p_i (u_i^+ + u_i^-) = \tfrac12 \sum_i p_i (1 - e_i) |u_i^-| \ge 0
 
-whatever restitution each of them has: no combination gains energy.
+for any restitution of each: no combination gains energy.
 
 References:
     Moreau (1988), Unilateral contact and dry friction in finite freedom dynamics, CISM 302.
@@ -62,9 +61,9 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-# Of the length of a row, what is left of one that the others hold; of rates, what round-off leaves of them.
+# Remainder of a row that the others imply, relative to its length; round-off of rates.
 _HELD, _ROUND_OFF = 1e-9, 1e-11
-# Of the largest change of a rate that rows ask for: by how much one that is met is off.
+# Error of a satisfied row, relative to the largest required change of a rate.
 _MET = 1e-9
 
 
@@ -74,7 +73,7 @@ class Push(NamedTuple):
     Attributes:
         at: Place of the joint in v.
         way: +1 of a stop that pushes the joint up, -1 of one that pushes it down.
-        restitution: Of the blow; zero of a stop that the joint rests on, or comes to rest on.
+        restitution: Restitution of the blow; zero of a stop that the joint rests on, or comes to rest on.
     """
 
     at: int
@@ -85,13 +84,13 @@ class Push(NamedTuple):
 class Pushed(NamedTuple):
     """The impulses of one instant, and what they do."""
 
-    velocity: Array  # after them, (nv,)
+    velocity: Array  # velocity after the impulses, (nv,)
     pushes: Array  # impulses of the stops, zero or more, (pushes,) [N m s] ([N s])
-    rates: Array  # of the joints off their stops after them, (pushes,) [rad/s] ([m/s])
+    rates: Array  # rates of the joints off their stops after them, (pushes,) [rad/s] ([m/s])
     holds: Array  # impulses on the child of the rows of elements that hold, (holds,) [N m s] ([N s])
-    lost: Array  # energy that these take, (holds,) [J]
+    lost: Array  # energy lost by these, (holds,) [J]
     works: Array  # work of the prescribed motions, (motions,) [J]
-    met: bool  # whether all rows that hold have their rates
+    met: bool  # whether all active rows have their rates
 
 
 def impulse(
@@ -100,7 +99,7 @@ def impulse(
     """Return the velocity after an impulse with prescribed joint rates and active rows.
 
     Args:
-        workspace: The system, with the modes that its elements have from now on.
+        workspace: Workspace of the system, with the modes of elements after the impulse.
         t: Time [s].
         y: State before [q, v, x].
         wanted: Rates after it, by the joint's place in v [rad/s] ([m/s]).
@@ -123,17 +122,17 @@ def impulse(
 def push_apart(
     workspace: Workspace, t: float, y: Array, pushes: Sequence[Push], free: Collection[int] = ()
 ) -> Pushed:
-    """Solve for the impulses of one instant: rows that hold, and stops that push only.
+    """Solve for simultaneous impulses of active rows, and of stops that push only.
 
     Args:
-        workspace: The system, with the modes that its elements have from now on.
+        workspace: Workspace of the system, with the modes of elements after the impulses.
         t: Time [s].
         y: State before [q, v, x].
         pushes: Stops that are struck or rested on; none that its joint is leaving.
         free: Numbers of elements' holds whose rows bear no impulse, or whose stops are among the pushes.
 
     Raises:
-        MechanismError: What is held admits no velocity with which joints stay out of their stops.
+        MechanismError: The constraints admit no velocity with which joints stay out of their stops.
     """
     nq, nv = workspace.model.nq, workspace.model.nv
     v = y[nq : nq + nv]
@@ -148,7 +147,7 @@ def push_apart(
     )
     sizes = np.zeros(len(own))
     for (k, found), force in zip(some, forces[end:], strict=True):
-        # Of stops that share a push not in one way only, the least one may pull: then theirs as found.
+        # If stops share a push in several ways, the least shares may pull: then the first solution is used.
         sizes[k] = force if np.all(forces[end:] >= 0.0) else found
     velocity = v + change
     length = 1.0 if workspace.system.plan is None else workspace.system.plan.length
@@ -179,7 +178,7 @@ def _pushing(
     size = float(np.linalg.norm(root.T @ v))
     unit = _left_of(unit, root, rows)
     moves = np.linalg.norm(unit, axis=1) > _HELD
-    # A joint that others hold stays where it is, if that is no way into the stop.
+    # A joint held by others stays, unless that would move it into the stop.
     if np.any(needed[~moves] - least[~moves] / lengths[~moves] > _ROUND_OFF * size):
         raise MechanismError(
             "impulse: a constraint drives a joint into its rigid stop; remove one of the two"
@@ -207,7 +206,7 @@ def apart(workspace: Workspace, t: float, y: Array, joints: Sequence[int], free:
     """Return whether impulses at some joints change none of the others' rates.
 
     Args:
-        workspace: The system, with the modes that its elements have.
+        workspace: Workspace of the system, with the modes of its elements.
         t: Time [s].
         y: State [q, v, x].
         joints: Their places in v.
@@ -247,13 +246,13 @@ def reduced_inertia(workspace: Workspace, t: float, y: Array, block: int) -> flo
     changes its rate by one.
 
     Args:
-        workspace: The system, with the modes that its elements have.
+        workspace: Workspace of the system, with the modes of its elements.
         t: Time [s].
         y: State [q, v, x].
         block: Place of the element in the program.
 
     Returns:
-        It; infinite where the joint cannot move.
+        Reduced inertia; infinite if the joint cannot move.
     """
     nq, nv = workspace.model.nq, workspace.model.nv
     alone = y.copy()
@@ -264,7 +263,7 @@ def reduced_inertia(workspace: Workspace, t: float, y: Array, block: int) -> flo
         row[k] = kernels.joint_motion(workspace.program, block, alone, nq)[1]
     rows, lacks, _ = _held_rows(workspace, t, y)
     change, forces = _nearest(_root(workspace, y), [*rows, row], [*(0.0 * np.array(lacks)), 1.0])
-    # What is held has no motion in common with the row: the nearest change has none of its rate.
+    # The constrained motions have no component along the row: the nearest change leaves its rate.
     return float(forces[-1]) if float(row @ change) > 0.5 else math.inf
 
 
@@ -273,7 +272,7 @@ def _held_rows(
 ) -> tuple[list[Array], list[float], int]:
     """Return the active rows, their rate residuals, and the number of element rows.
 
-    Those of ``free``, numbers of elements' holds, hold nothing.
+    Those of ``free``, numbers of elements' holds, are inactive.
     """
     constraints = workspace.constraints
     if constraints is None:
@@ -332,8 +331,8 @@ def prescribing(
     """Return the motions that prescribe the rate of a joint.
 
     Args:
-        workspace: The system.
-        adjustments: Its elements as they are.
+        workspace: Workspace of the system.
+        adjustments: Its present elements.
         t: Time [s].
         y: State [q, v, x].
         at: Place of the joint in v.
@@ -359,11 +358,11 @@ def check_restraint(
     """Refuse an element that would hold a joint with prescribed motion.
 
     Args:
-        workspace: The system.
-        adjustments: Its elements as they are.
+        workspace: Workspace of the system.
+        adjustments: Its present elements.
         t: Time [s].
         y: State [q, v, x].
-        place: Of the element.
+        place: Place of the element.
         holds: Places of other elements that count too, where they hold their joints.
 
     Raises:

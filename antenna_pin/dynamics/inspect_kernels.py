@@ -1,8 +1,8 @@
 """Events of contacts inside an accepted trial step, from its dense output, compiled.
 
-At ``NODES`` + 1 equally spaced points of the step each contact's gap, depth rate and force are computed. From
-them follow the first change of contact (with the gaps that dipped and came back between two points), and the
-largest force and depth of each touching contact, refined to the maxima of the dense output.
+At ``NODES`` + 1 equally spaced points of the step each contact's gap, depth rate and force are computed. They
+give the first change of contact (with gaps that dip and return between two points), and the largest force and
+depth of each touching contact, refined to the maxima of the dense output.
 """
 
 from __future__ import annotations
@@ -69,11 +69,11 @@ def _crossing(c: int, sign: float, level: float, h: float, nodes: Floats, trial:
                     return root_of(GAP, c, m, b, gap, gb, level, trial)
             return a
         if da > 0.0 > db:
-            # It may rise above zero in between; below the crossing of its end tangents it cannot be.
+            # It may rise above zero in between, but not beyond the crossing of its end tangents.
             if fa >= 0.0:
                 return a
             w = h * (b - a)
-            # Twice the rise of the tangents: room for a changing curvature.
+            # Twice the rise of the tangents allows for a changing curvature.
             if fa + 2.0 * rise_of_tangents(fa, fb, da, db, w) <= 0.0:
                 continue
             m = root_of(DEPTH_RATE, c, a, b, ra, rb, 0.0, trial)
@@ -88,9 +88,8 @@ def fill_nodes(nodes: Floats, trial: TrialStep, from_last: bool, at_end: bool) -
     """Write gap, depth rate and force of each contact at the points of the step.
 
     ``nodes`` is (NODE_SIZE, NODES + 1, contacts). Its ends are the states themselves, not those of the dense
-    output: so a step may take over (``from_last``) what the last one has found at its end, if nothing has
-    changed since, and (``at_end``) the derivative's touching contacts, if it was called last
-    at this one's end.
+    output: so a step may reuse (``from_last``) the values at the end of the last one, if nothing has changed
+    since, and (``at_end``) the derivative's touching contacts, if it was last evaluated at this one's end.
     """
     table = trial.table
     for k in range(NODES + 1):
@@ -141,12 +140,12 @@ def inspect_step(
 ) -> tuple[int, float, bool]:
     """Return the first event within the step: contact, fraction, and whether too deep.
 
-    If it is not too deep, past its limit, it changes: touches or parts. Where nothing happens before the
-    fraction ``until`` that is -1 and ``until``; with an ``until`` of 2 such a step will be accepted as it is:
-    then the peaks are tracked too.
+    If it is not too deep, past its limit, it changes: touches or parts. Without an event before the fraction
+    ``until`` the result is -1 and ``until``; with an ``until`` of 2 such a step will be accepted: then peaks
+    are tracked too.
 
-    A contact marked 2 in ``ignore`` has changed twice at the start already: a third change there is not
-    believed. ``ends``: what is known of them (``from_last`` and ``at_end`` of :func:`fill_nodes`).
+    A contact marked 2 in ``ignore`` has changed twice at the start already: a third change there is ignored.
+    ``ends``: flags of the known ends (``from_last`` and ``at_end`` of :func:`fill_nodes`).
     """
     fill_nodes(nodes, trial, ends[0], ends[1])
     memory = trial.memory

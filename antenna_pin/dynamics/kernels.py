@@ -1,14 +1,14 @@
 """Force elements of a system as one flat program, compiled.
 
-``program`` is a list of blocks that starts behind its head (:data:`antenna_pin.base.records.PROGRAM`). A
-block begins with what it is and how long (:data:`antenna_pin.base.records.BLOCK`): a clearance joint
+``program`` is a list of blocks after its head (:data:`antenna_pin.base.records.PROGRAM`). A block begins with
+its kind and length (:data:`antenna_pin.base.records.BLOCK`): a clearance joint
 (:mod:`antenna_pin.joints.layout_kernels`), or an element at a joint, of one of the kinds of
-:mod:`antenna_pin.elements`: ``ELEMENT``, then the record of its kind. Behind stand the elements on links
-(:mod:`antenna_pin.dynamics.link_kernels`), with a pass of their own.
+:mod:`antenna_pin.elements`: ``ELEMENT``, then the record of its kind. Elements on links
+(:mod:`antenna_pin.dynamics.link_kernels`) follow, with a separate pass.
 
-A configuration gives an angle up to whole turns. Joints that turn without end (continuous ones and
-those with play) have their *turned angle*, with all turns, in x: that at the last accepted state, to which
-angles of the step from there are the nearest (:func:`antenna_pin.mechanism.tree_kernels.unwrapped`).
+A configuration gives an angle up to whole turns. Joints without limits (continuous ones and those with play)
+have their *turned angle*, with all turns, in x: that at the last accepted state, to which angles of the step
+from there are the nearest (:func:`antenna_pin.mechanism.tree_kernels.unwrapped`).
 """
 
 from __future__ import annotations
@@ -52,14 +52,14 @@ from antenna_pin.joints.pose_kernels import (
 )
 from antenna_pin.mechanism.tree_kernels import unwrapped
 
-# Typed: of a plain constant Numba makes a type of its own, and compiles all that is called with it once more.
+# Typed: Numba gives a plain constant a type of its own, and compiles all callees once more for it.
 HEADER: Any = np.int64(words_of(PROGRAM))
 BLOCK_WORDS = words_of(BLOCK)
 POSE_WORDS = words_of(POSE)
 MEMORY_WORDS = words_of(MEMORY)
 CONTACT_WORDS = words_of(CONTACT)
 
-# What an element acts about at a joint with play, by its number.
+# Axis of an element at a joint with play, by its number.
 ABOUTS = ("bearing", "journal", "motion", "pose")
 ABOUT_JOURNAL, ABOUT_MOTION, ABOUT_POSE = 1, 2, 3
 
@@ -67,18 +67,18 @@ ABOUT_JOURNAL, ABOUT_MOTION, ABOUT_POSE = 1, 2, 3
 class ElementHead(Record):
     """The head of an element at a joint."""
 
-    kind: int  # of the element
-    length: int  # of its block, in 8-byte words
-    joint: int  # how the joint moves (FIXED_AXIS, ...), if it has no play
+    kind: int  # kind of the element
+    length: int  # length of its block, in 8-byte words
+    joint: int  # motion of the joint (FIXED_AXIS, ...), if it has no play
     q: int  # start of the joint's slice of q
     v: int  # start of the joint's slice of v
     x: int  # start of the element's own slice of x
     play: int  # block of the joint with play; -1: none
-    about: int  # axis that it acts about
+    about: int  # axis about which it acts
     turn: int  # place of the turned angle in x; -1: none
     senses: int  # 1: it depends on the joint's motion
-    partner: int  # how far behind it the head of the output stands
-    sensed: int  # how far behind it the head of another joint stands
+    partner: int  # distance to the head of the output
+    sensed: int  # distance to the head of another joint
     on: float  # 1: acts
 
 
@@ -106,10 +106,10 @@ def element_at(program: Floats, b: int) -> ElementHead:
 
 @kernel
 def joint_motion(p: Floats, b: int, y: Floats, nq: int) -> tuple[float, float, float, float]:
-    """Angle (or way) and its rate that an element sees, and its slopes.
+    """Angle (or displacement) and rate of an element's joint, and their slopes.
 
-    Of an element at a joint gx and gy of :func:`motion_angle`; of one between two joints its deflection, the
-    rate of that, and its derivatives over the positions of the two.
+    For an element at a joint gx and gy of :func:`motion_angle`; for one between two joints its deflection,
+    the rate of that, and its derivatives over the positions of the two.
     """
     e = element_at(p, b)
     angle, rate, gx, gy = own_motion(p, b + e.sensed, y, nq)
@@ -148,7 +148,7 @@ def own_motion(p: Floats, b: int, y: Floats, nq: int) -> tuple[float, float, flo
 def element_state(p: Floats, b: int, t: float, y: Floats, nq: int) -> Triple:
     """Return torque [N m] or force [N] of the element at b, with its input.
 
-    The reference and its error are not-a-number where the element follows none.
+    Reference and error are NaN if the element follows none.
     """
     angle, rate, _, _ = joint_motion(p, b, y, nq)
     e = element_at(p, b)
@@ -201,8 +201,8 @@ def book_at(p: Floats, b: int, motion: Triple, own: tuple[Floats, int], rates: F
 def _element(p: Floats, b: int, t: float, y: Floats, head: Program, tau: Floats, rates: Floats) -> None:
     """Add an element's generalized force.
 
-    At a clearance joint it is a couple about the bearing's or the journal's axis, or what derives from the
-    motion angle; at one that slides a force along the axis, at the journal's centre.
+    At a clearance joint it is a couple about the bearing's or the journal's axis, or the gradient of the
+    motion angle; at a sliding one a force along the axis, at the journal's centre.
     """
     e, nq = element_at(p, b), head.nq
     if e.partner != 0:
@@ -334,7 +334,7 @@ def evaluate(t: float, y: Floats, program: Floats, work: Floats, rates: Floats) 
     """Write the generalized force of all elements into work, and their rates of x.
 
     ``work`` is [generalized force (nv), POSE, MEMORY (contacts), CONTACT (rows)] in one array, because each
-    argument costs a part of what is computed.
+    argument adds to the time of a call.
     """
     head = head_of(program)
     nq, nv = head.nq, head.nv

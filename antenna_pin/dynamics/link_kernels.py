@@ -1,9 +1,9 @@
 """Elements on links, compiled: their inputs, forces on the tree, and bookkeeping.
 
-Their blocks stand at the end of a program, from ``points`` of its head on, with the springs between points
-(:mod:`antenna_pin.dynamics.point_kernels`) first: ``ELEMENT``, of which kind, length, x, on and partner count
-(where behind this head the desk begins; 0 of a spring between points), the record of its kind, and the desk
-(:mod:`antenna_pin.elements.desk_kernels`), which is written to at each evaluation.
+Their blocks are at the end of a program, from ``points`` of its head on, with the springs between points
+(:mod:`antenna_pin.dynamics.point_kernels`) first: ``ELEMENT``, of which kind, length, x, on and partner are
+used (start of the desk after this head; 0 of a spring between points), the record of its kind, and the desk
+(:mod:`antenna_pin.elements.desk_kernels`), which is written at each evaluation.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Applied(Record):
     """A force on a link at a sample, world axes."""
 
     force: Vector3  # [N]
-    torque: Vector3  # about the place where the force acts [N m]
+    torque: Vector3  # about the point of application [N m]
 
 
 APPLIED = layout(Applied)
@@ -138,7 +138,7 @@ def _apply(
 ) -> None:
     """Add the desk's forces of the element at b to tau, and book them.
 
-    The mass centre of all is where the scratch place of ``places`` says.
+    The mass centre of all bodies is in the scratch place of ``places``.
     """
     head, e = head_of(program), element_at(program, b)
     whole, links, joints, states = desk_of(program, b)
@@ -157,7 +157,7 @@ def _apply(
         power += m[0] * link.spin[0] + m[1] * link.spin[1] + m[2] * link.spin[2]
         force, torque, place = (f[0], f[1], f[2]), (m[0], m[1], m[2]), (p[0], p[1], p[2])
         body = link.body
-        if body >= 0:  # a force on the world brings nothing in
+        if body >= 0:  # a force on the world does no work
             _book(book, force, torque, place, centre)
         while body >= 0:
             push(tree[body], places[body], force, torque, place, tau)
@@ -208,11 +208,11 @@ def add_forces(
     Args:
         t: Time [s].
         y: State [q, v, x].
-        program: Of all force elements; desks are written to.
+        program: Program of all force elements; desks are written.
         tree: Bodies, parents first.
-        places: To write to, PLACE, (bodies + 1,): where the bodies are; the last is scratch.
+        places: Written: PLACE, (bodies + 1,), places of the bodies; the last is scratch.
         tau: Generalized force, (nv,), added to.
-        rates: To write to, behind rates[nv].
+        rates: Written behind rates[nv].
     """
     head = head_of(program)
     place_bodies(y, head.nq, tree, places)

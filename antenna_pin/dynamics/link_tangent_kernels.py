@@ -1,7 +1,8 @@
 """Derivatives of generalized forces and rates of elements on links, compiled.
 
-Such an element sees all joints below its links: it is differentiated along each displacement as a whole, and
-over each number of the system. ``room`` is :class:`antenna_pin.dynamics.tangent_room_kernels.TangentRoom`.
+Such an element depends on all joints below its links: it is differentiated along each displacement as a
+whole, and over each number of the system. ``room`` is
+:class:`antenna_pin.dynamics.tangent_room_kernels.TangentRoom`.
 """
 
 from __future__ import annotations
@@ -40,10 +41,10 @@ def add_link_changes(
 
     Args:
         t: Time [s].
-        y: State; ``room.state`` is it too.
+        y: State, also in ``room.state``.
         ways: Displacements, row by row, (k, displacement).
-        steps: Of the differences, over a displacement, (k,).
-        room: What to compute with.
+        steps: Steps of the differences, (k,).
+        room: Arrays.
         out: (kinds, k, nv + nx).
     """
     numbers = room.numbers
@@ -78,7 +79,7 @@ def _moves(way: Floats, count: int) -> bool:
 
 @kernel
 def _differentiate_links(t: float, y: Floats, way: Floats, m: int, step: float, room: TangentRoom) -> None:
-    """Write the derivatives of what elements on links do to ``room.column``.
+    """Write the derivatives of the actions of elements on links to ``room.column``.
 
     They are along a displacement if m is below 0, else over number m of the system.
     """

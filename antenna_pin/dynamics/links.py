@@ -34,14 +34,14 @@ __all__ = [
 Array = NDArray[np.float64]
 
 
-# --- springs between points as blocks of a system's program, and what there is to see of them in a state ---
+# --- springs between points as blocks of a program, and their quantities in a state ---
 
 
 def point_spring_block(mechanism: Mechanism, place: str, spring: BetweenPoints, x: int) -> Array:
     """Return the block of a spring between points.
 
     Raises:
-        UnknownNameError: A link that there is not.
+        UnknownNameError: An unknown link.
         MechanismError: Both ends are on one body.
     """
     sides = np.zeros(2, dtype=_points.SIDE)
@@ -233,8 +233,8 @@ def _block(system: Any, place: str, force: OnLinks, places: list[ForcePlace], x:
     """Return the block of an element on links.
 
     Raises:
-        UnknownNameError: A link or joint that there is not.
-        MechanismError: It acts on nothing that moves.
+        UnknownNameError: An unknown link or joint.
+        MechanismError: It acts on no moving link.
     """
     tree = body_tree(system.mechanism)
     whole = np.zeros(1, _desk.WHOLE)

@@ -15,8 +15,8 @@ from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.calls import call_back
 from antenna_pin.compiled.decorators import inlined
 
-# What comes of a question: an answer; a function of the user's has none here, though it may elsewhere; or
-# something that ends the run.
+# Status of a callback: valid; a function of the user's has no valid result here, though it may elsewhere; or
+# the run must end.
 ANSWERED = 0
 REFUSED = 1
 RAISED = 2
@@ -27,19 +27,19 @@ class CallbackRecord(Record):
 
     elements: int  # before elements are evaluated, at a time and state
     motions: int  # the same, for constraints only
-    acceleration: int  # under ``effort``
-    terms: int  # mass matrix and bias
+    acceleration: int  # for accelerations under ``effort``
+    terms: int  # for mass matrix and bias
     tree: int  # object of machine code for ``acceleration`` and ``terms``; 0: they are Python's
     queried: int  # 1: machine code evaluates coal's distances
-    gaps: int  # measured by a backend
-    forces: int  # of laws on these gaps, of one ``contact`` or of all
-    step: int  # of the loop: a whole trial step of a size [s]
-    lack: int  # of the loop: by how much longer the trial is to be [s]
+    gaps: int  # for gaps measured by a backend
+    forces: int  # for forces of laws at these gaps, of one ``contact`` or of all
+    step: int  # of the loop: for a whole trial step of a size [s]
+    lack: int  # of the loop: for the correction of the trial step size [s]
     touching: int  # 1: elements are called only while a contact touches
-    contact: int  # whose forces; -1: all
+    contact: int  # contact whose forces are requested; -1: all
     new: int  # 1: the start of the step is new
     failed: int  # status of a callback that failed
-    answer: float  # in one number
+    answer: float  # all flags in one number
 
 
 ASKED = layout(CallbackRecord)

@@ -16,7 +16,7 @@ from antenna_pin.dynamics.trial_kernels import (
     value_at,
 )
 
-#: A step is looked at in this many parts.
+#: Parts of a step for the search.
 NODES = 4
 
 
@@ -25,12 +25,12 @@ class Peak(Record):
 
     force: float  # [N]
     time: float  # of the largest force [s]
-    depth: float  # [m]
+    depth: float  # largest depth [m]
 
 
 PEAK = layout(Peak)
 _GOLDEN = 0.3819660112501051
-# Of a step: the force is flat there, and wrong by the square of that.
+# Permitted error of the place, in steps: the force is flat there, with an error of the square.
 _NEAR = 1e-6
 
 
@@ -40,14 +40,14 @@ def highest_force(
 ) -> tuple[float, float]:
     """Return the largest normal force [N] of contact c between two fractions, and its fraction.
 
-    Brent's way (1973): parabolas through the three best points, golden section where they do not help.
+    Brent's method (1973): parabolas through the three best points, golden section otherwise.
 
     Args:
         c: The contact.
-        low: Where to look from.
-        middle: Where there is more than at both ends, or one of them with more than the other.
-        high: Where to look to.
-        force: At the middle.
+        low: Lower end.
+        middle: Point with a larger force than at both ends, or an end with the larger one.
+        high: Upper end.
+        force: Force at the middle.
         trial: The step.
     """
     a, b = low, high
@@ -105,7 +105,7 @@ def _may_pass(nodes: Floats, best: int, c: int, least: float, trial: TrialStep) 
         return bool(1.05 * force > least and value_at(NORMAL_FORCE, 1.0 - 1e-3, c, trial) > force)
     if best == 0:
         return bool(1.05 * force > least and value_at(NORMAL_FORCE, 1e-3, c, trial) > force)
-    # The top of the parabola through three points, four times as high: room for what is none.
+    # Four times the vertex of the parabola through three points allows for other shapes.
     before, after = nodes[NORMAL_FORCE, best - 1, c], nodes[NORMAL_FORCE, best + 1, c]
     bend = 2.0 * force - before - after
     return bool(bend > 0.0 and force + 0.5 * (after - before) ** 2 / bend > least)
@@ -140,7 +140,7 @@ def track_peaks(t: float, h: float, nodes: Floats, peaks: Records[Peak], trial: 
             end_depth, end_rate = -nodes[GAP, k + 1, c], nodes[DEPTH_RATE, k + 1, c]
             if not rate > 0.0 > end_rate:
                 continue
-            # Twice the rise of the tangents: room for a changing curvature.
+            # Twice the rise of the tangents allows for a changing curvature.
             if depth + 2.0 * rise_of_tangents(depth, end_depth, rate, end_rate, h / NODES) <= peak.depth:
                 continue
             m = root_of(DEPTH_RATE, c, k / NODES, (k + 1) / NODES, rate, end_rate, 0.0, trial)

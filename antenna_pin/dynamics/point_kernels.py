@@ -1,8 +1,8 @@
 """Springs and dampers between points, compiled: forces, energy and losses.
 
-Their blocks stand first among those of elements on links (:mod:`antenna_pin.dynamics.link_kernels`), from
-``points`` of a program's head on: ``ELEMENT``, of which kind, length, x and on count, the record of its kind,
-and a ``SIDE`` for each end.
+Their blocks are the first among those of elements on links (:mod:`antenna_pin.dynamics.link_kernels`), from
+``points`` of a program's head on: ``ELEMENT``, of which kind, length, x and on are used, the record of its
+kind, and a ``SIDE`` for each end.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ STRETCH = layout(Stretched)
 #: Group of the kernels that only systems with elements on links need (``compiled/deferred.py``).
 LINKS = "links"
 
-# Distance of points that coincide, of their distances from the world's origin: round-off.
+# Distance of coincident points, relative to their distances from the world's origin: round-off.
 COINCIDE = 1e-15
 
 
@@ -113,12 +113,12 @@ def draw(
     """Add the generalized force of the spring at b; write its loss rate.
 
     Args:
-        program: Of all force elements.
-        b: Where its block stands.
+        program: Program of all force elements.
+        b: Place of its block.
         tree: Bodies, parents first.
-        places: PLACE, (bodies + 1,): where the bodies are.
+        places: PLACE, (bodies + 1,): places of the bodies.
         tau: Generalized force, (nv,), added to.
-        rates: To write to, behind rates[nv].
+        rates: Written behind rates[nv].
     """
     e = element_at(program, b)
     length, rate, x, y, z = line(program, b, places)
@@ -128,7 +128,7 @@ def draw(
     ax, ay, az, _, _, _ = _place(first, places)
     i, j = first.body, second.body
     nothing = 0.0, 0.0, 0.0
-    # Down to the body that both stand on: forces along one line do nothing to what lies below. For the
+    # Down to the common body: opposite forces along one line cancel for bodies below. For the
     # same reason one point of the line serves both.
     while i != j:
         if i > j:

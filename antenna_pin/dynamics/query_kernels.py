@@ -1,9 +1,8 @@
 """Queries to coal at a state: written and evaluated by compiled code.
 
-Behind the contact table, the work array of :func:`antenna_pin.dynamics.kernels.evaluate` has a stretch for
-each joint of which coal measures the gaps and nothing else is done in Python: where its block stands in the
-program, and the array of queries and answers (:mod:`antenna_pin.joints.geometry.coal_query_kernels`).
-Where coal's
+After the contact table, the work array of :func:`antenna_pin.dynamics.kernels.evaluate` has a section for
+each joint whose gaps are measured by coal without other Python code: the place of its block in the program,
+and the array of queries and results (:mod:`antenna_pin.joints.geometry.coal_query_kernels`). If coal's
 machine code is called by address, :func:`answer_queries` does all of it; else Python is called back between
 :func:`set_out_queries` and :func:`take_in_queries`.
 """
@@ -21,8 +20,8 @@ from antenna_pin.joints.pose_kernels import journal_state
 class Queried(Record):
     """The head of a joint's stretch of queries."""
 
-    block: int  # of the joint in the program
-    words: int  # of the stretch
+    block: int  # place of the joint in the program
+    words: int  # length of the section
 
 
 QUERIED = layout(Queried)

@@ -55,8 +55,8 @@ def records_at(programs: Sequence[NDArray[np.float64]], place: int, layout: np.d
 
     Args:
         programs: Force elements at each sample: the same array from one to the next unless they changed.
-        place: Where in a program the record begins.
-        layout: Of the record.
+        place: Start of the record in a program.
+        layout: Layout of the record.
     """
     found = np.zeros(len(programs), layout)
     for first, last in program_parts(programs):
@@ -70,10 +70,10 @@ Array = NDArray[np.float64]
 
 
 def contact_memory(system: System, y: Array) -> Array:
-    """Return the contact memory of a state that comes without one, (contacts, 3).
+    """Return the contact memory of a state without one, (contacts, 3).
 
-    Contacts with a gap of zero or less touch, with the effective mass there and then. At the surface the
-    approach speed is the depth rate there and then, at least the floor; deeper in there is none
+    Contacts with a gap of zero or less touch, with the present effective mass. At the surface the approach
+    speed is the present depth rate, at least the floor; at larger depths there is none
     (:func:`antenna_pin.contact.onset.approach_speed_in_contact`).
 
     Args:
@@ -220,7 +220,7 @@ def journal_attitudes(
             found[:, 2], found[:, 3] = np.sin(half), np.cos(half)
         else:
             axes = records_at(programs, system.clearance_blocks[joint.name], JOINT)["axes"]
-            # Number by number, so that a sample's are the same among whatever others it is.
+            # Number by number, so that a sample's values do not depend on other samples.
             found[:, :3] = sum(q[:, 3 + i, np.newaxis] * axes[:, i] for i in range(3))
             found[:, 3] = q[:, 6]
         if joint.bearing_on == "child":
@@ -273,14 +273,14 @@ def mobility_of(system: System, y: Array) -> Mobility:
 def constraint_counts(system: System, y: Array) -> dict[str, Any]:
     """Return the number of constraint equations of a state, and the remaining freedoms.
 
-    ``closure_equations`` of closures and couplings, how many of these are ``couplings``, if any,
+    ``closure_equations`` of closures and couplings, the number of ``couplings`` among these, if any,
     ``closure_rank`` (independent ones), ``motions``, ``rank`` (of all), ``freedoms`` of the tree,
-    ``mobility`` (what closures and couplings leave), ``freedoms_left`` (what all leave), ``moving``: of each
-    joint (and the ``base``) that moves by no motion of its own its ``rate`` and the ``unit`` of that, and
-    ``redundant``: of each closure or coupling with equations that others imply, how many ``equations`` that
-    are, and ``among`` which.
+    ``mobility`` (left by closures and couplings), ``freedoms_left`` (left by all), ``moving``: of each joint
+    (and the ``base``) that moves without a motion of its own its ``rate`` and the ``unit`` of that, and
+    ``redundant``: of each closure or coupling with implied equations the number of ``equations``, and
+    ``among`` which.
     """
-    if system.plan is None or system.plan.count == 0:  # elements that may hold close nothing
+    if system.plan is None or system.plan.count == 0:  # elements that may hold do not close loops
         nv = system.model.nv
         zero = dict.fromkeys(("closure_equations", "closure_rank", "motions", "rank"), 0)
         return {**zero, "freedoms": nv, "mobility": nv, "freedoms_left": nv, "moving": {}, "redundant": {}}

@@ -193,7 +193,7 @@ class Sights(NamedTuple):
     stretches: NDArray[Stretched]  # results of springs between points, ``STRETCH``, (n, springs)
     applied: NDArray[Applied]  # results at places of forces, ``APPLIED``, (n, places)
     kept: Floats  # energies that forces store [J], (n, forces)
-    # what elements on links do to bodies, (n, 6 bodies), if friction by load asks, else (n, 0)
+    # actions of elements on links on bodies, (n, 6 bodies), if friction by load needs them, else (n, 0)
     wrenches: Floats
 
 
@@ -201,15 +201,15 @@ class Sights(NamedTuple):
 def observe(
     begin: int, last: int, is_evaluated: bool, samples: SampleArrays, whole: SystemArrays, sights: Sights
 ) -> int:
-    """Evaluate the force elements at samples begin to last and write what follows from them.
+    """Evaluate the force elements at samples begin to last and write their results.
 
     Args:
         begin: First sample.
         last: One behind the last.
-        is_evaluated: Whether forces and contact table of the one sample stand in ``whole.work`` already.
+        is_evaluated: Whether forces and contact table of the one sample are in ``whole.work`` already.
         samples: ``SampleArrays``.
         whole: ``SystemArrays``.
-        sights: ``Sights``, to write to.
+        sights: ``Sights``, written.
 
     Returns:
         Sample at which coal's machine code failed; ``last`` if it did not.
@@ -286,7 +286,7 @@ def look_at_elements(
 def turned_angles(states: Floats, at: int, angle: int, out: Floats) -> None:
     """Write the angle of a continuous joint, with its whole turns, at every sample.
 
-    Its cosine stands at ``at`` in a state, its turned angle at ``angle``.
+    Its cosine is at ``at`` in a state, its turned angle at ``angle``.
     """
     for i in range(states.shape[0]):
         out[i] = unwrapped(math.atan2(states[i, at + 1], states[i, at]), states[i, angle])

@@ -32,7 +32,7 @@ __all__ = ["Observed", "joint_motion", "observed", "sliding_motion"]
 Array = NDArray[np.float64]
 
 
-# --- what holds a system at the samples of a run ---
+# --- constraint forces of a system at the samples of a run ---
 
 
 def held_samples(
@@ -46,9 +46,9 @@ def held_samples(
 ) -> tuple[Array, Array, Array, Array]:
     """Return accelerations, closures' wrenches, couplings' forces, residuals at samples.
 
-    Mass matrix and bias are the tree's own. What holds motions goes to efforts in ``sights``, what elements
-    hold with to ``done``; of samples in ``failures`` all is not-a-number, and those are added there whose
-    motions fail.
+    Mass matrix and bias are the tree's own. Forces of motions are added to efforts in ``sights``, those of
+    elements that hold to ``done``; for samples in ``failures`` all are NaN, and samples whose motions fail
+    are added there.
     """
     system, constraints = workspace.system, workspace.constraints
     assert constraints is not None
@@ -104,29 +104,28 @@ class Observed:
 
     Attributes:
         acceleration: Generalized, (n, nv).
-        contact: What is seen of each, ``SEEN`` with the names of a result's variables, (n, contacts).
-        pose: Of the journals in their bearings, with force and moment of the contacts on them about their
-            centres, bearing axes, POSE, (n, joints).
-        scenario: Of contact, radial and axial, (n, joints, 2).
-        effort: Of the drives ``effort`` [N m], ``reference`` that they follow and ``error`` [rad], both NaN
-            where they follow none, ``EFFORT``, (n, drives).
+        contact: Quantities of each contact, ``SEEN`` with the names of a result's variables, (n, contacts).
+        pose: Journals in their bearings, with force and moment of the contacts on them about their centres,
+            bearing axes, POSE, (n, joints).
+        scenario: Contact scenario, radial and axial, (n, joints, 2).
+        effort: Drives: ``effort`` [N m], ``reference`` and ``error`` [rad], both NaN without a reference,
+            ``EFFORT``, (n, drives).
         audit: Energies and momenta, with the names and units of :class:`antenna_pin.dynamics.Audit`, AUDIT,
             (n,).
-        done: Of the elements of further families, in order, ``DONE``, (n, elements).
-        traced: Of the springs whose torque is reported, likewise.
-        stretch: Of the springs between points ``length`` [m], ``tension`` that draws the points together [N]
-            and ``force`` on the second one's link, world axes [N], ``STRETCH``, (n, springs).
-        applied: Of the places at which forces act ``force`` [N], and ``torque`` about the place [N m], in
-            world axes, ``APPLIED``, (n, places).
-        kept: Energies that forces store, (n, forces) [J].
+        done: Elements of further families, in order, ``DONE``, (n, elements).
+        traced: Springs whose torque is reported, likewise.
+        stretch: Springs between points: ``length`` [m], ``tension`` that draws the points together [N] and
+            ``force`` on the second one's link, world axes [N], ``STRETCH``, (n, springs).
+        applied: Points of application: ``force`` [N], and ``torque`` about the point [N m], in world axes,
+            ``APPLIED``, (n, places).
+        kept: Energies stored by forces, (n, forces) [J].
         closure: Force [N] and moment [N m] of each closure (n, closures, 2, 3), by
-            :meth:`antenna_pin.dynamics.constraints.Constraints.wrenches`; the least ones where some are
+            :meth:`antenna_pin.dynamics.constraints.Constraints.wrenches`; the least ones if some are
             redundant.
         coupling: Force [N] or torque [N m] of each coupling on its follower, (n, couplings).
         residual: Largest of closures, couplings and motions, of positions [m] and angles [rad] and of their
             rates [m/s], [rad/s], (n, 4).
-        failures: By which functions of a user's have no answer, by the number of the sample: calls of
-            Python is not a number there.
+        failures: Descriptions of failed functions of the user's, by sample; their numbers are NaN.
     """
 
     acceleration: Array
@@ -283,11 +282,11 @@ def _accelerations(model: Any, states: Array, forces: Array, free_base: bool) ->
     """Turn generalized forces into the accelerations of a tree under them, in place, (n, nv)."""
     q, v = states[:, : model.nq], states[:, model.nq : model.nq + model.nv]
     if free_base:
-        # Pinocchio's call for many samples works about the world's origin, and loses the square of how far
-        # the mechanism is from there; where its base is makes no difference.
+        # Pinocchio's call for many samples works about the world's origin, and loses the square of the
+        # distance of the mechanism; the place of its base makes no difference.
         q = q.copy()
         q[:, :3] = 0.0
-    # A call for many samples is half of the time, of so many that they stay in the processor's cache; a
+    # A call for many samples takes half of the time, for a number that fits into the processor's cache;
     # Pinocchio without OpenMP does not have it.
     if hasattr(pin, "abaInParallel"):
         pool = pin.ModelPool(model, 1)
@@ -358,12 +357,12 @@ def sliding_motion(
     Args:
         system: The system.
         states: (n, nq + nv + nx).
-        observation: What the equations of motion give there.
+        observation: Results of the equations of motion there.
         programs: Force elements at each, as of :func:`observed`.
 
     Returns:
-        Names, and way, rate and acceleration of each, (joints, n, 3) [m, m/s, m/s^2]; with play those of the
-        journal's centre along the bearing's axis, or its opposite with the bearing on the child.
+        Names, and displacement, rate and acceleration of each, (joints, n, 3) [m, m/s, m/s^2]; with play
+        those of the journal's centre along the bearing's axis, or its opposite with the bearing on the child.
     """
     guided = {joint.name: k for k, joint in enumerate(system.clearances) if joint.geometry.motion == "slide"}
     names, motions = [], []
@@ -374,8 +373,8 @@ def sliding_motion(
             k = guided[slot.name]
             block = records_at(programs, system.clearance_blocks[slot.name], JOINT)
             pose, axes, centre = observation.pose[:, k], block["axes"], block["centre"]
-            # In the child's own axes: the bearing's axis, the journal's centre, and how fast it moves, seen
-            # from the parent, or from the child where the bearing is.
+            # In the child's own axes: the bearing's axis, the journal's centre, and its velocity relative to
+            # the parent, or to the child with the bearing.
             if system.clearances[k].bearing_on == "child":
                 sign, bearing = -1.0, axes[:, :, 2]
                 centre = centre + _turned(axes, pose["centre"])

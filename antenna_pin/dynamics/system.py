@@ -92,8 +92,8 @@ def families_of(
 
     Raises:
         UnknownNameError: There is no such family.
-        MechanismError: Stops and latches do not go together.
-        InvalidParameterError: One of them has an argument of its own, or an element acts elsewhere.
+        MechanismError: Stops and latches contradict each other.
+        InvalidParameterError: A family has an argument of its own, or an element acts elsewhere.
     """
     own: dict[str, dict[str, ForceElement]] = {"drives": dict(drives), "springs": dict(springs)}
     for table, elements in others.items():
@@ -122,7 +122,7 @@ _SPACES = {
     "JointModelPlanar": "plane",
 }
 
-# How far from 1 the length of a quaternion may be and still be taken for round-off.
+# Deviation of a quaternion's length from 1 that counts as round-off.
 _UNIT_TOLERANCE = 1e-6
 
 
@@ -164,7 +164,7 @@ def make_unit(mechanism: Mechanism, configuration: NDArray[np.float64]) -> None:
     """Make quaternions, and cosines and sines, of a configuration unit, in place.
 
     Raises:
-        InvalidParameterError: One is further from it than round-off.
+        InvalidParameterError: A deviation exceeds round-off.
     """
     for name, place in _unit_parts(mechanism):
         length = float(np.linalg.norm(configuration[place]))
@@ -245,7 +245,7 @@ class System:
     ) -> None:
         """Lay out the state and compose the program of force elements."""
         self.mechanism = mechanism
-        #: What is passed over of the URDF, and what is taken for granted, in words.
+        #: Ignored parts of the URDF, and assumptions, as text.
         self.left_out, self.assumed = tuple(left_out), tuple(assumed)
         self.model = mechanism.model
         self.clearances = tuple(clearances)
@@ -253,28 +253,28 @@ class System:
         if len(set(names)) != len(names):
             raise InvalidParameterError("System", "clearances", "of different joints", names)
         self.drives = dict(drives or {})
-        #: Elastic parts of flexible links by name; their springs stand behind all others.
+        #: Elastic parts of flexible links by name; their springs follow all others.
         self.elastic = dict(elastic or {})
         self.springs = springs_and_parts(springs or {}, self.elastic)
         #: All elements by family, then by name.
         own = families_of(self.drives, self.springs, elements or {})
         self.families = with_preloads_placed(own, self.clearances)
-        #: Those whose torque results tell.
+        #: Springs whose torque is in results.
         self.traced = tuple(name for name, spring in self.springs.items() if spring.traced)
-        #: Those between points.
+        #: Springs between points.
         self.point_springs = {n: s for n, s in self.springs.items() if isinstance(s, BetweenPoints)}
-        #: Those that act on links from outside, and those of a user's that see more than a joint.
+        #: Elements on links: forces, and those of a user's on several joints.
         self.forces: dict[str, Any] = self.families.get("forces", {})
         self.held = dict(held or {})
         #: All closures by name, those of joints held by constraint first.
         self.closures = closures_by_name(mechanism, self.held, closures or {})
         #: All couplings by name, those of the URDF first.
         self.couplings = couplings_of(mechanism, couplings or {}, self.closures)
-        #: Joints without play that bearings carry; what they and those held are about their axis, by name.
+        #: Joints without play that bearings carry; motion about the axis of these and of held ones, by name.
         self.on_bearings = on_bearings(mechanism, self.families, names, self.held)
         self.free_with_axis = kinds_about_axis(self.held, self.on_bearings)
         self._compose()
-        if couplings and self.plan is not None:  # those of the URDF were known where it was built
+        if couplings and self.plan is not None:  # those of the URDF were reported where it was built
             mechanism.check_regular(self.plan.ties)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -294,7 +294,7 @@ class System:
     # --- layout ---------------------------------------------------------------------------------------------
 
     def _compose(self) -> None:
-        #: Names of the numbers of q and of v, as a result has them.
+        #: Names of the numbers of q and of v, as in a result.
         self.names_q, self.names_v = coordinate_names(self.mechanism)
         #: Place in x of the turned angle of each joint that has one, by name.
         self.turn_x = turning(self)
@@ -302,12 +302,12 @@ class System:
         self._place_joints(blocks)
         self._place_integrals_of_contacts()
         self._place_elements(blocks)
-        #: The places at which forces act.
+        #: Points of application of forces.
         self.force_places: list[ForcePlace] = []
         points = place_on_links(self, blocks)
-        #: Its constraints in numbers; None of a tree that nothing holds.
+        #: Its constraints in numbers; None for a tree without constraints.
         self.plan: ConstraintPlan | None = None
-        #: Where in x the energy stands that corrections of position and velocity put in, if there are any.
+        #: Place in x of the energy added by corrections of position and velocity, if any.
         self.projection_x = np.zeros(0, dtype=int)
         if self.closures or self.motions or self.couplings or self.holds:
             held = self.closures, self.motions, self.couplings, self.turn_x, self.holds
@@ -315,15 +315,15 @@ class System:
             self.projection_x = np.array([blocks.x])
             blocks.x += 1
         self.program = np.concatenate(blocks.all)
-        #: Where in x the works of drives and the losses of springs are, in their order; -1: of that one none.
+        #: Places in x of the works of drives and the losses of springs, in their order; -1: none.
         self.work_x, self.gross_work_x = (
             places_in_x(self.program, self.drives, self.drive_blocks, one) for one in (WORK, GROSS_WORK)
         )
         self.damper_x = places_in_x(self.program, self.springs, self.spring_blocks, LOSS)
-        #: The same of what is integrated of forces, by its name.
+        #: The same of the integrals of forces, by name.
         self.force_x = books_in_x(self)
         self.state_x = states_in_x(self)
-        #: What the derivative depends on: bristles of contacts, and behind them states of elements.
+        #: Arguments of the derivative in x: bristles of contacts, and after them states of elements.
         self.bristle_x: NDArray[np.int_] = np.append(self._bristles, self.state_x)
         #: The same of the losses of elements of further families, one family after another.
         own = ((self.families[one], self.element_blocks[one]) for one in self.others)
@@ -333,7 +333,7 @@ class System:
         head["nq"], head["nv"] = self.model.nq, self.model.nv
         head["contacts"], head["rows"], head["points"] = len(self.contact_names), self.rows, points
         slots = {name: self.mechanism.joint(name) for name in self.turn_x}
-        #: The turned angles as :func:`turn_kernels.turn_on` takes them, ``TURN``.
+        #: The turned angles for :func:`turn_kernels.turn_on`, ``TURN``.
         self.turns = np.array(
             [
                 (x, self.clearance_blocks.get(name, -1), slots[name].q.start, slots[name].v.start)
@@ -346,7 +346,7 @@ class System:
     def _place_joints(self, blocks: Blocks) -> None:
         """Lay out the joints with play, and those held by constraint or carried by bearings."""
         self.contact_names = tuple(name for joint in self.clearances for name in joint.contact_names)
-        #: Where in the program the block of each joint with play, or held one with an axis, stands.
+        #: Places in the program of the block of each joint with play, or held one with an axis.
         self.clearance_blocks: dict[str, int] = {}
         row, own = 0, []
         for joint in self.clearances:
@@ -358,7 +358,7 @@ class System:
             slides = kind == "prismatic"
             block = held_block(self.mechanism, name, slides, row, blocks.x, self.turn_x.get(name, -1))
             self.clearance_blocks[name] = blocks.add(block, 0)
-        # Strips and sectors of joints with distributed load have their rows behind those of all contacts.
+        # Strips and sectors of joints with distributed load have their rows after those of all contacts.
         for joint, block in zip(self.clearances, own, strict=True):
             row += joint.place_strips(block, row)
         #: Rows of a contact table: those of the contacts, then those of strips and sectors.
@@ -369,10 +369,10 @@ class System:
         of_contact = [joint for joint in self.clearances for _ in joint.contact_names]
         #: Least approach speed of each contact [m/s].
         self.approach_speed_floors = tuple(joint.approach_speed_floor for joint in of_contact)
-        #: Where in the program the joint of each contact stands.
+        #: Place in the program of the joint of each contact.
         self.block_of_contact = tuple(self.clearance_blocks[joint.name] for joint in of_contact)
         strides = np.array([joint.stride for joint in of_contact], dtype=int)
-        # One contact's integrals follow another's, behind the turned angles.
+        # Integrals are contact by contact, after the turned angles.
         starts = len(self.turn_x) + np.cumsum(strides) - strides
         self.impulse_x = starts + place_of(_layout.INTEGRALS, "impulse")
         self.lost_normal_x = starts + place_of(_layout.INTEGRALS, "lost_normal")
@@ -388,7 +388,7 @@ class System:
         self.motions: list[DrivenJoint] = []
         #: Elements that may hold their joint.
         self.holds: list[DrivenJoint] = []
-        #: Where in the program the block of each element stands, by family, then by name.
+        #: Places in the program of the block of each element, by family, then by name.
         self.element_blocks: dict[str, dict[str, int]] = {table: {} for table in self.families}
         self.drive_blocks, self.spring_blocks = (self.element_blocks[one] for one in ("drives", "springs"))
         for table, elements in self.families.items():
@@ -437,7 +437,7 @@ class System:
             where: Beginning of messages.
 
         Raises:
-            MechanismError: It names the joint.
+            MechanismError: The message names the joint.
         """
         ties = np.zeros((0, self.model.nv)) if self.plan is None else self.plan.ties
         self.mechanism.check_pose(q, where, ties)
@@ -469,14 +469,14 @@ class System:
     # --- states ---------------------------------------------------------------------------------------------
 
     def state(self, q: ArrayLike, v: ArrayLike, angles: Mapping[str, float] | None = None) -> Array:
-        """Return the state [q, v, x] with nothing integrated yet, (nq + nv + nx,).
+        """Return the state [q, v, x] with zero integrals, (nq + nv + nx,).
 
         Args:
             q: Configuration, (nq,). Its quaternions, and the cosine and sine of continuous and planar joints,
-                are made unit where they are so to 1e-6, and refused where they are not.
+                are normalised if they are unit to 1e-6, and refused otherwise.
             v: Velocity, (nv,).
-            angles: Angles of joints without limits [rad]: q gives the angle without whole
-                turns. Others follow from couplings, or are in (-pi, pi].
+            angles: Angles of joints without limits [rad]: q gives the angle without whole turns. Others
+                follow from couplings, or are in (-pi, pi].
         """
         y = self.state_as_given(q, v, angles)
         self.turn_on(y)

@@ -1,11 +1,10 @@
 """Derivatives of generalized forces and rates of elements at joints, compiled.
 
-Such an element sees angle and rate of a joint or two, its own states and time: its law is differentiated over
-each of these, and over the numbers that it has, by itself. How what it sees changes, and along what it acts,
-has closed forms (:mod:`antenna_pin.dynamics.angle_change_kernels`). What it integrates goes with its power
-too, which is its effort times the rate along which it acts. An element that acts on a journal's whole pose
-is differentiated over the joint's freedoms. ``room`` is
-:class:`antenna_pin.dynamics.tangent_room_kernels.TangentRoom`.
+Such an element depends on angle and rate of one or two joints, its own states and time: its law is
+differentiated over each of these, and over its numbers. Changes of its arguments and of its direction have
+closed forms (:mod:`antenna_pin.dynamics.angle_change_kernels`). Its integrals also depend on its power,
+effort times the rate along its direction. An element that acts on a journal's whole pose is differentiated
+over the joint's freedoms. ``room`` is :class:`antenna_pin.dynamics.tangent_room_kernels.TangentRoom`.
 """
 
 from __future__ import annotations
@@ -35,16 +34,16 @@ from antenna_pin.integrate.word_kernels import displace_words, note_words, put_b
 from antenna_pin.joints.slope_kernels import TIMES, displace_joint, is_moved
 from antenna_pin.joints.tangent_room_kernels import Part
 
-#: What of an element goes with a number of the system, added up: itself, frames of joints that it knows.
+#: Dependence of an element on a number of the system, added up: itself, frames of its joints.
 ITSELF, FRAMES = 1, 2
-#: What its law is asked with: angle (or way) and rate of what it sees, those of its other joint, its power.
+#: Arguments of its law: angle (or displacement) and rate of its joint, those of its other joint, its power.
 A_OTHER, A_POWER, ASKED = 2, 4, 5
-#: What it says before the rates of x: its efforts at one and the other joint.
+#: Its results before the rates of x: efforts at one and the other joint.
 EFFORTS = 2
-# Over what it is differentiated: a way or rate of a joint, a state of its own, time, a number of the system,
-# what its law is asked with.
+# Variables of differentiation: displacement or rate of a joint, an own state, time, a number of the system,
+# an argument of its law.
 _WAY, _RATE, _STATE, _TIME, _NUMBER, _ASKED = range(6)
-# First steps, over units; and of powers, over themselves.
+# First steps, over units; for powers, relative.
 _OWN, _POWER = 1e-3, 0.125
 
 
@@ -116,7 +115,7 @@ def _differentiate(
 ) -> None:
     """Write the derivatives of an element's action, or of its law, over one number.
 
-    ``about``: over what, of which joint, which of these, and whether what it does is examined as a whole.
+    ``about``: variable, joint, index, and whether the action as a whole is examined.
     """
     kind, s, n, whole = about
     trial, looked, points = room.trial, room.looked, room.weights.shape[1]
@@ -203,7 +202,7 @@ def _differentiate_law(
 ) -> int:
     """Write the derivatives of a law over displaced inputs; return their count.
 
-    Those over its power go to ``room.column``. ``room.over``: which number of a displacement each is over, or
+    Those over its power are written to ``room.column``. ``room.over``: number of a displacement for each, or
     below zero the argument.
     """
     p, b, nv, over, found = room.numbers.program, part.block, room.tau.shape[0], room.over, room.of_law
@@ -294,15 +293,17 @@ def _add_along(
 def add_element_changes(
     part: Part, t: float, y: Floats, ways: Floats, steps: Floats, room: TangentRoom, out: Floats
 ) -> None:
-    """Add how an element at joints changes generalized forces and rates of x along displacements.
+    """Add changes of generalized forces and rates of x by an element at joints.
+
+    They are along displacements.
 
     Args:
         part: The element, ``PART``.
         t: Time [s].
-        y: State; ``room.state`` is it too.
+        y: State, also in ``room.state``.
         ways: Displacements, row by row, (k, displacement).
-        steps: Of differences along these as a whole, (k,).
-        room: What to compute with.
+        steps: Steps of differences along these as a whole, (k,).
+        room: Arrays.
         out: (kinds, k, nv + nx).
     """
     nv, shifts, program = room.tau.shape[0], room.shifts, room.numbers.program

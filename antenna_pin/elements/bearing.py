@@ -153,12 +153,12 @@ class StiffnessBearing(Bearing):
         Bearing.__post_init__(self)
         single = [name for name in ("radial", "axial", "tilt", "coupling") if getattr(self, name)]
         if self.matrix is not None and single:
-            raise InvalidParameterError(self, "matrix", f"left out beside {single[0]}", self.matrix)
+            raise InvalidParameterError(self, "matrix", f"omitted if {single[0]} is given", self.matrix)
         if self.matrix is None and not single:
             raise InvalidParameterError(self, "radial", "above zero, or axial or tilt, or matrix given", 0.0)
         if self.damping_matrix is not None and self.damping_time:
             raise InvalidParameterError(
-                self, "damping_matrix", "left out beside damping_time", self.damping_matrix
+                self, "damping_matrix", "omitted if damping_time is given", self.damping_matrix
             )
         for name, found in (("matrix", self.stiffness), ("damping_matrix", self.damping)):
             fault = _fault(found, symmetric=name == "matrix")
@@ -225,7 +225,7 @@ class AxialPreload(Bearing):
     Attributes:
         force: F, along the bearing's axis; negative the other way [N].
         stiffness: k [N/m].
-        given_at: Where the force is F: just ``touching`` the face, at ``rest`` on it with no other load, or
+        given_at: Place of the force F: just ``touching`` the face, at ``rest`` on it with no other load, or
             ``centred``.
         position: z_F instead [m].
     """

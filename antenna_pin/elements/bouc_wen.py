@@ -28,22 +28,22 @@ class BoucWen(Element):
         D \dot z = A \dot\phi - \beta |\dot\phi| |z|^{n-1} z - \gamma \dot\phi |z|^n
 
     z ends at :math:`\pm (A / (\beta + \gamma))^{1/n}`; with the defaults D is the angle at which it yields.
-    Only the way counts, not time. :math:`|\gamma| \le \beta` is asked for: others make energy in small
-    cycles.
+    Only the displacement counts, not time. :math:`|\gamma| \le \beta` is required: otherwise small cycles
+    gain energy.
 
-    Of the energy :math:`\alpha k (\phi - \phi_0)^2 / 2 + (1 - \alpha) k D^2 z^2 / (2 A)` is stored; what is
-    lost, :math:`(1 - \alpha) k D |z|^n (\beta |\dot\phi z| + \gamma \dot\phi z) / A` at a time, is never
-    negative if :math:`|\gamma| \le \beta`, which is asked for: others make energy in small cycles.
+    The stored energy is :math:`\alpha k (\phi - \phi_0)^2 / 2 + (1 - \alpha) k D^2 z^2 / (2 A)`; the loss
+    rate :math:`(1 - \alpha) k D |z|^n (\beta |\dot\phi z| + \gamma \dot\phi z) / A` is never negative if
+    :math:`|\gamma| \le \beta`.
 
     Attributes:
         alpha: Share of the stiffness that is elastic, up to 1.
         stiffness: k, of the start [N*m/rad] ([N/m]).
         yield_angle: D [rad] ([m]).
-        slope: A, what z grows by at first per yield angle [-].
-        beta: How fast it yields on the way out; the larger, the thicker is the loop [-].
-        gamma: How that differs on the way back, at most beta in size [-].
+        slope: A, initial growth of z per yield angle [-].
+        beta: Rate of yielding away from zero; the larger, the thicker is the loop [-].
+        gamma: Difference of that on the way back, at most beta in size [-].
         exponent: n; the larger, the sharper is the knee [-].
-        rest_angle: Where the elastic part is at rest [rad] ([m]).
+        rest_angle: Rest angle of the elastic part [rad] ([m]).
         start: z at the start of a run [-].
 
     References:

@@ -47,8 +47,8 @@ class BristleFriction(Element):
         radius: r, at which a turning joint slips under radial load [m].
         axial_radius: r_a, at which a turning joint slips under axial load [m].
         bending_arm: a: a moment M presses like a force M / a [m]; None for moments that do not press.
-        middle: Where the bearing's middle is, from the joint's origin along its axis [m].
-        start: How far bristles are bent at the start, over T_c / sigma_0 [-].
+        middle: Place of the bearing's middle along the axis, from the joint's origin [m].
+        start: Deflection of the bristles at the start, over T_c / sigma_0 [-].
     """
 
     kernels: ClassVar[str] = __name__

@@ -31,14 +31,14 @@ class Capture(ModalElement):
     """Base of the latches.
 
     Attributes:
-        angle: Where it holds, in the middle of the window [rad] ([m]).
+        angle: Held angle, the middle of the window [rad] ([m]).
         width: The window from its middle to either end; zero for the angle alone [rad] ([m]).
-        greatest_rate: Up to which it captures [rad/s] ([m/s]); None for any rate.
-        greatest_energy: Up to which it captures, of half the reduced inertia at the joint times the rate
+        greatest_rate: Largest rate of a capture [rad/s] ([m/s]); None for any rate.
+        greatest_energy: Largest energy of a capture, half the reduced inertia at the joint times the rate
             squared [J]; None for any energy.
-        direction: The way that the joint must go to be captured, or be at rest.
-        holding_torque: At which it lets go [N*m] ([N]); None if never.
-        switches_off: What is switched off as it captures, such as ``springs.deployment``.
+        direction: Required direction of the joint, unless it is at rest.
+        holding_torque: Torque of release [N*m] ([N]); None if never.
+        switches_off: Elements switched off by the capture, such as ``springs.deployment``.
         on: Whether it is armed from the start on; an event may switch it: off, it lets go.
         side: On which side of the window it is, or was, +1 above, -1 below.
     """
@@ -179,7 +179,7 @@ def beyond_capture(latch: Capture, rate: float, inertia: float) -> float:
 
     It is zero or less where the latch captures.
 
-    A latch with a greatest energy asks for the joint's reduced inertia; not-a-number gives not-a-number.
+    A latch with a greatest energy needs the joint's reduced inertia; NaN gives NaN.
     """
     most = latch.rate_limit
     if not math.isinf(latch.energy_limit):

@@ -25,8 +25,8 @@ class ConstantSpring(Element):
 
     Attributes:
         torque: On the child, about the joint's axis [N*m] ([N]).
-        lower: Where it begins to act [rad] ([m]); None for no end there.
-        upper: Where it ceases to act [rad] ([m]); None for no end there.
+        lower: Lower end of its range [rad] ([m]); None for no end there.
+        upper: Upper end of its range [rad] ([m]); None for no end there.
         ramp: Angle in which it ceases, beyond an end [rad] ([m]).
     """
 

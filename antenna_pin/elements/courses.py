@@ -46,8 +46,8 @@ class Ramp(Reference):
     Attributes:
         begin: Value before it [rad] ([m]).
         rate: [rad/s] ([m/s]).
-        start: When it begins [s].
-        duration: How long it grows [s]; for ever if not given.
+        start: Begin [s].
+        duration: Duration of the growth [s]; unlimited if not given.
     """
 
     begin: float = parameter("rad", sliding="m", default=0.0)
@@ -81,7 +81,7 @@ class Polynomial(Reference):
 
     Attributes:
         coefficients: Of the powers 0, 1, 2 and so on, up to eight, in SI units [rad, rad/s, ...] ([m, ...]).
-        start: When it begins; before, its first value is held [s].
+        start: Begin; before, its first value holds [s].
     """
 
     coefficients: tuple[float, ...] = parameter("1", sizes=(0,))
@@ -149,16 +149,16 @@ class Chirp(Reference):
 
     .. math:: f = f_0 + (f_1 - f_0) s / T \quad\text{or}\quad f = f_0 (f_1 / f_0)^{s / T}
 
-    with s the time since ``start``. Before, it stands at its first value; behind, it goes on at ``last``.
+    with s the time since ``start``. Before, it has its first value; afterwards, it continues at ``last``.
 
     Attributes:
         mean: [rad] ([m]).
         amplitude: [rad] ([m]).
         first: Frequency it begins with, f_0 [Hz].
         last: Frequency it ends with, f_1 [Hz].
-        duration: How long it takes, T [s].
+        duration: Duration, T [s].
         spacing: By equal steps, or by equal factors (octaves a minute).
-        start: When it begins [s].
+        start: Begin [s].
         phase: Of the sine at its begin [rad].
     """
 

@@ -1,16 +1,16 @@
 """Base of force elements: interface for system, run, scenario, result and report.
 
-An element acts at one joint: it sees time, the joint's angle and rate, and gives the torque about its axis.
-(A :class:`ForceElement` may act elsewhere; what is said below of joints does not hold for it then.)
+An element acts at one joint: its torque about the joint's axis is a function of time, the joint's angle and
+rate. (A :class:`ForceElement` may act elsewhere; statements on joints below do not apply then.)
 It is a frozen dataclass whose fields declare themselves (:mod:`antenna_pin.base.parameters`), with its
 kernels in the same file, which the class names by ``kernels = __name__``:
 
-- ``effort``, unless it has none; ``write_rates`` of what it integrates (``integrals``), unless that is the
+- ``effort``, unless it has none; ``write_rates`` of its ``integrals``, unless these are the
   work of a drive, or nothing is lost;
 - if it stores energy ``stored``; if its effort has kinks ``kink``; if it follows a reference ``reference``;
 - if it prescribes the joint's motion ``motion``.
 
-One whose torque depends on what it integrates (``states``) has instead of the first three ``effort_of``,
+An element whose torque depends on its integrals (``states``) has instead of the first three ``effort_of``,
 ``write_rates_of`` and ``stored_of``, and where kinks depend on that ``kink_of``. Their arguments and units,
 and those of all further hooks, stand in :class:`antenna_pin.elements.hook_kernels.Hooks`.
 
@@ -293,7 +293,7 @@ class Element(ForceElement):
         """Return the functions for a run.
 
         Args:
-            place: Its name, for what is said of them.
+            place: Its name, for messages about them.
             slides: Whether the joint slides along its axis rather than turning about it.
         """
         from antenna_pin.compiled.given_functions import callable_of
@@ -346,7 +346,7 @@ class Drive(Element):
     """Base of the elements that put work in.
 
     Attributes:
-        axis: Whose axis the torque acts about; it matters at joints with play.
+        axis: Part whose axis the torque acts about, at joints with play.
     """
 
     integrals: ClassVar[tuple[Integral, ...]] = (WORK, GROSS_WORK)

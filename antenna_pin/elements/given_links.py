@@ -32,18 +32,18 @@ __all__ = [
 # Kernels call a function by its address with a time and the place of a stretch of numbers
 # (:mod:`antenna_pin.elements.desk_kernels`); what stands there, records, is made here of how many there are.
 
-#: Compiled functions, kept for as long as their addresses are in use anywhere.
+#: Compiled functions, referenced as long as their addresses are in use.
 _KEPT: list[Any] = []
 
 
 def address_on_links(place: str, name: str, function: Any, sizes: tuple[int, int, int, int]) -> float:
-    """Return where a compiled function stands that kernels call.
+    """Return the address of a compiled function that kernels call.
 
     Args:
-        place: Whose it is, for the refusal.
-        name: Which one, for the refusal.
+        place: Owner of the function, for the refusal.
+        name: Its name, for the refusal.
         function: Compiled by ``numba.njit``.
-        sizes: How many parameters, links, joints and states it is asked of.
+        sizes: Numbers of its parameters, links, joints and states.
 
     Raises:
         InvalidParameterError: Numba cannot compile it for these.
@@ -171,7 +171,7 @@ class CallableElement(OnLinks):
     """Function of links and joints in Python: a tether, a magnetic damper.
 
     The function is plain Python, or compiled by ``numba.njit``, the same text either way (:class:`Acts`). All
-    that it may write is zero (``kink`` 1) when it is asked. It must answer equal questions equally.
+    that it may write is zero (``kink`` 1) at a call. Equal arguments must give equal results.
 
     Attributes:
         act: The function.
@@ -181,7 +181,7 @@ class CallableElement(OnLinks):
         integrates: Names of numbers that it integrates, of size 1, from zero on.
         internal: Whether the first link takes the reaction of all others; what is written for it is left out.
         passive: Whether it puts nothing in: its work is what it says that it stores and loses. Else all its
-            work is put in, and it is not asked for energy and loss. Energy must not depend on time.
+            work is put in, and energy and loss are not evaluated. Energy must not depend on time.
         has_kink: Whether ``kink`` counts: steps end where it passes zero.
         longest: Longest step that still resolves it [s]; None for any.
     """
@@ -270,7 +270,7 @@ class CallableElement(OnLinks):
         """Call the Python function, and check its results.
 
         Args:
-            place: Its name, for what is said of it.
+            place: Its name, for messages about it.
             t: Time [s].
             desk: What it sees: ``(whole, links, joints, states)``, to be written to.
 

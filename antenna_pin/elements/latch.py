@@ -38,7 +38,7 @@ class Latch(Capture):
         stiffness: k [N*m/rad] ([N/m]).
         damping: c [N*m*s/rad] ([N*s/m]).
         play: p, in all, from flank to flank [rad] ([m]).
-        flank: Which flank the joint is pressed to, +1 above, -1 below, 0 neither.
+        flank: Flank under load, +1 above, -1 below, 0 neither.
     """
 
     kernels: ClassVar[str] = __name__
@@ -109,8 +109,8 @@ def held_torque(latch: Latch, angle: float, rate: float) -> float:
 
     With play it is that of the flank under load.
 
-    Where that would pull, the joint comes off it (``switch``); in a trial step beyond, the torque
-    goes on as it is, so that steps are smooth.
+    Where that would pull, the joint leaves it (``switch``); in a trial step beyond, the torque
+    continues, so that steps are smooth.
     """
     if latch.half_play > 0.0 and latch.flank == 0.0:
         return 0.0

@@ -24,8 +24,8 @@ class Limits(ModalElement):
     """Base of the end stops: between them, or on a side.
 
     Attributes:
-        lower: Where the joint stops on its way down [rad] ([m]); with neither limit, those of the URDF.
-        upper: Where the joint stops on its way up [rad] ([m]); None for no stop there.
+        lower: Lower limit [rad] ([m]); with neither limit, those of the URDF.
+        upper: Upper limit [rad] ([m]); None for no stop there.
     """
 
     modes: ClassVar[tuple[str, ...]] = ("free", "lower", "upper")

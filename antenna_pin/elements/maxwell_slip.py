@@ -46,7 +46,7 @@ class MaxwellSlip(ModalElement):
     Attributes:
         stiffness: Of each, k, at most 8 [N*m/rad] ([N/m]).
         slip: Torque at which each slips, s [N*m] ([N]).
-        rest_angle: Where none is bent at the start [rad] ([m]); None for where the joint starts.
+        rest_angle: Angle at which all are unloaded at the start [rad] ([m]); None for that of the joint.
 
     References:
         Iwan, W. D.: A distributed-element model for hysteresis and its steady-state dynamic response. J.

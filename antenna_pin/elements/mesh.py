@@ -76,7 +76,7 @@ class Gear(Teeth):
         stiffness: Of the mesh, on the side that ``side`` says [N*m/rad].
         damping: Likewise, in contact only [N*m*s/rad].
         play: Total play (backlash), likewise [rad].
-        side: Which side deflection, stiffness, damping, play, offset and error are measured on.
+        side: Side of deflection, stiffness, damping, play, offset and error.
         offset: x_0, the deflection that is none: middle of the play where both angles are zero [rad].
         efficiency: Share of the power that arrives where the input drives.
         efficiency_back: Share of the power that arrives where the output drives; zero or more.

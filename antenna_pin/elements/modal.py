@@ -19,7 +19,7 @@ __all__ = ["AFTER", "BLOW", "CAPTURE", "Change", "Met", "Modal", "ModalElement",
 Remembered = Literal["way", "rate"]
 """Of what of its joint an element remembers a number."""
 
-# In which order changes at one instant are made: what is captured, what is struck, and all else.
+# Order of changes at one instant: captures, blows, and all others.
 CAPTURE, BLOW, AFTER = 0, 1, 2
 
 _NOTHING: Mapping[str, float] = MappingProxyType({})
@@ -33,10 +33,10 @@ class Met(NamedTuple):
         t: Time [s].
         angle: Of the joint, with whole turns [rad] ([m]).
         rate: Of the joint [rad/s] ([m/s]).
-        load: Torque that its row carries, on the child, 0 where it holds nothing [N m] ([N]).
-        integrals: What it has integrated so far, in the order of its own.
+        load: Torque of its row on the child, 0 where it holds nothing [N m] ([N]).
+        integrals: Its integrals so far, in their order.
         inertia: Reduced inertia about the joint's axis of what is on both its sides [kg m^2] ([kg]), for
-            those that ask for it (``weighs``), else 0.
+            elements that need it (``weighs``), else 0.
     """
 
     t: float
@@ -57,15 +57,15 @@ class Change(NamedTuple):
 
     Attributes:
         mode: The next mode.
-        what: What is recorded of it, such as ``upper: on``; "" where nothing is.
+        what: Recorded description, such as ``upper: on``; "" for none.
         memory: Further numbers that it changes, by the names of fields.
         restitution: e of an impulse at the joint, after which its rate is -e times that before; None where
             there is none. A joint that is held from now on comes to rest by itself.
         switches_off: Places of elements that are off from now on.
-        loss: Energy that it has lost in the mode that ends, to be told [J]; without that of an impulse.
-        impulse: On the child in the mode that ends, to be told [N m s] ([N s]); likewise.
-        phase: CAPTURE, BLOW or AFTER: of changes at one instant those of the earliest are made together, and
-            the others are looked at anew behind them.
+        loss: Energy lost in the mode that ends, to be recorded [J]; without that of an impulse.
+        impulse: Impulse on the child in the mode that ends, to be recorded [N m s] ([N s]); likewise.
+        phase: CAPTURE, BLOW or AFTER: of changes at one instant those of the earliest phase are made
+            together, and the others are evaluated again afterwards.
     """
 
     mode: int

@@ -27,20 +27,19 @@ class Motor(Drive):
 
     .. math:: \tau = n (K_t i - T_c \sin(c n \phi + \psi)), \quad L \dot i = U - R i - K_e n \dot\phi
 
-    Without an inductance the current follows at once. The driver puts on the voltage that is commanded,
-    within its limit, and none that would bring the current beyond its own: U lies within
-    :math:`K_e n \dot\phi \pm R i_{max}`. A current that is commanded takes the voltage
-    :math:`R i + K_e n \dot\phi`, which is limited.
+    Without an inductance the current follows at once. The driver applies the commanded voltage within its
+    limit and that of the current: U lies within :math:`K_e n \dot\phi \pm R i_{max}`. A commanded current
+    needs the voltage :math:`R i + K_e n \dot\phi`, which is limited.
 
     Its work is that on the joint, without the cogging, whose energy is stored,
-    :math:`-(T_c / c) \cos(c n \phi + \psi)`. What it takes from its supply, :math:`\int U i`, and the heat
-    of the winding, :math:`\int R i^2`, are results of their own: less the heat and :math:`L i^2 / 2` the
-    first is the work if both constants are one, as they are in SI units. Switched off it does nothing at the
-    joint, and its circuit goes on as if that stood still.
+    :math:`-(T_c / c) \cos(c n \phi + \psi)`. The energy from its supply, :math:`\int U i`, and the heat
+    of the winding, :math:`\int R i^2`, are separate results: less the heat and :math:`L i^2 / 2` the
+    first is the work if both constants are equal, as in SI units. Switched off it does not act on the
+    joint, and its circuit continues as if the joint stood still.
 
     Attributes:
-        value: What is commanded: voltage [V] or current [A], by ``mode``.
-        mode: What is commanded.
+        value: Commanded voltage [V] or current [A], by ``mode``.
+        mode: Commanded quantity.
         torque_constant: K_t [N*m/A].
         back_emf: K_e; that of the torque, if not given [V*s/rad].
         resistance: R [ohm].

@@ -74,7 +74,7 @@ class OutsideForce(AtPoint):
         courses = {"frequency": self.frequency, "time": self.time, "follows": self.follows}
         several = [name for name, course in courses.items() if course is not None]
         if several[1:]:
-            rule = f"left out beside {several[1]}: a force has one course; follow a sum, or take two forces"
+            rule = f"omitted if {several[1]} is given: a force has one course; follow a sum, or use two"
             raise InvalidParameterError(self, several[0], rule)
         if self.time is not None:
             check_table(self, "factors")

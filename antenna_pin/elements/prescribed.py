@@ -222,10 +222,10 @@ class PrescribedMotion(Course, Motion):
             such part, or it is given as numbers.
         time: Of the table, strictly increasing, at least two [s]. A run must lie within them.
         positions: Of the table, joined by cubics of continuous second derivative [rad] ([m]).
-        rate_jumps: What a jump of the rate is, by the reference or by a number that is set: an ``impulse`` of
+        rate_jumps: A jump of the rate, by the reference or by a number that is set: an ``impulse`` of
             the motion, whose work is the drive's, or ``refused``. A jump of the position is always refused.
-        offset: By how much events that set the rate have moved phi_0, so that the motion goes on from where
-            it is [rad] ([m]).
+        offset: Displacement of phi_0 by events that set the rate, so that the motion continues from its
+            position [rad] ([m]).
     """
 
     kernels: ClassVar[str] = __name__

@@ -26,7 +26,7 @@ class RigidLatch(Capture):
     the joint.
 
     Attributes:
-        held_at: Where it holds the joint [rad] ([m]).
+        held_at: Held angle of the joint [rad] ([m]).
     """
 
     kernels: ClassVar[str] = __name__

@@ -235,7 +235,7 @@ class SweepShake(_Swept):
         end_frequency: To which it is swept; below the first of a sweep down [Hz].
         octaves_per_minute: Rate of a logarithmic sweep [-].
         hertz_per_second: Rate of a linear sweep, in place of the former [-].
-        dwell: How long it stays at the end frequency before it goes back, in whole half periods [s].
+        dwell: Time at the end frequency before the way back, in whole half periods [s].
         back: Whether it goes back to the first frequency.
     """
 

@@ -25,11 +25,11 @@ class TableShake(Shake):
 
     A displacement is joined by cubics whose second derivative is continuous; a velocity, or an acceleration,
     by straight lines. The integrals of the last two start at ``start_displacement`` and, of an acceleration,
-    ``start_velocity``. Where they end is said in words: an acceleration that was measured drifts away, and
-    nothing is taken off it.
+    ``start_velocity``. Their final values are in the description: the integral of a measured acceleration
+    drifts, and is not corrected.
 
     Attributes:
-        of: What the numbers of the course are of.
+        of: Quantity of the course.
         file: Where the table came from, relative to the scenario's folder; None if it is given as numbers.
         time: Strictly increasing, at least two; a run must lie within them [s].
         course: A number for each time, in SI units once multiplied by ``scale``.

@@ -20,7 +20,7 @@ class Slew(Reference):
     Attributes:
         begin: Value before it [rad] ([m]).
         end: Value behind it, held from then on [rad] ([m]).
-        start: When it begins [s].
+        start: Begin [s].
     """
 
     begin: float = parameter("rad", sliding="m", default=0.0)
@@ -176,8 +176,8 @@ class RestToRest(Slew):
     At both ends the rate is zero, of all but ``cubic`` the acceleration too, of ``septic`` also the jerk.
 
     Attributes:
-        duration: How long it takes [s].
-        shape: Which one.
+        duration: Duration [s].
+        shape: Shape of the course.
     """
 
     duration: float = parameter("s", rule="positive")

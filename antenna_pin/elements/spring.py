@@ -28,7 +28,7 @@ class JointSpring(Element):
     Attributes:
         stiffness: [N*m/rad] ([N/m]).
         damping: [N*m*s/rad] ([N*s/m]).
-        rest_angle: Where the spring is at rest [rad] ([m]).
+        rest_angle: Rest angle [rad] ([m]).
         shorter_way: Whether the deflection is taken the shorter way round, as a magnet's: it jumps at half a
             turn.
     """

@@ -71,7 +71,7 @@ class StickingFriction(ModalElement):
         radius: r, at which a turning joint slips under radial load [m].
         axial_radius: r_a, at which a turning joint slips under axial load [m].
         bending_arm: a: a moment M presses like a force M / a [m]; None for moments that do not press.
-        middle: Where the bearing's middle is, from the joint's origin along its axis [m].
+        middle: Place of the bearing's middle along the axis, from the joint's origin [m].
 
     References:
         Names of the load as those of joint friction in Adams and MotionSolve: F radial and axial, a bending

@@ -39,34 +39,33 @@ class EndStop(Limits):
               \delta = \phi - \phi_{upper} \text{ or } \phi_{lower} - \phi, \quad
               f_e = K \delta \left(\frac{\delta}{1\,\mathrm{rad}}\right)^{n - 1}
 
-    with f of the law named, of which the depth is the angle beyond the limit; touch and release are located.
-    ``upper_stiffness``, ``upper_law``, ... say where the upper side differs. A start beyond a limit is a
-    start pressed in: without an onset, and so without a rate of approach, a law that divides by that rate
-    presses out by its elastic part alone, up to the release. So does a stop that is switched on, or moved,
-    beyond the limit.
+    with f of the named law, whose depth is the angle beyond the limit; touch and release are located.
+    ``upper_stiffness``, ``upper_law``, ... apply to the upper side alone. After a start beyond a limit, or
+    where a stop is switched on or moved there, only the elastic part of the law acts up to the release, as
+    the approach speed is unknown.
 
     Attributes:
         stiffness: K, torque at a depth of 1 rad over 1 rad, whatever the exponent [N*m/rad] ([N/m]).
         exponent: n, 1 for a linear spring [-].
-        law: What dissipates; ``exact-restitution`` delivers it against a body that moves freely.
-        restitution: Of laws that ask for one, in [0, 1] [-].
+        law: Dissipation; ``exact-restitution`` delivers its restitution against a free body.
+        restitution: Of laws that need one, in [0, 1] [-].
         damping: Of ``kelvin-voigt`` and ``adams-impact`` [N*m*s/rad] ([N*s/m]).
         full_damping_depth: Of ``adams-impact`` [rad] ([m]).
         slope: Of ``marhefka-orin``: loss of restitution over rate [s/rad] ([s/m]).
-        inertia: Of ``tsuji`` and ``jankowski``: what strikes the stop [kg*m**2] ([kg]).
+        inertia: Of ``tsuji`` and ``jankowski``: inertia that strikes the stop [kg*m**2] ([kg]).
         upper_stiffness: K of the upper side; None for the same [N*m/rad] ([N/m]).
         upper_exponent: n of the upper side; None for the same [-].
-        upper_law: Law of the upper side, which then asks for its own parameters anew where the law of both
-            sides does not have them; None for the same.
+        upper_law: Law of the upper side, with its own parameters where the law of both sides does not have
+            them; None for the same.
         upper_restitution: Of the upper side; None for the same [-].
         upper_damping: Of the upper side; None for the same [N*m*s/rad] ([N*s/m]).
         upper_full_damping_depth: Of the upper side; None for the same [rad] ([m]).
         upper_slope: Of the upper side; None for the same [s/rad] ([s/m]).
         upper_inertia: Of the upper side; None for the same [kg*m**2] ([kg]).
-        least_rate: Least rate of approach that a law sees [rad/s] ([m/s]).
+        least_rate: Floor of the approach rate in the law [rad/s] ([m/s]).
         approach: Rate at the onset of the present touch [rad/s] ([m/s]).
         turned: Whether it has turned back in the present touch, 0 or 1.
-        lost: What it had lost before that [J].
+        lost: Its loss before that [J].
         struck: Its impulse before that, by size [N*m*s] ([N*s]).
     """
 
@@ -124,7 +123,7 @@ class EndStop(Limits):
                 )
             if own in takes and not given:
                 name = f"upper_{own}" if side == UPPER else own
-                raise InvalidParameterError(self, name, f"given; law {law} asks for it", said="none")
+                raise InvalidParameterError(self, name, f"given; law {law} needs it", said="none")
         try:
             self.contact_law(side)
         except InvalidParameterError as error:

@@ -41,7 +41,7 @@ class Thruster(AtPoint):
         throttle: Share of the thrust between pulses, which a controller commands [-].
         minimum_on_time: Of a pulse [s].
         minimum_impulse: Impulse bit: of a pulse at least [N*s].
-        short_pulses: What becomes of shorter pulses: ``refuse`` or ``lengthen``.
+        short_pulses: Shorter pulses: ``refuse`` or ``lengthen``.
         misalignment: Angle of the direction's error, or with a seed its standard deviation [rad].
         azimuth: Of the error [rad].
         seed: From which the error is drawn [-]; None for the one that is given.
@@ -76,7 +76,7 @@ class Thruster(AtPoint):
             missing = "fall_time" if self.rise_time > 0.0 else "rise_time"
             raise InvalidParameterError(self, missing, "above zero, as the other time constant is")
         if self.seed is not None and self.azimuth:
-            raise InvalidParameterError(self, "azimuth", "left out beside a seed, from which it is drawn")
+            raise InvalidParameterError(self, "azimuth", "omitted if a seed is given, from which it is drawn")
         if self.misalignment >= 0.5 * math.pi:
             raise InvalidParameterError(self, "misalignment", "below a quarter of a turn")
         if len(self.durations) not in (1, len(self.starts)) or bool(self.starts) != bool(self.durations):

@@ -13,14 +13,14 @@ __all__ = ["check_together"]
 
 
 def check_together(families: Mapping[str, Mapping[str, ForceElement]]) -> None:
-    """Refuse latches out of a stop's reach, and two latches with one window.
+    """Refuse latches beyond a stop, and latches with overlapping windows.
 
     Args:
         families: All elements of a system, by family and then by name.
 
     Raises:
-        MechanismError: Of the first that is wrong.
-        UnknownNameError: It switches off what there is not, or what cannot be.
+        MechanismError: The first such latch.
+        UnknownNameError: A latch switches off an unknown element, or one without a switch.
     """
     elements = {f"{table}.{name}": one for table, named in families.items() for name, one in named.items()}
     latches = {place: one for place, one in elements.items() if isinstance(one, Capture)}

@@ -18,7 +18,7 @@ __all__ = ["check_asked", "check_friction", "check_load"]
 
 
 def _check_kinds(place: str, law: Any) -> None:
-    """Refuse a law whose code kernels do not support.
+    """Refuse a law with a code that kernels do not support.
 
     Args:
         place: The joint, for the message.
@@ -42,9 +42,9 @@ def check_asked(place: str, normal_laws: Sequence[Any], friction: Any, backend: 
 
     Args:
         place: The joint, for the message.
-        normal_laws: Of its contacts.
+        normal_laws: Normal laws of its contacts.
         friction: Its friction law.
-        backend: What measures its gaps, or the name of that.
+        backend: Backend of its gaps, or its name.
     """
     if backend not in ("coal", "closed-form") and not hasattr(backend, "query"):
         raise InvalidParameterError(place, "backend", "coal, closed-form or an object with query()", backend)
@@ -88,15 +88,15 @@ def check_load(
     compiled: bool,
     bristles: bool,
 ) -> None:
-    """Refuse a kind of load, or what distributed load cannot go with.
+    """Refuse a kind of load, or combinations that distributed load excludes.
 
     Args:
         place: The joint, for the message.
         load: "point" or "distributed".
         geometry: Shape of the joint.
-        backend: What measures its gaps.
-        strips: Of the bore.
-        sectors: Of a flange.
+        backend: Backend of its gaps.
+        strips: Number of strips of the bore.
+        sectors: Number of sectors of a flange.
         compiled: Whether all laws run compiled.
         bristles: Whether the friction law has states.
     """

@@ -154,7 +154,7 @@ class ClearanceJoint:
         """Return the parts of the joint that run in Python; None without.
 
         Args:
-            block: The joint's numbers, as they stand in a system's program.
+            block: The joint's numbers in a system's program.
             memory: Contact memory of the system.
             table: Contact table of the system.
             nq: Size of the configuration.
@@ -217,8 +217,8 @@ class ClearanceJoint:
             q: Start of its configuration in q.
             v: Start of its velocity in v.
             first_contact: Row of its first contact.
-            start_x: Where its integrated numbers start in x.
-            turn: Where its turned angle stands in x; without meaning for a joint that does not turn.
+            start_x: Start of its integrals in x.
+            turn: Place of its turned angle in x; unused for a joint that does not turn.
         """
         distributed = self.load == "distributed"
         size = _layout.JOINT_WORDS + self.contacts * _layout.CANDIDATE_WORDS
@@ -319,7 +319,7 @@ class ClearanceJoint:
         memory = np.zeros(n, MEMORY)
         pose = np.zeros(1, POSE)
         kernels.geometry_alone(block, 0, y, nq, table, pose)
-        kernels.rates_alone(block, 0, table, pose)  # of those that are apart, which the fast path leaves out
+        kernels.rates_alone(block, 0, table, pose)  # contacts that are apart, which the fast path omits
         memory["touching"] = table["gap"][:n] <= 0.0 if touching is None else np.asarray(touching)
         speed = self.approach_speed_floor if approach_speed is None else np.asarray(approach_speed)
         memory["approach_speed"] = np.maximum(speed, self.approach_speed_floor)

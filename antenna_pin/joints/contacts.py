@@ -19,8 +19,8 @@ class JointContacts:
     Attributes:
         gap: (contacts,) [m].
         normal: From the bearing into the journal, (contacts, 3).
-        point: Where the force acts, from the bearing's centre, (contacts, 3) [m]: the deepest point, but of a
-            flange that presses flat under point load.
+        point: Point of the force, from the bearing's centre, (contacts, 3) [m]: the deepest point, except for
+            a flange that presses flat under point load.
         rate: Penetration rate at the contact's point, (contacts,) [m/s].
         slip: Tangential velocity of the journal over the bearing, (contacts, 3) [m/s].
         normal_force: (contacts,) [N].

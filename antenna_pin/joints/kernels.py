@@ -2,11 +2,11 @@
 
 A joint is a block of numbers in a system's program (:mod:`antenna_pin.joints.layout_kernels`), its contacts
 are rows of a table (:data:`antenna_pin.base.records.CONTACT`) and of the contact memory
-(:data:`antenna_pin.base.records.MEMORY`). What a contact integrates lies in x from its own start on.
+(:data:`antenna_pin.base.records.MEMORY`). Integrals of a contact are consecutive in x.
 
 A point load at a flange acts at the deepest point of the rim, or nearer to the axis where the whole annulus
-presses (:func:`antenna_pin.joints.row_kernels.lever`); its depth, and so its force and the energy stored,
-stay those of the deepest point.
+presses (:func:`antenna_pin.joints.row_kernels.lever`); its depth, and so its force and the stored energy,
+remain those of the deepest point.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def touching_geometry(
 def contact_rates(p: Floats, b: int, pose: Pose, table: Records[Contact]) -> None:
     """Fill depth rate and slip of a joint's contacts, and of loaded strips.
 
-    A point load at a flange that presses flat is moved to where it acts.
+    The point of a point load at a flange that presses flat is moved to that of the force.
     """
     j = joint_at(p, b)
     for k in range(j.contacts):
@@ -177,7 +177,7 @@ def contact_forces(
         out = table[j.row + k]
         remembered = memory[j.row + k]
         if remembered.touching == 0.0:
-            # Both are zero only if all between are; most contacts are apart, and stay so.
+            # Both are zero only if all between are; most contacts stay apart.
             if out.force != 0.0 or out.elastic != 0.0:
                 no_forces(out)
         elif j.distributed != 0:
@@ -217,7 +217,7 @@ def contact_wrench(
             rate.lost_normal = out.lost_normal
             rate.lost_friction = out.lost_friction
             continue
-        # Where a law without adhesion is cut off at zero, what the spring gives back is lost too.
+        # Where a law without adhesion is cut off at zero, the energy released by the spring is lost too.
         lost = (out.force - out.elastic) * out.rate
         if primitive_of(p, b, k) == FLANGE:
             lost += arm_power(pose, out)
@@ -290,9 +290,9 @@ def clearance_joint(
     tau: Floats,
     rates: Floats,
 ) -> None:
-    """Add a clearance joint's generalized force to tau; write the rates of what it integrates.
+    """Add a clearance joint's generalized force to tau; write the rates of its integrals.
 
-    Of the table only the rows of touching contacts are brought up to date (see ``contact_geometry`` for all).
+    Only rows of touching contacts in the table are updated (``contact_geometry``: all).
     """
     j = joint_at(p, b)
     journal_state(j, y, nq, pose)
@@ -325,7 +325,7 @@ def alone(
 def geometry_alone(
     p: Floats, b: int, y: Floats, nq: int, table: Records[Contact], pose: Records[Pose]
 ) -> None:
-    """Fill gap, normal and point of a joint's rows, called from outside.
+    """Fill gap, normal and point of a joint's rows, for calls from outside.
 
     ``pose`` is POSE, (1,).
     """
@@ -335,7 +335,7 @@ def geometry_alone(
 
 @kernel
 def rates_alone(p: Floats, b: int, table: Records[Contact], pose: Records[Pose]) -> None:
-    """Fill depth rates and slips of a joint's rows, called from outside.
+    """Fill depth rates and slips of a joint's rows, for calls from outside.
 
     ``pose`` is POSE, (1,).
     """

@@ -2,8 +2,8 @@
 
 A block is ``JOINT``, then for each contact its candidate's record
 (:mod:`antenna_pin.joints.geometry.kernels`), its normal and its friction law, then under distributed load
-``PATCHES`` and the sectors' nodes. Of what is an array the place is returned, not the array: compiled code
-that counts no references returns none.
+``PATCHES`` and the sectors' nodes. Functions return the place of an array, not the array: compiled code
+without reference counts returns none.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from antenna_pin.joints.geometry.revolute_kernels import REVOLUTE, Revolute
 #: The kind of block that a joint with play is in a program.
 CLEARANCE = 1
 
-# Its mode: what the rows of the contact table hold already.
+# Mode of a joint: quantities that Python has written to the contact table.
 ALL_COMPILED = 0
 GEOMETRY_GIVEN = 1  # gap, normal and point (coal, or another backend in Python)
 FORCES_GIVEN = 2  # forces too (laws in Python)
@@ -29,20 +29,20 @@ class JointRecord(Record):
 
     kind: int  # of the block
     length: int  # of the block, in 8-byte words
-    mode: int  # what Python provides: nothing, GEOMETRY_GIVEN, FORCES_GIVEN
+    mode: int  # quantities from Python: none, GEOMETRY_GIVEN, FORCES_GIVEN
     q: int  # start of the joint's slice of q
     v: int  # start of the joint's slice of v
-    row: int  # of its first contact in the table
-    contacts: int  # how many
-    x: int  # start of what they integrate
-    stride: int  # how many numbers each integrates
+    row: int  # row of its first contact in the table
+    contacts: int  # number of contacts
+    x: int  # start of their integrals
+    stride: int  # number of integrals of each
     turn: int  # place of the turned angle in x; -1: none
     planar: int  # 1: 3 freedoms, else 6
-    distributed: int  # 1: under distributed load
+    distributed: int  # 1: distributed load
     slides: int  # 1: prismatic
     on_child: int  # 1: the bearing is on the child
-    axes: Matrix3  # of bearing and journal frame (columns)
-    centre: Vector3  # of these frames [m]
+    axes: Matrix3  # rotation from joint frame to bearing and journal frame (columns)
+    centre: Vector3  # origin of these frames [m]
 
 
 JOINT = layout(JointRecord)
@@ -55,10 +55,10 @@ CANDIDATE_WORDS = CANDIDATE + NORMAL_SIZE + FRICTION_SIZE
 class Patches(Record):
     """Patches under distributed load; the nodes of sectors follow."""
 
-    strips: int  # how many
-    sectors: int  # how many
+    strips: int  # number of strips
+    sectors: int  # number of sectors
     first: int  # row of the first strip
-    radius: float  # of the sectors' circle [m]
+    radius: float  # radius of the sectors' circle [m]
 
 
 PATCHES = layout(Patches)

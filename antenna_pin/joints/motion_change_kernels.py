@@ -1,13 +1,13 @@
 """Changes of a joint with play along a displacement, compiled, in closed form.
 
-A displacement moves the journal in its bearing, changes its twist, and may change dimensions. By kinematics
-that gives the changes of its pose; these and those of dimensions the changes of gap, normal and point
+A displacement moves the journal in its bearing, changes its twist, and may change dimensions. Kinematics
+gives the changes of its pose; these and those of dimensions give the changes of gap, normal and point
 (:mod:`antenna_pin.joints.geometry.tangent_kernels`); all together those of depth rate and slip. Ends of
 sliders in guides are the exception, whose gap is one of several: these are differentiated along the change of
 the pose.
 
-``room`` is a :class:`~.tangent_room_kernels.JointRoom`. Of its poses the first is the journal as
-it is, the second by how much it changes, the third where differences displace it to.
+``room`` is a :class:`~.tangent_room_kernels.JointRoom`. Its first pose is the journal, the second its change,
+the third the pose displaced for differences.
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ from antenna_pin.joints.pose_kernels import journal_state, onto_joint
 from antenna_pin.joints.row_kernels import lever, lever_slope
 from antenna_pin.joints.tangent_room_kernels import JointRoom
 
-#: Behind the changes of gap, normal and point: those of depth rate, slip, and of what a flange's arm does.
+#: After the changes of gap, normal and point: those of depth rate, slip, and of the effect of a flange's arm.
 RATE, SLIP, TWIRL, LOOKED = CHANGED, CHANGED + 1, CHANGED + 4, CHANGED + 5
-#: What of a joint's block goes with a number of the system, added up: contacts' dimensions, laws, where the
-#: joint's frames are.
+#: Dependence of a joint's block on a number of the system, added up: dimensions of contacts, laws, places of
+#: the joint's frames.
 MOVES, RULES, PLACES = 1, 2, 4
 # First step of differences, over units.
 _WAY = 1e-3
@@ -69,7 +69,7 @@ def _twist(j: JointRecord, pose: Pose, x: Floats, k: int) -> Six:
             r[1, 0] * wx + r[1, 1] * wy + r[1, 2] * wz,
             r[2, 0] * wx + r[2, 1] * wy + r[2, 2] * wz,
         )
-    # The journal stands on the parent: it moves against the child's point that is where its centre is.
+    # The journal is on the parent: it moves relative to the child's point at its centre.
     tx = a[0, 0] * wx + a[1, 0] * wy + a[2, 0] * wz
     ty = a[0, 1] * wx + a[1, 1] * wy + a[2, 1] * wz
     tz = a[0, 2] * wx + a[1, 2] * wy + a[2, 2] * wz
@@ -85,11 +85,11 @@ def _twist(j: JointRecord, pose: Pose, x: Floats, k: int) -> Six:
 
 @kernel
 def change_pose(p: Floats, b: int, y: Floats, way: Floats, room: JointRoom) -> None:
-    """Write how a journal's pose and twist change along a displacement to ``room.poses[1]``.
+    """Write the change of a journal's pose and twist along a displacement to ``room.poses[1]``.
 
-    To its force and moment it writes what a wrench in bearing axes must change by to do along the joint's
-    freedoms, as they are, what the wrench as it is does along them displaced; to ``room.carried`` what of
-    that goes with the joint's frames.
+    Its force and moment receive the change of a wrench in bearing axes equivalent to the effect of the
+    constant wrench along the displaced freedoms; ``room.carried`` receives the part due to the joint's
+    frames.
     """
     j, pose, out, nv = joint_at(p, b), room.poses[0], room.poses[1], room.tau.shape[0]
     v, w, f, m = pose.velocity, pose.spin, pose.force, pose.moment
@@ -104,7 +104,7 @@ def change_pose(p: Floats, b: int, y: Floats, way: Floats, room: JointRoom) -> N
     x, y_, z = pose.axis[0], pose.axis[1], pose.axis[2]
     out.axis[0], out.axis[1], out.axis[2] = ay * z - az * y_, az * x - ax * z, ax * y_ - ay * x
     if j.on_child == 0:
-        # Twist and wrench are turned with the journal, in whose part's axes they are what they were.
+        # Twist and wrench rotate with the journal, in whose part's axes they are constant.
         out.velocity[0] = vx + ay * v[2] - az * v[1]
         out.velocity[1] = vy + az * v[0] - ax * v[2]
         out.velocity[2] = vz + ax * v[1] - ay * v[0]
@@ -120,7 +120,7 @@ def change_pose(p: Floats, b: int, y: Floats, way: Floats, room: JointRoom) -> N
         out.moment[1] = ax * m[2] - az * m[0]
         out.moment[2] = ay * m[0] - ax * m[1]
     else:
-        # The bearing's part is at rest in its axes; the wrench acts on it where the journal's centre is.
+        # The bearing's part is at rest in its axes; the wrench acts on it at the journal's centre.
         out.velocity[0] = vx + w[1] * dz - w[2] * dy
         out.velocity[1] = vy + w[2] * dx - w[0] * dz
         out.velocity[2] = vz + w[0] * dy - w[1] * dx

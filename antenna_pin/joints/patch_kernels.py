@@ -1,7 +1,7 @@
-"""Distributed load, compiled: laws shared out over strips and sectors.
+"""Distributed load, compiled: laws distributed over strips and sectors.
 
-The four contacts of a revolute joint are patches then, whose rows sum up those of their strips and sectors,
-which follow behind the contacts of all joints.
+The four contacts of a revolute joint are then patches, whose rows sum up those of their strips and sectors,
+which follow after the contacts of all joints.
 """
 
 from __future__ import annotations
@@ -112,9 +112,9 @@ def _tune_sectors(
 def patch_forces(p: Floats, b: int, k: int, remembered: Memory, table: Records[Contact]) -> None:
     """Fill the forces of the loaded parts of patch k, and their sums.
 
-    The sums stand in the patch's row.
+    The sums are in the patch's row.
 
-    The law is the patch's; at its own depth, rate and slip each strip or sector has its share of it.
+    The law is the patch's; each strip or sector has its share at its own depth, rate and slip.
     """
     patch = table[joint_at(p, b).row + k]
     at = normal_at(b, k)

@@ -1,10 +1,10 @@
 """A journal in its bearing, compiled: state to pose, forces back.
 
 A joint has a frame on its parent and one on its child, which coincide at zero; with R and p the pose of the
-child's in the parent's and A the axes of bearing and journal, c their centre in either frame, the journal on
-the child stands in the bearing at A^T (p + R c - c), turned by A^T R A. With the bearing on the child it is
-the inverse: the journal's centre stands at d = R^T (c - p) in the child's frame, in the bearing at
-A^T (d - c), turned by A^T R^T A.
+child's in the parent's, A the axes of bearing and journal and c their centre in either frame, the journal on
+the child is in the bearing at A^T (p + R c - c), rotated by A^T R A. With the bearing on the child it is the
+inverse: the journal's centre is at d = R^T (c - p) in the child's frame, in the bearing at A^T (d - c),
+rotated by A^T R^T A.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ def journal_on_parent(j: JointRecord, y: Floats, nq: int, pose: Pose) -> None:
         pose.spin[0], pose.spin[1], pose.spin[2] = 0.0, 0.0, -w
         return
     wx, wy, wz = y[k + 3], y[k + 4], y[k + 5]
-    # d' = -v - w x d, as the child sees it.
+    # d' = -v - w x d, in the child's axes.
     vx = wz * dy - wy * dz - y[k]
     vy = wx * dz - wz * dx - y[k + 1]
     vz = wy * dx - wx * dy - y[k + 2]
@@ -211,11 +211,11 @@ def onto_bearing(j: JointRecord, pose: Pose, force: Triple, moment: Triple, tau:
 
 @kernel
 def wrapped_angle(j: JointRecord, y: Floats) -> Triple:
-    """Rotation of the child about the joint's axis (swing-twist) and where its rate comes from.
+    """Rotation of the child about the joint's axis (swing-twist) and source of its rate.
 
-    It is the journal's in the bearing, or with the bearing on the child the opposite of that: the twist about
-    an axis is of opposite sign in the inverse of a rotation, and nothing else changes, so that the joint's
-    angle does not depend on which part has the bore.
+    It is the journal's in the bearing, or with the bearing on the child the opposite: the twist about an axis
+    is of opposite sign in the inverse of a rotation, and nothing else changes, so that the joint's angle does
+    not depend on the part with the bore.
 
     Returns the angle [rad] in (-pi, pi] and gx, gy: its rate is gx wx + gy wy + wz for the angular velocity w
     of the child in its own axes (z along the axis of journal or bearing there).
@@ -224,7 +224,7 @@ def wrapped_angle(j: JointRecord, y: Floats) -> Triple:
     if j.planar != 0:
         return math.atan2(y[i + 3], y[i + 2]), 0.0, 0.0
     qx, qy, qz, qw = y[i + 3], y[i + 4], y[i + 5], y[i + 6]
-    # The vector part in bearing axes; the same rotation seen in a frame whose z is the joint's axis.
+    # The vector part in bearing axes; the same rotation in a frame whose z is the joint's axis.
     hx = j.axes[0, 0] * qx + j.axes[1, 0] * qy + j.axes[2, 0] * qz
     hy = j.axes[0, 1] * qx + j.axes[1, 1] * qy + j.axes[2, 1] * qz
     hz = j.axes[0, 2] * qx + j.axes[1, 2] * qy + j.axes[2, 2] * qz
@@ -278,8 +278,8 @@ def along_bearing(j: JointRecord, y: Floats) -> tuple[float, float, float, float
     """Return a sliding child's position along the bearing's axis [m], and its gradient.
 
     It is that of the journal's centre, or with the bearing on the child its opposite. The gradient is over
-    the joint's twist: the way's rate is gradient . twist, and a force on the child along the axis at the
-    journal's centre is the force times the gradient.
+    the joint's twist: the rate of the position is gradient . twist, and a force on the child along the axis
+    at the journal's centre is the force times the gradient.
     """
     cx, cy, cz = j.centre[0], j.centre[1], j.centre[2]
     ax, ay, az = j.axes[0, 2], j.axes[1, 2], j.axes[2, 2]

@@ -65,7 +65,7 @@ class LawInRun:
 
     Args:
         law: The law.
-        place: Whose it is, for messages about its functions.
+        place: Owner of the law, for messages about its functions.
     """
 
     __slots__ = ("_code", "_elastic_energy", "_elastic_force", "_force", "_limit")
@@ -99,11 +99,11 @@ class PythonPath:
         block: The joint's numbers.
         memory: Contact memory of the system, :data:`antenna_pin.base.records.MEMORY`.
         table: Contact table of the system, :data:`antenna_pin.base.records.CONTACT`.
-        nq: Size of the configuration: where the velocities start in a state.
-        distances: What measures its gaps; None for the compiled closed form.
-        laws: Its normal laws, one for each contact, and whose each is, as text.
+        nq: Size of the configuration: start of velocities in a state.
+        distances: Backend; None for the compiled closed form.
+        laws: Its normal laws, one for each contact, and the owner of each, as text.
         friction: Its friction law if laws run in Python, None if all are compiled; and its owner.
-        is_measured: Whether no closed form is known for what ``distances`` measures.
+        is_measured: Whether no closed form is known for the gaps of ``distances``.
     """
 
     def __init__(
@@ -118,7 +118,7 @@ class PythonPath:
         is_measured: bool = False,
     ) -> None:
         """Build the buffers once."""
-        #: Whether its gaps are what ``distances`` measures and nothing else.
+        #: Whether ``distances`` is the only source of its gaps.
         self.measured = is_measured
         #: Whether all its laws are compiled.
         self.compiled = friction is None
@@ -141,12 +141,12 @@ class PythonPath:
                 PatchLayout(int(patches.strips), first, float(patches.radius), nodes)
             )
         self._distances = distances
-        #: What asks coal, where that is all that is done in Python while contacts touch.
+        #: Function that queries coal, if touching contacts need nothing else in Python.
         self.queried: CoalBackend | None = None
         if self.compiled and isinstance(distances, CoalBackend):
             self.queried = distances
         self._table = table
-        # The joint's rows by name, looked up once: a look-up costs as much as a query of coal.
+        # The joint's rows by name: a look-up costs as much as a query of coal.
         rows = slice(self.row, self.row + len(laws))
         self._memory = memory[rows]
         self._touching: Array = memory["touching"][rows]
@@ -184,8 +184,8 @@ class PythonPath:
 
         Args:
             y: State [q, v, x].
-            everything: Ask the backend for contacts that do not touch, too; they have no force, whatever
-                their gap.
+            everything: Whether contacts that do not touch are queried too; they have no force, whatever their
+                gap.
         """
         row, table = self.row, self._table
         distances = self._distances

@@ -130,7 +130,7 @@ def bristles(
 ) -> None:
     """Fill the friction of a bristle law, and the rates of its states.
 
-    The bristle of a contact that is apart does not change; at the onset it is set to zero.
+    The bristle of a contact that is apart is constant; at the onset it is set to zero.
     """
     j = joint_at(p, b)
     for k in range(j.contacts):
@@ -159,14 +159,13 @@ def lever(depth: float, whole: float) -> float:
 
     With the far edge of the annulus free (``whole``, the difference in depth across it, above the depth) it
     acts at the rim. Else both edges press: the force's point moves from the rim to the axis as the tilt goes
-    to zero, by g(s) = s^3 (10 - 15 s + 6 s^2) of s = whole / depth, which has two derivatives of zero at both
-    ends: smooth at the rim, and so flat at the axis that a tilt of round-off size does nothing at all.
+    to zero, by g(s) = s^3 (10 - 15 s + 6 s^2) of s = whole / depth, which has two zero derivatives at both
+    ends: smooth at the rim, and so flat at the axis that a tilt of round-off size has no effect.
 
-    No potential belongs to that. One whose force is F(depth) at the rim and on the axis, with the lever in
-    between, would need the lever of the rim all the way to the axis. So the work of tilting a flange that
-    presses flat differs from what its spring stores, by at most F depth / 4 from flat to its edge; it is
-    counted with the losses in normal direction, and may be negative. (A load that is ``distributed`` has a
-    potential.)
+    This has no potential. A potential with the force F(depth) at the rim and on the axis would need the lever
+    of the rim all the way to the axis. So the work of tilting a flange that presses flat differs from the
+    stored energy, by at most F depth / 4 from flat to its edge; it is counted with the losses in normal
+    direction, and may be negative. (A load that is ``distributed`` has a potential.)
     """
     if whole >= depth:
         return 1.0
@@ -184,10 +183,10 @@ def lever_slope(s: float) -> float:
 def place_flange_force(shape: Revolute, pose: Pose, out: Contact) -> None:
     """Shift a flange row's point to the point of the force, with its rates.
 
-    Before it is the deepest point of the rim.
+    Before, it is the deepest point of the rim.
 
-    The depth stays the deepest point's. Its own rate jumps where the deepest point goes from one side of the
-    rim to the other; that of the force's point does not. Where nothing presses nothing is moved.
+    The depth remains the deepest point's. Its own rate jumps where the deepest point moves from one side of
+    the rim to the other; that of the force's point does not. Without contact nothing is moved.
     """
     for i in range(3):
         out.arm[i] = 0.0
@@ -216,7 +215,7 @@ def place_flange_force(shape: Revolute, pose: Pose, out: Contact) -> None:
 
 @inlined
 def arm_power(pose: Pose, out: Contact) -> float:
-    """Return the power between a flange's deepest point and its force [W]."""
+    """Return the power of a flange's spring between deepest point and force [W]."""
     return float(out.elastic * arm_rate(pose, out))
 
 

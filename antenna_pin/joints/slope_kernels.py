@@ -1,7 +1,7 @@
 """Derivatives of contact laws over their arguments and parameters, compiled.
 
 Friction without bristles is along slip: its argument is the size of the slip, its result the force along it.
-All is put together in :mod:`antenna_pin.joints.tangent_kernels`.
+:mod:`antenna_pin.joints.tangent_kernels` assembles the results.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ from antenna_pin.joints.layout_kernels import BRISTLES, friction_at, joint_at, n
 from antenna_pin.joints.row_kernels import row_forces
 from antenna_pin.joints.tangent_room_kernels import JointRoom
 
-# What a law is asked with: gap, depth rate, slip, normal, logarithms of what is remembered, bristles. And
-# what it says: force, its elastic part, friction, rates of bristles. Without bristles the first of slip, and
+# Arguments of a law: gap, depth rate, slip, normal, logarithms of the memory, bristles. Results: force, its
+# elastic part, friction, rates of bristles. Without bristles the first of slip, and
 # of friction, are those along it, and there are no others.
 A_GAP, A_RATE, A_SLIP, A_NORMAL, A_SPEED, A_MASS, A_BRISTLE = 0, 1, 2, 5, 8, 9, 10
 V_ELASTIC, V_FRICTION, V_BRISTLE = 1, 2, 5
-#: What a law has of bristles at most: a deflection, and its dwell.
+#: Largest number of bristle states of a law: a deflection, and its dwell.
 STATES = 4
-# Places in ``room.asks``: whether any displacement that is asked for has what contacts remember, or time.
+# Places in ``room.asks``: whether any requested displacement has parts of the contact memory, or of time.
 REMEMBERED, TIMES = 0, 1
-# First steps: of depths, over these (so fine that orders agree on depth^1.5 at once), at least over a play;
+# First steps: of depths, relative (so small that orders agree on depth^1.5 at once), at least over a play;
 # of speeds, over their unit or themselves; of the parts of a normal and of logarithms.
 _DEPTH, _SHALLOW, _SPEED, _PURE = 2e-3, 1e-12, 1e-3, 1e-3
 
@@ -171,7 +171,7 @@ def _is_asked(i: int, states: int, room: JointRoom) -> bool:
 def differentiate_laws(p: Floats, b: int, k: int, y: Floats, x0: int, row: Contact, room: JointRoom) -> None:
     """Write the derivatives of the laws' results to ``room.laws[k]``, (arguments, kinds, results).
 
-    Those over the numbers of the laws that go with any of ``room.seen`` go to ``room.shifts.laws[k]``.
+    Those over numbers of the laws that depend on any of ``room.seen`` are written to ``room.shifts.laws[k]``.
     """
     j, rules = joint_at(p, b), room.shifts.rules
     states, said, first = j.stride - BRISTLES, said_by(p, b), rules.first[j.row + k]

@@ -1,14 +1,14 @@
 """Changes of the wrench of a joint with play with its state, compiled.
 
-A joint's contacts depend on its own twelve numbers only (six in a plane). Two things are between these and
-the wrench, each smooth on a scale of its own: geometry, on that of the play, and laws, on that of a depth,
-which may be a millionth of it. Geometry has closed forms, along any displacement
+A joint's contacts depend on its own twelve numbers only (six in a plane). Two functions link these to the
+wrench, each smooth on a scale of its own: geometry, on that of the play, and laws, on that of a depth, which
+may be a millionth of it. Geometry has closed forms, along any displacement
 (:mod:`antenna_pin.joints.motion_change_kernels`); laws are differentiated over *their* arguments: force and
-friction over gap, depth rate, slip, and what contacts remember. The rest is the chain rule. Nothing small is
-the difference of large numbers: a derivative of a force is good to round-off at any depth.
+friction over gap, depth rate, slip, and contact memory. The rest is the chain rule. No small number is the
+difference of large ones: a derivative of a force is good to round-off at any depth.
 
-``room`` is a :class:`~.tangent_room_kernels.JointRoom`; contacts are of closed form with compiled
-laws, of point loads.
+``room`` is a :class:`~.tangent_room_kernels.JointRoom`; contacts are of closed form with compiled laws, of
+point loads.
 """
 
 from __future__ import annotations
@@ -91,9 +91,9 @@ def _along_slip(row: Contact, change: Floats) -> float:
 
 @inlined
 def _turn_friction(row: Contact, change: Floats, at_rest: float, slopes: Floats) -> None:
-    """Write how friction that is along slip changes, of how it does along that.
+    """Write the change of friction along slip, from the change of its size.
 
-    What of slip changes across it turns it: by friction over slip, of which ``at_rest`` is the limit.
+    The change of slip across itself rotates it: by friction over slip, of which ``at_rest`` is the limit.
     """
     speed, along, friction = slip_speed(row), slopes[V_FRICTION], 0.0
     turned, more = at_rest, _along_slip(row, change)
@@ -114,7 +114,7 @@ def _write(p: Floats, b: int, k: int, kind: int, room: JointRoom, out: Floats) -
     start = nv + j.x + k * j.stride
     n, r, fr, centre = row.normal, row.point, row.friction, here.centre
     force = row.force
-    # Force g = F n + f and lever r of the contact, and how they change.
+    # Force g = F n + f and lever r of the contact, and their changes.
     dx = said[0] * n[0] + force * change[NORMAL] + said[V_FRICTION]
     dy = said[0] * n[1] + force * change[NORMAL + 1] + said[V_FRICTION + 1]
     dz = said[0] * n[2] + force * change[NORMAL + 2] + said[V_FRICTION + 2]
@@ -165,14 +165,14 @@ def _along(p: Floats, b: int, y: Floats, way: Floats, d: int, room: JointRoom, o
 
 @kernel
 def add_joint_changes(p: Floats, part: Part, y: Floats, ways: Floats, room: JointRoom, out: Floats) -> None:
-    """Add how a joint with play changes generalized forces and rates of x along displacements.
+    """Add changes of generalized forces and rates of x along displacements by a joint.
 
     Args:
         p: Program.
         part: The joint, :data:`antenna_pin.dynamics.tangent_kernels.PART`.
         y: State, for which ``room.numbers.own`` has the contacts.
         ways: Displacements, row by row, (k, displacement).
-        room: What to compute with; its ``state`` is y.
+        room: Arrays; its ``state`` is y.
         out: (kinds, k, nv + nx).
     """
     b = part.block

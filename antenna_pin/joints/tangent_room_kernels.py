@@ -33,9 +33,9 @@ class LawWords(NamedTuple):
     """Law parameters in a program that depend on system numbers, contact by contact.
 
     Attributes:
-        first: Where those of each contact begin, and the end, (contacts + 1,).
-        at: Where they stand in the program, (words,).
-        slopes: By how much they change, (words, numbers).
+        first: Start of those of each contact, and the end, (contacts + 1,).
+        at: Places in the program, (words,).
+        slopes: Their changes, (words, numbers).
         steps: First steps of differences, (words,).
     """
 
@@ -99,7 +99,7 @@ class JointRoom(Protocol):
     def units(self) -> Floats: ...  # of displacements, rates and bristles, (2 nv + bristles,)
 
     @property
-    def asks(self) -> Ints: ...  # what is to be differentiated: REMEMBERED, TIMES, (2,)
+    def asks(self) -> Ints: ...  # variables of differentiation: REMEMBERED, TIMES, (2,)
 
     @property
     def state(self) -> Floats: ...  # where it is displaced, scratch, (1, size)

@@ -87,8 +87,8 @@ class Clearance(Spec):
         keyway_width: Above the key's [m].
         key_reach: From the axis to where the key's flanks bear [m].
         offset: Bearing centre along the joint's axis from the joint's origin [m].
-        bearing_on: Which of the joint's links has the bearing; the other has the journal.
-        geometry: What measures the gaps: coal's distance queries or the closed form.
+        bearing_on: Link of the joint with the bearing; the other has the journal.
+        geometry: Method for gaps: coal's distance queries or the closed form.
         load: One force per contact (``point``), or strips of the bore and sectors of the flanges
             (``distributed``).
         strips: Of the bore under distributed load, even [-].

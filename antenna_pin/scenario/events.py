@@ -50,8 +50,9 @@ class _Event(Spec):
             as ``["set", "stop"]``.
         after: The passage from which on that is done; earlier ones are only marked.
         once: Whether it is done at that passage alone, else at each from it on.
-        set: What is set: ``drives.NAME.KEY``, ``springs.NAME.KEY``, ...; the key ``on`` is the whole of it. A
-            table of such keys sets several, ``{ "springs.a.on" = false, "drives.b.value" = "2 N*m" }``.
+        set: Number to set: ``drives.NAME.KEY``, ``springs.NAME.KEY``, ...; the key ``on`` switches the
+            element. A table of such keys sets several, ``{ "springs.a.on" = false, "drives.b.value" = "2 N*m"
+            }``.
         to: New value; of ``on`` true or false; left out with a table.
     """
 
@@ -95,8 +96,8 @@ class AngleEvent(_Event, JointTable):
 
     Attributes:
         joint: Name of the joint.
-        value: That is passed [rad] ([m]).
-        direction: Which passages count.
+        value: Value to pass [rad] ([m]).
+        direction: Direction of crossings that count.
     """
 
     kind: Literal["angle"]
@@ -110,8 +111,8 @@ class RateEvent(_Event, JointTable):
 
     Attributes:
         joint: Name of the joint.
-        value: That is passed [rad/s] ([m/s]).
-        direction: Which passages count.
+        value: Value to pass [rad/s] ([m/s]).
+        direction: Direction of crossings that count.
     """
 
     kind: Literal["rate"]
@@ -124,7 +125,7 @@ class TimeEvent(_Event):
     """Instants are reached.
 
     Attributes:
-        time: When [s].
+        time: Times [s].
     """
 
     kind: Literal["time"]
@@ -136,8 +137,8 @@ class GapEvent(_Event):
 
     Attributes:
         contact: Name of the contact, such as ``elevation.radial+``.
-        value: That is passed [m].
-        direction: Which passages count.
+        value: Value to pass [m].
+        direction: Direction of crossings that count.
     """
 
     kind: Literal["gap"]
@@ -151,8 +152,8 @@ class ForceEvent(_Event):
 
     Attributes:
         contact: Name of the contact, such as ``elevation.radial+``.
-        value: That is passed [N].
-        direction: Which passages count.
+        value: Value to pass [N].
+        direction: Direction of crossings that count.
     """
 
     kind: Literal["force"]

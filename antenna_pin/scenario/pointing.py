@@ -65,7 +65,7 @@ class PointingSpec(Spec):
         body: Link that looks.
         boresight: Axis it looks along, in the link's frame, any length [-].
         up: Second axis in the link's frame [-]; None for z, or x where the boresight lies within 26 deg of z.
-        commanded: What it is compared with: an ``ideal`` run, or a direction in the ``world`` or the
+        commanded: Reference: an ``ideal`` run, or a direction in the ``world`` or the
             ``orbit`` (z to nadir, y against the normal).
         direction: Commanded direction in those axes, any length [-].
         direction_up: Commanded direction of ``up`` [-]; None where turns about the boresight do not matter.

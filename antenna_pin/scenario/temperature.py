@@ -90,7 +90,7 @@ class ThermalBearing(Spec):
     Attributes:
         shaft_material: Of what holds the inner rings apart.
         housing_material: Of what holds the outer rings apart.
-        inner_on: Which of the joint's links has the shaft.
+        inner_on: Link of the joint with the shaft.
     """
 
     shaft_material: str
@@ -103,7 +103,7 @@ class TemperatureSpec(Spec):
 
     Attributes:
         all: Of all parts without their own [K]; the reference if left out.
-        reference: At which dimensions, preload and other numbers hold [K].
+        reference: Temperature of the given dimensions, preload and other numbers [K].
         parts: Of links, by name [K].
         tables: Numbers of the scenario over temperature, by names of your own.
         bearings: Materials around pairs of ball bearings, by their names in ``[bearings.NAME]``.

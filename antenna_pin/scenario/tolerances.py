@@ -81,7 +81,7 @@ class ChainSpec(Spec):
         dimensions: By name.
         least: Least sum that is permitted [m]; 0 of a play.
         most: Largest sum that is permitted [m].
-        title: What the sum is, in words.
+        title: Description of the sum.
     """
 
     dimensions: dict[str, DimensionSpec] = Field(default_factory=dict)

@@ -171,22 +171,23 @@ def meanings() -> dict[tuple[str, str, str], list[tuple[str, bool]]]:
 
 
 def _whole_laws() -> list[str]:
-    """Return the table of laws that are an elastic one with what dissipates beside it."""
+    """Return the list of laws that combine an elastic law and a dissipation."""
     lines = [
         "## Laws as a whole",
         "",
-        "An elastic law with the dissipation of its authors, under one name.",
+        "An elastic law with the dissipation of that name, unless given, and exponent 1.5, unless given.",
         "",
     ]
-    lines += ["| law | elastic part | dissipation | exponent |", "|---|---|---|---|"]
     elastic = {law: key for key, law in NORMAL_LAWS.items()}
     damped = {law: key for key, law in DISSIPATIONS.items()}
     for alias in ALIASES:
         cls = NORMAL_LAWS[alias.name]
         exponent = law_parameters(cls)["exponent"].default
-        lines.append(
-            f"| `{alias.name}` | `{elastic[cls.elastic]}` | `{damped[cls.dissipation]}` | {exponent:g} |"
-        )
+        parts = [f"`{elastic[cls.elastic]}`"]
+        if damped[cls.dissipation] != alias.name:
+            parts.append(f"`{damped[cls.dissipation]}`")
+        named = f"- `{alias.name}`: {' with '.join(parts)}"
+        lines.append(named if exponent == 1.5 else f"{named}, exponent {exponent:g}")
     return [*lines, ""]
 
 

@@ -27,7 +27,7 @@ from formulas import element_formulas, formulas_table, sources_table
 from scenario_tables import GROUPS, overview, page_of
 
 from antenna_pin.show.plot import CATALOGUE, PAPERS
-from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, TIME, VARIABLES
+from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, VARIABLES
 
 __all__ = ["TABLES", "documents", "filled", "names_of_tables"]
 
@@ -38,29 +38,25 @@ PLACE = re.compile(r"(<!-- table: (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 # --- the variables of a result, the figures of runs, and the layers of the package ---
 
 
-def _beside_finite(rule: str) -> str:
-    """Return a rule of numbers without the word that all of them share, which stands above the table."""
-    return rule.removeprefix("finite").removeprefix(", ")
-
-
 def trajectory_table() -> str:
-    """Return the variables and labels of a result, of its schema."""
-    lines = ["| variable | dimensions | unit | meaning | besides |", "|---|---|---|---|---|"]
-    lines.append(f"| `time` | time | s | time | {_beside_finite(TIME.words)} |")
-    lines += [f"| `{one.name}` | {one.dim} |  | {one.meaning} |  |" for one in COORDINATES]
+    """Return the variables and labels of a result, of its schema, by their dimensions."""
+    groups: dict[str, list[str]] = {"time": ["- `time` [s]: time"]}
+    for label in COORDINATES:
+        groups.setdefault(label.dim, []).append(f"- `{label.name}`: {label.meaning}")
     for one in VARIABLES.values():
         meaning = one.meaning
         if one.flags:
             meaning += ": " + ", ".join(f"{value} {word}" for value, word in one.flags)
-        rule = _beside_finite(one.rule.words)
-        lines.append(f"| `{one.name}` | {', '.join(one.dims)} | {one.units} | {meaning} | {rule} |")
-    return "\n".join(lines).replace("|power|", "\\|power\\|") + "\n"
+        if "NaN" in one.rule.words and "NaN" not in meaning:
+            meaning += ", or NaN"
+        unit = "-" if one.units == "1" else one.units
+        groups.setdefault(", ".join(one.dims), []).append(f"- `{one.name}` [{unit}]: {meaning}")
+    return "\n\n".join(f"**{dims}**\n\n" + "\n".join(lines) for dims, lines in groups.items()) + "\n"
 
 
 def dimensions_table() -> str:
     """Return the dimensions of a result, of its schema."""
-    lines = ["| dimension | what runs along it |", "|---|---|"]
-    return "\n".join([*lines, *(f"| `{name}` | {meaning} |" for name, meaning in DIMENSIONS.items())]) + "\n"
+    return "\n".join(f"- `{name}`: {meaning}" for name, meaning in DIMENSIONS.items()) + "\n"
 
 
 def figures_table() -> str:
@@ -74,9 +70,8 @@ def figures_table() -> str:
         ]
         drawn = [place for place, mark in (("plot", figure.standard), ("report", figure.reported)) if mark]
         shows = figure.title.format(joint="a joint")
-        needed = [f"needs {figure.needed}"] if figure.needed else []
-        said = [", ".join(drawn) or "by name", *papers]
-        lines.append(f"- `{figure.name}`: {'; '.join([shows, *needed])} ({'; '.join(said)})")
+        said = [*([] if len(drawn) == 2 else [", ".join(drawn) or "by name"]), *papers]
+        lines.append(f"- `{figure.name}`: {shows}" + (f" ({'; '.join(said)})" if said else ""))
     return "\n".join([*lines, ""])
 
 

@@ -183,7 +183,7 @@ def said_once(rows: list[Row]) -> list[Row]:
     left = [row for row in rows if row.meaning != _OF_ALL and row not in upper]
     if len(upper) > 1:
         names = ", ".join(row.key for row in upper)
-        meaning = "The same of the upper side, where it differs; a law of its own asks for its parameters"
+        meaning = "The same of the upper side, where it differs; a law of its own needs its parameters"
         left.append(Row(names, "as above", "", meaning))
     elif upper:
         left += upper

@@ -69,9 +69,9 @@ __all__ = ["GROUPS", "overview", "page_of"]
 GROUPS = {
     "mechanism": "Mechanism",
     "play": "Joints with play",
-    "driven": "What drives and commands",
-    "outside": "From outside: forces, a shaken base, events",
-    "elements": "What joints have besides play",
+    "driven": "Drives, references and controllers",
+    "outside": "Forces, shaken base, events",
+    "elements": "Elements at joints",
     "run": "Start, run, result",
 }
 

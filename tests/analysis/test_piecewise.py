@@ -10,7 +10,6 @@ import xarray as xr
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import (
-    beside,
     blocks,
     body_poses,
     bore_load,
@@ -20,6 +19,7 @@ from antenna_pin.analysis import (
     growth_of,
     load_statistics,
     resampled,
+    samples_around,
     scenario_shares,
     scenario_spans,
     time_mean,
@@ -92,7 +92,7 @@ def test_a_spline_is_that_of_the_samples_around(in_parts, rows):
     in_parts(10, rows)
     found = np.empty_like(at)
     count = 0
-    for some, near in beside(data, at):
+    for some, near in samples_around(data, at):
         found[some] = resampled(near["time"].values, near["x"].values, at[some])
         count += 1
     assert count > 4

@@ -75,9 +75,9 @@ def test_jankowski_loses_on_the_way_in_only(asked, exponent, mass):
 def test_what_docstrings_say_tsuji_and_jankowski_deliver():
     for cls in (TsujiDamping, JankowskiDamping):
         text = " ".join(cls.__doc__.split())
-        said = re.findall(r"asked (0\.\d+),? (0\.\d+)", text)
+        said = re.findall(r"(0\.\d+) for (0\.\d+)", text)
         assert len(said) == 2
-        for asked, delivered in said:
+        for delivered, asked in said:
             dissipation = cls(restitution=float(asked), effective_mass=1.0)
             law = DampedContact(elastic=Hertz(stiffness=1e9), dissipation=dissipation)
             got = closed_form_restitution(law, mass=1.0, speed=0.1)

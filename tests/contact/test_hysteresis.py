@@ -123,15 +123,15 @@ def test_exact_factor_tends_to_that_of_gharib_and_hurmuzlu():
 
 
 def test_what_docstrings_say_each_law_delivers():
-    """Every "asked a, b" and "never less than" of the docstrings."""
+    """Every "b for a" and "at least" of the docstrings."""
     said = 0
     for cls in FACTORS.values():
-        text = " ".join((cls.__doc__ or "").split()).replace("it delivers ", "")
-        for asked, delivered in re.findall(r"[Aa]sked (0\.\d+),? (0\.\d+)", text):
+        text = " ".join((cls.__doc__ or "").split())
+        for delivered, asked in re.findall(r"(0\.\d+) for (0\.\d+)", text):
             got = delivery(cls, float(asked))
             assert got == pytest.approx(float(delivered), abs=0.51 * 10.0 ** -(len(delivered) - 2)), cls
             said += 1
-        for least in re.findall(r"never less than (0\.\d+)", text):
+        for least in re.findall(r"at least (0\.\d+)", text):
             assert delivery(cls, 0.0) == pytest.approx(float(least), abs=5.1e-4)
             said += 1
     assert said > 25

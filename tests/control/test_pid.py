@@ -178,7 +178,7 @@ def test_refusals(changes, said):
         ({"acts_on": "moter"}, "controller 'loop': actuator 'moter' is unknown; did you mean motor?"),
         ({"measures": "angle hinge"}, "controller 'loop': measures 'angle hinge': joint 'hinge' is unknown"),
         ({"measures": "base-rate x"}, "must be of a joint where mechanism.base is fixed, got 'base-rate x'"),
-        ({"delay": 0.1, "delay_periods": 1.0}, "delay_periods must be left out beside delay"),
+        ({"delay": 0.1, "delay_periods": 1.0}, "delay_periods must be omitted if delay is given"),
     ],
     ids=str,
 )

@@ -257,7 +257,7 @@ def test_forces_that_can_do_nothing_are_refused():
         (lambda: force_on("a", phase=1.0), "frequency must be given beside a phase, got none"),
         (
             lambda: force_on("a", time=(0.0, 1.0), factors=(0.0, 1.0), frequency=2.0),
-            "frequency must be left out beside time: a force has one course",
+            "frequency must be omitted if time is given: a force has one course",
         ),
         (lambda: thruster("a", starts=(0.1,)), "durations must be one for each of 1 starts"),
         (
@@ -266,7 +266,7 @@ def test_forces_that_can_do_nothing_are_refused():
         ),
         (lambda: thruster("a", throttle=1.5), "throttle must be at most 1, the whole thrust, got 1.5"),
         (lambda: thruster("a", rise_time=0.1), "fall_time must be above zero"),
-        (lambda: thruster("a", seed=3, azimuth=1.0), "azimuth must be left out beside a seed"),
+        (lambda: thruster("a", seed=3, azimuth=1.0), "azimuth must be omitted if a seed is given"),
         (
             lambda: thruster("a", starts=(0.1,), durations=(0.01,), minimum_impulse=0.05),
             r"durations\[0\] must be 0.02 s or more by minimum_on_time and minimum_impulse; lengthen",

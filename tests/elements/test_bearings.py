@@ -133,13 +133,13 @@ def test_a_reference_point_moves_along_the_axis():
     [
         ({"radial": 1e6, "tilt": 10.0, "coupling": 4e3}, "coupling must be no larger than"),
         ({}, "radial must be above zero, or axial or tilt, or matrix given"),
-        ({"matrix": tuple(np.eye(5).ravel()), "radial": 1.0}, "matrix must be left out beside radial"),
+        ({"matrix": tuple(np.eye(5).ravel()), "radial": 1.0}, "matrix must be omitted if radial is given"),
         (
             {"matrix": tuple(np.diag([1.0, 1, 1, 1, -1]).ravel())},
             "matrix must be without negative eigenvalues",
         ),
         ({"matrix": tuple((np.eye(5) + np.eye(5, k=1)).ravel())}, "matrix must be symmetric"),
-        ({"radial": 1.0, "damping_time": 1.0, "damping_matrix": (0.0,) * 25}, "left out beside damping_time"),
+        ({"radial": 1.0, "damping_time": 1.0, "damping_matrix": (0.0,) * 25}, "omitted if damping_time is"),
         ({"radial": math.nan}, "radial must be"),
     ],
 )

@@ -427,9 +427,9 @@ def test_its_own_course_is_such_a_reference(own, reference):
 
 def test_a_force_has_one_course():
     push = {"at": ("hull", (0, 0, 0)), "force": (1.0, 0, 0), "follows": Constant(value=1.0)}
-    with pytest.raises(AntennaPinError, match="frequency must be left out beside follows: a force has one"):
+    with pytest.raises(AntennaPinError, match="frequency must be omitted if follows is given: a force has"):
         OutsideForce(**push, frequency=1.0)
-    with pytest.raises(AntennaPinError, match="time must be left out beside follows"):
+    with pytest.raises(AntennaPinError, match="time must be omitted if follows is given"):
         OutsideForce(**push, time=(0.0, 1.0), factors=(0.0, 1.0))
     short = OutsideForce(**push | {"follows": Points(time=(0.0, 1.0), values=(0.0, 1.0))})
     with pytest.raises(AntennaPinError, match="covers the run from 0 to 2 s"):

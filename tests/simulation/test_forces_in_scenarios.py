@@ -185,7 +185,7 @@ def test_a_force_follows_a_reference_by_name(tmp_path):
     for override, said in (
         ("forces.shaker.follows=swep", "reference 'swep' is unknown; did you mean sweep"),
         ("references.sweep.amplitude='1 deg'", "references.sweep: values must be pure numbers"),
-        ("forces.shaker.frequency=3", "frequency must be left out beside follows"),
+        ("forces.shaker.frequency=3", "frequency must be omitted if follows is given"),
     ):
         with pytest.raises(AntennaPinError, match=said) as refused:
             build_system(load_scenario(path, overrides=[override]))

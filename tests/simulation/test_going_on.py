@@ -208,7 +208,7 @@ def test_a_start_in_the_material_presses_out_without_loss(law):
 def test_refusals():
     asked = antenna()
     end = simulate(asked, duration=1e-3).end
-    with pytest.raises(InvalidParameterError, match="simulate: q must be left out with start"):
+    with pytest.raises(InvalidParameterError, match="simulate: q must be omitted if start is given"):
         simulate(asked, duration=1e-3, start=end, q=end.q)
     other = simulate(load_scenario("impact_pair"), duration=1e-3).end
     with pytest.raises(InvalidParameterError, match=r"start.q must be that of a run of this system, 15"):

@@ -36,11 +36,11 @@ __all__ = [
 #
 # .. math:: J^T x = e,
 #
-# for then all velocities that satisfy the rows have one and the same rate there.
+# for then all velocities that satisfy the rows have the same rate there.
 
 Array = NDArray[np.float64]
 
-# Of a unit vector, or of a row of length one: the part that counts as none.
+# Part of a unit vector, or of a row of length one, that counts as zero.
 _RANK = 1e-9
 
 
@@ -87,31 +87,31 @@ def rows_that_share(constraints: Constraints) -> tuple[int, ...]:
     if not len(some):
         return ()
     _, sizes, ways = np.linalg.svd((rows[some] / lengths[some, None]).T)
-    loads = ways[np.count_nonzero(sizes > _RANK) :]  # that balance each other
+    loads = ways[np.count_nonzero(sizes > _RANK) :]  # rows that balance each other
     shares = np.abs(loads).max(axis=0, initial=0.0) > _RANK
     return tuple(int(k) - constraints.rows for k in some[shares] if k >= constraints.rows)
 
 
 # --- poses --------------------------------------------------------------------------------------------------
 #
-# A loop can be closed in more ways than one, and the one that is meant is the one near the pose that the
-# mechanism is drawn in. Newton's method alone may leave it where driven joints start elsewhere, so several
-# ways are gone from the first guess, and of what they come to the nearest is taken:
+# A loop may have several closed configurations; the required one is the nearest to the pose of the
+# URDF. Newton's method alone may leave it if driven joints start elsewhere, so several paths are followed
+# from the first guess, and the nearest of their ends is taken:
 #
 # - Newton's method with steps of least size;
-# - the same with driven joints at their start from the outset;
-# - loops closed with driven joints where they are, which then are moved to their start bit by bit;
-# - all that is lacking taken away bit by bit, r(q) = (1 - s) r(q_0).
+# - the same with driven joints at their start from the beginning;
+# - loops closed with driven joints at their present positions, which then move to their start gradually;
+# - all residuals reduced gradually, r(q) = (1 - s) r(q_0).
 #
 # The last two follow one solution (Allgower and Georg (1990), Numerical Continuation Methods, 1.1 and 2.2)
-# and so keep the branch of the guess as long as it has one.
+# and so stay on the branch of the guess as long as it exists.
 
 Retract = Callable[[Array, Array], None]
 
-#: Residual of an assembled state, of ways over the mechanism's length, or of turns.
+#: Residual of an assembled state, of displacements over the mechanism's length, or of angles.
 ASSEMBLED = 1e-12
-# The most of one step, and how many; of a way that is followed, the least part at once and the most that a
-# part may move [rad, or lengths of the mechanism]: in 0.2 rad a cosine changes by 2 %, so that Newton's next
+# Largest step, and number of steps; for a followed path the least fraction of a step and the largest motion
+# of a part [rad, or lengths of the mechanism]: in 0.2 rad a cosine changes by 2 %, so that Newton's next
 # guess is on the same branch.
 _LONGEST = 0.5
 _STEPS = 100
@@ -119,11 +119,11 @@ _LEAST_PART = 1.0 / 1024.0
 _FARTHEST = 0.2
 _PARTS = 300
 _FEW = 8
-# A pose that is found no further from the guess than that is not looked for in other ways [same units].
+# Distance to the guess within which no further paths are followed [same units].
 _NEAR = 0.2
-# Starts at random around the guess where no way leads anywhere.
+# Random starts around the guess if no path ends in a closed configuration.
 _STARTS = 12
-# Two poses this close, of their distance to the guess, are one.
+# Distance of two poses that count as one, relative to that to the guess.
 _SAME = 1e-6
 
 
@@ -132,9 +132,9 @@ class Unclosed:
     """Failure to find a state.
 
     Attributes:
-        residual: Largest of what the best one lacks [m] or [rad], or of the rates [m/s] or [rad/s].
-        row: The row of it, by its closure and what that holds, or by its motion or coupling.
-        turns: Whether it is one of a turn.
+        residual: Largest residual of the best state [m] or [rad], or of the rates [m/s] or [rad/s].
+        row: Description of its row: closure and direction, or motion or coupling.
+        turns: Whether it is an angle.
     """
 
     residual: float
@@ -199,16 +199,16 @@ def find_configuration(
     """Close all loops from a first guess, in place: the nearest solution that is found.
 
     Args:
-        constraints: What is to hold at time zero.
+        constraints: Constraints at time zero.
         y: State [q, v, x]; its q is the guess.
-        program: Of the system's elements.
+        program: Program of the system's elements.
         free: Generalized directions in which the configuration may be changed, (nv, k).
         retract: ``(y, step)``: moves the configuration in y by a generalized step.
-        reach: What counts as much as 1 rad, of each generalized direction, (nv,): the mechanism's size for
-            ways [m].
+        reach: Equivalent of 1 rad in each generalized direction, (nv,): the mechanism's size for
+            displacements [m].
 
     Returns:
-        What the best attempt lacks, if none closes the loops.
+        Failure of the best attempt, if none closes the loops.
     """
     search = _Search(constraints, program, free, retract, reach)
     guess = y.copy()
@@ -231,7 +231,7 @@ def find_configuration(
         for trial in _led(search, guess):
             look(trial)
     if not found:
-        # From a singular guess no step leads anywhere: others around it, further and further away.
+        # From a singular guess no step reduces the residual: other guesses around it, increasingly far away.
         random = np.random.default_rng(20210)
         for start in range(1, _STARTS):
             trial = guess.copy()
@@ -282,7 +282,7 @@ def _follow_solution(search: _Search, y: Array, lack: Array) -> bool:
     """Move a state, in place, along one solution until no residual is left.
 
     Returns:
-        Whether it came there.
+        Whether it is closed.
     """
     done, part = 0.0, 1.0 / 16.0
     for _ in range(_PARTS):
@@ -355,16 +355,16 @@ def find_velocity(constraints: Constraints, y: Array, program: Array, free: Arra
     """Make the velocity consistent with loops and motions, in place.
 
     Only freedoms connected to a violated equation change, to the nearest velocity in kinetic energy; all
-    others keep theirs exactly.
+    others remain exactly.
 
     Args:
-        constraints: What is to hold at time zero.
+        constraints: Constraints at time zero.
         y: State [q, v, x]; its v is the guess, its q is closed.
-        program: Of the system's elements.
+        program: Program of the system's elements.
         free: Generalized directions in which the velocity may be changed, (nv, k).
 
     Returns:
-        What it lacks, if there is none.
+        Failure, if there is no such velocity.
     """
     model = constraints.model
     nq, nv = model.nq, model.nv
@@ -404,11 +404,11 @@ class Mobility:
     """Mobility of a mechanism in one configuration.
 
     Attributes:
-        freedoms: Of the tree, nv.
+        freedoms: Freedoms of the tree, nv.
         closed: Equations of the closures and couplings.
-        closed_rank: How many of them are independent.
+        closed_rank: Number of independent ones.
         driven: Equations of the motions.
-        rank: How many of all are independent.
+        rank: Number of independent equations in all.
     """
 
     freedoms: int
@@ -459,15 +459,15 @@ def _reduced(constraints: Constraints, t: float, y: Array, program: Array) -> Ar
 class Redundancy:
     """Warning that equations of a closure or coupling are redundant."""
 
-    equations: int  # number of equations that could be left out together
-    # each equation that could be left out alone, in words: ``along z`` in axes of the first side
+    equations: int  # number of equations that could be omitted together
+    # equations that could be omitted singly, as text: ``along z`` in axes of the first side
     among: tuple[str, ...]
 
 
 def redundancies(constraints: Constraints, t: float, y: Array, program: Array) -> dict[str, Redundancy]:
-    """Return which closures and couplings have equations that those of all others imply, by name.
+    """Return the closures and couplings with equations implied by all others, by name.
 
-    Where loops share what is redundant, each of them is named, so that the numbers may add up to more.
+    Loops that share a redundancy are each named, so that the numbers may add up to more.
     """
     plan = constraints.plan
     rows = _reduced(constraints, t, y, program)[len(plan.motions) :]
@@ -490,11 +490,11 @@ def redundancies(constraints: Constraints, t: float, y: Array, program: Array) -
 def _scaled(constraints: Constraints, rows: Array) -> Array:
     """Return rows scaled to the length of their largest number in J.
 
-    It is taken over the largest of their closure's, of ways or of turns.
+    The largest number is that of all rows of a closure, of displacements or of angles.
     """
     plan = constraints.plan
     counts = np.abs(constraints.jacobian).max(axis=1, initial=0.0)
-    counts[counts <= NOTHING * plan.length] = 0.0  # round-off says nothing, beside whatever
+    counts[counts <= NOTHING * plan.length] = 0.0  # only round-off, whatever the scale
     counts[: len(plan.motions)] = 1.0
     for _, first, held in plan.row_groups():
         end = first + len(held)

@@ -1,9 +1,8 @@
 """Forces and moments at the bearings of joints with load-dependent friction, compiled.
 
-It follows from what the bodies beyond a joint need for their accelerations, less what closures and elements
-on links do to them: of redundant equations the least forces. In ``room`` stand ``OF_BODY`` numbers of each
-body (accelerations of the coordinates' accelerations alone, force and moment at its origin, in the world),
-then numbers for scratch.
+They follow from the accelerations of the bodies beyond a joint, minus the forces of closures and elements on
+links: of redundant equations the least forces. ``room`` holds ``OF_BODY`` numbers of each body (acceleration
+due to the coordinates' accelerations alone, force and moment at its origin, in the world), then scratch.
 """
 
 from __future__ import annotations
@@ -38,7 +37,7 @@ def room_for(bodies: int, closures: int, rows: int) -> int:
 def write_carried(
     program: Floats, plan: Floats, work: Floats, rates: Floats, room: Floats, out: Floats
 ) -> None:
-    """Write what joints with friction by load carry, (holds, 6).
+    """Write the loads of joints with friction by load, (holds, 6).
 
     Across the axis force and moment, (2,) each, then along it both, at the bearing's middle, on the child.
     """
@@ -143,7 +142,7 @@ def _move(plan: Floats, work: Floats, rates: Floats, room: Floats, b: int) -> No
             x += room[on + k] + cross(room[on + 3 : on + 6], lever, k)
             y += room[on + 3 + k]
         room[at + k], room[at + 3 + k] = x, y
-    # So far of the accelerations of coordinates; those of velocities add to them.
+    # Due to accelerations of coordinates so far; those due to velocities are added.
     centre, total, spin = spare[0:3], spare[3:6], spare[6:9]
     for k in range(3):
         centre[k] = r[k, 0] * body.centre[0] + r[k, 1] * body.centre[1] + r[k, 2] * body.centre[2]

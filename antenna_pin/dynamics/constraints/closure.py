@@ -21,8 +21,8 @@ Array = NDArray[np.float64]
 
 ClosureKind = Literal["revolute", "universal", "spherical", "prismatic", "cylindrical", "planar", "fixed"]
 
-#: From this angle on axes that should be parallel count as given the opposite way, rather than as far off
-#: in a first guess [rad]: between it and 90 deg either could be meant, and they are taken as written.
+#: Angle between axes that should be parallel from which on they count as opposite, instead of as far off
+#: in a first guess [rad]; between 90 deg and this angle both are possible, and axes are taken as written.
 OPPOSITE = np.radians(150.0)
 
 
@@ -32,7 +32,7 @@ class Holds:
 
     Attributes:
         along: Axes along which the second side's point is held at the first's.
-        about: Axes about which the sides are held from turning against each other.
+        about: Axes about which relative rotation is blocked.
         square: Whether the two sides' axes are held at right angles.
         axis: Whether the kind has an axis.
     """
@@ -91,9 +91,9 @@ class Anchor:
             link: Name of the URDF link, or ``world``.
             point: In the link's frame [m].
             axis: Direction of the closure's axis in the link's frame; of any length [-].
-            across: A direction across the axis that both sides have in common where a closure holds the turn
-                about the axis; what it has along the axis does not count. Without it links of which the axis
-                has the same components have parallel axes.
+            across: Direction across the axis that both sides have in common where a closure blocks rotation
+                about the axis; its component along the axis is ignored. Without it links with equal
+                components of the axis have parallel axes.
         """
         z = direction(axis, "closure", "axis")
         if across is None:
@@ -115,9 +115,9 @@ class Closure:
 
     Attributes:
         kind: Kind of joint (:data:`CLOSURES`). The axis of each side's frame is its z; a universal closure
-            holds the two at right angles, others that have one hold them parallel.
+            holds the two at right angles, others with an axis hold them parallel.
         first: One side; forces are given in its frame's axes.
-        second: The other; forces are those on its link.
+        second: The other; forces act on its link.
     """
 
     kind: ClosureKind

@@ -7,16 +7,16 @@ from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.constraints.layout_kernels import ClosureRecord, body_at, place_at, plan_of
 from antenna_pin.mechanism.room_kernels import Nine
 
-#: What a closure holds, 0 or 1: along and about each axis of its first frame, and the angle between two axes.
+#: Directions of a closure, 0 or 1: along and about each axis of its first frame, and the angle of two axes.
 Held = tuple[int, int, int, int, int, int, int]
-#: The axes of the first frame, row after row, what is held, and the direction of the angle between two axes.
+#: Axes of the first frame, row after row, held directions, and the direction of the angle of two axes.
 Holds = tuple[Nine, Held, Triple]
 
 
 @kernel
 def closure_columns(plan: Floats, work: Floats, closure: ClosureRecord) -> None:
     """Write J of a closure whose frames are placed; ``slide`` is its first perpendicular axis."""
-    # In numbers of their own: what is written might be them, for all that a compiler knows.
+    # Local copies: for a compiler the output could be the same array.
     a, b = place_at(work, plan_of(plan).bodies + 1), place_at(work, plan_of(plan).bodies + 2)
     r, along, about = a.rotation, closure.along, closure.about
     frame = (r[0, 0], r[1, 0], r[2, 0], r[0, 1], r[1, 1], r[2, 1], r[0, 2], r[1, 2], r[2, 2])
@@ -24,7 +24,7 @@ def closure_columns(plan: Floats, work: Floats, closure: ClosureRecord) -> None:
     origin = (b.origin[0], b.origin[1], b.origin[2])
     holds = frame, held, (a.slide[0], a.slide[1], a.slide[2])
     first, second = closure.first, closure.second
-    # Down to the body that both stand on: what lies below moves both alike.
+    # Down to the common body: bodies below move both sides equally.
     while first != second:
         if first > second:
             _columns(plan, work, closure.row, first, -1.0, origin, holds)
@@ -39,14 +39,14 @@ def _columns(plan: Floats, work: Floats, row: int, b: int, sign: float, origin: 
     """Write the columns of a closure's rows that belong to the joint of a body.
 
     Args:
-        plan: Of the constraints.
-        work: To write to.
-        row: First of the closure's.
+        plan: Plan of the constraints.
+        work: Written.
+        row: First row of the closure.
         b: The body.
         sign: 1 if it carries the second side, -1 if the first.
-        origin: Of the closure's second frame.
-        holds: The axes along and about which the closure holds, one after another; which ways and turns it
-            holds, and whether two axes at right angles; about what these axes turn.
+        origin: Origin of the closure's second frame.
+        holds: Axes along and about which the closure holds, consecutively; held displacements and rotations,
+            and whether two axes are at right angles; axis of their relative rotation.
     """
     frame, held, _ = holds
     head = plan_of(plan)

@@ -20,15 +20,15 @@ class Coupling:
 
     It is held by constraint: a torque :math:`\lambda` acts about the follower's axis, :math:`-m \lambda`
     about the leader's and :math:`-m_2 \lambda` about the second's, each with its reaction on the joint's
-    parent: a housing that carries all of them on axes in parallel takes :math:`-(1 - m - m_2) \lambda`. It
-    does no work and keeps momentum. Angles count whole turns.
+    parent: a housing that carries all of them on parallel axes takes :math:`-(1 - m - m_2) \lambda`. It does
+    no work and conserves momentum. Angles count whole turns.
 
     Attributes:
-        follower: Name of the joint that follows: revolute, continuous or prismatic, without play.
+        follower: Name of the following joint: revolute, continuous or prismatic, without play.
         leader: Name of the leading joint; of the same kinds, or a fixed one, at zero.
         multiplier: m [-]; of a sliding follower of a turning leader [m/rad], the other way round [rad/m].
         offset: phi_0, the follower's position where those of the leaders are zero [rad] ([m]).
-        second: Name of a second joint that it follows, of the kinds of the leader; None for none.
+        second: Name of a second leading joint, of the kinds of the leader; None for none.
         second_multiplier: m_2, in units as m.
     """
 
@@ -55,7 +55,7 @@ class Coupling:
             ratio: Teeth of the ring over those of the sun, above 1.
 
         Raises:
-            InvalidParameterError: The ratio is another.
+            InvalidParameterError: The ratio is 1 or less.
         """
         if not ratio > 1.0:
             raise InvalidParameterError("Coupling.planetary", "ratio", "ring over sun, above 1", ratio)
@@ -88,10 +88,10 @@ class Coupling:
 
 
 def check_order(couplings: Mapping[str, Coupling]) -> None:
-    """Refuse joints that follow each other round in a circle.
+    """Refuse couplings that form a cycle.
 
     Raises:
-        MechanismError: Names them.
+        MechanismError: The message names the joints.
     """
     leaders: dict[str, list[str]] = {}
     for one in couplings.values():
@@ -117,19 +117,19 @@ def check_order(couplings: Mapping[str, Coupling]) -> None:
 def spread(couplings: Collection[Coupling], known: Collection[str]) -> Iterator[tuple[Coupling, bool]]:
     """Yield couplings in an order in which each determines further joints.
 
-    Where nothing is known of joints that hang together, the first leader counts as known. A second leader
-    has no coupling of its own: it counts as known where nothing else determines it.
+    If no joint of a connected set is known, the first leader counts as known. A second leader has no coupling
+    of its own: it counts as known if nothing else determines it.
 
     Args:
-        couplings: Without circles.
-        known: Names of joints of which it is known.
+        couplings: Couplings without cycles.
+        known: Names of joints with known positions.
 
     Yields:
-        A coupling, and whether it tells of its follower, or else of its leader.
+        A coupling, and whether it determines its follower, or else its leader.
     """
     told, left = set(known), list(couplings)
     while left:
-        # From followers to leaders only where nothing is told the other way.
+        # From followers to leaders only if no coupling works the other way.
         for forward in (True, False):
             one = next((one for one in left if _tells(one, told, forward)), None)
             if one is not None:
@@ -137,7 +137,7 @@ def spread(couplings: Collection[Coupling], known: Collection[str]) -> Iterator[
                 yield one, forward
                 break
         else:
-            # Both ends are told of, or neither.
+            # Both ends are determined, or neither.
             followers = {one.follower for one in left}
             leaders = (name for one in left for name in one.leaders)
             told.add(next((name for name in leaders if name not in followers | told), ""))

@@ -1,9 +1,9 @@
 """Rows of motions of joints with more freedom than one axis, compiled.
 
-Its motion angle is the twist about the axis (:mod:`antenna_pin.mechanism.twist_kernels`), the row its
-gradient; the multiplier is a couple that acts on both sides, along the axis where these are parallel. How
-that changes along a displacement is found by differences of the gradient and of the bias alone: of a turn,
-they are smooth on the scale of one.
+The motion angle is the twist about the axis (:mod:`antenna_pin.mechanism.twist_kernels`), the row its
+gradient; the multiplier is a couple that acts on both sides, along the axis where these are parallel. Its
+change along a displacement is a difference of the gradient and of the bias alone: over angles, they are
+smooth on the scale of one.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from antenna_pin.dynamics.constraints.layout_kernels import Driven, driven_at, p
 from antenna_pin.mechanism.tree_kernels import unwrapped
 from antenna_pin.mechanism.twist_kernels import twist_angle, twist_bias
 
-# Step of differences of a turn [rad]; of sixth order they are off by 1e-19 of what is smooth on the scale of
-# one, and round-off is 1e-13.
+# Step of differences over angles [rad]; of sixth order their error is 1e-19 for functions that are smooth on
+# the scale of one, and their round-off 1e-13.
 _TURN = 1e-3
 
 
@@ -26,7 +26,8 @@ def twist_row(y: Floats, plan: Floats, work: Floats, driven: Driven) -> tuple[fl
     """Write the columns of such a motion: the gradient of its motion angle.
 
     Returns:
-        The angle with its whole turns [rad], and what it accelerates by at accelerations of zero [rad/s^2].
+        The angle with its whole turns [rad], and its acceleration at zero accelerations of the coordinates
+        [rad/s^2].
     """
     head, axes = plan_of(plan), driven.axes
     near = y[head.nq + head.nv + driven.turn]
@@ -63,7 +64,7 @@ def _turned_twist(h: Triple, qw: float, s: float, turn: Triple, w: Triple) -> Tr
     hz = h[2] + 0.5 * s * (qw * z + h[0] * y - h[1] * x)
     own = qw - 0.5 * s * (h[0] * x + h[1] * y + h[2] * z)
     _, gx, gy = twist_angle(hx, hy, hz, own)
-    # Not of length one: gx and gy are of ratios, their rate too.
+    # Not of length one: gx and gy are ratios, and so is their rate.
     return gx, gy, twist_bias((hx, hy, hz), own, w)
 
 
@@ -75,12 +76,12 @@ def change_of_twist(
 
     Args:
         y: State.
-        way: The displacement, [w (nv), dv (nv), ...].
+        way: Displacement, [w (nv), dv (nv), ...].
         acceleration: (nv,).
-        plan: Of the constraints.
+        plan: Plan of the constraints.
         driven: The motion.
-        out: Changes of what the angle accelerates by at accelerations that stay [rad/s^2], of its rate
-            [rad/s], and of its gradient, along the joint's axes x and y [-], (4,).
+        out: Changes of the angle's acceleration at constant accelerations of the coordinates [rad/s^2], of
+            its rate [rad/s], and of its gradient, along the joint's axes x and y [-], (4,).
     """
     head, axes, v = plan_of(plan), driven.axes, driven.v + 3
     for k in range(4):
@@ -104,7 +105,7 @@ def change_of_twist(
         out[2] += weight * (ahead[0] - behind[0])
         out[3] += weight * (ahead[1] - behind[1])
         bias += weight * (ahead[2] - behind[2])
-    # A quadratic form of w: of that the central difference over any step is exact.
+    # A quadratic form of w, whose central difference is exact for any step.
     more = (w[0] + faster[0], w[1] + faster[1], w[2] + faster[2])
     less = (w[0] - faster[0], w[1] - faster[1], w[2] - faster[2])
     bias += 0.5 * (twist_bias(h, y[q + 3], more) - twist_bias(h, y[q + 3], less))
@@ -127,12 +128,12 @@ def change_motions(
 
     Args:
         y: State.
-        way: The displacement, [w (nv), dv (nv), ...].
+        way: Displacement, [w (nv), dv (nv), ...].
         acceleration: (nv,).
         force: Multipliers, (rows,).
-        plan: Of the constraints.
+        plan: Plan of the constraints.
         scratch: Minus the changes of ``J a - lack``, (width,), added to; changes of rates, (motions,),
-            written; and room, (4,).
+            written; and scratch, (4,).
         out: Change of J^T lambda, added to, (nv,).
     """
     lack, speeds, room = scratch

@@ -1,12 +1,11 @@
 """Orthogonal rows of constraints, compiled: J L^-T = R^T Q^T, and the rank.
 
 With M = L L^T the rows of J become those of ``J L^-T``, in which the kinetic energy is the sum of squares.
-They are made orthogonal one after another, each time the one of which most is left (modified Gram-Schmidt
-with pivoting; Golub and Van Loan (2013), Matrix Computations, sections 5.2.8 and 5.4.2); out of what is
-little the directions before are taken once more. Rows of which nothing is left are redundant and need not be
-held.
+They are made orthogonal one after another, each time the one with the largest remainder (modified
+Gram-Schmidt with pivoting; Golub and Van Loan (2013), Matrix Computations, sections 5.2.8 and 5.4.2); small
+remainders are orthogonalised once more. Rows without a remainder are redundant and need not be held.
 
-A direction is taken out of all rows behind it four rows at a time (:mod:`antenna_pin.compiled.lanes`).
+A direction is removed from all later rows, four rows at a time (:mod:`antenna_pin.compiled.lanes`).
 """
 
 from __future__ import annotations
@@ -29,17 +28,17 @@ from antenna_pin.dynamics.constraints.layout_kernels import (
 )
 from antenna_pin.dynamics.constraints.root_kernels import write_root
 
-#: What is left of a row that depends on others, of its length, at most: of true redundancy it is round-off. A
-#: row that is next to nothing beside those of its closure counts as far as it is something.
+#: Largest remainder of a dependent row, relative to its length: round-off for true redundancy. A row that is
+#: small beside those of its closure counts by its size.
 DEPENDENT = 1e-9
-#: The same within a run, where a row is let go. The stages of a step are off the constraints by their errors,
-#: and redundant rows by as much from what they depend on, which is more than round-off. And near a singular
-#: position an equation that is all but lost turns round-off into accelerations, which lead from one way to go
-#: on to another; let go of, it leaves an error of the order of this share's square.
+#: The same within a run, where a row is dropped. Stages of a step violate constraints by their errors, and
+#: redundant rows deviate as much from their dependence, which is more than round-off. Near a singular
+#: position an almost lost equation amplifies round-off to accelerations, which lead from one branch to
+#: another; dropping it leaves an error of the order of this share's square.
 FAINT = 1e-5
-#: Share of a row from which on what round-off has left in it of other directions is no more than round-off.
+#: Share of a row above which its components along other directions are round-off only.
 ENOUGH = 0.1
-#: Size of the numbers of a row that says nothing, over the plan's length: round-off of products.
+#: Size of the numbers of an empty row, over the plan's length: round-off of products.
 NOTHING = 1e-12
 
 
@@ -61,11 +60,11 @@ def add_multiple(factor: float, one: Floats, at: int, out: Floats, size: int) ->
 
 @kernel
 def brace(plan: Floats, mass: Floats) -> None:
-    """Add to a mass matrix, (nv, nv), in place, what couplings make of no consequence.
+    """Add terms to a mass matrix, (nv, nv), in place, that couplings make ineffective.
 
     That is ``c j^T j`` for the row j of each coupling, with its mass c. As ``j a = 0``, neither accelerations
-    nor velocities that keep to it feel it, nor do multipliers. A tree that is singular without its couplings,
-    as a finger of knuckles without mass, is regular with it where it is regular with them.
+    nor velocities that satisfy it are affected, nor are multipliers. A tree that is singular without its
+    couplings, as a finger of knuckles without mass, becomes regular if it is regular with them.
     """
     head = plan_of(plan)
     for k in range(head.couplings):
@@ -142,9 +141,9 @@ def factorize(plan: Floats, work: Floats, mass: Floats) -> None:
 
 @inlined
 def _reduce(plan: Floats, work: Floats, left: Floats, squares: Floats, weights: Floats) -> None:
-    """Write L^-1 J^T, the squares of its rows' lengths, and by what these count.
+    """Write L^-1 J^T, the squares of its rows' lengths, and their scale factors.
 
-    Of a row whose numbers are round-off all is zero.
+    A row of round-off becomes zero.
     """
     head = plan_of(plan)
     nv, width = head.nv, head.width
@@ -193,8 +192,8 @@ def _reduce(plan: Floats, work: Floats, left: Floats, squares: Floats, weights: 
 def _scale(largest: Floats, row: int, count: int) -> None:
     """Scale a closure's translational or rotational rows by their largest number.
 
-    Where a row vanishes an equation is lost. Numbers of J are geometry: lengths, in which kinetic energies
-    are squares, differ by any factor between ways that turn a body and those that move it.
+    If a row vanishes, an equation is lost. Numbers of J are geometry: lengths, in which kinetic energies are
+    squares, differ by any factor between displacements that rotate a body and those that move it.
     """
     most = 0.0
     for r in range(row, row + count):
@@ -225,7 +224,7 @@ def _take(p: int, best: int, scale: float, nv: int, own: Floats, left: Floats) -
 def _gather(nv: int, own: Floats, numbers: Floats, at: Ints) -> int:
     """Write the nonzero numbers of a direction and their lanes; return their count.
 
-    Rows see some freedoms only: those of their limbs.
+    Rows depend on some freedoms only: those of their limbs.
     """
     count = 0
     for k in range(nv):
@@ -239,7 +238,7 @@ def _gather(nv: int, own: Floats, numbers: Floats, at: Ints) -> int:
 def _clean(plan: Floats, work: Floats, p: int, length: float, own: Floats, triangle: Floats) -> float:
     """Remove round-off components of earlier directions from ``own``, normalized row p.
 
-    Of a row of which little was left that is round-off of most of it. Returns by how much it has shrunk.
+    In a row with a small remainder they are most of it. Returns the factor of its shortening.
     """
     head = plan_of(plan)
     span, first = head.span, head.directions
@@ -265,7 +264,7 @@ def _take_out(
 ) -> None:
     """Project direction p out of all later rows; write its row of R.
 
-    ``direction`` is how many of its numbers are not zero, these, and where they stand.
+    ``direction`` is the number of its nonzero numbers, these, and their places.
     """
     count, numbers, at = direction
     behind, row = p + 1, p * width
@@ -273,7 +272,7 @@ def _take_out(
     for c in range(0, begin, LANES):
         put_lane(triangle, row + c, same_lane(0.0))
     for c in range(begin, width, LANES):
-        # In two sums: one alone would wait for each addition.
+        # Two sums: a single one would wait for each addition.
         a = b = same_lane(0.0)
         for n in range(0, even, 2):
             a = a + numbers[n] * lane(left, c * nv + at[n])
@@ -282,7 +281,7 @@ def _take_out(
             a = a + numbers[n] * lane(left, c * nv + at[n])
         inner = a + b
         put_lane(triangle, row + c, inner)
-        # Rows of other limbs have nothing of it.
+        # Rows of other limbs have no component along it.
         if sum_of_lane(inner * inner) == 0.0:
             continue
         for n in range(count):
@@ -295,6 +294,6 @@ def _take_out(
             one = lane(left, (c + LANES) * nv - LANES)
             a = a + one * one
         put_lane(squares, c, a + b)
-    # Places before that are directions: of their lane the numbers say nothing.
+    # Earlier places are directions: the numbers of their lane are unused.
     for s in range(begin, behind):
         triangle[row + s] = 0.0

@@ -18,16 +18,16 @@ from antenna_pin.dynamics.constraints.root_kernels import solve_back, solve_fort
 
 @kernel
 def least_forces(plan: Floats, work: Floats, room: Floats, out: Floats) -> None:
-    """Write the multipliers of least norm that do what those of the last solution do.
+    """Write the multipliers of least norm equivalent to those of the last solution.
 
-    Redundant rows share what their independent ones would carry alone: of R = [R1 R2], the columns of
-    independent rows and of the others, let S = R1^-1 R2. Then the others carry (1 + S^T S)^-1 S^T of the
-    forces f of the independent ones, and these f less S times that.
+    Redundant rows share the forces of independent ones: of R = [R1 R2], the columns of independent rows and
+    of the others, let S = R1^-1 R2. Then the others carry (1 + S^T S)^-1 S^T of the forces f of the
+    independent ones, and these f less S times that.
 
     Args:
-        plan: Of the constraints.
+        plan: Plan of the constraints.
         work: With the factors and multipliers of the last solution.
-        room: To write to, (2 rows (rows + 1),).
+        room: Scratch, (2 rows (rows + 1),).
         out: Multipliers, (rows,).
     """
     head, rank = plan_of(plan), found_in(plan, work).rank
@@ -97,10 +97,10 @@ def wrenches(plan: Floats, work: Floats, forces: Floats, out: Floats) -> None:
     In axes of the first side's frame, the moment about the second side's point.
 
     Args:
-        plan: Of the constraints.
-        work: With where the bodies are in the state that was solved last.
+        plan: Plan of the constraints.
+        work: With the places of bodies in the state solved last.
         forces: Multipliers, (rows,).
-        out: To write to.
+        out: Written.
     """
     head = plan_of(plan)
     direction = place_at(work, head.bodies).slide
@@ -154,21 +154,21 @@ def joint_forces(plan: Floats, forces: Floats, out: Floats) -> None:
 def write_holding(
     plan: Floats, work: Floats, room: Floats, forces: Floats, closures: Floats, joints: Floats
 ) -> None:
-    """Write what holds closures, motions and couplings in the state that was solved last.
+    """Write forces of closures, motions and couplings in the state solved last.
 
     Args:
-        plan: Of the constraints.
-        work: Of the last solution.
-        room: To write to, as for :func:`least_forces`.
-        forces: To write to: multipliers, (rows,).
-        closures: To write to, as :func:`wrenches` does, (closures, 2, 3).
-        joints: To write to, as :func:`joint_forces` does, (motions + couplings + holds,).
+        plan: Plan of the constraints.
+        work: Work array of the last solution.
+        room: Scratch, as for :func:`least_forces`.
+        forces: Written: multipliers, (rows,).
+        closures: Written as by :func:`wrenches`, (closures, 2, 3).
+        joints: Written as by :func:`joint_forces`, (motions + couplings + holds,).
     """
     least_forces(plan, work, room, forces)
     head = plan_of(plan)
     for k in range(head.holds):
         own = hold_at(plan, k)
-        # Of a joint that is not held friction by load stands in the place of a multiplier.
+        # For a joint that is not held the multiplier's place has its friction by load.
         if work[head.jacobian + own.v * head.width + own.row] == 0.0:
             forces[own.row] = work[head.force + own.row]
     wrenches(plan, work, forces, closures)

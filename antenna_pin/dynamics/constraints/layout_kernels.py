@@ -1,10 +1,9 @@
 """Layout of a system's constraints in flat numbers.
 
-``plan`` does not change during a run: ``PLAN``, then the tree's bodies, then a ``CLOSURE`` for each
-closure, a ``DRIVEN`` for each motion, a ``COUPLED`` for each coupling, a ``DRIVEN`` for each element that may
-hold its joint; rows of these are the last. ``work`` is what a run works on: a
-``PLACE`` for each body, one for scratch and those of a closure's two frames, then numbers whose starts the
-plan's head names.
+``plan`` is constant during a run: ``PLAN``, then the tree's bodies, then a ``CLOSURE`` for each closure, a
+``DRIVEN`` for each motion, a ``COUPLED`` for each coupling, a ``DRIVEN`` for each element that may hold its
+joint, whose rows are the last. ``work`` has a ``PLACE`` for each body, one for scratch and those of a
+closure's two frames, then arrays whose starts are in the plan's head.
 """
 
 from __future__ import annotations
@@ -17,36 +16,36 @@ from antenna_pin.mechanism.tree_kernels import BODY, PLACE, Body, Place
 class PlanRecord(Record):
     """Head of a plan: sizes, and the starts of its arrays in a work array."""
 
-    bodies: int  # how many
-    closures: int  # how many
-    motions: int  # how many
-    couplings: int  # how many
-    holds: int  # elements that may hold
-    rows: int  # in all
+    bodies: int  # number of bodies
+    closures: int  # number of closures
+    motions: int  # number of motions
+    couplings: int  # number of couplings
+    holds: int  # number of elements that may hold
+    rows: int  # number of all rows
     width: int  # rows in whole lanes; zeros fill the last
     nq: int  # size of q
     nv: int  # size of v
     span: int  # nv in whole lanes
-    length: float  # by which turns count against displacements [m]
-    jacobian: int  # J^T by the rows' own numbers, (nv, width)
-    lack: int  # what accelerations lack, (width,)
+    length: float  # length of 1 rad [m]
+    jacobian: int  # J^T by row, (nv, width)
+    lack: int  # right sides of accelerations, (width,)
     gap: int  # residuals of position, (width,)
     speed: int  # residuals of velocity, (width,)
     force: int  # multipliers, (width,)
-    shares: int  # share of each row that was left, (width,)
-    reduced: int  # rest of L^-1 J^T behind the directions, in order, (width / LANES, nv, LANES)
-    directions: int  # orthogonal, in order, (rows, span)
+    shares: int  # remaining share of each row, (width,)
+    reduced: int  # rest of L^-1 J^T after the directions, in order, (width / LANES, nv, LANES)
+    directions: int  # orthogonal directions, in order, (rows, span)
     triangle: int  # R without its diagonal, in order, (rows, width)
-    inverses: int  # of R's diagonal, (width,)
-    squares: int  # of the lengths that are left, (width,)
-    weights: int  # by which these count, (width,)
-    order: int  # which rows stand there, (width,)
+    inverses: int  # inverses of R's diagonal, (width,)
+    squares: int  # squares of the remaining lengths, (width,)
+    weights: int  # scale factors, (width,)
+    order: int  # numbers of the rows there, (width,)
     root: int  # L with inverses on the diagonal, (nv, nv)
-    first: int  # where its rows begin, (nv,)
-    scratch: int  # (2, max(span, width))
+    first: int  # first columns of its rows, (nv,)
+    scratch: int  # scratch, (2, max(span, width))
     found: int  # FOUND
-    loaded: int  # room of friction by load, efforts on bodies first, (bodies, 6); 0: no such joint
-    gravity: Vector3  # [m/s^2]
+    loaded: int  # arrays for friction by load, efforts on bodies first, (bodies, 6); 0: no such joint
+    gravity: Vector3  # gravity [m/s^2]
 
 
 PLAN = layout(PlanRecord)
@@ -60,12 +59,12 @@ class ClosureRecord(Record):
 
     first: int  # index of a body; -1: the world
     second: int  # index of a body; -1: the world
-    row: int  # its first
-    rows: int  # how many
+    row: int  # first of its rows
+    rows: int  # number of its rows
     along: Indices3  # axes of the first frame along which translations are held, 0 or 1
-    about: Indices3  # axes of the first frame about which turns are held, 0 or 1
+    about: Indices3  # axes of the first frame about which rotation is blocked, 0 or 1
     square: int  # 1: holds two axes at right angles
-    attitude: int  # 1: holds all turns
+    attitude: int  # 1: blocks all rotations
     first_rotation: Matrix3  # frame in the first body
     first_origin: Vector3  # [m]
     second_rotation: Matrix3  # frame in the second body
@@ -80,15 +79,15 @@ class Driven(Record):
     """A prescribed motion of a joint."""
 
     row: int  # its row
-    q: int  # start of the joint's slice
-    v: int  # start of the joint's slice
+    q: int  # start of the joint's slice of q
+    v: int  # start of the joint's slice of v
     slides: int  # 1: prismatic
-    turn: int  # place of the turned angle in x; -1: an angle that is known itself
-    kind: int  # of its element
-    words: int  # where the element's own record begins in the program
-    x: int  # where its works begin
-    moves: int  # PLANE or RIGID of a joint that does more than turn about its axis, else 0
-    axes: Matrix3  # of which z is the joint's, in the joint's frame (columns)
+    turn: int  # place of the turned angle in x; -1: the angle has limits
+    kind: int  # kind of its element
+    words: int  # start of the element's own record in the program
+    x: int  # start of its works in x
+    moves: int  # PLANE or RIGID of a joint with more freedoms than its axis, else 0
+    axes: Matrix3  # rotation whose z is the joint's axis, in the joint's frame (columns)
 
 
 DRIVEN = layout(Driven)
@@ -100,13 +99,13 @@ class Coupled(Record):
 
     row: int  # its row
     slides: int  # 1: the follower slides
-    multiplier: float  # of the leader's angle
+    multiplier: float  # multiplier of the leader's angle
     second: float  # multiplier of the second leader's
-    offset: float  # [rad] ([m])
-    scale: float  # of the row, so that its larger number is that of a motion's row
-    brace: float  # mass that the row is given (``factor_kernels.brace``) [kg]; 0: none needed
-    q: Indices3  # starts of the joints' slices
-    v: Indices3  # starts of the joints' slices
+    offset: float  # offset [rad] ([m])
+    scale: float  # scale of the row, so that its larger number is that of a motion's row
+    brace: float  # mass of the row (``factor_kernels.brace``) [kg]; 0: none needed
+    q: Indices3  # starts of the joints' slices of q
+    v: Indices3  # starts of the joints' slices of v
     turn: Indices3  # places of the turned angles in x; -1: none
 
 
@@ -117,9 +116,9 @@ COUPLED_WORDS = words_of(COUPLED)
 class ConstraintSolution(Record):
     """The outcome of solving for the constraints."""
 
-    rank: int  # of the rows
-    least: float  # of what was left of an independent row, over its scale
-    most: float  # of what was left of a dependent row, over its scale
+    rank: int  # rank of the rows
+    least: float  # least remainder of an independent row, over its scale
+    most: float  # largest remainder of a dependent row, over its scale
     gap: float  # largest residual [m]
     turn: float  # largest residual [rad]
     speed: float  # largest residual [m/s]

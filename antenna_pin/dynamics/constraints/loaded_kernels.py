@@ -1,16 +1,15 @@
-"""Accelerations under constraints and under friction that is that of the joints' own load, compiled.
+"""Accelerations under constraints and friction by the joints' own load, compiled.
 
-Let tau_j be the torques of friction by load of the joints that slip. Accelerations and multipliers are
-affine in them, and so are the forces and moments W_i that the joints carry::
+Let tau_j be the torques of friction by load of the slipping joints. Accelerations and multipliers are affine
+in them, and so are the forces and moments W_i at the joints::
 
     W_i = W_i0 + sum_j W_ij tau_j,    tau_i = c_i N(W_i)
 
 with N of :mod:`antenna_pin.elements.sticking_friction` and c_i a coefficient of friction against the rate.
-W_i0 and W_ij are those of no such friction, and of one unit torque each; Newton's method from tau = 0 solves
-the rest. N is convex: of one joint it comes down, from the side of too little friction, to the solution of
-the least friction. Where there is none, or where Newton's matrix has lost the sign that it has without
-friction (at a solution that no growing friction leads to), accelerations are not-a-number, and no step comes
-about.
+W_i0 is the load without such friction, W_ij that of one unit torque; Newton's method from tau = 0 solves the
+rest. N is convex: for one joint it converges, from the side of too little friction, to the solution of least
+friction. Without a solution, or if Newton's matrix has lost its sign without friction (at a solution that no
+growing friction leads to), accelerations are NaN, and the step fails.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ from antenna_pin.dynamics.constraints.rows_kernels import write_rows
 from antenna_pin.dynamics.constraints.solve_kernels import solve_rows
 from antenna_pin.elements import kernels as elements
 
-# Rounds of Newton's method, which squares what is wrong each time, and of what counts as right, over the
+# Rounds of Newton's method, which squares the error each time, and permitted error relative to the
 # torques: some ulps.
 _ROUNDS = 40
 _RIGHT = 1e-15
@@ -49,13 +48,13 @@ def accelerate(
     Args:
         t: Time [s].
         y: State [q, v, x].
-        program: Of the system's elements.
-        plan: Of the constraints.
-        work: To write to.
+        program: Program of the system's elements.
+        plan: Plan of the constraints.
+        work: Written.
         effort: Generalized force of the elements, (nv,).
         mass: Mass matrix, (nv, nv).
         bias: Generalized force of gravity and velocities, M a + bias = effort + J^T lambda, (nv,).
-        rates: To write to, (nv + nx,).
+        rates: Written, (nv + nx,).
     """
     write_rows(t, y, program, plan, work)
     factorize(plan, work, mass)
@@ -121,7 +120,7 @@ def _bear(
 @inlined
 def _rub(y: Floats, program: Floats, head: PlanRecord, own: Driven) -> float:
     """Return the torque of a hold's friction by its load, with its sign."""
-    if program[own.words - 1] == 0.0:  # off, by the last number of its head
+    if program[own.words - 1] == 0.0:  # off by the last number of its head
         return 0.0
     states = y, head.nq + head.nv + own.x
     return float(elements.rub(own.kind, program, own.words, y[head.nq + own.v], states))
@@ -156,7 +155,7 @@ def _newton(y: Floats, program: Floats, plan: Floats, carried: Floats, tau: Floa
             return False
         if step <= _RIGHT * size:
             return positive
-    # It goes to and fro by an ulp or two, or there is nothing to go to.
+    # It alternates by an ulp or two, or has no solution.
     return positive and step <= 64.0 * _RIGHT * size
 
 
@@ -197,8 +196,8 @@ def _burden(
     if radial == 0.0 and axial == 0.0:
         return 0.0, 0.0
     load, slope = 0.0, 0.0
-    # Across the axis two components of force, then two of moment; along it one each. A sliding joint's moment
-    # along its axis presses as the others do, its force along it is none of its load.
+    # Across the axis two components of force, then two of moment; along it one each. For a sliding joint the
+    # moment along its axis counts like the others, the force along it does not.
     for part in range(3):
         weight = radial if part == 0 else (bending if part == 1 else axial)
         first, count = (0, 2) if part == 0 else ((2, 2) if part == 1 else (4, 1))

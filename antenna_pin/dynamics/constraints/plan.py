@@ -24,9 +24,9 @@ __all__ = ["DrivenJoint", "ConstraintPlan", "make_plan", "on_body"]
 
 Array = NDArray[np.float64]
 
-# Least moment of a body over its largest, below which it is a rod.
+# Ratio of the least to the largest moment of a body below which it is a rod.
 _THIN = 1e-9
-# Joints that do more than turn about their axis.
+# Joints with more freedoms than their axis.
 _MORE = {"planar": PLANE, "floating": RIGID}
 
 
@@ -35,12 +35,12 @@ class DrivenJoint:
     """A joint whose motion is prescribed, or that an element may hold.
 
     Attributes:
-        name: Of the drive, or the place of the element (``latches.hinge``).
-        joint: Of the joint.
+        name: Name of the drive, or place of the element (``latches.hinge``).
+        joint: Name of the joint.
         turn: Place of the joint's turned angle in x, or -1.
         kind: Number of the kind of its element.
-        words: Where in the program the element's own record begins.
-        x: Where in x its works are, or its loss.
+        words: Start of the element's own record in the program.
+        x: Start of its works in x, or of its loss.
         loaded: Whether it has friction by its own load.
     """
 
@@ -68,15 +68,15 @@ class ConstraintPlan:
     """Constraints in numbers.
 
     Attributes:
-        words: As the kernels take them (:mod:`antenna_pin.dynamics.constraints.layout_kernels`).
-        size: Of a work array.
+        words: Numbers for kernels (:mod:`antenna_pin.dynamics.constraints.layout_kernels`).
+        size: Size of a work array.
         closures: Their names, in their order.
-        rows: Of each closure, by name: what its rows hold (``along x``, ...), in their order.
-        first_row: Of each closure.
+        rows: Descriptions of each closure's rows (``along x``, ...), in their order, by name.
+        first_row: First row of each closure.
         motions: Names of the drives that prescribe motions; theirs are the first rows.
-        couplings: Names of the couplings; theirs are the rows behind.
+        couplings: Names of the couplings; theirs are the next rows.
         holds: Names of the elements that may hold their joint; theirs are the last rows.
-        length: By which turns count against ways [m].
+        length: Length of 1 rad [m].
     """
 
     words: Array
@@ -144,14 +144,14 @@ def make_plan(
 
     Args:
         mechanism: The mechanism.
-        closures: By name.
-        motions: In the order of the system's.
-        couplings: By name; their followers move and their leaders do, or are fixed.
+        closures: Closures, by name.
+        motions: Motions, in the order of the system's.
+        couplings: Couplings, by name; followers move, leaders move or are fixed.
         turns: Places of turned angles in x, by joint.
         holding: Elements that may hold their joint.
 
     Raises:
-        UnknownNameError: A closure on a link that there is not.
+        UnknownNameError: A closure on an unknown link.
         MechanismError: A closure whose sides are one body.
     """
     require(_layout.CONSTRAINTS)
@@ -240,7 +240,7 @@ def _coupled(
     records = np.zeros(len(couplings), dtype=_layout.COUPLED)
     for k, (record, coupling) in enumerate(zip(records, couplings.values(), strict=True)):
         own = coupling.follower
-        # One that is missing, or does not move, stands for nothing: the follower, times zero.
+        # A missing or fixed joint is replaced by the follower, times zero.
         first, second = (
             name if name in mechanism.joints else None for name in (coupling.leader, coupling.second)
         )
@@ -311,7 +311,7 @@ def on_body(mechanism: Mechanism, place: str, side: Anchor) -> tuple[int, Array]
     """Return the body of a side, -1 for the world, and the frame, (4, 4).
 
     Raises:
-        UnknownNameError: There is no such link; ``place`` says where it was requested.
+        UnknownNameError: There is no such link; ``place`` begins the message.
     """
     frame = np.eye(4)
     frame[:3, :3], frame[:3, 3] = side.rotation, side.origin

@@ -12,7 +12,7 @@ from antenna_pin.compiled.decorators import inlined
 def write_root(mass: Floats, nv: int, root: Floats, starts: Floats) -> None:
     """Write L of M = L L^T, (nv nv,), and each row's first column.
 
-    On the diagonal stand inverses.
+    The diagonal has inverses.
     """
     for i in range(nv):
         row = i * nv

@@ -1,22 +1,21 @@
-"""The rows of all constraints in one state, compiled: J, what their accelerations lack, residuals.
+"""The rows of all constraints in one state, compiled: J, right sides, residuals.
 
 A row is one equation: ``J a = lack`` of accelerations, ``J v = 0`` of velocities except for a motion's rate,
-with residuals ``gap`` and ``speed``. Rows that hold turns are multiplied by the plan's length, so that all
-count in metres.
+with residuals ``gap`` and ``speed``. Rows of rotations are multiplied by the plan's length, so that all are
+in metres.
 
-The row of an element that holds its joint is that of a motion to where it is held;
-of zeros while it does not.
+The row of an element that holds its joint is that of a motion to the held position, and zero otherwise.
 
 A coupling's is ``follower - multiplier leader - second further = offset`` in the positions of two or three
-joints, multiplied by what makes the largest of its numbers that of a turn or way alone.
+joints, scaled so that its largest number is that of a single rotation or displacement.
 
-Of a closure let A and B be its frames, d the way from A's origin to B's, n an axis of A, w angular velocities
-and v_r = v_B - v_A - w_A x d the velocity of B's origin as seen from A. Held along n::
+For a closure let A and B be its frames, d the vector from A's origin to B's, n an axis of A, w angular
+velocities and v_r = v_B - v_A - w_A x d the velocity of B's origin relative to A. Held along n::
 
     gap  n . d    speed  n . v_r
     acceleration  n . (a_B - a_A - alpha_A x d - w_A x (w_A x d) - 2 w_A x v_r)
 
-held from turning about n, with the rotation vector phi of B in A::
+rotation about n blocked, with the rotation vector phi of B in A::
 
     gap  n . phi    speed  n . (w_B - w_A)
     acceleration  n . (alpha_B - alpha_A) + (w_A x n) . (w_B - w_A)
@@ -62,7 +61,7 @@ from antenna_pin.mechanism.tree_kernels import (
     unwrapped,
 )
 
-# Of a difference of numbers, over the sum of their sizes: of each half an ulp, some times over.
+# Round-off of a difference of numbers, over the sum of their sizes: half an ulp of each, several times.
 _ROUND_OFF = 4.0 * 2.220446049250313e-16
 
 
@@ -180,7 +179,7 @@ def _coupling_row(y: Floats, plan: Floats, work: Floats, coupled: Coupled) -> No
     if coupled.second != 0.0:
         other = coupled.second * _position(y, x, q[2], turn[2])
     gap = follower - led - other - coupled.offset
-    # Of angles of many turns round-off is more than what counts as closed, and is no residual.
+    # For angles of many turns round-off exceeds the tolerance of closed loops, and is no residual.
     if abs(gap) <= _ROUND_OFF * (abs(follower) + abs(led) + abs(other) + abs(coupled.offset)):
         gap = 0.0
     speed = y[head.nq + v[0]] - coupled.multiplier * y[head.nq + v[1]]
@@ -207,7 +206,7 @@ def _place_frame(plan: Floats, work: Floats, b: int, rotation: Floats, origin: F
         return
     on = place_at(work, b)
     for k in range(3):
-        # The lever from the body's origin, for a while.
+        # Lever from the body's origin, temporarily.
         own.slide[k] = 0.0
         for n in range(3):
             own.slide[k] += on.rotation[k, n] * origin[n]
@@ -229,7 +228,7 @@ def _place_frame(plan: Floats, work: Floats, b: int, rotation: Floats, origin: F
 @kernel
 def _closure_rows(plan: Floats, work: Floats, closure: ClosureRecord) -> None:
     head = plan_of(plan)
-    # The frames' slide, turn and the scratch body's fields serve as room for vectors.
+    # Fields of the frames and of the scratch body are used for vectors.
     a, b = place_at(work, head.bodies + 1), place_at(work, head.bodies + 2)
     room = place_at(work, head.bodies)
     _place_frame(plan, work, closure.first, closure.first_rotation, closure.first_origin, a)
@@ -243,7 +242,7 @@ def _closure_rows(plan: Floats, work: Floats, closure: ClosureRecord) -> None:
     for k in range(3):
         seen[k] = b.velocity[k] - a.velocity[k] - cross(a.spin, way, k)
     for k in range(3):
-        # w_A x d + 2 v_r, of which w_A x makes the rest.
+        # w_A x d + 2 v_r; w_A x of it is the rest.
         room.slide[k] = cross(a.spin, way, k) + 2.0 * seen[k]
     for k in range(3):
         bias[k] = b.bias[k] - a.bias[k] - cross(a.bias_spin, way, k) - cross(a.spin, room.slide, k)
@@ -279,7 +278,7 @@ def _closure_rows(plan: Floats, work: Floats, closure: ClosureRecord) -> None:
 def _rotation_vector(a: Place, b: Place, attitude: int, angle: Floats) -> None:
     """Write the rotation vector of B in A, in axes of A.
 
-    Where the attitude does not count, it is that of the third axis.
+    If the attitude is not held, it is that of the third axis.
     """
     p, q = a.rotation, b.rotation
     zx = p[0, 0] * q[0, 2] + p[1, 0] * q[1, 2] + p[2, 0] * q[2, 2]
@@ -302,7 +301,7 @@ def _rotation_vector(a: Place, b: Place, attitude: int, angle: Floats) -> None:
         for k in range(3):
             angle[k] *= whole / sine
     elif cosine < 0.0:
-        # The opposite way: about which axis, no one can say.
+        # Opposite: the axis is undetermined.
         angle[0], angle[1], angle[2] = whole, 0.0, 0.0
 
 

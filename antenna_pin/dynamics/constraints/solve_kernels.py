@@ -19,12 +19,12 @@ from antenna_pin.dynamics.constraints.layout_kernels import driven_at, found_in,
 from antenna_pin.dynamics.constraints.root_kernels import solve_back, solve_forth
 from antenna_pin.elements.ledger_kernels import write_work
 
-# Residuals below which nothing is corrected, of ways over the plan's length, turns, and their rates: the
+# Residuals that are not corrected, of displacements over the plan's length, angles, and their rates: the
 # round-off of kinematics is some 1e-16 of the length.
 CLOSED = 1e-14
 ROUNDS = 8
 NEAR = 1e-7
-# Residual over the length that a state may have which counts as closed.
+# Residual over the length of a state that counts as closed.
 OPEN = 1e-11
 
 
@@ -85,8 +85,8 @@ def solve_rows(
 ) -> None:
     """Write accelerations, powers of motions and multipliers, once rows are written and factorized.
 
-    Its arguments are those of :func:`antenna_pin.dynamics.constraints.loaded_kernels.accelerate`; friction of
-    joints by their load is not in it.
+    The arguments are those of :func:`antenna_pin.dynamics.constraints.loaded_kernels.accelerate`; friction of
+    joints by their load is not included.
     """
     head = plan_of(plan)
     nv = head.nv
@@ -104,16 +104,16 @@ def solve_rows(
 
 @kernel
 def solve_changes(plan: Floats, work: Floats, out: Floats, force: Floats) -> None:
-    """Write how accelerations and multipliers change, where rows are factorized.
+    """Write changes of accelerations and multipliers, where rows are factorized.
 
-    A change of ``M a + h - J^T lambda = tau`` that is none of a or lambda, and one of ``J a - lack``, make
-    accelerations and multipliers change as forces and what accelerations lack would make them.
+    Changes of ``M a + h - J^T lambda = tau`` and of ``J a - lack`` at constant a and lambda act on
+    accelerations and multipliers like forces and right sides.
 
     Args:
-        plan: Of the constraints.
-        work: With the factors, and minus the change of ``J a - lack`` in place of what accelerations lack.
-        out: The change of tau + J^T lambda - h - M a, (nv,); written over by that of accelerations.
-        force: To write to: change of the multipliers, (rows,).
+        plan: Plan of the constraints.
+        work: With the factors, and minus the change of ``J a - lack`` in place of the right sides.
+        out: Change of tau + J^T lambda - h - M a, (nv,); overwritten by that of accelerations.
+        force: Written: change of the multipliers, (rows,).
     """
     head = plan_of(plan)
     free = work[head.scratch : head.scratch + head.span]
@@ -136,7 +136,7 @@ def _solve(plan: Floats, work: Floats, rates: Floats, force: Floats) -> None:
         free[i] = 0.0
     solve_forth(nv, work[root : root + nv * nv], work[head.first : head.first + nv], free)
     _forward(plan, work, head.lack, 1.0, factors)
-    # All inner products first: the directions are at right angles but for round-off.
+    # All inner products first: the directions are orthogonal up to round-off.
     for p in range(rank):
         factors[p] -= inner_product(work, head.directions + p * span, free, 0, span)
     _add_directions(plan, work, factors, free)

@@ -34,14 +34,14 @@ class Solution(NamedTuple):
     rank: int  # number of independent rows
     least: float  # smallest remainder of an independent row, over its scale [-]
     most: float  # largest remainder of a dependent row, over its scale [-]
-    gap: float  # largest residual in ways [m], ``turn`` in turns [rad]; ``speed``, ``spin``: of their rates
+    gap: float  # largest residual of displacements [m]; ``turn``: angles [rad]; ``speed``, ``spin``: rates
     turn: float
     speed: float
     spin: float
 
 
 class Constraints:
-    """A place to solve the equations of motion under constraints; one for each run.
+    """Solver of the equations of motion under constraints; one for each run.
 
     Args:
         plan: The constraints.
@@ -58,7 +58,7 @@ class Constraints:
         self.work = np.zeros(plan.size)
         head = plan.words[: _layout.PLAN_WORDS].view(_layout.PLAN)[0]
         nv, holds, every = int(head["nv"]), int(head["holds"]), int(head["rows"])
-        #: Those of motions, couplings and closures; the rows of elements that hold stand behind.
+        #: Number of rows of motions, couplings and closures; the rows of elements that hold follow.
         rows = every - holds
         self.rows, self.nv = rows, nv
 
@@ -66,18 +66,18 @@ class Constraints:
             at = int(head[name])
             return self.work[at : at + int(np.prod(shape))].reshape(shape)
 
-        #: J, in metres; what accelerations lack; residuals; multipliers.
+        #: J, in metres; right sides of accelerations; residuals; multipliers.
         self.jacobian = part("jacobian", nv, int(head["width"]))[:, :rows].T
         self._all_forces = part("force", every)
         self.gap, self.speed, self.force = part("gap", rows), part("speed", rows), part("force", rows)
         self.lack = part("lack", rows)
-        #: What is left of each row, over its length and times that with which it counts.
+        #: Remainder of each row, over its length and times its scale factor.
         self.shares = part("shares", rows)
-        #: What elements on links do to bodies, where friction by load asks for it, else empty.
+        #: Actions of elements on links on bodies, if friction by load needs them, else empty.
         self.applied = self.work[int(head["loaded"]) :][: 6 * int(head["bodies"]) if head["loaded"] else 0]
         self._solution = part("found", _layout.FOUND_WORDS).view(_layout.FOUND)
         self._step = np.zeros(nv)
-        #: Room for the least forces, and those, of redundant rows (``force_kernels.least_forces``).
+        #: Scratch for the least forces, and these forces, of redundant rows (``force_kernels.least_forces``).
         self.least_room = np.zeros(2 * every * (every + 1))
         self.least = np.zeros(every)
         #: All of J, in metres, rows of elements that hold included, and the residuals.
@@ -87,7 +87,7 @@ class Constraints:
         parts = plan.parts
         slides = [plan.words[parts.motions].view(_layout.DRIVEN)["slides"]]
         slides.append(plan.words[parts.couplings].view(_layout.COUPLED)["slides"])
-        #: Whether the rows of motions and couplings, which come first, hold turns.
+        #: Whether the rows of motions and couplings, which come first, are of angles.
         self.turning = np.concatenate(slides) == 0
 
     @property
@@ -107,9 +107,9 @@ class Constraints:
         Args:
             t: Time [s].
             y: State [q, v, x].
-            program: Of the system's elements.
+            program: Program of the system's elements.
             effort: Generalized force of the elements, (nv,).
-            rates: To write to, (nv + nx,).
+            rates: Written, (nv + nx,).
         """
         nq, model, data = self.model.nq, self.model, self.data
         mass, q, v = pin.crba(model, data, y[:nq]), y[:nq], y[nq : nq + self.nv]
@@ -137,7 +137,7 @@ class Constraints:
         factor_kernels.factorize(self.plan.words, self.work, pin.crba(self.model, self.data, q))
 
     def step(self, *, of_speed: bool) -> Array:
-        """Return the generalized step that takes the residuals away, least in kinetic energy, (nv,).
+        """Return the generalized step of least kinetic energy that removes the residuals, (nv,).
 
         The rows must be factorized. The array is the same each time.
         """
@@ -158,25 +158,25 @@ class Constraints:
         return bool(found.speed <= CLOSED * self.plan.length and found.spin <= CLOSED)
 
     def project(self, t: float, y: Array, program: Array, retract: Callable[[Array, Array], None]) -> bool:
-        """Bring a state that is nearly there onto the constraints, in place.
+        """Correct a state of small residuals onto the constraints, in place.
 
-        Corrections are the least ones in kinetic energy: momentum stays.
+        Corrections are the least ones in kinetic energy, which conserves momentum.
 
         Args:
             t: Time [s].
             y: State [q, v, x].
-            program: Of the system's elements.
+            program: Program of the system's elements.
             retract: ``(y, step)``: moves the configuration in y by a generalized step.
 
         Returns:
-            Whether it is closed; if not, the state is of no use.
+            Whether it is closed; if not, the state is invalid.
         """
         nq, nv = self.model.nq, self.nv
         self.residuals(t, y, program)
         at_rest = self._in_place()
         length = self.plan.length
-        last = np.maximum(self.solution.gap, self.solution.turn * length)  # NaN if one is
-        # The rows hardly turn over such a correction: one factorization serves it all, else there is another.
+        last = np.maximum(self.solution.gap, self.solution.turn * length)  # NaN if any is NaN
+        # The rows hardly change in such a correction: one factorization suffices, else another is made.
         near = last < NEAR * length
         self.factorize(y[:nq])
         for _ in range(ROUNDS):

@@ -1,27 +1,26 @@
 """Derivatives of equations and forces of closures and couplings, compiled.
 
-Spatial vectors are in world axes about one point that rests
-(:mod:`antenna_pin.mechanism.tangent_kernels`).
-Let V, A be the velocities and accelerations of a closure's frames a and b, and U = V_b - V_a with its rate as
-a sees it, ``U' = A_b - A_a - V_a x U``. With p the origin of b, X_p = X_linear + X_angular x p of a motion X,
-and v = U_p, the rows of :mod:`antenna_pin.dynamics.constraints.rows_kernels` are, of axes n of a, its third
+Spatial vectors are in world axes about one fixed point (:mod:`antenna_pin.mechanism.tangent_kernels`).
+
+Let V, A be the velocities and accelerations of a closure's frames a and b, and U = V_b - V_a with its rate in
+axes of a, ``U' = A_b - A_a - V_a x U``. With p the origin of b, X_p = X_linear + X_angular x p of a motion X,
+and v = U_p, the rows of :mod:`antenna_pin.dynamics.constraints.rows_kernels` are, for axes n of a, its third
 axis z_a, and e = z_b x z_a::
 
-    along n    n . (U'_p + u x v)             u, u' the turning parts of U and U'
+    along n    n . (U'_p + u x v)             u, u' the angular parts of U and U'
     about n    n . u'
     square     e . u' + ((u x z_b) x z_a) . u
 
-As a sees it a displacement moves b by w, the sum of the ways of the joints from a to b, and::
+Relative to a a displacement moves b by w, the sum of the displacements of the joints from a to b, and::
 
-    dU = dV_b + w x V_b - dV_a                p moves by w_p, z_b by its turn
+    dU = dV_b + w x V_b - dV_a                p moves by w_p, z_b by its rotation
     dU' = dA_b + w x A_b - dA_a - dV_a x U - V_a x dU
 
-where of each body d is what its own axes see. The wrench F on b rests in a except for its arm and the
-direction
-e: ``dF = (0, w_p x f + de m)``; as b's own axes see it, less w x* F.
+where d of each body is in its own axes. The wrench F on b is constant in a except for its arm and the
+direction e: ``dF = (0, w_p x f + de m)``; in b's own axes, less w x* F.
 
-A frame that moves on its body, s by a number of the system, goes farther than that: of a, all that it sees
-goes back by s_a x, and it is b's frame that moves by w - s_a + s_b.
+A frame that moves on its body by s, with a number of the system, adds to this: relative to a everything moves
+back by s_a x, and b's frame moves by w - s_a + s_b.
 """
 
 from __future__ import annotations
@@ -58,14 +57,14 @@ class Tie(Record):
     axes: Matrix3  # of the first frame (columns)
     velocity: Vector6  # U
     acceleration: Vector6  # U'
-    wrench: Vector6  # on the second body
+    wrench: Vector6  # wrench on the second body
     couple: float  # moment along e alone [N m]
-    first_shift: Vector6  # of the first frame on its body, by the displacement
-    second_shift: Vector6  # of the second frame on its body
-    way: Vector6  # of the second frame, as the first sees it
-    velocity_change: Vector6  # of U
-    acceleration_change: Vector6  # of U'
-    wrench_change: Vector6  # of the wrench
+    first_shift: Vector6  # displacement of the first frame on its body
+    second_shift: Vector6  # displacement of the second frame on its body
+    way: Vector6  # displacement of the second frame, relative to the first
+    velocity_change: Vector6  # change of U
+    acceleration_change: Vector6  # change of U'
+    wrench_change: Vector6  # change of the wrench
 
 
 TIE = layout(Tie)
@@ -122,11 +121,11 @@ def read_ties(
     """Write closures in a solved state; subtract their wrenches from those of joints.
 
     Args:
-        plan: Of the constraints.
-        work: Of the solution.
+        plan: Plan of the constraints.
+        work: Work array of the solution.
         gravity: In world axes [m/s^2], (3,): the ground's acceleration is minus it.
-        bodies: How they move, CHANGE, (bodies + 1,); the last is the ground, which is written.
-        ties: To write to, TIE, (closures,).
+        bodies: Their motions, CHANGE, (bodies + 1,); the last is the ground, which is written.
+        ties: Written: TIE, (closures,).
     """
     head = plan_of(plan)
     set_six(bodies[head.bodies].acceleration, (-gravity[0], -gravity[1], -gravity[2], 0.0, 0.0, 0.0))
@@ -134,7 +133,7 @@ def read_ties(
         closure, tie = closure_at(plan, c), ties[c]
         _read(plan, work, closure, bodies, tie)
         first, second = closure.first, closure.second
-        # Down to the body that both stand on: what lies below feels nothing of it.
+        # Down to the common body: the wrenches cancel for bodies below.
         while first != second:
             if first > second:
                 add_six(bodies[first].wrench, _six(tie.wrench))
@@ -186,13 +185,13 @@ def _read(plan: Floats, work: Floats, closure: ClosureRecord, bodies: Records[Bo
 
 @kernel
 def change_ties(plan: Floats, bodies: Records[BodyChange], ties: Records[Tie], lack: Floats) -> None:
-    """Add how what accelerations lack in closures' rows changes; take changes of wrenches from bodies'.
+    """Add changes of right sides of closures' rows; subtract changes of wrenches from bodies'.
 
     Args:
-        plan: Of the constraints.
-        bodies: How their motions change, and written to: how their wrenches do, CHANGE, (bodies + 1,).
-        ties: What closures are in the state, TIE; written to.
-        lack: Added to: minus the change of ``J a - lack`` at accelerations that stay, (width,).
+        plan: Plan of the constraints.
+        bodies: Changes of their motions, and written: of their wrenches, CHANGE, (bodies + 1,).
+        ties: Closures in the state, TIE; written to.
+        lack: Added to: minus the change of ``J a - lack`` at constant accelerations, (width,).
     """
     head = plan_of(plan)
     for c in range(head.closures):
@@ -209,7 +208,7 @@ def change_ties(plan: Floats, bodies: Records[BodyChange], ties: Records[Tie], l
                 add_six(way, _six(bodies[second].way))
                 second = body_at(plan, second).parent
         _change_motion(a, b, tie)
-        # What the bodies' own axes see of the wrench, behind what its own axes do.
+        # Change of the wrench in the bodies' own axes, after that in its own axes.
         x, y, z, mx, my, mz = _direction_changes(closure, tie)
         f = tie.wrench_change
         set_six(f, (0.0, 0.0, 0.0, mx, my, mz))
@@ -288,7 +287,7 @@ def _write_lacks(closure: ClosureRecord, length: float, tie: Tie, turned: Triple
         return
     n = _column(tie.axes, 2)
     e = crossed(b[0], b[1], b[2], n[0], n[1], n[2])
-    # z_b's rate u x z_b, and the change of that: du x z_b + u x dz_b.
+    # Rate of z_b, u x z_b, and its change: du x z_b + u x dz_b.
     rate = crossed(U[3], U[4], U[5], b[0], b[1], b[2])
     db = crossed(w[3], w[4], w[5], b[0], b[1], b[2])
     one, other = crossed(dU[3], dU[4], dU[5], b[0], b[1], b[2]), crossed(U[3], U[4], U[5], *db)
@@ -303,13 +302,13 @@ def _write_lacks(closure: ClosureRecord, length: float, tie: Tie, turned: Triple
 def shift_ties(
     plan: Floats, places: Records[Place], moved: Records[ClosureRecord], ties: Records[Tie]
 ) -> None:
-    """Write how far closures' frames move on their bodies with a number of the system.
+    """Write displacements of closures' frames on their bodies with a number of the system.
 
     Args:
-        plan: Of the constraints.
-        places: Where bodies are, PLACE.
-        moved: By how much closures' own numbers change, CLOSURE, (closures,).
-        ties: To write to, TIE.
+        plan: Plan of the constraints.
+        places: Places of bodies, PLACE.
+        moved: Changes of closures' own numbers, CLOSURE, (closures,).
+        ties: Written: TIE.
     """
     for c in range(plan_of(plan).closures):
         own, one, tie = closure_at(plan, c), moved[c], ties[c]
@@ -333,14 +332,14 @@ def shift_couplings(
 ) -> None:
     """Add changes, over one number, of biases and forces of couplings' rows.
 
-    By what a row is multiplied does not count: it is of no equation.
+    The scale of a row has no effect.
 
     Args:
-        plan: Of the constraints.
-        moved: By how much couplings' own numbers change, COUPLED, (couplings,).
+        plan: Plan of the constraints.
+        moved: Changes of couplings' own numbers, COUPLED, (couplings,).
         force: Multipliers, (rows,).
         acceleration: (nv,).
-        lack: Added to, as :func:`change_ties` does.
+        lack: Added to, as by :func:`change_ties`.
         out: Change of J^T lambda, added to, (nv,).
     """
     for k in range(plan_of(plan).couplings):

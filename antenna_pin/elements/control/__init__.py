@@ -1,7 +1,7 @@
 """Sampled controllers: measurement and command at sampling times.
 
-A controller is no force element (:mod:`antenna_pin.elements`): it sets the one number of drives, motors and
-thrusters that takes commands. It knows no mechanics; a run passes it :class:`Now`.
+A controller is no force element (:mod:`antenna_pin.elements`): it sets the number of drives, motors and
+thrusters that takes commands. It contains no mechanics; a run passes it :class:`Now`.
 """
 
 from antenna_pin.base.lazy import exported

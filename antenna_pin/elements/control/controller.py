@@ -128,7 +128,7 @@ def limited(
     """Return a command limited in its step from the previous one, and within bounds.
 
     Args:
-        wished: What would be commanded without limits.
+        wished: Command without limits.
         before: The command before.
         step: By how much it may change; None for as much as it likes.
         bounds: The least and the largest; None for none.
@@ -208,9 +208,9 @@ class Controller:
         phase: The first [s].
         delay: From a sampling time until what it commands is written [s]; may exceed the period.
         delay_periods: The same in periods [-]; one of the two.
-        commands: What it commands, by name: drives and others that take a command.
+        commands: Commanded drives and other elements, by name.
         signals: Names of further numbers that it may ``note``.
-        state: What it remembers.
+        state: Its memory.
     """
 
     period: float
@@ -269,7 +269,7 @@ def check_controller(name: str, controller: Any) -> None:
             unit = " [s]" if declared.unit == "s" else ""
             raise InvalidParameterError(place, key, f"{declared.rule} and finite{unit}", value)
     if controller.delay and controller.delay_periods:
-        rule = "left out beside delay; give the one or the other"
+        rule = "omitted if delay is given"
         raise InvalidParameterError(place, "delay_periods", rule, controller.delay_periods)
     for key in ("commands", "signals"):
         names = getattr(controller, key)

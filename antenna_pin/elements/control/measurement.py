@@ -28,12 +28,12 @@ class Sensor:
     .. math:: y = d \, \mathrm{round}((x + b + \sigma n) / d)
 
     Noise is white from one sampling time to the next: n is drawn from a normal distribution by the seed and
-    the number of the sampling time alone, so that it does not depend on what was asked before.
+    the number of the sampling time alone, so that it does not depend on earlier measurements.
 
     Attributes:
         bias: b, in the number's unit.
         noise: Standard deviation, sigma, in the number's unit.
-        seed: Of the noise; controllers with one seed hear the same [-].
+        seed: Of the noise; controllers with one seed have the same noise [-].
         resolution: d, one step, in the number's unit; 0 for none.
         counts: Steps a turn instead, of an angle [-].
         bits: Instead, so many that a turn has 2^bits steps [-].
@@ -53,7 +53,7 @@ class Sensor:
         check(self)
         given = [name for name in ("resolution", "counts", "bits") if getattr(self, name)]
         if len(given) > 1:
-            rule = f"left out beside {given[0]}; a sensor has steps of one size"
+            rule = f"omitted if {given[0]} is given; a sensor has steps of one size"
             raise InvalidParameterError(self, given[1], rule, getattr(self, given[1]))
         if 0.0 < self.resolution < LEAST:
             raise InvalidParameterError(
@@ -127,12 +127,12 @@ class Measure:
         """Return the measurement named by a text such as ``angle hinge``.
 
         Args:
-            place: Whose it is, for the message.
-            key: Which of its keys.
-            text: It.
+            place: Owner of the measurement, for the message.
+            key: Key of the owner.
+            text: Text of the measurement.
 
         Raises:
-            InvalidParameterError: It asks for nothing known.
+            InvalidParameterError: The measurement is unknown.
         """
         kind, _, name = text.strip().partition(" ")
         if kind not in _KINDS:

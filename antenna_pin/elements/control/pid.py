@@ -30,7 +30,7 @@ class PidState:
     """State of a PID controller.
 
     Attributes:
-        begun: Whether it has been asked before.
+        begun: Whether it has been evaluated before.
         integral: Of the integrator, in the unit of its command.
         derivative: Its part of the command, filtered.
         error: At the sampling time before.
@@ -65,15 +65,15 @@ class Pid(SampledController):
     took away.
 
     Attributes:
-        acts_on: What it commands: a drive's name.
-        measures: What it measures, as ``angle hinge``; if not given, the angle of the joint that it acts on.
+        acts_on: Commanded drive, by name.
+        measures: Measurement, as ``angle hinge``; by default the angle of the drive's joint.
         kp: K_p, command per measured unit, in SI units.
         ki: K_i, command per measured unit and second.
         kd: K_d, command per measured unit a second.
-        derivative: What is derived.
+        derivative: Differentiated quantity.
         derivative_filter: T_f; 0 for none [s].
-        integrator: How the integral grows.
-        anti_windup: What happens to the integral while limits hold the command.
+        integrator: Rule of integration.
+        anti_windup: Treatment of the integral while limits hold the command.
         tracking_time: T_t [s].
         lower: Least command; none if not given.
         upper: Largest command; none if not given.
@@ -85,7 +85,7 @@ class Pid(SampledController):
         feedforward_acceleration: Part of the command per acceleration of the reference.
         sensor: Of what is measured.
         rate_sensor: Of the rate, where that is measured too.
-        state: What it remembers.
+        state: Its memory.
 
     References:
         Astrom and Wittenmark: Computer-Controlled Systems, 3rd edition, Prentice Hall (1997), chapter 8.

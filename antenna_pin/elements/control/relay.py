@@ -21,7 +21,7 @@ class BangBangState:
     """State of a relay.
 
     Attributes:
-        way: Which way it is on: 1, -1, or 0 if it is off.
+        way: Direction of the command: 1, -1, or 0 if off.
         since: Instants for which it has been so.
     """
 
@@ -41,7 +41,7 @@ class BangBang(SampledController):
     it is a relay: it goes from one way to the other where s has passed zero by more than the hysteresis.
 
     Attributes:
-        acts_on: What is commanded, with ``level`` one way and its opposite the other way; a drive.
+        acts_on: Drive, commanded with plus or minus ``level``.
         positive: Or what pushes one way, commanded with ``level`` or 0: thrusters.
         negative: And what pushes the other way.
         measures: y, as ``base-rotation x``.
@@ -54,7 +54,7 @@ class BangBang(SampledController):
         minimum_on: Time for which it stays on at least [s].
         sensor: Of what is measured.
         rate_sensor: Of the rate.
-        state: What it remembers.
+        state: Its memory.
     """
 
     acts_on: str = ""

@@ -30,12 +30,12 @@ class StateFeedback(SampledController):
 
     .. math:: u_k = f - K (y_k - r) + C z_k, \quad z_{k+1} = A z_k + B (y_k - r) + G u_k
 
-    u are the commands, within their limits, y what is measured. Without A, B and C it has no state; with them
-    it is any linear controller, such as one with an observer: G lets that know what was commanded in truth.
+    u are the commands, within their limits, y the measurements. Without A, B and C it has no state; with them
+    it is any linear controller, such as one with an observer: G feeds the limited command to it.
 
     Attributes:
-        acts_on: What it commands, by name: m of them.
-        measures: What it measures, as ``angle hinge`` and ``rate hinge``: p of them.
+        acts_on: Commanded drives, by name: m of them.
+        measures: Measurements, as ``angle hinge`` and ``rate hinge``: p of them.
         gain: K, (m, p), in SI units.
         a: A, (n, n).
         b: B, (n, p).

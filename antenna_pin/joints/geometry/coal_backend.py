@@ -21,8 +21,8 @@ _RULE = "a distance of the shapes of each contact"
 class CoalBackend:
     """Distances of a joint by coal.
 
-    Queries and answers are in one array of numbers, so that compiled code can write the queries,
-    have coal evaluate them and read the results.
+    Queries and results are in one array of numbers, so that compiled code can write the queries, have coal
+    evaluate them and read the results.
 
     Attributes:
         words: Size of that array.

@@ -1,10 +1,9 @@
 """Arithmetic of the revolute joint's coal backend around its queries, compiled.
 
-The caller calls :func:`coal_set_out` with a pose, has coal fill in the answers of the rows that are still
-``asked``, and calls :func:`coal_take_in`, repeatedly until no queries are left: nearly always
-once, since the search on a bore's end circle starts where the closed form has its deepest point, and there
-the gap is stationary. What is taken is coal's own gap and normal; where they do not agree that the point is
-the deepest one, the search continues from there.
+The caller calls :func:`coal_set_out` with a pose, has coal evaluate the requested rows, and calls
+:func:`coal_take_in`, repeatedly until no queries are left: nearly always once, since the search on a bore's
+end circle starts at the deepest point of the closed form, where the gap is stationary. The result is coal's
+own gap and normal; if they contradict that the point is the deepest one, the search continues from there.
 
 The journal frame J used here has its z axis along the journal and an arbitrary rotation about it.
 """
@@ -36,11 +35,11 @@ class Query(Record):
     """
 
     wanted: int  # rows
-    asked: int  # of them those that coal is still to be called for
+    asked: int  # rows still to be queried
     kind: int  # FLANGED, PAIRS or PATCHED (``coal_pair_kernels.py``, ``coal_patch_kernels.py``)
-    rows: int  # how many there are
+    rows: int  # number of queries
     strips: int  # of PATCHED
-    answer: int  # address of the machine code that evaluates them; 0: Python does
+    answer: int  # address of the machine code for the queries; 0: Python evaluates them
     pairs: int  # its object
 
 
@@ -62,10 +61,10 @@ class End(Record):
 
     in_journal: Vector3  # the point queried, in J, read by coal [m]
     in_bearing: Vector3  # the same point in H [m]
-    side: float  # where the circle stands, in half lengths
-    angle: float  # of the point on the circle [rad]
+    side: float  # place of the circle, in half lengths
+    angle: float  # angle of the point on the circle [rad]
     inside: int  # 1: the journal's axis passes through the circle
-    asked: int  # of a strip: 1: coal is to be called for it
+    asked: int  # of a strip: 1: to be queried
     normal: Vector3  # in H
     gap: float  # [m]
     answer: float  # coal's last distance [m]
@@ -96,9 +95,9 @@ class FlangeAnswer(Record):
 
 FLANGE_ANSWER = layout(FlangeAnswer)
 
-# What the kernels are given is one flat array with all of that in it: each array that Python hands over takes
-# its time, twice that if it is one of records. Where QUERY, REVOLUTE, FRAME, END at +z and at -z, the
-# FLANGE_ANSWERs and DISCS begin in it, and its size.
+# All arrays of the kernels are parts of one flat array: each array that Python passes takes time, records
+# twice as much. Starts of QUERY, REVOLUTE, FRAME, END at +z and at -z,
+# FLANGE_ANSWERs and DISCS in it, and its size.
 SHAPE_AT = words_of(QUERY)
 FRAME_AT = SHAPE_AT + words_of(REVOLUTE)
 END_WORDS = words_of(END)
@@ -110,7 +109,7 @@ WORDS = DISCS_AT + words_of(DISCS)
 FLANGED, PAIRS, PATCHED = 1, 2, 3  # kinds of queries
 FLANGES = 12  # the bits of both
 MOST_QUERIES = 12  # about one pose
-_APPROACH = 6  # Newton steps at most to where coal is asked first
+_APPROACH = 6  # largest number of Newton steps before the first query
 
 
 @inlined
@@ -207,7 +206,7 @@ def coal_start(work: Floats, k: int, side: float, pose: Records[Pose]) -> bool:
 
     The circle is at ``side`` times half the length.
     """
-    # Towards the side of the bore that the journal axis is nearest to, where it cuts the circle's plane.
+    # Towards the side of the bore nearest to the journal axis, where it cuts the circle's plane.
     ox, oy, oz = pose[0].centre[0], pose[0].centre[1], pose[0].centre[2]
     zx, zy, zz = pose[0].axis[0], pose[0].axis[1], pose[0].axis[2]
     shape, end = shape_in(work), end_in(work, k)
@@ -287,7 +286,7 @@ def _approach(shape: Revolute, at: PlacementRecord, end: End) -> None:
             return
         normal = _in_bearing(at, -x / distance, -y / distance, 0.0)
         step, gain, _ = _newton(shape, at, end, normal, distance - shape.journal_radius)
-        # A step from here on is one that coal's answer is carried over.
+        # The last step is one over which coal's result is extrapolated.
         if abs(step) < 1e-7 or gain < 1e-24:
             return
         end.angle += step

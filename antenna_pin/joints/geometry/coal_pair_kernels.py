@@ -1,10 +1,10 @@
 """Queries to coal about candidate contacts one by one, compiled: round parts, corners, edges, rods.
 
-Which parts of journal and bearing are next to each other, and where, is found in closed form; how far they
-are apart, coal measures. :func:`pairs_set_out` places the two shapes of each wanted contact,
-:func:`pairs_take_in` reads the measured distances.
+Adjacent parts of journal and bearing are found in closed form; coal measures their distances.
+:func:`pairs_set_out` places the two shapes of each wanted contact, :func:`pairs_take_in` reads the measured
+distances.
 
-In the work array of a joint, behind its QUERY, stand the candidates, (contacts, CANDIDATE), then the pairs,
+The work array of a joint has, after its QUERY, the candidates, (contacts, CANDIDATE), then the pairs,
 (contacts, PAIR).
 """
 
@@ -43,9 +43,9 @@ class PairQuery(Record):
 
     first: Vector3  # place of the first shape [m]
     second: Vector3  # place of the second shape [m]
-    turn: Matrix3  # rotation of the second shape; of a given plane normal and distance [m]
+    turn: Matrix3  # rotation of the second shape; of a plane its normal and distance [m]
     gap: float  # distance [m], negative in penetration
-    normal: Vector3  # from the first shape to the second
+    normal: Vector3  # normal from the first shape to the second
     point: Vector3  # nearest point of the first shape [m]
 
 
@@ -126,7 +126,7 @@ def _place_edge(shape: GuideCorner, out: Contact, pair: PairQuery) -> None:
 def _place_rod(reach: float, pose: Pose, out: Contact, pair: PairQuery) -> int:
     """Place a point of the rim (1) or the mouth (2); 0: none is near."""
     if abs(out.normal[2]) == 1.0:
-        return 0  # out of the guide: nothing round is met
+        return 0  # outside the guide: no round part is near
     for i in range(3):
         pair.first[i] = out.point[i]
     if abs(out.point[2]) != reach:
@@ -173,11 +173,11 @@ def pairs_take_in(work: Floats, table: Records[Contact], row: int) -> bool:
         ).primitive
         slider = primitive == CORNER_ON_WALL or primitive == EDGE_IN_GUIDE
         if not slider and primitive != CIRCLE_IN_CIRCLE and primitive != BALL and asked == 1:
-            out.gap = -pair.gap  # inside the guide: the closed form's normal stands
+            out.gap = -pair.gap  # inside the guide: the closed form's normal is used
             continue
         out.gap = pair.gap
         for i in range(3):
-            # coal's runs from the first shape to the second: from the slider to its wall.
+            # coal's normal is from the first shape to the second: from the slider to its wall
             out.normal[i] = -pair.normal[i] if slider else pair.normal[i]
             if primitive == CORNER_ON_WALL:
                 out.point[i] = pair.point[i]

@@ -1,11 +1,11 @@
 """Queries to coal about a joint under distributed load, compiled: strips and sectors.
 
-The strips are those that the closed form loads and their neighbours on the surface, the sectors those of
-flanges that press; each is measured as a point against the journal, or against the inner face of its flange.
+The strips are those loaded in closed form and their neighbours on the surface, the sectors those of pressing
+flanges; each is measured as a point against the journal, or against the inner face of its flange.
 
-In the work array of a joint, behind its QUERY, stand REVOLUTE and FRAME, the END of each strip, PATCH_QUERY,
-the nodes of the sectors, (sectors, NODE), and for each flange its deepest point and its sectors, (2, sectors
-+ 1, POINT).
+The work array of a joint has, after its QUERY, REVOLUTE and FRAME, the END of each strip, PATCH_QUERY, the
+nodes of the sectors, (sectors, NODE), and for each flange its deepest point and its sectors, (2, sectors + 1,
+POINT).
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ from antenna_pin.joints.geometry.patch_kernels import (
 class PatchQuery(Record):
     """Strips and sectors of a joint."""
 
-    strips: int  # how many
-    sectors: int  # how many of each flange
+    strips: int  # number of strips
+    sectors: int  # number of sectors of each flange
     first: int  # row of the first strip, from the joint's first row
-    radius: float  # of the sectors' circle [m]
+    radius: float  # radius of the sectors' circle [m]
 
 
 PATCH_QUERY = layout(PatchQuery)
@@ -50,10 +50,10 @@ NODE_WORDS = words_of(NODE)
 class PointQuery(Record):
     """A point of an end face before a flange's inner face, in J."""
 
-    asked: int  # 1: coal is to measure it
+    asked: int  # 1: to be measured by coal
     place: Vector3  # [m]
     gap: float  # [m]
-    normal: Vector3  # from bearing to journal
+    normal: Vector3  # normal from bearing to journal
 
 
 POINT = layout(PointQuery)

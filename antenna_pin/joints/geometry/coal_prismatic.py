@@ -1,7 +1,7 @@
 """Distances between a slider and its guide by coal: balls, half-spaces and cylinders.
 
-Which parts of the two are next to each other, and where, is found in closed form
-(:mod:`antenna_pin.joints.geometry.guide_kernels`); how far they are apart, coal says.
+Adjacent parts of the two are found in closed form (:mod:`antenna_pin.joints.geometry.guide_kernels`); coal
+measures their distances.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from antenna_pin.joints.geometry.revolute_kernels import REVOLUTE
 
 __all__ = ["CoalPrismatic"]
 
-_LONG = 10.0  # of a cylinder whose ends must not count, over the bearing's radius
+_LONG = 10.0  # length over the bearing's radius of a cylinder whose ends must not count
 
 
 class CoalPrismatic(CoalPairs):
     """Distances of a slider in a guide by coal.
 
     Args:
-        candidates: Those of the joint as the kernels have them, (contacts, CANDIDATE).
+        candidates: Candidates of the joint as in kernels, (contacts, CANDIDATE).
     """
 
     def __init__(self, candidates: NDArray[np.float64]) -> None:

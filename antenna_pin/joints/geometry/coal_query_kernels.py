@@ -1,7 +1,7 @@
 """Queries to coal about a joint with play, of any kind, compiled.
 
-In a run machine code of coal's is called by address in between (:func:`query_coal`); from Python, where there
-is none, Python asks between :func:`set_out` and :func:`take_in`.
+In a run coal's machine code is called by address in between (:func:`query_coal`); without it Python evaluates
+the queries between :func:`set_out` and :func:`take_in`.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def most_words(contacts: int, strips: int, sectors: int) -> int:
 def set_out(work: Floats, pose: Records[Pose], table: Records[Contact], row: int, wanted: int) -> None:
     """Write the queries of the wanted contacts of a joint, given as bits.
 
-    Of a joint under distributed load all are.
+    With distributed load all contacts are queried.
     """
     if query_in(work).kind == FLANGED:
         coal_set_out(work, pose, wanted)

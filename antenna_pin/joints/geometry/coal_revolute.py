@@ -1,14 +1,14 @@
 """Distances between a flanged journal and its bearing by coal's own primitives.
 
 The bore is concave, so it is not one coal shape. Radial: a sphere of radius zero at a point Q(phi) of the
-bearing's end circle against a lengthened journal cylinder, and phi from d gap / d phi = 0 by Newton with
+bearing's end circle against a lengthened journal cylinder, with phi from d gap / d phi = 0 by Newton with
 coal's own normal. Axial: a flange's half-space against the bearing's cylinder, or a small flange's cylinder
-against the half-space of the bearing's end face. All of these pairs are closed forms inside coal; pairs that
-go through GJK would be off by up to a micrometre.
+against the half-space of the bearing's end face. All of these pairs are closed forms inside coal; pairs by
+GJK would be off by up to a micrometre.
 
-Functors are built once; a query only moves a transform. Queries and answers are in one array of
-numbers (:mod:`antenna_pin.joints.geometry.coal_kernels`), so that compiled code can set out a pose, have coal
-asked, and take the answers in.
+Functors are built once; a query only moves a transform. Queries and results are in one array of numbers
+(:mod:`antenna_pin.joints.geometry.coal_kernels`), so that compiled code can write a pose, have coal evaluate
+it, and read the results.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class CoalRevolute(CoalBackend):
     """Distances of a revolute joint by coal.
 
     Args:
-        dimensions: The joint's, as the kernels' record, (1,).
+        dimensions: Dimensions of the joint, the kernels' record, (1,).
     """
 
     def __init__(self, dimensions: NDArray[Any]) -> None:
@@ -80,13 +80,13 @@ class CoalRevolute(CoalBackend):
         self._ends = work[kernels.ENDS_AT : kernels.ANSWERS_AT].view(kernels.END)
         self._answers = work[kernels.ANSWERS_AT : kernels.DISCS_AT].view(kernels.FLANGE_ANSWER)
         discs = work[kernels.DISCS_AT : kernels.WORDS].view(kernels.DISCS)[0]
-        # Of each flange: placement of the cylinder that coal is asked about.
+        # Placement of each flange's cylinder in queries.
         self._cylinders = [
             (self._rotation, self._origin) if self._covers else (discs["rotation"], discs[centre])
             for centre in ("centre", "other")
         ]
         rows = (self._end(0), self._end(1), self._flange(0), self._flange(1))
-        # By the bits of what is asked: looked up, not decided, for each evaluation asks.
+        # Queries by the bits of the requested rows: looked up, since each evaluation needs them.
         self._by_bits = [
             tuple(question for k, question in enumerate(rows) if bits >> k & 1)
             for bits in range(1 << len(rows))

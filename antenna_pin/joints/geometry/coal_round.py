@@ -21,9 +21,9 @@ class _CoalRound(CoalPairs):
     """A point of the hollow against the solid inside.
 
     Args:
-        primitive: Of the closed form that gives the point.
-        bearing_radius: Of the hollow [m].
-        journal_radius: Of the solid [m].
+        primitive: Primitive of the closed form that gives the point.
+        bearing_radius: Radius of the hollow [m].
+        journal_radius: Radius of the solid [m].
         solid: The solid as coal's shape.
     """
 

@@ -12,8 +12,8 @@ class Corner(Record):
     primitive: int  # its kind
     corner: Vector3  # centre of the rounding, from the journal's centre in the child's axes [m]
     wall: Vector3  # normal of the wall into the hollow, bearing axes
-    distance: float  # of the wall from the bearing's centre [m]
-    radius: float  # of the corner [m]
+    distance: float  # distance of the wall from the bearing's centre [m]
+    radius: float  # radius of the corner [m]
 
 
 CORNER = layout(Corner)

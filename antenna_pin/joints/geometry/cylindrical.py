@@ -103,24 +103,24 @@ _KEY = ("key_width", "keyway_width", "key_reach")
 )
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CylindricalClearance(RoundShape):
-    r"""A round slider in a round guide: it slides, and turns without a key.
+    """A round slider in a round guide: it slides, and turns without a key.
 
-    Candidates ``radial+`` and ``radial-`` are the two ends of what of the slider is within the guide: the rim
-    of the slider's end on the wall where it ends within, the mouth's edge on the slider's barrel where it
-    reaches out. Nothing stops the slider along the axis, and one that has left is free of the guide, except
-    for its block's face.
+    Candidates ``radial+`` and ``radial-`` are the two ends of the slider's part within the guide: the rim of
+    the slider's end on the wall where it ends within, the mouth's edge on the slider's barrel where it
+    protrudes. Nothing stops the slider along the axis, and one that has left is free of the guide, except for
+    its block's face.
 
-    A key on the slider, at its +x, goes in a keyway with play of its own: candidate ``key+y-z`` is its flank
-    at +y, at the -z end.
+    A key on the slider, at its +x, slides in a keyway with play of its own: candidate ``key+y-z`` is its
+    flank at +y, at the -z end.
 
     Attributes:
         bearing_radius: R_i, of the guide [m].
         journal_radius: R_j, of the slider, below R_i [m].
         slider_length: Along the axis [m].
-        guide_length: Along the axis, 0 for a guide that is longer than the slider's way [m].
+        guide_length: Along the axis, 0 for a guide longer than the slider's travel [m].
         key_width: Of the key, 0 for none [m].
         keyway_width: Of the keyway, above the key's [m].
-        key_reach: From the axis to where the key's flanks bear [m].
+        key_reach: From the axis to the load-bearing part of the key's flanks [m].
     """
 
     kind: ClassVar[str] = "cylindrical"

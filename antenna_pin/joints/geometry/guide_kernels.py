@@ -2,15 +2,15 @@
 
 Either may be the longer.
 
-The guide is a block with a hollow that goes through it; its outside does not count. Of what reaches out of a
-mouth only the part within the guide can touch, so that a contact there is between the slider's flank and the
-mouth's edge; of what ends within the guide it is the slider's end that meets the wall. A slider that is out
-altogether may meet the block's face.
+The guide is a block with a through hollow; its outside does not count. Of a slider that protrudes from a
+mouth only the part within the guide can touch: the contact is between the slider's flank and the mouth's
+edge. Where the slider ends within the guide its end meets the wall. A slider that is completely outside may
+meet the block's face.
 
-With ``apart`` the distance of the slider's end from the wall (to the centre of its rounding), ``inside`` how
-far it is within the mouth, and the flank leaning towards the wall by phi, the edge's distance from the flank
-is (apart - inside tan(phi)) cos(phi). The larger of the two counts where the flank leans
-towards the wall, and by the smaller else: so the gap does not jump as an end passes the mouth.
+With ``apart`` the distance of the slider's end from the wall (to the centre of its rounding), ``inside`` its
+distance within the mouth, and the flank leaning towards the wall by phi, the edge's distance from the flank
+is (apart - inside tan(phi)) cos(phi). The larger of the two counts where the flank leans towards the wall,
+else the smaller: so the gap does not jump as an end passes the mouth.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ class GuideCorner(Record):
     primitive: int  # its kind
     corner: Vector3  # centre of the rounding, from the journal's centre in the child's axes [m]
     wall: Vector2  # normal of the wall into the hollow, across the axis
-    distance: float  # of the wall from the bearing's centre [m]
-    radius: float  # of the corner [m]
+    distance: float  # distance of the wall from the bearing's centre [m]
+    radius: float  # radius of the corner [m]
     reach: float  # half the guide's length [m]
 
 
@@ -41,10 +41,10 @@ _MAX_ITERATIONS = 60
 def edge_contact(shape: GuideCorner, pose: Pose, out: Contact) -> None:
     """Write the candidate at one end of a long edge: its corner, or the mouth.
 
-    The edge counts as far as it is within the guide.
+    The edge counts within the guide.
 
-    Exact for a slider apart from its wall and for one that presses, where the depth is along the one of the
-    normals of wall and edge that parts them soonest; the guide's mouth is sharp, the slider's edge rounded.
+    Exact for a slider apart from its wall and for one that presses, where the depth is along the normal of
+    wall or edge with the smaller overlap; the guide's mouth is sharp, the slider's edge rounded.
     """
     wx, wy, reach, radius = shape.wall[0], shape.wall[1], shape.reach, shape.radius
     zx, zy, zz = pose.axis[0], pose.axis[1], pose.axis[2]
@@ -57,7 +57,7 @@ def edge_contact(shape: GuideCorner, pose: Pose, out: Contact) -> None:
         ey += ry
         ez += rz
         half += rx * zx + ry * zy + rz * zz
-    # The mouth that this end is next to, and how the edge goes on there.
+    # Mouth next to this end, and direction of the edge there.
     outward = 1.0 if half >= 0.0 else -1.0
     mouth = outward if zz >= 0.0 else -outward
     lean = -outward * (wx * zx + wy * zy)
@@ -72,7 +72,7 @@ def edge_contact(shape: GuideCorner, pose: Pose, out: Contact) -> None:
     if lean > 0.0 and apart > 0.0:
         on_edge = inside * steep <= -apart * lean
         beside = inside < 0.0 and not on_edge
-    way = 0.0  # along the edge from its end to where it is nearest to the mouth's
+    way = 0.0  # along the edge from its end to the point nearest to the mouth's
     if on_edge:
         cosine, sine, distance = steep / slant, lean / slant, across
         way = outward * (inside * steep + apart * lean) / square
@@ -82,7 +82,7 @@ def edge_contact(shape: GuideCorner, pose: Pose, out: Contact) -> None:
     else:
         cosine, sine, distance = 1.0, 0.0, apart
     nx, ny, nz = cosine * wx, cosine * wy, sine * mouth
-    # Out of the guide altogether, by this mouth or by the other?
+    # Completely outside, beyond this mouth or the other?
     gone = mouth * (ez - 2.0 * half * zz) - reach
     back = -mouth * ez - reach
     if max(gone, back) > distance:
@@ -144,7 +144,7 @@ def farthest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple
 def rod_contact(shape: Revolute, pose: Pose, out: Contact) -> None:
     """Write the candidate at one end of a round slider: its rim, or the mouth.
 
-    The slider counts as far as it is within the guide.
+    The slider counts within the guide.
 
     REVOLUTE, of which half_length is half the guide's and half_distance half the slider's. The rim's gap is
     R_i - max over P on the rim of dist(P, guide's axis), the mouth's that of a bore's end circle.
@@ -159,7 +159,7 @@ def rod_contact(shape: Revolute, pose: Pose, out: Contact) -> None:
     ax, ay = 1.0, 0.0
     if sine > 0.0:
         ax, ay = -zy / sine, zx / sine
-    bx, by = ay, -ax  # the way the axis leans
+    bx, by = ay, -ax  # direction in which the axis leans
     shrink = min(abs(zz), 1.0)  # the axis may be longer than 1 by round-off
     radius = shape.journal_radius
     ea, eb = farthest_on_ellipse(radius, radius * shrink, -(ox * ax + oy * ay), -(ox * bx + oy * by))
@@ -170,7 +170,7 @@ def rod_contact(shape: Revolute, pose: Pose, out: Contact) -> None:
     gap = shape.bearing_radius - distance
     ux, uy = px / distance, py / distance
     inside = reach - mouth * pz
-    near = 4.0 * abs(gap) * sine  # within that of the mouth either may be the one
+    near = 4.0 * abs(gap) * sine  # within the play of the mouth either may count
     on_mouth = inside < -near
     if abs(inside) <= near and sine > 0.0:
         bore_contact(shape, mouth, pose, out)
@@ -183,7 +183,7 @@ def rod_contact(shape: Revolute, pose: Pose, out: Contact) -> None:
         out.gap = gap
         out.normal[0], out.normal[1], out.normal[2] = -ux, -uy, 0.0
         out.point[0], out.point[1], out.point[2] = px, py, pz
-    # Out of the guide altogether, by this mouth or by the other?
+    # Completely outside, beyond this mouth or the other?
     gone = mouth * (oz - 2.0 * end * zz) - reach
     back = -mouth * oz - reach
     if max(gone, back) > gap:

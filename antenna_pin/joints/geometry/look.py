@@ -1,4 +1,4 @@
-"""Readings of a kind of joint with play for those who draw and describe results.
+"""Descriptions of a kind of joint with play for figures and reports.
 
 Each kind has its :class:`Look` beside its shape (:data:`antenna_pin.joints.geometry.LOOKS`); neither loads
 coal.
@@ -32,9 +32,9 @@ class Across(NamedTuple):
     places: tuple[str, ...]
     offset: Array  # (n, places, 3) [m], bearing axes
     eccentricity: Array  # (n, places) [m]
-    ratio: Array  # (n, places) [-], 1 where rigid parts stop it
+    ratio: Array  # (n, places) [-], 1 at the limit of rigid parts
     clearance: float  # [m]
-    outline: Array  # (m, 2) [m], what rigid parts leave the offset: a closed line in bearing axes
+    outline: Array  # (m, 2) [m], limit of the offset for rigid parts: a closed line in bearing axes
     # Limits of a centred journal; NaN where there is none.
     axial: float = math.nan  # [m]
     tilt: float = math.nan  # [rad]
@@ -42,20 +42,20 @@ class Across(NamedTuple):
 
 
 class Look(NamedTuple):
-    """Readings of a kind of joint with play.
+    """Description of a kind of joint with play for figures and reports.
 
     Attributes:
-        held: What holds it together, as text.
+        held: Parts that hold it together, as text.
         dimensions: Description of its parts, from its dimensions.
-        picture: Which close-up shows it.
+        picture: Kind of its close-up.
         contacts: Kinds of its contacts.
-        rows: What is drawn of its forces, row by row.
-        across: Where the journal is: from dimensions, its centre (n, 3) [m] and the direction of its axis
-            (n, 3), bearing axes.
+        rows: Drawn forces, row by row.
+        across: Place of the journal: from dimensions, its centre (n, 3) [m] and the direction of its axis (n,
+            3), bearing axes.
         spatial: Whether all three directions of the offset count.
-        faces: Which way a contact's wall faces out, x + i y in bearing axes, from dimensions and the
-            contact's end; None where the contact's own point says it.
-        outline: What the outline of the play is called.
+        faces: Outward direction of a contact's wall, x + i y in bearing axes, from dimensions and the
+            contact's end; None where the contact's own point gives it.
+        outline: Name of the outline of the play.
     """
 
     held: str
@@ -93,7 +93,7 @@ def across_centre(p: Array, eccentricity: Array, clearance: float) -> Across:
 
     Args:
         p: Its centre, bearing axes, (n, 3) [m].
-        eccentricity: How far that is from where it would be without play, (n, 1) [m].
+        eccentricity: Its distance from the place without play, (n, 1) [m].
         clearance: [m].
     """
     offset = p[:, None, :].copy()

@@ -18,20 +18,20 @@ from antenna_pin.joints.geometry.shape import Distances
 __all__ = ["OwnBackend"]
 
 _RULE = "a finite gap and point, and a finite unit normal, of each queried contact, and change nothing else"
-_UNIT = 1e-6  # that a normal's length may be off by
-# What it fills in: the first numbers of a row (:data:`antenna_pin.base.records.CONTACT`).
+_UNIT = 1e-6  # permitted error of a normal's length
+# Numbers that it writes: the first of a row (:data:`antenna_pin.base.records.CONTACT`).
 _GIVEN = ("gap", *(f"{name} {axis}" for name in ("normal", "point") for axis in "xyz"))
 
 
 class OwnBackend:
     """Backend whose results are checked.
 
-    It gets a table of its own, so that it cannot write into what belongs to others.
+    It is passed a table of its own, so that it cannot write into other data.
 
     Args:
-        name: Whose it is and what it is called.
+        name: Owner and name of the backend.
         distances: The backend.
-        contacts: Of its joint.
+        contacts: Contacts of its joint.
     """
 
     def __init__(self, name: str, distances: Distances, contacts: int) -> None:
@@ -47,7 +47,7 @@ class OwnBackend:
         """Fill gap, normal and point of the joint's rows (:class:`Distances`).
 
         Raises:
-            FunctionError: It raises something, or what it fills in is not what it should be.
+            FunctionError: It raises an exception, or writes invalid numbers.
         """
         if len(self._table) != len(table):
             self._table = np.zeros_like(table)
@@ -60,17 +60,17 @@ class OwnBackend:
             else:
                 self._distances.query(pose, self._table, row, list(wanted))
         except BaseException as error:
-            raise refused(self.name, self.told(pose), _RULE, error) from error
+            raise refused(self.name, self.pose_text(pose), _RULE, error) from error
         if pose.tobytes() != before:
             pose[:] = np.frombuffer(before, pose.dtype)
-            raise FunctionError(self.name, self.told(pose), _RULE, "a pose that it had changed")
-        # Plain numbers: a query is asked several times a step.
+            raise FunctionError(self.name, self.pose_text(pose), _RULE, "a pose that it had changed")
+        # Plain numbers: a query is evaluated several times a step.
         for k, numbers in enumerate(own.tolist()):
             if wanted is None or wanted[k]:
                 _, x, y, z, *_ = numbers
                 if not (abs(x * x + y * y + z * z - 1.0) <= 2.0 * _UNIT and math.isfinite(sum(numbers))):
                     got = f"{shown(dict(zip(_GIVEN, numbers, strict=True)))} for contact {k}"
-                    raise FunctionError(self.name, self.told(pose), _RULE, got)
+                    raise FunctionError(self.name, self.pose_text(pose), _RULE, got)
         self._numbers_of(table, row)[:] = own
 
     def _numbers_of(self, table: NDArray[Any], row: int) -> NDArray[np.float64]:
@@ -78,7 +78,7 @@ class OwnBackend:
         rows = table[row : row + self._contacts]
         return rows.view(np.float64).reshape(self._contacts, -1)[:, : len(_GIVEN)]
 
-    def told(self, pose: NDArray[Any]) -> str:
-        """Return a question in words."""
+    def pose_text(self, pose: NDArray[Any]) -> str:
+        """Return the queried pose as text."""
         x, y, z = pose["centre"][0].tolist()
         return f"journal at x = {x:.9g} m, y = {y:.9g} m, z = {z:.9g} m in its bearing"

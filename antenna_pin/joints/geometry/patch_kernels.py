@@ -18,7 +18,7 @@ class PatchSector(Record):
 
 NODE = layout(PatchSector)
 
-APART = 1.0  # [m], the gap written to strips that are known to be apart without being computed
+APART = 1.0  # [m], gap of strips that are apart without being computed
 
 
 @kernel
@@ -38,11 +38,10 @@ def strip_contacts(
 
     The +z half is in ``row``, the -z half behind it.
 
-    The strips stand from ``start`` on, from the -z to the +z end; a strip is the circle at its middle. The
-    gap is concave along the bearing (the distance between two straight axes is convex), so in each half it is
-    least at the outermost or the innermost strip, and from those two the loaded strips are found; the others
-    are marked as apart. A half's row is that of its least gap. Each strip has 2 / strips of the law of its
-    half.
+    The strips start at ``start``, from the -z to the +z end; a strip is the circle at its middle. The gap is
+    concave along the bearing (the distance between two straight axes is convex), so in each half it is least
+    at the outermost or the innermost strip, from which the loaded strips are found; the others are marked as
+    apart. A half's row is that of its least gap. Each strip has 2 / strips of the law of its half.
     """
     half = strips // 2
     for k in range(strips):

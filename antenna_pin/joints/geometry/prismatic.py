@@ -73,7 +73,7 @@ def _across(size: Sizes, p: Array, z: Array) -> Across:
         np.max(np.abs(offset[..., :2] @ turn) / play, axis=2),
         float(play.min()),
         rectangle @ turn.T,
-        tilt=math.hypot(*tilts),  # both ways at once
+        tilt=math.hypot(*tilts),  # both directions at once
         twist=float(np.fmin.reduce(twists)),
     )
 
@@ -90,7 +90,7 @@ def clamped(p: Array, z: Array, half: float, guide: float) -> Array:
         p: Its centre, (n, 3) [m].
         z: Its axis, (n, 3).
         half: Half its length [m].
-        guide: The guide's length [m]; 0 for one without end.
+        guide: The guide's length [m]; 0 for an unlimited one.
     """
     along = np.array([half, -half])[None, :] * np.ones((len(p), 1))
     if guide:
@@ -102,7 +102,7 @@ def clamped(p: Array, z: Array, half: float, guide: float) -> Array:
 def mouths(half: float, outer: float, inner: float) -> float:
     """Return the tilt at which a centred slider touches both mouths [rad].
 
-    There outer cos - half sin = inner.
+    It solves outer cos - half sin = inner.
     """
     play = outer - inner
     return 2.0 * math.atan2(play, half + math.sqrt(half * half + (outer + inner) * play))
@@ -184,8 +184,8 @@ def walls(
     Args:
         corners: Centre of each corner's rounding in the child's axes [m], its wall's normal into the hollow
             and the wall's distance from the bearing's centre [m].
-        radius: Of the roundings [m].
-        guide: Its length [m]; 0 for one without end.
+        radius: Radius of the roundings [m].
+        guide: Its length [m]; 0 for an unlimited one.
     """
     if guide:
         kind, half = kernels.EDGE_IN_GUIDE, 0.5 * guide
@@ -206,15 +206,15 @@ def walls(
 )
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PrismaticClearance(Shape):
-    r"""A rectangular slider with rounded edges in a rectangular guide: a prismatic joint with play.
+    """A rectangular slider with rounded edges in a rectangular guide: a prismatic joint with play.
 
     The slider may touch each of the guide's four walls with the four corners of its own on that side: sixteen
     candidates, of which one is a tilt's edge contact, two a line along or across the wall, four a surface.
-    Candidate ``wall+x+y-z`` is the wall at +x and there the corner at +y, -z. The gap between a corner and a
-    wall is exact at any tilt and roll.
+    Candidate ``wall+x+y-z`` is the wall at +x with the corner at +y, -z. The gap between a corner and a wall
+    is exact at any tilt and roll.
 
-    A guide that ends, of whichever length, touches what is within it: where the slider reaches out of a
-    mouth, the candidate is no longer the corner there but the mouth's edge against the slider's flank, at the
+    A guide of limited length touches the part of the slider within it: where the slider protrudes from a
+    mouth, the candidate is not the corner there but the mouth's edge against the slider's flank, at the
     slider's own long edge. Nothing stops the slider along the axis, and one that has left is free of the
     guide, except for its block's face.
 
@@ -226,7 +226,7 @@ class PrismaticClearance(Shape):
         slider_length: Along the axis [m].
         corner_radius: Of the rounding of the slider's edges, 0 or more, below half of each of its sides [m].
         roll: Of the section about the axis, from the x axis of the bearing frame [rad].
-        guide_length: Along the axis, 0 for a guide that is longer than the slider's way [m].
+        guide_length: Along the axis, 0 for a guide longer than the slider's travel [m].
 
     References:
         Flores, Leine and Glocker (2010), Multibody Syst. Dyn. 23, 165-190 (recalled): planar, with sharp

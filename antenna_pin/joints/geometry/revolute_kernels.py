@@ -94,10 +94,10 @@ def bore_contact(shape: Revolute, side: float, pose: Pose, out: Contact) -> None
 
     The circle is at ``side`` (+1, -1 or between) times half the bearing's length.
 
-    gap = min over Q on the circle of dist(Q, journal axis) - R_j. Seen along the journal axis the circle is
-    an ellipse with semi-axes R_i and R_i cos(tilt), and the journal axis is a point: the nearest point of an
-    ellipse. An axis that passes outside the circle counts by minus its distance: the pose is one that the
-    parts cannot have, and the deeper in the wall the farther out.
+    gap = min over Q on the circle of dist(Q, journal axis) - R_j. Along the journal axis the circle appears
+    as an ellipse with semi-axes R_i and R_i cos(tilt), and the journal axis as a point: the nearest point of
+    an ellipse. An axis that passes outside the circle counts by minus its distance: an impossible pose, whose
+    depth grows with the distance.
     """
     radius = shape.bearing_radius
     ox, oy, oz = pose.centre[0], pose.centre[1], pose.centre[2]
@@ -113,7 +113,7 @@ def bore_contact(shape: Revolute, side: float, pose: Pose, out: Contact) -> None
         ay = 0.0
     b0x = -ay
     b0y = ax
-    if zz < 0.0:  # keep the projected semi-axis positive for a journal put in the other way round
+    if zz < 0.0:  # keep the projected semi-axis positive for a reversed journal
         b0x = -b0x
         b0y = -b0y
     lean = b0x * zx + b0y * zy  # b0 . z = -+ sine

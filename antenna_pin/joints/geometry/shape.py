@@ -26,7 +26,7 @@ class ContactPoint(NamedTuple):
     """Candidate contact of journal and bearing, in bearing axes."""
 
     gap: float  # [m]; positive apart, so its zero can be located
-    normal: Vector3  # (3,), unit, the way the bearing pushes the journal
+    normal: Vector3  # (3,), unit, from the bearing into the journal
     point: Vector3  # (3,) [m], from the bearing's centre
 
     @property
@@ -38,8 +38,8 @@ class ContactPoint(NamedTuple):
 class ContactPlace(NamedTuple):
     """Place of a candidate contact on a joint."""
 
-    kind: str  # which of the joint's laws it has, and what figures call it: radial, axial, ...
-    end: str = ""  # which of several of its kind: +, -, ...
+    kind: str  # group of laws of the joint, and name in figures: radial, axial, ...
+    end: str = ""  # end among several of its kind: +, -, ...
 
     @property
     def name(self) -> str:
@@ -50,8 +50,8 @@ class ContactPlace(NamedTuple):
 class Distances(Protocol):
     """Backend: measures gaps in a run in place of the compiled closed form.
 
-    It must answer equal questions equally, to a billionth of the play: it may search from its last answer on,
-    but a gap that depends on earlier calls (wear, chance) ends the run as ``FUNCTION_WITH_MEMORY``.
+    Equal arguments must give equal results, to a billionth of the play: a search may start from the last
+    result, but a gap that depends on earlier calls (wear, chance) ends the run as ``FUNCTION_WITH_MEMORY``.
     """
 
     def query(
@@ -97,9 +97,9 @@ class ClearanceGeometry(Protocol):
 
     @property
     def patch_radius(self) -> float | None:
-        """Radius of the circle that the sectors of a distributed flange load stand on [m].
+        """Radius of the circle of the sectors of a distributed flange load [m].
 
-        None of a shape whose load cannot be distributed.
+        None for a shape whose load cannot be distributed.
         """
 
     @property
@@ -169,8 +169,8 @@ def pose_of(p_HJ: ArrayLike, attitude: ArrayLike) -> NDArray[Any]:
 
     Args:
         p_HJ: Journal's centre from the bearing's centre, bearing axes, (3,) [m].
-        attitude: Direction of the journal's axis in bearing axes, (3,), made unit; or its rotation R_HJ,
-            (3, 3).
+        attitude: Direction of the journal's axis in bearing axes, (3,), normalised here; or its rotation
+            R_HJ, (3, 3).
     """
     p = np.asarray(p_HJ, dtype=float)
     given = np.asarray(attitude, dtype=float)

@@ -57,7 +57,7 @@ LOOK = Look(
 class SphericalClearance(RoundShape):
     """A ball in a socket with play: one contact, on the line of centres.
 
-    The socket is taken as a whole sphere: it holds the ball in every direction.
+    The socket is a whole sphere: it holds the ball in every direction.
 
     Attributes:
         socket_radius: Of the hollow sphere [m].

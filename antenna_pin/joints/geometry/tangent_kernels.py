@@ -1,11 +1,11 @@
 """Changes of candidate contacts with journal motion and dimensions, compiled.
 
-Of a primitive that has a closed form of its gap, its gap, normal and point are differentiated as they are
-defined; ends of sliders in guides are not among these (:func:`contact_changes`).
+For a primitive with a closed form of its gap, gap, normal and point are differentiated by their definitions;
+ends of sliders in guides are excluded (:func:`contact_changes`).
 
 ``pose`` and ``row`` are a journal (:data:`antenna_pin.base.records.POSE`) and a candidate
-(:data:`antenna_pin.base.records.CONTACT`) as they are; ``way`` and ``change`` are how the journal's centre,
-axis and rotation and the shape's dimensions change.
+(:data:`antenna_pin.base.records.CONTACT`); ``way`` and ``change`` are the changes of the journal's centre,
+axis and rotation and of the shape's dimensions.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from antenna_pin.joints.geometry.kernels import (
 from antenna_pin.joints.geometry.revolute_kernels import REVOLUTE, Revolute
 from antenna_pin.joints.geometry.round_kernels import ROUND, Round
 
-#: Where in what is written the changes of gap, normal and point begin, and how many numbers that is.
+#: Starts of the changes of gap, normal and point in the result, and its size.
 GAP, NORMAL, POINT, CHANGED = 0, 1, 4, 7
 
 
@@ -34,10 +34,10 @@ GAP, NORMAL, POINT, CHANGED = 0, 1, 4, 7
 def _bore_changes(
     shape: Revolute, change: Revolute, pose: Pose, way: Pose, row: Contact, out: Floats
 ) -> None:
-    """Changes of the place where a bore's end circle is nearest to the journal's axis.
+    """Changes of the point of a bore's end circle nearest to the journal's axis.
 
-    With u from the journal's centre to the circle's point Q and d = u - (u . z) z square to the axis z,
-    d . T = 0 along the circle's tangent T, always; this tells by which angle Q goes along the circle.
+    With u from the journal's centre to the circle's point Q and d = u - (u . z) z square to the axis z, d . T
+    = 0 along the circle's tangent T, always; this determines the angle of Q along the circle.
     """
     n, q, z, dz, moved = row.normal, row.point, pose.axis, way.axis, way.centre
     radius, reach = shape.bearing_radius, row.gap + shape.journal_radius
@@ -46,7 +46,7 @@ def _bore_changes(
     ux, uy, uz = q[0] - pose.centre[0], q[1] - pose.centre[1], q[2] - pose.centre[2]
     along = ux * z[0] + uy * z[1] + uz * z[2]
     grown, raised = change.bearing_radius, shape.side * change.half_length
-    # Changes of u, and of d, with Q where it is on the circle.
+    # Changes of u, and of d, with Q fixed on the circle.
     wx, wy, wz = grown * ex - moved[0], grown * ey - moved[1], raised - moved[2]
     turn = wx * z[0] + wy * z[1] + wz * z[2] + ux * dz[0] + uy * dz[1] + uz * dz[2]
     wx -= turn * z[0] + along * dz[0]
@@ -74,9 +74,9 @@ def _flange_changes(
 ) -> None:
     """Write the changes of the deepest point of a flange's rim.
 
-    Where the flange covers the bearing's edge it is that of the edge.
+    If the flange covers the bearing's edge it is that of the edge.
 
-    At parallel axes, where the deepest point is that on the axis, it stays there.
+    With parallel axes the deepest point is that on the axis, and stays there.
     """
     o, z, do, dz, side, sine = pose.centre, pose.axis, way.centre, way.axis, shape.side, pose.sine
     ux, uy, dx, dy = 0.0, 0.0, 0.0, 0.0
@@ -149,15 +149,15 @@ def has_closed_changes(primitive: int) -> bool:
 
 @kernel
 def contact_changes(words: Floats, change: Floats, pose: Pose, way: Pose, row: Contact, out: Floats) -> None:
-    """Write how gap, normal and point of a candidate of closed form change.
+    """Write changes of gap, normal and point of a candidate of closed form.
 
     Args:
         words: Its record, (CANDIDATE,).
-        change: By how much its dimensions change, likewise.
+        change: Changes of its dimensions, likewise.
         pose: The journal, POSE.
-        way: By how much centre, axis, its sine, and rotation change, POSE.
-        row: The candidate as it is, CONTACT; of a flange with the deepest point.
-        out: To write to, (CHANGED,).
+        way: Changes of centre, axis, its sine, and rotation, POSE.
+        row: The candidate, CONTACT; for a flange with the deepest point.
+        out: Written, (CHANGED,).
     """
     primitive = record(words[:CANDIDATE], REVOLUTE).primitive
     if primitive == BORE:

@@ -1,12 +1,12 @@
 """Propagation of tangents along a step by the run's own method, compiled.
 
-State and displacements w are one set of equations, y' = f(y) and ``w' = dv - [v, w]``, ``dv' = Df w``, and go
-by the same stages: what comes of w is of the order of the method, and its embedded weights tell the error.
-Next to where contacts begin or end the derivative Df goes with a root of time; there time goes with the
-square of what is integrated over.
+State and tangents w are one system of equations, y' = f(y) and ``w' = dv - [v, w]``, ``dv' = Df w``,
+integrated with the same stages: w has the order of the method, and the embedded weights estimate its error.
+Near an onset or a release the derivative Df varies with a root of time; there the integration variable is the
+root of time.
 
-What displacements are off by goes by the same equations, and need not be known as well: by three of the
-stages, in a method of third order, where these can (``|h A w| < |w|``).
+Errors of tangents obey the same equations, and need less accuracy: three of the stages give a method of third
+order, where these suffice (``|h A w| < |w|``).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from antenna_pin.integrate.kernels import RATES, STATE, begin, stage, store
 from antenna_pin.integrate.manifold_kernels import space_of, write_bracket
 from antenna_pin.run.engine.tangent_kernels import write_tangent
 
-# How near an instant is from which on derivatives go with a root of time: of that to the ends of a step.
+# Distance of an event from the step, relative to the farther end, below which time is graded.
 _EVEN = 0.9
 
 
@@ -31,43 +31,43 @@ _EVEN = 0.9
 class CarryRoom(NamedTuple):
     """Arrays for the propagation of tangents.
 
-    They are of two kinds: those themselves, and behind them what these are off by.
+    Rows of ``ways`` are the tangents, followed by their errors.
     """
 
-    tangent: TangentRoom  # what the derivative of the rates is computed with
-    tableau: Tableau  # the method's
-    work: Floats  # the rows of a stepper; START, STATE and RATES are those of the state
-    ways: Floats  # displacements at the start, (k, displacement)
-    now: Floats  # those at the stage; at the end those at the end
-    slopes: Floats  # rates of their ways, rates and bristles, by stage, (stages, k, moving)
-    coarse: Floats  # over what a step of differences of each part must be one at most, (displacement,)
-    steps: Floats  # of differences along them, (k,)
-    rests: Floats  # weights of the stages of what displacements are off by, (stages, stages)
-    asked: Ints  # which of the stages these have, 0 or not, (stages,)
-    # the displacements themselves, as ``now``, where the others are not asked for; scratch at last
+    tangent: TangentRoom  # arrays for the derivative of the rates
+    tableau: Tableau  # coefficients of the method
+    work: Floats  # rows of a stepper; START, STATE and RATES are those of the state
+    ways: Floats  # tangents at the start, (k, displacement)
+    now: Floats  # tangents at the stage; finally those at the end
+    slopes: Floats  # rates of their displacements, rates and bristles, by stage, (stages, k, moving)
+    coarse: Floats  # upper bounds of a step of differences of each part, inverse, (displacement,)
+    steps: Floats  # steps of differences along them, (k,)
+    rests: Floats  # weights of the stages for errors of tangents, (stages, stages)
+    asked: Ints  # stages that errors use, 0 or not, (stages,)
+    # the tangents alone, as ``now``, at stages that errors do not use; finally scratch
     few: Floats
-    few_steps: Floats  # of differences along these
+    few_steps: Floats  # steps of differences along these
     few_both: Floats  # as ``both``, of these
-    books: Floats  # how what is integrated along the run is displaced by the step, (few, nx)
+    books: Floats  # change of the integrated numbers of the run in the step, (few, nx)
     bracket: Floats  # scratch, (nv,)
     both: Floats  # derivatives of the rates, by differences of two orders, (2, k, nv + nx)
-    errors: Floats  # by how much the end is off, of displacements themselves, (few, moving)
-    rough: Floats  # by how much it would be by the other order of differences, (few, moving)
-    sizes: Floats  # of these two, in units, (2, few)
+    errors: Floats  # errors of tangents at the end by the method, (few, moving)
+    rough: Floats  # errors by the other order of differences, (few, moving)
+    sizes: Floats  # sizes of both, in units, (2, few)
 
 
 @inlined
 def _grade(t: float, h: float, until: float, since: float) -> tuple[int, float]:
-    """Return how time goes along a step.
+    """Return the grading of time along a step.
 
-    Behind an onset the derivative of a force that begins like depth^1.5 goes with the root of time since, and
-    likewise before a release. At a kink there is no derivative, and differences have some of both sides':
-    where time goes with a square from or to there, it has no share.
+    After an onset the derivative of a force that begins like depth^1.5 varies with the root of time since,
+    and likewise before a release. At a kink there is no derivative, and differences mix both sides: with a
+    graded time that point has no weight.
 
     Returns:
-        Whether it goes with the square of what is integrated over, from an instant before the start on, 1, or
-        back from one behind the end, -1; or evenly, 0. And where that instant is: the root of the time from
-        there to the nearer end of the step over that to the other, [0, 1).
+        1 if time is the square of the integration variable since an event before the start, -1 if before an
+        event after the end, 0 if even. Further the place of the event: root of the time from there to the
+        nearer end of the step over that to the other, [0, 1).
     """
     gone, left = max(t - since, 0.0), max(until - (t + h), 0.0)
     before = math.sqrt(gone / (gone + h)) if gone < math.inf else 1.0
@@ -98,7 +98,7 @@ def _displace(i: int, h: float, room: CarryRoom) -> None:
         weights = room.tableau.weights if d < few else room.rests
         for k in range(slopes.shape[2]):
             now[d, k] = room.ways[d, k]
-        # Stage by stage, so that the parts of a displacement go side by side.
+        # Stage by stage, so that the parts of a tangent are vectorised.
         for j in range(i):
             share = h * weights[i, j]
             if share != 0.0:
@@ -108,10 +108,10 @@ def _displace(i: int, h: float, room: CarryRoom) -> None:
 
 @inlined
 def _note(i: int, h: float, speed: float, y: Floats, both: Floats, room: CarryRoom) -> None:
-    """Note how fast the displacements change at stage i, over what is integrated over.
+    """Write the rates of the tangents at stage i, over the integration variable.
 
-    By how much the two orders of differences part there is added up, by the stage's share in the step; and
-    what acts on nothing.
+    Differences between the two orders are added up with the stage's weight in the step, and so are the
+    effects on integrated numbers.
     """
     tangent, now, few = room.tangent, room.now, room.few.shape[0]
     space = space_of(tangent.layout)
@@ -157,7 +157,7 @@ def _judge(h: float, room: CarryRoom) -> None:
             second += (others[d, k] / units[k]) ** 2
         share, parted = 1.0, 0.0
         if weights.shape[0] == 2 and first + second > 0.0:
-            # Of order 8(5,3), as the run's own.
+            # Of order 8(5,3), like the run's own.
             share = math.sqrt(first / (first + 0.01 * second))
         for k in range(slopes.shape[2]):
             room.errors[d, k] *= h * share
@@ -181,14 +181,14 @@ def _prepare(room: CarryRoom) -> None:
 
 @kernel
 def carry_along(t: float, h: float, until: float, since: float, room: CarryRoom) -> None:
-    """Carry displacements along a step.
+    """Propagate tangents along a step.
 
     Args:
-        t: Where it begins [s]; the state is in the row STATE of the work rows, where that at the end is left.
-        h: Its size [s].
-        until: When contacts, drives or rates change next, where it ends or behind that [s].
-        since: When they have changed last [s].
-        room: What to carry with.
+        t: Start [s]; the state is in the row STATE of the work rows, where that at the end is written.
+        h: Step size [s].
+        until: Time of the next change of contacts, drives or rates, at the end or later [s].
+        since: Time of their last change [s].
+        room: Arrays.
     """
     grade, origin = _grade(t, h, until, since)
     tableau, work, tangent = room.tableau, room.work, room.tangent

@@ -22,11 +22,11 @@ class Along(NamedTuple):
     """Map of tangents over a step.
 
     Attributes:
-        ways: At its end, (displacement, k), with what they are off by behind them.
-        errors: By how much these are off by the method in the step, (moving, few): ways, rates and bristles.
-        rough: By how much by differences, likewise.
-        sizes: Of the two, in units, (2, few).
-        books: How what is integrated along the run is displaced by the step, (nx, few).
+        ways: Tangents at the end, (displacement, k), followed by their errors.
+        errors: Errors by the method in the step, (moving, few): displacements, rates and bristles.
+        rough: Errors by differences, likewise.
+        sizes: Sizes of both, in units, (2, few).
+        books: Change of the integrated numbers of the run in the step, (nx, few).
     """
 
     ways: Array
@@ -37,14 +37,14 @@ class Along(NamedTuple):
 
 
 class Steps(NamedTuple):
-    """Steps one after another.
+    """Consecutive steps.
 
     Attributes:
-        times: When they begin, (steps,) [s].
-        sizes: Of them, (steps,) [s].
-        since: When contacts, drives or rates have changed last, (steps,) [s].
-        until: When they change next, (1,) [s].
-        states: Where they begin, (steps, size).
+        times: Starts, (steps,) [s].
+        sizes: Step sizes, (steps,) [s].
+        since: Times of the last change of contacts, drives or rates, (steps,) [s].
+        until: Time of the next change, (1,) [s].
+        states: States at the starts, (steps, size).
     """
 
     times: Array
@@ -58,10 +58,9 @@ class Carrying:
     """Propagation of tangents along steps by the stages of the run's method.
 
     Args:
-        stepper: Whose rates they go by, and whose method; its contact memory and program are those of the
-            moment.
+        stepper: Stepper with rates and method, at its present contact memory and program.
         tangents: Derivatives of these rates.
-        coarse: Over what a step of differences of each part of a displacement must be one at most.
+        coarse: Inverse upper bounds of a step of differences, for each part of a displacement.
     """
 
     def __init__(self, stepper: CompiledStepper, tangents: Tangents, coarse: Array) -> None:
@@ -84,14 +83,14 @@ class Carrying:
         until: float,
         since: float,
     ) -> Along:
-        """Carry displacements, and what they are off by, along a step.
+        """Propagate tangents and their errors along a step.
 
         Args:
-            start: When it begins [s], its size [s], and the state there.
-            ways: Displacements there, (displacement, few).
-            off: What some are off by, (displacement, k - few).
-            until: When contacts, drives or rates change next [s].
-            since: When they have changed last [s].
+            start: Start [s], step size [s], and state there.
+            ways: Tangents there, (displacement, few).
+            off: Errors of some, (displacement, k - few).
+            until: Time of the next change of contacts, drives or rates [s].
+            since: Time of their last change [s].
         """
         time, size, y = start
         few = ways.shape[1]
@@ -105,19 +104,19 @@ class Carrying:
     def along_all(
         self, steps: Steps, ways: Array, off: Array, scales: Array, good: float
     ) -> tuple[int, Array, Array, Array]:
-        """Carry displacements, and what they are off by, along steps one after another.
+        """Propagate tangents and their errors along consecutive steps.
 
         Args:
             steps: The steps.
-            ways: Displacements before the first, (displacement, k).
-            off: What they are off by, likewise.
-            scales: Of the parts of a displacement in coordinates, in which sizes are compared.
-            good: What the method, or differences, may be off by in a step, over a displacement.
+            ways: Tangents before the first, (displacement, k).
+            off: Their errors, likewise.
+            scales: Scales of the parts of a displacement in coordinates, in which sizes are compared.
+            good: Permitted error of the method, or of differences, in a step, relative to a tangent.
 
         Returns:
-            Along how many, up to one in which they are not known well enough or at whose end a contact that
-            touches has no force; displacements behind these and what they are off by; how what is integrated
-            along the run is displaced by them, (nx, k).
+            Number of steps, up to one with too large an error or at whose end a touching contact has no
+            force; tangents after these and their errors; change of the integrated numbers of the run, (nx,
+            k).
         """
         count = ways.shape[1]
         room, full = (self._room(2 * count, count, every) for every in (False, True))
@@ -129,9 +128,9 @@ class Carrying:
         return int(done), room.ways[:count].T.copy(), room.ways[count:].T.copy(), books.T
 
     def _room(self, count: int, few: int, every: bool) -> CarryRoom:
-        """Return what displacements, some of which are what others are off by, are carried with.
+        """Return the arrays for propagation of tangents and errors.
 
-        Of ``count`` tangents the first ``few`` are tangents, the others errors, by all stages if ``every``.
+        Of ``count`` rows the first ``few`` are tangents, the others errors, with all stages if ``every``.
         """
         room = self._rooms.get((count, few, every))
         if room is None or room.tangent is not self._tangents.room:
@@ -171,8 +170,8 @@ class Carrying:
 def third_order(nodes: Array, last: int) -> tuple[Array, NDArray[np.int64]]:
     """Return the weights and stages of an embedded third-order method.
 
-    With nodes 0, c and d: weights of the step are those of the quadrature, and d's stage is from c's by what
-    is left of the conditions of third order (Hairer, Norsett and Wanner 1993, II.1).
+    With nodes 0, c and d: weights of the step are those of the quadrature, and the stage at d uses that at c
+    by the remaining condition of third order (Hairer, Norsett and Wanner 1993, II.1).
     """
     weights, asked = np.zeros((len(nodes), len(nodes))), np.zeros(len(nodes), dtype=np.int64)
     inner = [i for i in range(1, last) if 0.0 < nodes[i] < 1.0]

@@ -11,8 +11,8 @@ from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.integrate.kernels import START, STATE
 from antenna_pin.run.engine.carry_kernels import CarryRoom, carry_along
 
-# In how many parts at most a step is made, and by how much better than it must be one is known at most, until
-# the next is made in half as many.
+# Largest number of parts of a step, and margin of the error over the permitted one from which on the next
+# step has half as many.
 _PARTS, _BETTER = 4, 2.0**-7
 
 
@@ -20,17 +20,17 @@ _PARTS, _BETTER = 4, 2.0**-7
 class ChainRoom(NamedTuple):
     """Steps along which displacements are carried one after another."""
 
-    room: CarryRoom  # what each is carried with: what displacements are off by, by three stages
-    full: CarryRoom  # as that, by all stages
-    times: Floats  # when they begin, (steps,) [s]
-    sizes: Floats  # of them, (steps,) [s]
-    since: Floats  # when contacts, drives or rates have changed last, (steps,) [s]
-    until: Floats  # when they change next, (1,) [s]
-    states: Floats  # where they begin, (steps, size)
-    scales: Floats  # of the parts of a displacement in coordinates, (displacement,)
-    first: Floats  # displacements where a step begins, scratch, (k, displacement)
-    booked: Floats  # how what is integrated along the run is displaced by a step, scratch, (few, nx)
-    books: Floats  # the same, so far
+    room: CarryRoom  # arrays of propagation, with errors by three stages
+    full: CarryRoom  # the same, by all stages
+    times: Floats  # starts of the steps, (steps,) [s]
+    sizes: Floats  # step sizes, (steps,) [s]
+    since: Floats  # times of the last change of contacts, drives or rates, (steps,) [s]
+    until: Floats  # time of the next change, (1,) [s]
+    states: Floats  # states at the starts, (steps, size)
+    scales: Floats  # scales of the parts of a displacement in coordinates, (displacement,)
+    first: Floats  # tangents at the start of a step, scratch, (k, displacement)
+    booked: Floats  # change of the integrated numbers of the run in a step, scratch, (few, nx)
+    books: Floats  # the same, summed
 
 
 @inlined
@@ -43,7 +43,7 @@ def _worst(good: float, scales: Floats, room: CarryRoom) -> float:
             total += (scales[k] * room.now[d, k]) ** 2
         most = good * math.sqrt(total)
         for kind in range(2):
-            # Written so that what is no number is not known either.
+            # Written so that NaN is not accurate either.
             if not room.sizes[kind, d] <= most:
                 return math.inf
             if most > 0.0:
@@ -118,14 +118,14 @@ def _carry_in_parts(n: int, parts: int, good: float, chain: ChainRoom) -> float:
 
 @kernel
 def carry_chain(good: float, chain: ChainRoom) -> int:
-    """Carry displacements, and what they are off by, along steps one after another.
+    """Propagate tangents and their errors along consecutive steps.
 
     Args:
-        good: What the method, or differences, may be off by in a step, over a displacement.
-        chain: The steps, and what to carry with; the rooms share their work rows.
+        good: Permitted error of the method, or of differences, in a step, relative to a tangent.
+        chain: The steps, and the arrays of propagation, with the same work rows.
 
     Returns:
-        Along how many: up to one in which they are not known well enough in any number of parts.
+        Number of steps, up to one that is not accurate in any number of parts.
     """
     room, parts = chain.room, 1
     for n in range(chain.times.shape[0]):

@@ -26,8 +26,8 @@ from antenna_pin.run.engine.stretch_kernels import (
 
 RELOCATIONS = 5
 
-# What comes of a part of the loop: it goes on; what the loop outside has to see to: a step so short that it
-# is hopeless, something outside that could not be answered.
+# Results of a part of the loop: it continues; the outer loop has to handle a step so short that it is
+# hopeless, or a call outside that failed.
 GOES_ON = 0
 HOPELESS = 1
 FAILED = 2
@@ -37,15 +37,15 @@ FAILED = 2
 def make_again(loop: Loop, c: int, level: float, size: float, longest: float) -> int:
     """Repeat the trial step up to an event, and compute its dense output.
 
-    The error of the step that went on past that point says nothing of the one up to it. Where that one's is
-    too large, a shorter step is to be tried.
+    The error of the full step does not bound that of the shortened one. If the latter is too large, a shorter
+    step is tried.
 
     Args:
         loop: The loop.
-        c: The contact whose gap is to be at a level; -1: how much longer the step is to be is asked outside.
+        c: Contact whose gap reaches a level; -1: the callback ``lack`` gives the correction of the step size.
         level: That gap [m].
-        size: How far into the step that is, by a dense output [s].
-        longest: What the step may be corrected to at most [s].
+        size: Time of the event within the step, by a dense output [s].
+        longest: Upper bound of the corrected step size [s].
     """
     s, outside = loop.stretch[0], loop.numbers.outside
     for _ in range(RELOCATIONS):

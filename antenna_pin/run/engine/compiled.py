@@ -32,18 +32,18 @@ __all__ = ["Compiled", "CompiledStepper", "check_compiled"]
 Array = NDArray[np.float64]
 
 
-# --- functions in Python that compiled code asks by their addresses, and what they could not answer ---
+# --- functions in Python that compiled code calls by address, and their failures ---
 
 
 class Answers:
     """Callbacks of compiled code in one run.
 
-    Nothing that is raised passes through machine code: it is kept, and raised where the compiled code was
-    called from (:meth:`check`). The functions hold what they look at; nothing that they hold knows of them,
-    so that a run's memory is free when the run is.
+    Exceptions do not pass through machine code: they are stored, and raised by the caller of the compiled
+    code (:meth:`check`). The functions refer to the run's objects, not the reverse, so that a run's memory is
+    released with the run.
 
     Attributes:
-        outside: Questions and answers, as the kernels take them.
+        outside: Function pointers, arguments and results, as the kernels take them.
     """
 
     def __init__(self, size: int, nv: int) -> None:
@@ -59,7 +59,7 @@ class Answers:
         self._machine: list[Callable[[], FunctionError | None]] = []
 
     def give(self, question: str, function: Callable[[float], None]) -> None:
-        """Let a function answer a question, a field of ``ASKED``.
+        """Install a callback, a field of ``ASKED``.
 
         The function of a time [s] reads and writes ``outside``, or raises an error.
         """
@@ -112,7 +112,7 @@ def give_python(answers: Answers, workspace: Workspace, table: NDArray[Any]) -> 
     if workspace.python_paths or workspace.system.callables:
         ask = workspace.asked_in_steps()
         answers.give("elements", lambda t: ask(t, state))
-        # Forces of laws in Python are zero again only once they have been asked after a release.
+        # Forces of laws in Python become zero only by an evaluation after the release.
         compiled = all(path.compiled for path in workspace.python_paths)
         asked.touching = compiled and not workspace.system.callables
     if workspace.system.callables and workspace.constraints is not None:
@@ -153,7 +153,7 @@ def check_compiled(system: System) -> None:
     """Refuse a system that the compiled engine cannot take, with reason and way out.
 
     Raises:
-        MechanismError: Of what happens in Python.
+        MechanismError: A part is evaluated in Python.
     """
     way_out = "or take integrator.engine = 'pinocchio'"
     for joint in system.clearances:
@@ -184,7 +184,7 @@ class Compiled:
 
     Attributes:
         numbers: The system, as the kernels take it.
-        answers: Who is asked what is not compiled.
+        answers: Callbacks for uncompiled parts.
 
     Raises:
         MechanismError: The engine is ``compiled``, and the system is not one that it takes
@@ -239,7 +239,7 @@ class CompiledStepper(Stepper):
     """A stepper each of whose steps is one call of compiled code.
 
     Args:
-        workspace: What the run works on.
+        workspace: Workspace of the run.
         compiled: Its system in numbers.
         method: The method.
         scales: As for :class:`antenna_pin.integrate.Stepper`.
@@ -262,7 +262,7 @@ class CompiledStepper(Stepper):
         """Try a step of size h [s]; return its scaled error.
 
         Raises:
-            FunctionError: A function of the user's has no answer in it.
+            FunctionError: A function of the user's has no valid result in it.
         """
         error = self.tried(h)
         self.answers.check()

@@ -47,8 +47,8 @@ class Places(Record):
     lost_friction: int  # place in y
     bristle: int  # place of the first in y
     bristles: int  # how many
-    floor: float  # least approach speed that it remembers [m/s]
-    tolerance: float  # of its gap at an event [m]
+    floor: float  # least stored approach speed [m/s]
+    tolerance: float  # permitted error of its gap at an event [m]
 
 
 PLACES = layout(Places)
@@ -60,15 +60,14 @@ class Book(NamedTuple):
 
     Attributes:
         memory: The contact memory, MEMORY, (contacts,).
-        peaks: Largest force, when, and depth of each that touches, PEAK, (contacts,).
-        open: Its episode's number in ``episodes``, -1 where none lasts, (contacts,).
-        moments: When each one's largest force so far was whose state is kept; not-a-number for none,
-            (contacts,) [s].
+        peaks: Largest force, its time, and largest depth of each touching contact, PEAK, (contacts,).
+        open: Number of its episode in ``episodes``, -1 for none, (contacts,).
+        moments: Time of the largest force so far, at the stored state; NaN for none, (contacts,) [s].
         states: [q, v, x] there, (contacts, size).
         memories: Contact memory there, MEMORY, (contacts, contacts).
         places: PLACES, (contacts,).
         episodes: EPISODE, (capacity,).
-        count: How many of them there are, (1,).
+        count: Number of episodes, (1,).
     """
 
     memory: Records[Memory]
@@ -105,7 +104,7 @@ def touch(book: Book, c: int, t: float, rate: float, mass: float, y: Floats) -> 
     episode.peak_force = 0.0
     episode.peak_time = math.nan
     episode.peak_depth = 0.0
-    # What the contact has integrated before; taken off at its end.
+    # Integrals of the contact before the episode; subtracted at its end.
     episode.impulse = -y[place.impulse]
     episode.dissipated = -(y[place.lost_normal] + y[place.lost_friction])
     # A new contact has new bristles.
@@ -165,7 +164,7 @@ def keep_peaks(
 def effective_mass(c: int, y: Floats, numbers: Numbers) -> float:
     """Return the effective mass along the normal of contact c at y [kg].
 
-    It is what :meth:`antenna_pin.dynamics.Workspace.effective_mass` finds, by the compiled dynamics.
+    The same as :meth:`antenna_pin.dynamics.Workspace.effective_mass`, by the compiled dynamics.
     """
     program, rates = numbers.program, numbers.rates
     head = head_of(program)
@@ -181,7 +180,7 @@ def effective_mass(c: int, y: Floats, numbers: Numbers) -> float:
             journal_state(j, y, nq, numbers.pose[0])
             unit_normal_force(program, b, numbers.pose, numbers.table, c, direction)
         b += j.length
-    # At rest: what is asked for is M^-1 only, and what motions and gravity do goes in the difference.
+    # At rest: only M^-1 is needed, and the effects of motions and gravity cancel in the difference.
     rest = numbers.moved
     for k in range(y.shape[0]):
         rest[k] = y[k]

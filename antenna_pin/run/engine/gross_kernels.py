@@ -1,8 +1,8 @@
 """Gross works of a step, compiled: integrals of |P| over sources of power P.
 
-|P| has a kink where P changes its sign, and a step goes over it. The work W, whose rate is P, has none: it is
-integrated as all is, turns back there, and what it has gone one way and the other is the gross work. Where it
-turns matters to second order only.
+|P| has a kink where P changes its sign, and steps continue across it. The work W, with the rate P, is smooth
+and integrated with the state; its total variation is the gross work. An error of the turning point has an
+effect of second order only.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from antenna_pin.integrate.explicit_kernels import Tableau
 from antenna_pin.integrate.kernels import START
 from antenna_pin.integrate.manifold_kernels import space_of
 
-# In how many parts of a step it is looked at whether a work turns back, and how often these are halved.
+# Parts of a step in which a reversal of a work is searched, and number of their halvings.
 _PARTS, _HALVINGS = 16, 50
 
 
@@ -32,10 +32,10 @@ def turn_back(works: Ints, tableau: Tableau, space: Ints, work: Floats) -> bool:
     """Return whether any work reverses within the step.
 
     Args:
-        works: Where works and their gross works stand in x, (n, 2).
-        tableau: The method's.
+        works: Places of works and their gross works in x, (n, 2).
+        tableau: Coefficients of the method.
         space: Layout of the manifold.
-        work: The rows of the stepper.
+        work: Rows of the stepper.
     """
     found = False
     first = 2 * space_of(space).nv
@@ -90,13 +90,13 @@ def settle(
     """Write the gross works of reversing powers to a state within the step.
 
     Args:
-        theta: Fraction of the step at which the state is.
+        theta: Fraction of the step at the state.
         works: As for :func:`turn_back`.
-        tableau: The method's.
+        tableau: Coefficients of the method.
         space: Layout of the manifold.
-        work: The rows of the stepper.
+        work: Rows of the stepper.
         dense: Coefficients of the dense output.
-        y: The state.
+        y: State.
     """
     sizes, start = space_of(space), tableau.weights.shape[0] + START
     for n in range(works.shape[0]):

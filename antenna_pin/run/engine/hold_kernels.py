@@ -1,7 +1,7 @@
 """Closures and motions in a compiled step: end correction and its energy.
 
-What :class:`antenna_pin.dynamics.constraints.Constraints` does by the same kernels, for a state inside
-compiled code. Mass matrix and bias are the tree's own, or asked outside.
+The same kernels as in :class:`antenna_pin.dynamics.constraints.Constraints`, for a state inside compiled
+code. Mass matrix and bias are those of the compiled tree, or of a callback.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from antenna_pin.integrate.manifold_kernels import move_by_velocity
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.tree_kernels import PLACE
 
-# What bringing a state onto the constraints came to.
+# Results of the projection of a state onto the constraints.
 AS_IT_WAS = 0
 MOVED = 1
 LOST = 2
@@ -118,7 +118,7 @@ def _energy(t: float, y: Floats, numbers: Numbers) -> float:
 def project(t: float, rows: Floats, r: int, layout: Ints, numbers: Numbers) -> int:
     """Project rows[r], a step's end, onto the constraints; book its energy; return status.
 
-    Unless it is lost, its rows are written afterwards.
+    The rows of constraints are written afterwards, unless the projection fails.
     """
     y = rows[r]
     plan, work = numbers.plan, numbers.held

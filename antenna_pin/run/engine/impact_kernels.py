@@ -1,16 +1,17 @@
 """Derivatives of gap, depth rate and effective mass at an onset, compiled.
 
 With n the generalized force of one newton along the normal, the effective mass m is that of the acceleration
-u that it makes, at rest, without weight and motions, constraints held by multipliers lambda::
+u by that force, at rest, without weight and motions, with constraints held by multipliers lambda::
 
     1/m = n^T u,    M u = n + J^T lambda,    J u = 0
     d(1/m) = u^T (2 dn - dM u + dJ^T lambda) + lambda^T dJ u
 
-for ``n^T du = u^T M du + lambda^T dJ u``. So nothing is solved for a displacement: ``dM u - dJ^T lambda`` is
-how the forces change that an acceleration takes (:mod:`antenna_pin.mechanism.tangent_kernels`), and
-``-dJ u`` what accelerations lack then.
+since ``n^T du = u^T M du + lambda^T dJ u``. No equations are solved for a tangent: ``dM u - dJ^T lambda`` is
+the change of the forces of an acceleration (:mod:`antenna_pin.mechanism.tangent_kernels`), and ``-dJ u`` that
+of the right sides of constraints.
 
-``room`` is :class:`antenna_pin.dynamics.tangent_room_kernels.TangentRoom`; joints are of what that takes.
+``room`` is :class:`antenna_pin.dynamics.tangent_room_kernels.TangentRoom`; joints are of the kinds that it
+supports.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ from antenna_pin.mechanism.tangent_kernels import (
 )
 from antenna_pin.run.engine.row_tangent_kernels import has_rows
 
-#: What is written of each displacement: change of gap [m], of depth rate [m/s], of the mass's logarithm.
+#: Results for each tangent: change of gap [m], of depth rate [m/s], of the logarithm of the mass.
 OPENING, CLOSING, HEAVIER, MET = 0, 1, 2, 3
 
 
@@ -87,7 +88,7 @@ def _press_change(j: JointRecord, row: Contact, room: TangentRoom, out: Floats) 
 def _accelerate(y: Floats, force: Floats, weightless: Floats, room: TangentRoom) -> float:
     """Write the response of a resting tree to a force; return their product.
 
-    Constraints have their multipliers in ``room.rows.force``.
+    The multipliers of constraints are in ``room.rows.force``.
     """
     numbers, nv, nq = room.numbers, force.shape[0], space_of(room.layout).nq
     rest, a = room.state[0], room.acceleration
@@ -179,13 +180,13 @@ def write_met(
     """Write derivatives of a contact's onset along displacements.
 
     Args:
-        joint: Which of the room's parts is the contact's joint.
-        c: Which contact.
+        joint: Number of the contact's joint among the room's parts.
+        c: Number of the contact.
         y: State.
         ways: Displacements, row by row, (k, displacement).
-        masses: Whether that of the mass is asked for too; it is zero if not.
-        room: What to compute with.
-        out: To write to, (k, MET).
+        masses: Whether the derivative of the mass is computed too; else it is zero.
+        room: Arrays.
+        out: Results, (k, MET).
     """
     numbers, shifts, part, nv = room.numbers, room.shifts, room.parts[joint], room.tau.shape[0]
     p, b = numbers.program, part.block

@@ -31,7 +31,7 @@ def attempt_implicit(
 ) -> float:
     """Try a step of size h [s] from the work rows; return its scaled error.
 
-    ``evaluations``, (1,), is raised by how often the derivative was.
+    ``evaluations``, (1,), is increased by the number of evaluations of the derivative.
     """
     space = space_of(layout)
     y, out = work[stages + STATE], work[stages + RATES, : space.nv + space.nx]

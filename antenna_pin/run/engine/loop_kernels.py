@@ -1,10 +1,9 @@
 """The only time loop, compiled: steps tried, searched for contacts that change, sampled, accepted.
 
-A trial step whose error passes is searched, in its dense output, for the first contact that changes; if
-there is one the step is made again to end there, what must is changed, and the integration restarts from that
-state. So the equations are smooth inside every accepted step. :func:`go_on` returns where the loop outside
-has to see to something, and goes on from there when it is called again: where a step is stands in
-``STRETCH``.
+The dense output of a trial step with a passed error test is searched for the first contact that changes; if
+there is one, the step is repeated to end there, the discrete state is changed, and integration restarts from
+that state. So the equations are smooth inside every accepted step. :func:`go_on` returns where the outer loop
+must act, and continues there at the next call: the position within a step is in ``STRETCH``.
 """
 
 from __future__ import annotations
@@ -42,10 +41,10 @@ from antenna_pin.run.engine.stretch_kernels import (
 )
 from antenna_pin.run.engine.watch_kernels import may_happen
 
-# What else the loop outside has to see to: the run's end; the budget, or a full buffer; the first step that
-# the run's end cuts, before it is made; a trial step in which an event may happen, or does, at ``until``; a
-# contact that changes before the event that a step was made to end at; a step that is made, or something that
-# has changed; a contact that is too deep; steps so short that time stands still; too many that do not pass.
+# Further reasons for the outer loop: the end of the run; the budget, or a full buffer; the first step cut by
+# the run's end, before it is made; a trial step with a possible event, or with one at ``until``; a
+# contact that changes before the event at the end of a step; a step that is made, or a change;
+# a contact that is too deep; steps too short to advance time; too many rejected steps.
 ENDED = 3
 PAUSED = 4
 CUT_BY_END = 5
@@ -92,10 +91,10 @@ def go_on(loop: Loop) -> int:
 
 @released
 def end_at(loop: Loop, size: float, longest: float, search: bool) -> int:
-    """Make the trial step again to end where an event happens (:func:`make_again`), and accept it.
+    """Repeat the trial step to end at an event (:func:`make_again`), and accept it.
 
-    There is room for what it writes once :func:`go_on` has said EVENT. ``search``: whether contacts that
-    change before are looked for; one that does is met by :func:`go_on`.
+    The buffers have space once :func:`go_on` has returned EVENT. ``search``: whether earlier changes of
+    contacts are searched; :func:`go_on` handles such a change.
     """
     s = loop.stretch[0]
     s.phase = STANDS
@@ -159,7 +158,7 @@ def _try(loop: Loop) -> int:
     s.watched = 0
     watched = loop.watched
     events = watched.functions.shape[0] + watched.instants.shape[0] + watched.unknown
-    if events > 0:  # what is watched is evaluated
+    if events > 0:  # watched functions are evaluated
         s.ended = 0
     if loop.search.ignore.shape[0] > 0 or events > 0 or samples_in(loop, tried) > 0:
         prepare(loop)
@@ -232,7 +231,7 @@ def _meet(loop: Loop) -> int:
         reason = make_again(loop, c, level, s.theta * s.tried, s.tried)
         if reason != GOES_ON:
             return reason
-        if s.phase == FRESH:  # a shorter one is to be tried
+        if s.phase == FRESH:  # a shorter step is tried
             return _in_turn(loop, GOES_ON)
         reason = take_up(loop)
         if reason != GOES_ON:

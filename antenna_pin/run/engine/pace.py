@@ -12,23 +12,23 @@ from antenna_pin.run.engine import pace_kernels as kernels
 
 __all__ = ["Pace", "Sizes"]
 
-_ROOM = 16  # patterns, to begin with
+_ROOM = 16  # initial capacity, in patterns
 
 
 class Pace:
     """Numbers of the step size control.
 
     Args:
-        adaptive: Whether sizes follow errors.
-        power: The order of the error in the step's size.
-        control: Of the method: integral and proportional gain.
-        step: Size of all steps, if they are not adaptive [s].
-        least: Step not to be fallen below [s].
-        end: Of the run [s].
+        adaptive: Whether step sizes follow errors.
+        power: Order of the error in the step size.
+        control: Integral and proportional gain of the method.
+        step: Size of all steps, if not adaptive [s].
+        least: Least step size [s].
+        end: End of the run [s].
 
     Attributes:
-        numbers: As the kernels take them, ``PACE``, (1,).
-        breaks: Instants at which steps must end, increasing [s].
+        numbers: ``PACE`` for kernels, (1,).
+        breaks: Times at which steps must end, increasing [s].
     """
 
     def __init__(
@@ -62,11 +62,11 @@ class Pace:
         self._renew()
 
     def end_next_at(self, here: float, instant: float) -> None:
-        """Add an instant of a series as a step end, replacing its predecessor.
+        """Add a time of a series as a step end, replacing its predecessor.
 
         Args:
-            here: Where steps begin [s].
-            instant: When; infinity for none any more [s].
+            here: Present time [s].
+            instant: The time; infinity after the last one [s].
         """
         self._series = here, instant
         self._renew()
@@ -86,10 +86,10 @@ class Sizes:
     """Step sizes by pattern of touching contacts: similar impacts need similar steps.
 
     Args:
-        memory: The contact memory, MEMORY, (contacts,), of which the present pattern is read.
+        memory: Contact memory, MEMORY, (contacts,), with the present pattern.
 
     Attributes:
-        table: As the kernels take it.
+        table: Arrays for kernels.
     """
 
     def __init__(self, memory: NDArray[Any]) -> None:

@@ -15,24 +15,24 @@ from antenna_pin.compiled.decorators import kernel
 SAFETY = 0.9
 SHRINK = 0.2
 GROW = 6.0
-LEAST_ERROR = 1e-4  # that the next step but one is told of: an error of chance must not shorten it
-LARGEST_TURN = 2.0  # [rad] of a joint in one step: an angle's whole turns are counted from step to step
+LEAST_ERROR = 1e-4  # least error in the control: an accidentally small one must not shorten the next step
+LARGEST_TURN = 2.0  # [rad] of a joint in one step: whole turns are counted from step to step
 
 
 class PaceRecord(Record):
     """The control of step sizes."""
 
     adaptive: int  # 1: sizes follow errors
-    power: int  # by which they follow them
+    power: int  # gains of the control
     step: float  # fixed size [s]
-    longest: float  # size [s]
-    least: float  # size [s]
-    end: float  # of the run [s]
-    spin: float  # fastest rate of a joint that turns without end [rad/s]
+    longest: float  # longest size [s]
+    least: float  # least size [s]
+    end: float  # end of the run [s]
+    spin: float  # fastest rate of a joint without limits [rad/s]
     next: int  # index of the next time at which steps must end
     integral: float  # exponent of the method's control
     proportional: float  # exponent of the method's control
-    error: float  # scaled, of the last step that passed; 0: none
+    error: float  # scaled error of the last accepted step; 0: none
 
 
 PACE = layout(PaceRecord)
@@ -40,16 +40,16 @@ PACE = layout(PaceRecord)
 
 @kernel
 def cut(pace: Records[PaceRecord], breaks: Floats, t: float, h: float) -> tuple[float, bool]:
-    """Cut a step from t [s] to its maximum, the next instant, or the end.
+    """Cut a step to its maximum, a required end, or the run's end.
 
     Args:
-        pace: PACE, (1,); moves on to the next instant.
-        breaks: Instants at which steps must end, increasing [s].
-        t: Where it starts [s].
-        h: What is wished [s].
+        pace: PACE, (1,); advanced to the next required end.
+        breaks: Times at which steps must end, increasing [s].
+        t: Start [s].
+        h: Wished size [s].
 
     Returns:
-        Its size [s], and whether the run's end has cut it.
+        Step size [s], and whether the run's end has cut it.
     """
     p = pace[0]
     h = min(h, p.longest)
@@ -60,7 +60,7 @@ def cut(pace: Records[PaceRecord], breaks: Floats, t: float, h: float) -> tuple[
     last = p.next >= breaks.shape[0]
     end = p.end if last else breaks[p.next]
     rest = end - t
-    # Two equal steps rather than a sliver at the end.
+    # Two equal steps instead of a very short one at the end.
     halved = p.adaptive != 0 and h > 0.5 * rest
     by_end = (h >= rest or halved) and last
     if h >= rest:
@@ -70,14 +70,14 @@ def cut(pace: Records[PaceRecord], breaks: Floats, t: float, h: float) -> tuple[
 
 @kernel
 def following(pace: Records[PaceRecord], wished: float, tried: float, error: float, rejected: bool) -> float:
-    """Return the step to try after one that passed [s].
+    """Return the next step size to try after an accepted one [s].
 
     Args:
         pace: PACE, (1,).
-        wished: What was to be tried [s].
-        tried: What it was cut to, and passed [s].
+        wished: Wished size of the step [s].
+        tried: Size of the accepted step, after cuts [s].
         error: Its scaled error [-].
-        rejected: Whether longer ones did not pass.
+        rejected: Whether longer steps were rejected.
     """
     p = pace[0]
     if p.adaptive == 0:
@@ -92,7 +92,7 @@ def following(pace: Records[PaceRecord], wished: float, tried: float, error: flo
     size = tried * grow
     if rejected:
         size = min(size, tried)
-    if tried < wished:  # cut for the sake of an output or the end, not of the error
+    if tried < wished:  # cut for an output or the end, not because of the error
         size = max(size, wished)
     return float(size)
 
@@ -116,9 +116,9 @@ class StepSizeArrays(NamedTuple):
     """Step sizes by pattern of touching contacts: similar impacts need similar steps.
 
     Attributes:
-        patterns: Which contacts touch, 0 or 1, (capacity, contacts).
-        sizes: (capacity,) [s].
-        count: How many patterns there are, (1,).
+        patterns: Touching contacts, 0 or 1, (capacity, contacts).
+        sizes: Step sizes, (capacity,) [s].
+        count: Number of patterns, (1,).
     """
 
     patterns: NDArray[np.uint8]
@@ -146,7 +146,7 @@ def note_size(table: StepSizeArrays, memory: Records[Memory], h: float) -> None:
     """Note the step that goes well in the present pattern of touching contacts [s]."""
     k = _number(table, memory)
     if k == table.count[0]:
-        if k == table.sizes.shape[0]:  # the loop outside sees to room
+        if k == table.sizes.shape[0]:  # the outer loop provides space
             return
         table.count[0] = k + 1
         for c in range(memory.shape[0]):

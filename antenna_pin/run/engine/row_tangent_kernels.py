@@ -1,12 +1,14 @@
-"""The derivative of accelerations under constraints along displacements, compiled.
+"""Derivative of accelerations under constraints along displacements, compiled.
 
-Of M a + b = tau + J^T lambda, J a = lack, a displacement makes
+For M a + b = tau + J^T lambda, J a = lack, a displacement gives
 
     M da - J^T dlambda = dtau - D[M a + b - J^T lambda],    J da = -D[J a - lack],
 
-with a and lambda that stay on the right: the equations of accelerations themselves, with their factors, of
-the rows that count there. Closures are differentiated in closed form
-(:mod:`antenna_pin.dynamics.constraints.tangent_kernels`), motions over time and numbers by themselves.
+with fixed a and lambda on the right: the equations of accelerations themselves, with their factors and
+independent rows. Closures are differentiated in closed form
+(:mod:`antenna_pin.dynamics.constraints.tangent_kernels`), motions with respect to time and parameters
+separately.
+
 ``room`` is :class:`antenna_pin.dynamics.tangent_room_kernels.TangentRoom`.
 """
 
@@ -113,9 +115,9 @@ def shift_rows(t: float, m: int, room: TangentRoom, out: Floats) -> None:
 
     Args:
         t: Time [s].
-        m: Which number.
-        room: What to compute with; changes of bodies' motions and own wrenches are there, of the latter what
-            closures do is taken.
+        m: Index of the number.
+        room: Arrays with the changes of bodies' motions and own wrenches; the effect of closures on the
+            latter is subtracted.
         out: Change of tau + J^T lambda, (nv,).
     """
     numbers, rows, shifts = room.numbers, room.rows, room.shifts
@@ -134,7 +136,7 @@ def shift_rows(t: float, m: int, room: TangentRoom, out: Floats) -> None:
 def change_rows(y: Floats, way: Floats, room: TangentRoom, out: Floats) -> None:
     """Write changes of rows along a displacement, and add their forces.
 
-    As :func:`shift_rows` does; those over time and numbers are in it.
+    Like :func:`shift_rows`, with the changes over time and numbers included.
     """
     numbers, rows, shifts = room.numbers, room.rows, room.shifts
     lacks, plan = rows.lacks, numbers.plan
@@ -157,9 +159,10 @@ def change_rows(y: Floats, way: Floats, room: TangentRoom, out: Floats) -> None:
 
 @kernel
 def solve_held(y: Floats, d: int, room: TangentRoom, out: Floats) -> None:
-    """Write how accelerations change along displacement d, and powers of motions, of all kinds.
+    """Write changes of accelerations along displacement d, and powers of motions.
 
-    ``out``, (kinds, k, nv + nx), holds what forces change: of the first kind, and by how much others differ.
+    ``out``, (kinds, k, nv + nx), of all kinds of differences, holds the change by forces: of the first kind,
+    and the differences of the others.
     """
     numbers, rows, nv = room.numbers, room.rows, room.tau.shape[0]
     plan, work = numbers.plan, numbers.held

@@ -24,24 +24,24 @@ __all__ = ["SystemSlopes", "head_in", "moves_rows", "shifts_of", "takes_slopes"]
 
 Array = NDArray[np.float64]
 
-# First steps of differences, over what counts as one of a number.
+# First steps of differences, relative to the scale of a number.
 _STEP = 1e-3
-# Words of a contact's laws.
+# Number of packed parameters of a contact's laws.
 _LAWS = layout_kernels.CANDIDATE_WORDS - CANDIDATE
-# Of a body, what says how it moves, not where it is.
+# Parameters of a body that affect its motion, not its place.
 _INERTIAL = ("mass", "centre", "inertia", "armature")
 
 
 class SystemSlopes(NamedTuple):
-    """By how much the numbers of a system change with parameters, each in its scale.
+    """Change of the numbers of a system with parameters, each in its scale.
 
     Attributes:
-        program: Of its program, (parameters, words).
-        tree: Of its bodies, flat, (parameters, words).
-        plan: Of its constraints, (parameters, words).
+        program: Change of its program, (parameters, words).
+        tree: Change of its bodies, flat, (parameters, words).
+        plan: Change of its constraints, (parameters, words).
         gravity: (parameters, 3) [m/s^2].
         kept: Words of the program that are coordinates of a state themselves, (kept,).
-        units: What counts as one of these, (kept,).
+        units: Scales of these, (kept,).
     """
 
     program: Array
@@ -66,15 +66,15 @@ def takes_slopes(system: System, slopes: SystemSlopes) -> bool:
 
 
 def moves_rows(system: System, program: Array, plan: Array) -> NDArray[np.bool_]:
-    """Return with which numbers residuals of constraints may go, of places and of velocities, (numbers,).
+    """Return which numbers may affect residuals of constraints, (numbers,).
 
     Args:
         system: The system, with constraints.
-        program: By how much its program changes, (numbers, words).
-        plan: By how much its constraints do, (numbers, words).
+        program: Change of its program, (numbers, words).
+        plan: Change of its constraints, (numbers, words).
     """
     assert system.plan is not None
-    if system.callables:  # what these know stands nowhere
+    if system.callables:  # the functions of these are not known
         return np.ones(len(plan), dtype=bool)
     changed, parts = plan != 0.0, system.plan.parts
     bodies = changed[:, parts.tree].reshape(len(plan), -1, words_of(BODY))
@@ -146,9 +146,9 @@ def _row_slopes(system: System, plan: Array) -> tuple[NDArray[Any], NDArray[Any]
 
 
 def _driven_otherwise(system: System, changed: NDArray[np.bool_], driven: slice) -> NDArray[np.bool_]:
-    """Return which numbers go into elements that move joints, or hold them, (numbers,).
+    """Return which numbers affect elements that move or hold joints, (numbers,).
 
-    ``changed``, (numbers, words), is the dependence of the program; joints' records stand at ``driven``.
+    ``changed``, (numbers, words), is the dependence of the program; records of joints start at ``driven``.
     """
     assert system.plan is not None
     moved = np.zeros(len(changed), dtype=bool)
@@ -207,7 +207,7 @@ def _acts(
         out[p] += motion_change_kernels.MOVES * whole[:, ~laws].any(axis=1)
     first = int(program[: kernels.HEADER].view(PROGRAM)[0]["points"])
     out[-1] = changed[:, first:].any(axis=1) | heavier
-    # Elements on links may see any joint with play.
+    # Elements on links may depend on any joint with play.
     for block in system.clearance_blocks.values():
         out[-1] |= changed[:, block : block + _length(program, block)].any(axis=1)
     return out

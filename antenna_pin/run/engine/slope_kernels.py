@@ -1,7 +1,7 @@
 """Derivatives of a system's rates along displacements of a state, compiled.
 
-A displacement is laid out as [way (nv), rate (nv), bristles, logarithm of approach speeds (contacts), of
-effective masses (contacts), time]; ways are in the coordinates of velocities.
+A displacement is [position (nv), rate (nv), bristles, logarithm of approach speeds (contacts), of effective
+masses (contacts), time]; positions are in the coordinates of velocities.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ from antenna_pin.run.engine.step_kernels import derivative
 class Room(NamedTuple):
     """Arrays for the differences of rates."""
 
-    weights: Floats  # of differences at 1, 2, ... steps, of each kind, (kinds, points)
-    layout: Ints  # of the manifold
-    bristles: Ints  # their places in x, (bristles,)
-    numbers: Numbers  # the system; its contact memory is as it was in the end
+    weights: Floats  # weights of differences at 1, 2, ... steps, of each kind, (kinds, points)
+    layout: Ints  # layout of the manifold
+    bristles: Ints  # places of bristles in x, (bristles,)
+    numbers: Numbers  # the system; its contact memory is restored at the end
     rows: Floats  # scratch, (2, size)
-    kept: Records[Memory]  # contact memory of the state itself, MEMORY, (contacts,)
+    kept: Records[Memory]  # contact memory of the undisplaced state, MEMORY, (contacts,)
 
 
 @inlined
@@ -75,16 +75,16 @@ def _add(values: Floats, side: float, point: int, step: float, room: Room, k: in
 def write_slopes(
     t: float, y: Floats, ways: Floats, steps: Floats, of_speeds: bool, room: Room, out: Floats
 ) -> None:
-    """Write central differences along displacements: of the rates, or of how fast constraints are violated.
+    """Write central differences along displacements, of the rates or of constraint velocities.
 
     Args:
         t: Time [s].
         y: State.
         ways: Displacements, row by row, (k, displacement).
-        steps: Of the differences, over a displacement, (k,).
-        of_speeds: Whether it is of the speeds of constraints.
-        room: What to compute with.
-        out: To write to, (kinds, k, rates or rows of constraints).
+        steps: Steps of the differences, (k,).
+        of_speeds: Whether constraint velocities are differentiated.
+        room: Arrays.
+        out: Results, (kinds, k, rates or rows of constraints).
     """
     state, found, numbers = room.rows[0], room.rows[1, : out.shape[2]], room.numbers
     if of_speeds:

@@ -20,9 +20,9 @@ class Slopes:
     """Central differences of a system's rates, all of them in one call.
 
     Args:
-        stepper: Whose system; its contact memory and program are those of the moment.
-        bristles: Places in x of the bristles, (bristles,).
-        weights: Of the differences at 1, 2, ... steps, of each kind, (kinds, points).
+        stepper: Stepper of the system, at its present contact memory and program.
+        bristles: Places of the bristles in x, (bristles,).
+        weights: Weights of the differences at 1, 2, ... steps, of each kind, (kinds, points).
     """
 
     def __init__(self, stepper: CompiledStepper, bristles: NDArray[np.int64], weights: Array) -> None:
@@ -46,9 +46,9 @@ class Slopes:
         Args:
             time: [s].
             y: State.
-            ways: Displacements as :mod:`antenna_pin.run.engine.slope_kernels` lays them out, (displacement,
+            ways: Displacements in the layout of :mod:`antenna_pin.run.engine.slope_kernels`, (displacement,
                 k).
-            steps: Of the differences, over a displacement, (k,).
+            steps: Steps of the differences, (k,).
         """
         return self._written(False, self._rates, time, y, ways, steps)
 

@@ -1,7 +1,7 @@
 """Compiled step: derivative of a tree, stages, error and dense output.
 
-What is not compiled is asked outside, by address: Pinocchio's dynamics of the tree, backends, laws and drives
-in Python (:mod:`antenna_pin.dynamics.outside_kernels`).
+Uncompiled parts are called by address: Pinocchio's dynamics of the tree, backends, laws and drives in Python
+(:mod:`antenna_pin.dynamics.outside_kernels`).
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from antenna_pin.run.engine.hold_kernels import AS_IT_WAS, LOST, MOVED, factoriz
 def accelerate(t: float, y: Floats, tau: Floats, numbers: Numbers, rates: Floats, written: bool) -> None:
     """Write acceleration at t [s] and y under a generalized force into rates[:nv].
 
-    ``written``: whether the rows of constraints, if there are any, are those of this state already.
+    ``written``: whether the rows of constraints, if any, are already those of this state.
     """
     if numbers.plan.shape[0] > 0:
         if not written:

@@ -25,15 +25,15 @@ from antenna_pin.run.engine.step_kernels import attempt, prepare_dense
 from antenna_pin.run.engine.touch_kernels import TouchRecord, keep_efforts
 from antenna_pin.run.engine.watch_kernels import Watched
 
-# Where a step is: it has not begun; longer ones did not pass; its trial stands, and is to be searched; a
-# contact is known to change in it; its end is the state, at which a contact is to change.
+# Phase of a step: not begun; longer ones rejected; trial step passed, to be searched; a change of contact
+# found in it; its end is the state at which a contact changes.
 FRESH = 0
 AGAIN = 1
 STANDS = 2
 MEETS = 3
 CHANGES = 4
 
-# Where a stretch ends besides: nowhere, where a contact has changed, there and behind each step.
+# Further ends of a batch: none, at changes of contact, there and after each step.
 FREELY = 0
 TO_CHANGES = 1
 SINGLY = 2
@@ -43,34 +43,34 @@ class Stretch(Record):
     """The state of a batch of steps."""
 
     t: float  # time [s]
-    h: float  # size to try next [s]
-    wished: float  # that size when the step began [s]
-    tried: float  # size of the trial that stands [s]
+    h: float  # next step size [s]
+    wished: float  # step size at the begin of the step [s]
+    tried: float  # size of the passed trial step [s]
     error: float  # its scaled error
     until: float  # fraction up to which it is searched
-    rate: float  # of samples [Hz]
-    begin: float  # samples from this time on [s]
-    end: float  # samples until this time [s]
-    phase: int  # of a step: FRESH, AGAIN, ...
-    in_row: int  # trials of this step that did not pass
-    contact: int  # that changes
-    theta: float  # fraction of the step at which it does
-    deep: int  # 1: it is too deep then
-    ended: int  # 1: the derivative was last evaluated at the trial's end, of contacts in closed form
-    watched: int  # 1: the loop outside searches this step for events
-    shown: int  # where the batch ends besides: FREELY, TO_CHANGES, SINGLY
+    rate: float  # rate of samples [Hz]
+    begin: float  # first time of samples [s]
+    end: float  # last time of samples [s]
+    phase: int  # phase of a step: FRESH, AGAIN, ...
+    in_row: int  # rejected trials of this step
+    contact: int  # contact that changes
+    theta: float  # fraction of the step at the change
+    deep: int  # 1: the contact is too deep there
+    ended: int  # 1: the last evaluation was at the trial's end, with contacts in closed form
+    watched: int  # 1: the outer loop searches this step for events
+    shown: int  # further end of the batch: FREELY, TO_CHANGES, SINGLY
     flipped: int  # 1: a contact has changed
-    cut: int  # 1: the loop outside was notified of the first step that the run's end cuts
-    refused: int  # 1: the last trial failed by a function that refuses
-    known: int  # 1: the search knows the contacts at the start
-    samples: int  # in the buffer
-    needed: int  # for how many there must be room
+    cut: int  # 1: the outer loop was notified of the first step cut by the run's end
+    refused: int  # 1: a function without a valid result rejected the last trial
+    known: int  # 1: the search has stored the contacts at the start
+    samples: int  # number in the buffer
+    needed: int  # required space
     chosen: int  # index of the next chosen output time
-    accepted: int  # steps, counted
-    rejected: int  # steps, counted
-    relocated: int  # steps, counted
-    evaluations: int  # of the derivative, counted
-    budget: int  # trial steps that may still be made
+    accepted: int  # number of steps
+    rejected: int  # number of steps
+    relocated: int  # number of steps
+    evaluations: int  # evaluations of the derivative
+    budget: int  # remaining trial steps
 
 
 STRETCH = layout(Stretch)
@@ -80,13 +80,13 @@ STRETCH = layout(Stretch)
 class Buffers(NamedTuple):
     """Output arrays of a batch of steps."""
 
-    times: Floats  # of samples, (capacity,) [s]
-    states: Floats  # of samples, (capacity, size)
+    times: Floats  # times of samples, (capacity,) [s]
+    states: Floats  # states of samples, (capacity, size)
     memories: NDArray[Memory]  # contact memory at samples, MEMORY, (capacity, contacts)
-    early: Ints  # whether a sample is one of an earlier time, to be put between others, (capacity,)
+    early: Ints  # whether a sample is of an earlier time, to be sorted in, (capacity,)
     instants: Floats  # ends of steps, (budget,) [s]
-    sizes: Floats  # of these steps, (budget,) [s]
-    ends: Floats  # states there, (budget, size); empty where nobody wants to look at them
+    sizes: Floats  # step sizes, (budget,) [s]
+    ends: Floats  # states there, (budget, size); empty without a step log
     kept: Floats  # scratch, (2, size)
     out: Floats  # scratch, (2, size)
 
@@ -96,12 +96,12 @@ class EventSearch(NamedTuple):
     """Arrays for event location (:func:`antenna_pin.dynamics.inspect_kernels.inspect_step`)."""
 
     nodes: Floats  # scratch
-    ignore: Ints  # how often each contact has changed at the start
+    ignore: Ints  # changes of each contact at the start
     limits: Floats  # depths at which a run ends
     peaks: Records[Peak]  # largest forces
     turns: Records[TurnedAngle]  # turned angles, TURN
-    compared: Ints  # contacts whose gaps coal measures, as 1, (contacts,); nobody's: (0,)
-    # largest one of their gaps and the closed form's so far, where forces come from them, (1,) [m]
+    compared: Ints  # contacts with gaps by coal, as 1, (contacts,); none: (0,)
+    # largest difference so far between coal's gaps and the closed form, (1,) [m]
     difference: Floats
 
 
@@ -111,22 +111,22 @@ class Loop(NamedTuple):
 
     stretch: Records[Stretch]  # STRETCH, (1,)
     pace: Records[PaceRecord]  # PACE, (1,)
-    breaks: Floats  # instants at which steps must end [s]
-    chosen: Floats  # output times beside those at the rate, (n,), ascending [s]
-    tableau: Tableau  # the method, in numbers
+    breaks: Floats  # times at which steps must end [s]
+    chosen: Floats  # chosen output times, (n,), ascending [s]
+    tableau: Tableau  # coefficients of the method
     space: Ints  # layout of the manifold
-    work: Floats  # the stepper's rows
+    work: Floats  # rows of the stepper
     dense: Floats  # coefficients of the dense output
-    scales: Floats  # of errors
+    scales: Floats  # error scales
     rtol: float  # relative tolerance
-    numbers: Numbers  # the system, in numbers
-    search: EventSearch  # what is looked for
-    trial: TrialStep  # the trial step as it is looked at
-    buffers: Buffers  # what is written
-    book: Book  # of the contacts
-    sizes: StepSizeArrays  # of steps, by pattern of contacts
-    watched: Watched  # what is looked at from afar
-    works: Ints  # where works and their gross works stand in x, (n, 2)
+    numbers: Numbers  # the system in numbers
+    search: EventSearch  # search for changes of contact
+    trial: TrialStep  # trial step under search
+    buffers: Buffers  # output
+    book: Book  # contacts and episodes
+    sizes: StepSizeArrays  # step sizes by pattern of contacts
+    watched: Watched  # functions of the coarse check
+    works: Ints  # places of works and their gross works in x, (n, 2)
     touches: Records[TouchRecord]  # largest efforts of elements in touch, TOUCH, (n,)
 
 
@@ -177,7 +177,7 @@ def try_step(loop: Loop, tried: float) -> float:
     s.refused = 0
     if asked.failed != ANSWERED:
         s.error = math.nan
-        if asked.failed == REFUSED:  # a shorter step may not come to where a function has no answer
+        if asked.failed == REFUSED:  # a shorter step may avoid a state without a valid result
             s.refused = 1
             asked.failed = ANSWERED
     return float(s.error)
@@ -232,7 +232,7 @@ def accept(loop: Loop) -> None:
     stages, size = loop.tableau.weights.shape[0], loop.buffers.states.shape[1]
     k = math.floor(s.t * s.rate + 1e-9) + 1
     last = math.floor((s.t + tried) * s.rate + 1e-9)
-    # A chosen time that is one at the rate but for round-off counts once, as it was chosen.
+    # A chosen time that equals one of the rate up to round-off counts once, as chosen.
     same = 1e-9 / s.rate
     before = s.samples
     _settle(loop, 1.0, work[stages + STATE])
@@ -268,7 +268,7 @@ def accept(loop: Loop) -> None:
         loop.pace[0].spin = turn_on(loop.numbers.program, loop.search.turns, work[stages + START])
     last = loop.pace[0].next >= loop.breaks.shape[0]
     aim = s.end if last else loop.breaks[loop.pace[0].next]
-    if s.t >= s.end or abs(s.t - aim) <= 1e-15 * aim:  # by the round-off of a sum: a step ends where it is to
+    if s.t >= s.end or abs(s.t - aim) <= 1e-15 * aim:  # round-off of a sum: the end is exact
         s.t = min(aim, s.end)
     if buffers.ends.shape[0] > 0:
         buffers.instants[s.accepted], buffers.sizes[s.accepted] = s.t, tried

@@ -1,9 +1,9 @@
-"""The derivative of a system's rates along displacements of a state, part by part, compiled.
+"""Derivative of a system's rates along displacements of a state, part by part, compiled.
 
-Displacements are laid out as in :mod:`antenna_pin.run.engine.slope_kernels`. The state's own forces and
-accelerations are computed once for all of them. What joints with play and elements do is differentiated over
-their own arguments (:mod:`antenna_pin.joints.tangent_kernels`, :mod:`antenna_pin.dynamics.tangent_kernels`);
-the tree in closed form (:mod:`antenna_pin.mechanism.tangent_kernels`), and constraints with it
+The layout of displacements is that of :mod:`antenna_pin.run.engine.slope_kernels`. Forces and accelerations
+of the state itself are computed once. Joints with play and elements are differentiated with respect to their
+own arguments (:mod:`antenna_pin.joints.tangent_kernels`, :mod:`antenna_pin.dynamics.tangent_kernels`); the
+tree in closed form (:mod:`antenna_pin.mechanism.tangent_kernels`), and constraints with it
 (:mod:`antenna_pin.run.engine.row_tangent_kernels`).
 """
 
@@ -93,10 +93,10 @@ def write_tangent(t: float, y: Floats, ways: Floats, steps: Floats, room: Tangen
         t: Time [s].
         y: State.
         ways: Displacements, row by row, (k, displacement).
-        steps: Of differences along these as a whole, where there are any, (k,).
-        room: What to compute with.
-        out: To write to, (kinds, k, nv + nx): of sixth and of fourth order where there are differences, or
-            of the first alone.
+        steps: Steps of differences of whole rates along these, where used, (k,).
+        room: Arrays.
+        out: Results, (kinds, k, nv + nx): by differences of sixth and of fourth order where used, or the
+            first alone.
     """
     numbers, nv = room.numbers, room.tau.shape[0]
     out[:] = 0.0

@@ -32,23 +32,22 @@ Array = NDArray[np.float64]
 
 
 class Tangents:
-    """Derivatives of a system's rates, put together from those of its parts.
+    """Derivatives of a system's rates, assembled from those of its parts.
 
-    They are what :class:`antenna_pin.run.engine.Slopes` has by differences of the whole, and good to
-    round-off
-    where those are to that of a force over its step: geometry, laws and elements are differentiated over
-    their own arguments, the tree and constraints in closed form. Each of these is looked at on its own scale,
-    and finer where a kink is near. Not taken are friction by what an ideal joint carries, loads that are
-    distributed, and gaps, laws or elements that are asked in Python (:meth:`takes`).
+    The same as :class:`antenna_pin.run.engine.Slopes` by differences of the whole, with errors of round-off
+    instead of the round-off of forces over a step: geometry, laws and elements are differentiated with
+    respect to their own arguments, the tree and constraints in closed form. Each part has its own scale,
+    refined near a kink. Not supported are friction under the load of an ideal joint, distributed loads, and
+    gaps, laws or elements in Python (:meth:`takes`).
 
     Args:
         system: The system.
-        stepper: Its; contact memory and program are those of the moment.
-        units: Of ways, rates and bristles, (2 nv + bristles,).
-        weights: Of differences at 1, 2, ... steps, of sixth and of fourth order, (2, points).
+        stepper: Its stepper, at its present contact memory and program.
+        units: Scales of displacements, rates and bristles, (2 nv + bristles,).
+        weights: Weights of differences at 1, 2, ... steps, of sixth and of fourth order, (2, points).
 
     Attributes:
-        room: What the kernels work on.
+        room: Arrays of the kernels.
     """
 
     def __init__(self, system: System, stepper: CompiledStepper, units: Array, weights: Array) -> None:
@@ -130,10 +129,10 @@ class Tangents:
         return shifts_of(self._system, self._stepper, parts, self._said, slopes)
 
     def follow(self, slopes: SystemSlopes) -> bool:
-        """Take numbers of the system as parts of displacements, behind what contacts remember.
+        """Append numbers of the system to displacements, after the contact memory.
 
         Returns:
-            Whether they are ones that it can take; none are taken if not.
+            Whether all are supported; none are appended if not.
         """
         if not takes_slopes(self._system, slopes):
             return False
@@ -155,14 +154,14 @@ class Tangents:
     def rates(self, time: float, y: Array, ways: Array, steps: Array) -> Array:
         """Return the derivatives of [acceleration (nv), rate of x (nx)], (2, nv + nx, k).
 
-        They are of differences of sixth and of fourth order, wherever there are any.
+        They are differences of sixth and of fourth order, where differences are used.
 
         Args:
             time: [s].
             y: State.
-            ways: Displacements as :mod:`antenna_pin.run.engine.slope_kernels` lays them out, (displacement,
+            ways: Displacements in the layout of :mod:`antenna_pin.run.engine.slope_kernels`, (displacement,
                 k).
-            steps: Of differences along them, (k,), for time and for elements on links.
+            steps: Steps of differences along them, (k,), for time and for elements on links.
         """
         out = np.zeros((len(self.room.weights), ways.shape[1], self._rates))
         write_tangent(time, np.ascontiguousarray(y), np.ascontiguousarray(ways.T), steps, self.room, out)
@@ -170,7 +169,7 @@ class Tangents:
         return np.asarray(out.transpose(0, 2, 1))
 
     def opening(self, y: Array, contact: int, ways: Array) -> Array:
-        """Return how far a contact's gap opens along displacements [m], (k,).
+        """Return the change of a contact's gap along displacements [m], (k,).
 
         Args:
             y: State.
@@ -180,9 +179,9 @@ class Tangents:
         return self._met(y, contact, ways, False)[:, OPENING]
 
     def impact(self, y: Array, contact: int, ways: Array) -> tuple[Array, Array]:
-        """Return how what a contact remembers of an onset changes along displacements, (k,) each.
+        """Return the changes of a contact's memory of an onset along displacements, (k,) each.
 
-        That is its approach speed [m/s], and the logarithm of its effective mass.
+        They are the approach speed [m/s], and the logarithm of the effective mass.
 
         Args:
             y: State of the onset.
@@ -275,7 +274,7 @@ def _row_room(system: System, nv: int, kinds: int) -> RowRoom:
 def _freedoms(system: System, head: np.void) -> tuple[int, int]:
     """Return first and number of the freedoms that affect the joint of an element's head.
 
-    What sees a joint's angle, and acts along it, knows none of where the journal is in its bearing.
+    An element at a joint's angle does not depend on the place of the journal in its bearing.
     """
     first = int(head["v"])
     if head["play"] < 0:

@@ -11,8 +11,8 @@ from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.elements import kernels as elements
 from antenna_pin.integrate.kernels import STATE_ROW, DenseStep, dense_state
 
-# Equal parts of a step at whose ends the effort is evaluated; interpolations that follow at most, and the
-# distance [-] of two of them that ends them: the effort is off by its square.
+# Equal parts of a step with evaluations of the effort at their ends; largest number of interpolations, and
+# distance of two of them [-] at which they end: the error of the effort is its square.
 _PARTS, _VERTICES, _CLOSE = 4, 12, 1e-5
 
 
@@ -69,7 +69,7 @@ def _largest(
     left, right = centre - 1.0 / _PARTS, centre + 1.0 / _PARTS
     below, above = looks[round(left * _PARTS)], looks[round(right * _PARTS)]
     if centre != middle:
-        # The largest value may lie between an end of the step and the node beside it.
+        # The largest value may lie between an end of the step and the next node.
         beside = looks[round(centre * _PARTS)]
         theta = centre + _vertex(left - centre, right - centre, below - beside, above - beside)
         if not min(middle, centre) < theta < max(middle, centre):

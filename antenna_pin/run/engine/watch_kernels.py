@@ -1,10 +1,10 @@
 """Coarse check of a step for possible events, compiled.
 
-What is watched passes zero where its sign at one of the points of a step is not the side that it is on, or
-where it comes nearer and goes away again. Functions of elements whose rate is not known, as a load that a row
-carries, are interpolated: their points lie at no equal distances, so that no drive is seen at one phase only,
-and a further point tells whether the interpolation holds. Where something may happen, or where nothing can be
-said, the loop outside looks closely; so this needs to see too much rather than too little.
+A watched function may pass zero where its sign at a point of a step differs from its side, or where it
+approaches zero and recedes. Functions without a known rate, such as the load of a row, are interpolated:
+their points are unevenly spaced, so that no drive is sampled at one phase only, and a further point checks
+the interpolation. Where an event is possible, or the check fails, the outer loop searches the step; so the
+check may report too many events, never too few.
 """
 
 from __future__ import annotations
@@ -23,22 +23,22 @@ from antenna_pin.dynamics.trial_kernels import locate
 from antenna_pin.integrate.kernels import STATE_ROW, DenseStep, dense_state
 from antenna_pin.run.engine.step_kernels import ask_elements, derivative
 
-# What is watched: a function of an element where its effort has a kink, the angle (or way) of a joint, its
-# rate, a gap, a normal force, a function of an element where its mode changes.
+# Kinds of watched functions: of an element whose effort has a kink, angle (or displacement) of a joint, its
+# rate, a gap, a normal force, of an element whose mode changes.
 KINK = 0
 ANGLE = 1
 RATE = 2
 GAP = 3
 FORCE = 4
 SWITCH = 5
-# A function that asks for its joint's reduced inertia, which only the loop outside knows: while it counts it
-# is not-a-number here, so that steps are looked at closely.
+# Function that needs its joint's reduced inertia, which only the outer loop computes: NaN here while it
+# counts, so that steps are searched.
 WEIGHED = -2
 
-# Points of a step at which a function without a rate is looked at, and where its interpolation is checked.
+# Points of a step for a function without a rate, and for the check of its interpolation.
 FIRST_POINT, SECOND_POINT, THIRD_POINT = 0.2113248654051871, 0.4721359549995796, 0.7886751345948129
 CHECK_POINT = 0.6180339887498949
-# Shares of the spread of its values: by how much the interpolation may be off there, and what is near zero.
+# Shares of the spread of its values: permitted error of the interpolation there, and nearness to zero.
 _OFF, _NEAR = 0.05, 0.1
 # Points at which the interpolation is evaluated.
 _FINE = 16
@@ -47,13 +47,13 @@ _FINE = 16
 class Watch(Record):
     """Something watched within steps."""
 
-    what: int  # kind of what is watched
+    what: int  # kind of the function
     where: int  # block of the element, of the joint in the watch's own program, or the contact
-    value: float  # to be passed
-    side: float  # that it is on; 0: unknown
-    parts: int  # of a step that are inspected
-    number: int  # of the function, of a kink or a change of mode
-    hold: int  # whose load a change of mode needs; -1: none, -2: WEIGHED
+    value: float  # value to be passed
+    side: float  # present side; 0: unknown
+    parts: int  # inspected points of a step
+    number: int  # number of the function, of a kink or a change of mode
+    hold: int  # hold whose load a change of mode needs; -1: none, -2: WEIGHED
 
 
 WATCHED = layout(Watch)
@@ -64,12 +64,12 @@ class Watched(NamedTuple):
     """Watched functions other than contacts."""
 
     functions: Records[Watch]  # WATCHED, (n,)
-    program: Floats  # A program with a block for each joint that is watched
+    program: Floats  # program with a block for each watched joint
     rates: Floats  # scratch, (nv + nx,)
-    instants: Floats  # at which the loop outside has to see to a step's end, increasing [s]
+    instants: Floats  # required ends of steps for the outer loop, increasing [s]
     values: Floats  # value and rate, scratch, (2,)
     dips: Floats  # values of one function in a step, scratch, (6,)
-    unknown: int  # how many functions there are that compiled code does not know
+    unknown: int  # number of functions that are not compiled
 
 
 @kernel

@@ -247,7 +247,7 @@ def _of_backend(distances: OwnBackend, workspace: Workspace, joint: int) -> User
         name=distances.name,
         inputs_at=inputs_at,
         evaluate=evaluate,
-        text=distances.told,
+        text=distances.pose_text,
         tolerance=1e-9 * clearance.geometry.radial_clearance,
     )
 

@@ -342,7 +342,7 @@ def prepare_run(
     q, v, angles, start = origin
     for name, one in (("q", q), ("v", v), ("angles", angles)):
         if start is not None and one is not None:
-            raise InvalidParameterError(place, name, "left out with start, which contains it", one)
+            raise InvalidParameterError(place, name, "omitted if start is given, which contains it", one)
     turned: object = angles
     if not isinstance(turned, Mapping | None):
         rule = "a mapping of joints' names to turned angles [rad]"

@@ -17,13 +17,13 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis import (
     base_motion,
-    beside,
     body_deviation,
     body_motion,
     boresight,
     deviation_over_time,
     moved_body,
     pointing_error,
+    samples_around,
 )
 from antenna_pin.errors import AntennaPinError, UnknownNameError
 from antenna_pin.show.plot._compared import (
@@ -196,7 +196,7 @@ def figure_between(
 def _at(run: LabelledRun, what: MotionQuantity, joint: str, time: Array) -> Array:
     """Return a run's motion at other times, straight between samples because of impacts."""
     found = np.empty(time.size)
-    for some, data in beside(run.data, time):
+    for some, data in samples_around(run.data, time):
         part = replace(run, data=data)
         found[some] = straight(time[some], part.time, what.values(part, joint))
     return found

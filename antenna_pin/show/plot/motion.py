@@ -13,7 +13,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 
-from antenna_pin.analysis import LONG, beside, is_round_off, resampled, round_off_scales
+from antenna_pin.analysis import LONG, is_round_off, resampled, round_off_scales, samples_around
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.show.plot._compared import COINCIDE, pick, straight
 from antenna_pin.show.plot._kinds import SLIDING, TURNING, JointKind, RunFigure
@@ -268,7 +268,7 @@ def deviation_of(
     place, smooth, time = {what.dim: joint}, reference.whole, run.time
     known = what.derivative is not None and what.derivative in smooth.data
     base = np.empty_like(value)
-    for some, data in beside(smooth.data, time):
+    for some, data in samples_around(smooth.data, time):
         part = replace(smooth, data=data)
         slope = part.values(what.derivative, **place) if known and what.derivative else None
         base[some] = resampled(part.time, part.values(what.variable, **place), time[some], slope)

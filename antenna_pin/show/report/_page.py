@@ -89,7 +89,7 @@ class Picture:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Embedded:
-    """Recording; its markup is safe."""
+    """A recording as markup that is safe to embed."""
 
     html: str
     caption: str

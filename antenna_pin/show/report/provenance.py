@@ -116,14 +116,14 @@ def _file_name(label: str) -> str:
 
 
 @takes()
-def report_command(runs: Sequence[ReportedRun], beside: Sequence[Path | None] = ()) -> str | None:
+def report_command(runs: Sequence[ReportedRun], datasets: Sequence[Path | None] = ()) -> str | None:
     """Return a command that writes a report of files; None for objects.
 
     Args:
         runs: Runs that are reported.
-        beside: Files of what is reported beside them.
+        datasets: Files of reported datasets.
     """
-    files = [*(run.file for run in runs), *beside]
+    files = [*(run.file for run in runs), *datasets]
     if any(file is None for file in files):
         return None
     return shlex.join(["antenna-pin", "report", *map(str, files), "--out", "report.html"])

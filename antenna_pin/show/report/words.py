@@ -278,7 +278,7 @@ _ORDER = (
 
 
 def scenario_sections(runs: Sequence[ReportedRun]) -> list[Section]:
-    """Return the sections that describe the runs; statements on all runs stand once."""
+    """Return the sections that describe the runs; facts common to all runs are stated once."""
     said = [dict(_words(run)) for run in runs]
     titles = [title for title in _ORDER if any(words.get(title) for words in said)]
     return [

@@ -353,7 +353,7 @@ class FitPlan(RunsFile):
                 )
 
     def scenario_of(self, record: str) -> Scenario:
-        """Return the scenario of a record, before what is fitted."""
+        """Return the scenario of a record, without fitted values."""
         spec = self.records[record]
         case = self.case if spec.case is None else spec.case
         return self.scenario_with(case, laid_over(self.set, spec.set))

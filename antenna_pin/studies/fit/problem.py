@@ -245,7 +245,7 @@ class Problem:
         """Return weighted residuals of all records, and gaps between pieces, (m,) [-].
 
         Args:
-            values: Of the parameters, (p,) [SI], or of them and of the states, (p + h,).
+            values: Values of the parameters, (p,) [SI], or of parameters and states, (p + h,).
 
         Raises:
             NoRunError: A record has no run for these values.

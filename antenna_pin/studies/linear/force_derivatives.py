@@ -40,14 +40,14 @@ class ForceDerivatives:
     """Derivatives of the generalized force of all elements, in velocity coordinates.
 
     Attributes:
-        position: Over the configuration, of joints and of contacts, (nv, nv).
-        rate: Over the velocity, (nv, nv).
-        bristle: Over the bristles of friction, (nv, bristles).
-        bristle_rates: Of the bristles' rates over configuration, velocity and bristles: (bristles, nv) twice,
-            (bristles, bristles).
-        parts: ``position`` by what it comes from: ``joints`` (drives, springs at joints, contacts) and
+        position: Derivatives over the configuration, of joints and of contacts, (nv, nv).
+        rate: Derivatives over the velocity, (nv, nv).
+        bristle: Derivatives over the bristles of friction, (nv, bristles).
+        bristle_rates: Derivatives of the bristles' rates over configuration, velocity and bristles:
+            (bristles, nv) twice, (bristles, bristles).
+        parts: ``position`` by source: ``joints`` (drives, springs at joints, contacts) and
             ``points`` (springs between points).
-        rough: Names of joints at which a force has a kink so near that there is no derivative.
+        rough: Names of joints with a kink of a force too near for a derivative.
     """
 
     position: Array
@@ -61,15 +61,15 @@ class ForceDerivatives:
 class Forces:
     """Force of a system's elements near a state: contacts, and all others separately.
 
-    Contacts have scales of micrometres where all else has scales of the mechanism: they are distinguished, so
-    that each is differentiated with steps of its own.
+    Contacts have scales of micrometres, all else those of the mechanism: each is differentiated with its own
+    steps.
 
     Args:
         system: The system.
-        time: Of the state [s].
+        time: Time of the state [s].
         y: The state [q, v, x].
-        memory: Contact memory: what touches.
-        loads: Forces on journals that stand still in the bearing's axes, by joint, (3,) [N].
+        memory: Contact memory, with the closed contacts.
+        loads: Forces on journals, constant in the bearing's axes, by joint, (3,) [N].
         adjusted: Numbers of drives and springs that events have changed: (place, value).
     """
 
@@ -104,7 +104,7 @@ class Forces:
 
     @property
     def program(self) -> Array:
-        """The numbers of the elements as they are."""
+        """Program of the elements in the state."""
         return self._elements.program
 
     @property
@@ -199,7 +199,7 @@ class Forces:
     def _add_states(self, by_bristle: Array, of_bristles: tuple[Array, Array]) -> None:
         """Add unit rates and effects of the states of elements.
 
-        Where a joint rests its state grows by another slope either way: the mean of the two counts.
+        At a joint at rest the slopes of both senses differ: their mean is taken.
         """
         nv, zero = self.system.model.nv, np.zeros(self.system.model.nv)
         own = [i for i, at in enumerate(self.system.bristle_x) if at in self.system.state_x]
@@ -258,14 +258,14 @@ class Forces:
             head["on"] = own if on else 0.0
 
     def _names(self) -> list[str]:
-        """Return of each coordinate of velocity the joint that it belongs to."""
+        """Return the joint of each velocity coordinate."""
         names = ["base"] * self.system.model.nv
         for name, slot in self.system.mechanism.joints.items():
             names[slot.v] = [name] * (slot.v.stop - slot.v.start)
         return names
 
     def _contact_scale(self, joint: str) -> tuple[float, float] | None:
-        """Return least depth and lever of a joint's contacts [m], if any touches."""
+        """Return least depth and lever of a joint's contacts [m]; None without contact."""
         table = np.zeros(self.system.rows, CONTACT)
         self._contacts.locate(self._y, table)
         rows = [

@@ -38,9 +38,8 @@ _EVEN = 1e-9
 def rotors(system: System, v: Array) -> dict[str, float]:
     """Return the spin of axisymmetric rotors on bearings, by joint.
 
-    Such a child is a body on which nothing else moves, with one moment of inertia in all directions across
-    the axis. In its own axes the rest of the mechanism turns round; in axes that do not spin its equations
-    stay what they are, whatever bearings and mechanism are.
+    Such a child carries no moving body and has one moment of inertia in all directions across the axis. In
+    axes that do not spin its equations have constant coefficients.
 
     Returns:
         Spin about the joint's axis [rad/s] by the joint's name.
@@ -143,7 +142,7 @@ class Linearisation:
     r"""Equations of small motions about a state.
 
     A configuration near that of the state is :math:`q \circ \exp(N s)`, its velocity :math:`v + N w + Y s`
-    in the coordinates of velocities, with the k directions N that closures, motions and what is held leave:
+    in the coordinates of velocities, with the k directions N left free by closures, motions and held joints:
 
     .. math:: \dot s = w - D s, \qquad
               \tilde M \dot w + \tilde C w + \tilde K s = N^T f + \tilde F z, \qquad
@@ -153,21 +152,21 @@ class Linearisation:
     of vibration. Geometric stiffness, of constraint forces and of accelerations, is part of K.
 
     Attributes:
-        at: The state and what is taken of it.
+        at: The operating point.
         directions: N, (nv, k).
         shift: Y, (nv, k).
         drift: D, (k, k).
-        mass: (k, k).
-        damping: With the terms of velocities, (k, k).
-        gyroscopic: The same without the dampers' part, (k, k).
-        stiffness: (k, k).
+        mass: Mass matrix, (k, k).
+        damping: Damping matrix with gyroscopic terms, (k, k).
+        gyroscopic: The same without dampers, (k, k).
+        stiffness: Stiffness matrix, (k, k).
         bristles: F, B_s, B_w, B_z.
         forces: Derivatives of the elements' forces in all coordinates.
-        acceleration: Of the state, (nv,).
-        beside: N^T times mass, damping and stiffness in all coordinates, (k, nv) each: what a motion that
-            is prescribed does to the mechanism as it goes another way, about a state at rest.
-        rigid: The six directions in which a free base moves all as one rigid body, as columns of s, (k, 6);
-            (k, 0) where something holds it.
+        acceleration: Acceleration in the state, (nv,).
+        beside: N^T times mass, damping and stiffness in all coordinates, (k, nv) each: the effect of a
+            change of a prescribed motion, about a state at rest.
+        rigid: The six rigid-body directions of a mechanism with a free base, as columns of s, (k, 6); (k, 0)
+            if something holds it.
     """
 
     __repr__ = brief
@@ -243,10 +242,10 @@ def linearise(at: At) -> Linearisation:
     of the forces of constraints, are differences of the compiled functions that a run calls.
 
     Args:
-        at: The state, with what of it is taken.
+        at: The operating point.
 
     Raises:
-        MechanismError: Nothing is left free to move, or a joint moves without any inertia in this pose.
+        MechanismError: Nothing is free to move, or a joint has no inertia in this pose.
     """
     system, y = at.system, at.y
     model = system.model
@@ -274,9 +273,9 @@ def linearise(at: At) -> Linearisation:
     if n.shape[1] == 0:
         names = ", ".join(at.hold) or "none"
         raise MechanismError(
-            "modes: something must be left free to move, got nothing beside what closures, motions and "
-            f"hold = {names} hold; hold fewer joints, drive a joint by a torque instead of a motion, or use "
-            f"friction that does not stick"
+            f"modes: something must be left free to move, but closures, motions and hold = {names} hold "
+            "everything; hold fewer joints, drive a joint by a torque instead of a motion, or use "
+            "friction that does not stick"
         )
     # What velocities and accelerations must do as the directions turn, in the complement of N.
     shift, shift_place, shift_speed = np.zeros_like(n), np.zeros_like(n), np.zeros_like(n)
@@ -334,7 +333,7 @@ def _check_loads(system: System, rest: bool) -> None:
 
 
 def _is_free_floating(system: System) -> bool:
-    """Return whether only gravity acts on a system from outside."""
+    """Return whether gravity is the only external force on a system."""
     tied = system.closed_to_world or system.sprung_to_world
     return (
         system.mechanism.base == "free" and not tied and all(one.internal for one in system.forces.values())
@@ -345,7 +344,7 @@ def _free_directions(at: At, floating: bool) -> tuple[Array, Array]:
     """Return orthonormal free directions, and the rigid motions among them.
 
     Returns:
-        N, (nv, k), and (k, 6) or (k, 0). A base that floats has its own six directions first.
+        N, (nv, k), and (k, 6) or (k, 0). Those of a free base come first.
     """
     system, nv = at.system, at.system.model.nv
     base_too = floating and "base" not in at.hold

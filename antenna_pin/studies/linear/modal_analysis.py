@@ -139,7 +139,7 @@ _COLUMNS, _LINES = 80, 24
 class Modes:
     """Modes of a mechanism about a state.
 
-    They show themselves: ``plot(source, targets)``, a frequency response, and ``record("modes.html")``.
+    ``plot(source, targets)`` draws a frequency response, ``record("modes.html")`` the shapes.
 
     Attributes:
         data: Along ``mode``, in rising order of frequency: ``frequency`` and ``damped_modulus`` [Hz],
@@ -150,8 +150,8 @@ class Modes:
             [sqrt(kg), sqrt(kg) m] and ``effective_mass`` [kg, kg m^2] about the base's origin in its axes,
             with ``rigid_mass`` of the whole. ``shape`` and ``body_motion`` are complex about a state that
             moves.
-        linearisation: What they are the modes of.
-        notes: What is to be known of them, in sentences.
+        linearisation: The linearised equations.
+        notes: Assumptions and limits, in sentences.
         scenario: Of the mechanism; None for a system built in Python.
     """
 
@@ -175,7 +175,7 @@ class Modes:
 
     @property
     def elastic(self) -> list[int]:
-        """Numbers of the vibrations, as ``mode`` counts them, from 1."""
+        """Numbers of the elastic modes, counted like ``mode``, from 1."""
         return [
             int(m)
             for m, kind in zip(self.data["mode"].values, self.data["kind"].values, strict=True)
@@ -249,7 +249,7 @@ def modes_at(at: At, scenario: Scenario | None = None) -> Modes:
     """Return the modes about a state.
 
     Args:
-        at: The state, with what of it is taken.
+        at: The operating point.
         scenario: Of the mechanism, if it comes from one.
     """
     linear = linearise(at)
@@ -392,24 +392,23 @@ def modes(
     """Return natural frequencies, damping ratios and shapes of small motions about a state.
 
     Args:
-        model: A scenario, or its name or path, or a system; or a run, which means the state that it ended in.
-        at: A time to which a scenario is run first [s], a run for the state that it ended in, or a state; the
-            start if not given.
+        model: A scenario, its name or path, or a system; or a run, for its last state.
+        at: A time to which a scenario is run first [s], a run for its last state, or a state; by default the
+            start.
         q: Configuration instead, (nq,).
-        v: Velocity beside q, (nv,); zero if not given.
-        play: What joints with play are taken as: ``ideal``, ``free`` in their play, or in ``contact`` as they
-            touch in the state; one for all or by name. Those that are not named are ideal, but in contact if
-            they have a load.
+        v: Velocity with q, (nv,); zero by default.
+        play: Treatment of joints with play, one for all or by name: ``ideal``, ``free`` in their play, or
+            ``contact`` with the contacts of the state. By default ``contact`` with a load, else ``ideal``.
         load: Force that presses the journal into the bearing, in bearing axes, (3,) [N]; by joint if several
-            have play. The journal rests where its contacts balance it; it is held up by nothing else.
-        approach_speed: That contacts under a load remember [m/s], on which the damping of many laws depends;
-            their joint's floor if not given.
+            have play. The journal rests where its contacts alone balance the load.
+        approach_speed: Approach speed stored for contacts under a load [m/s], on which the damping of many
+            laws depends; by default their joint's floor.
         hold: Names of joints that do not move; ``base`` is a free base.
-        moving: Whether the state's velocities and accelerations count. If not, it is taken at rest, and what
-            would set it moving is held in balance.
+        moving: Whether the state's velocities and accelerations count. If not, it is at rest, with unbalanced
+            forces compensated.
 
     Raises:
-        AntennaPinError: What is called makes no sense; one line that gives the reason.
+        AntennaPinError: Arguments are invalid; one line gives the reason.
     """
     model = scenario_named(model)
     if isinstance(model, Trajectory):

@@ -31,16 +31,16 @@ _SWINGS, _PICTURES = 3, 48
 def swing(modes: Modes, mode: int, amplitude: Positive = 1.0) -> Trajectory:
     """Return an undamped motion in one mode, scaled for visibility.
 
-    The time is that of the swing; a motion of no frequency takes a second.
+    The time covers one period; a motion without frequency takes one second.
 
     Args:
-        modes: About which state.
+        modes: The modes.
         mode: Its number, from 1.
-        amplitude: Times what is drawn by itself, which lets no body turn by more than 0.25 rad nor move by
+        amplitude: Factor on the default amplitude, at which no body turns by more than 0.25 rad or moves by
             more than 8 % of the mechanism's size [-].
 
     Raises:
-        InvalidParameterError: No such mode, or no amplitude.
+        InvalidParameterError: The mode is unknown, or the amplitude is not positive.
     """
     shape = modes.shape(mode)
     linear = modes.linearisation

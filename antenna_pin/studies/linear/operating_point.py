@@ -46,8 +46,8 @@ def _press(
 ) -> None:
     """Move a journal to contact equilibrium under a force, in place, without friction.
 
-    Of the places where it could rest it is the one next to that straight along the load from the middle of
-    the play, with the angle that it has. What the load does not press, an axial position or a tilt, stays.
+    Of several equilibria the nearest to the line along the load through the middle of the play is taken, at
+    the present angle. Coordinates without load, as an axial position or a tilt, stay.
     """
     place = _JournalPose(system, joint, y, load, memory)
     if joint.planar and load[2] != 0.0:
@@ -128,7 +128,7 @@ class _JournalPose:
         return np.asarray(np.linalg.lstsq(columns, missing, rcond=None)[0])
 
     def write_memory(self, y: Array) -> None:
-        """Let closed gaps touch."""
+        """Mark closed gaps as touching."""
         self.workspace.locate(y, self.table)
         for row in self.rows:
             self.memory["touching"][row] = float(self.table["gap"][row] <= 0.0)
@@ -258,13 +258,13 @@ class At:
 
     Attributes:
         system: The system.
-        time: Of the state [s].
+        time: Time of the state [s].
         y: The state [q, v, x].
-        memory: Contact memory: what touches.
-        play: What each joint with play is taken as, by name.
+        memory: Contact memory, with the closed contacts.
+        play: Treatment of each joint with play, by name.
         loads: Forces on journals that press them into contact, in bearing axes, by joint, (3,) [N].
         hold: Names of joints that do not move; ``base`` is a free base.
-        rest: Whether nothing moves, and what would set it moving is held in balance.
+        rest: Whether the state is at rest, with unbalanced forces compensated.
         adjusted: Numbers of drives and springs that events have changed: (place, value).
     """
 
@@ -292,7 +292,7 @@ class At:
         return self.y[: self.system.model.nq]
 
     def allowed(self) -> Array:
-        """Return the directions of what is not held, constraints aside, orthonormal, (nv, k)."""
+        """Return orthonormal directions that no ``hold`` prevents, without constraints, (nv, k)."""
         nv = self.system.model.nv
         parts = [] if BASE in self.hold else [np.eye(nv)[:, self.system.mechanism.base_v]]
         joints = {joint.name: joint for joint in self.system.clearances}
@@ -310,8 +310,7 @@ class At:
 def ideal_directions(slot: JointSlot, joint: ClearanceJoint, q: Array) -> Array:
     """Return the motions of a joint with play as ideal, (nv, k).
 
-    The child turns about its own axis, slides along it, or turns about its ball's centre: with the velocity
-    of these directions it stays on the ideal joint's way however far it goes.
+    The child turns about its own axis, slides along it, or turns about its ball's centre.
     """
     motion = joint.geometry.motion
     if joint.planar:
@@ -345,18 +344,18 @@ def prepared(
     Args:
         system: The system.
         y: The state [q, v, x].
-        time: Of the state [s].
-        memory: Contact memory, (contacts, 3); contacts with a gap of zero or less touch if not given.
-        play: What joints with play are taken as, one for all or by name; those that are not named are ideal,
-            but in contact if they have a load.
+        time: Time of the state [s].
+        memory: Contact memory, (contacts, 3); by default contacts with a gap of zero or less are closed.
+        play: Treatment of joints with play, one for all or by name; by default ``contact`` with a load, else
+            ``ideal``.
         load: Force on the journal in bearing axes, (3,) [N]; by joint if there are several with play.
-        approach_speed: That contacts under a load remember [m/s]; their joint's floor if not given.
+        approach_speed: Approach speed stored for contacts under a load [m/s]; by default their joint's floor.
         hold: Names of joints that do not move; ``base`` is a free base.
         moving: Whether velocities and accelerations of the state count.
         adjusted: Numbers of drives and springs that events have changed.
 
     Raises:
-        AntennaPinError: A name that there is not, a load that presses nothing, a contact that touches not.
+        AntennaPinError: A name is unknown, a load has no contact to press, or a contact is open.
     """
     y = y.copy()
     names = [joint.name for joint in system.clearances]

@@ -55,7 +55,7 @@ class _Shaking(NamedTuple):
         return found
 
     def passes(self, rows: Array, omega: float) -> Array:
-        """Return what the motion adds to outputs by itself, (outputs,)."""
+        """Return the motion's direct contribution to outputs, (outputs,)."""
         return np.asarray(-(rows @ self.way) / omega**2)
 
 
@@ -140,7 +140,7 @@ def first_source(modes: Modes, label: str = "source") -> str:
         label: Name of the option or argument in the message.
 
     Raises:
-        InvalidParameterError: There is nothing that could swing it.
+        InvalidParameterError: The mechanism has no source.
     """
     known = sources_of(modes)
     if not known:
@@ -176,23 +176,24 @@ def frequency_response(
     """Return the steady damped response to a source, over its frequency.
 
     Args:
-        modes: About which state.
+        modes: The modes.
         source: ``drives.NAME``, that drive's torque (force at a sliding joint), or ``base.fx`` to
             ``base.mz``, a force or moment at the base's origin along its axes; ``shake.NAME``, the
             acceleration of a shaken base (:func:`sources_of`).
         targets: ``boresight``, its turns about the antenna's cross and up axes; names of joints, their
-            angles; ``base.x`` to ``base.rz``, of the base's origin in its axes; ``body_acceleration[LINK].x``
-            (y, z), of a link's frame in world axes (:func:`targets_of`). If not given the boresight, or the
-            drive's own joint where the scenario points nothing; of a shaken base all joints that swing.
-        frequencies: Rising and positive [Hz]; those of the vibrations and beyond if not given, with points
-            close together at resonances.
+            angles; ``base.x`` to ``base.rz``, displacements of the base's origin in its axes;
+            ``body_acceleration[LINK].x`` (y, z), of a link's frame in world axes (:func:`targets_of`).
+            By default the boresight, or without one the drive's own joint; of a shaken base all joints that
+            swing.
+        frequencies: Frequencies, rising and positive [Hz]; by default those of the modes and beyond, with
+            points close together at resonances.
 
     Returns:
         ``response`` (frequency, target), complex, output over input, ``gain`` its magnitude and ``phase``
-        [rad], with ``unit`` of each target. In a state that moves, as far as it stays what it is.
+        [rad], with ``unit`` of each target. For a moving state it holds while the state hardly changes.
 
     Raises:
-        AntennaPinError: A source or target that there is not, frequencies that are none.
+        AntennaPinError: A source or target is unknown, or frequencies are invalid.
     """
     linear = modes.linearisation
     known = sources_of(modes)
@@ -256,7 +257,7 @@ class Plant(NamedTuple):
         matrix: A, (n, n).
         input: B, (n,), for 1 N m (1 N) of the drive.
         angle: Row of the joint's angle [rad] (way [m]), (n,).
-        rate: Row of its rate, (n,).
+        rate: Row of the joint's rate, (n,).
     """
 
     matrix: Array
@@ -270,12 +271,12 @@ def plant_of(modes: Modes, drive: str, joint: str) -> Plant:
     """Return the linear system between a drive's effort and a joint.
 
     Args:
-        modes: About which state.
+        modes: The modes.
         drive: Name of the drive.
         joint: Name of a joint with an axis.
 
     Raises:
-        UnknownNameError: There is no such drive or joint.
+        UnknownNameError: The drive or joint is unknown.
     """
     linear, source = modes.linearisation, f"drives.{drive}"
     if source not in sources_of(modes):

@@ -8,7 +8,7 @@ measurements at the sampling times is exact:
           \Gamma_0 = \int_0^{h-r} e^{A s} ds\, B, \quad \Gamma_1 = e^{A (h-r)} \int_0^{r} e^{A s} ds\, B
 
 and :math:`L(z) = C_{pid}(z) G(z)` on the unit circle, :math:`z = e^{i \omega h}`, is the loop's frequency
-response, aliasing and hold included. Play, limits and friction that sticks are no part of small motions.
+response, aliasing and hold included. Small motions exclude play, limits and sticking friction.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class SampledLoop:
         period: h [s].
         matrix: Phi of plant, delayed commands and controller, (n, n).
         input: Column of the command, (n,).
-        output: Row of the loop's answer, (n,).
+        output: Row of the loop's output, (n,).
     """
 
     period: float
@@ -85,8 +85,8 @@ class LoopMargins:
         controller: Name of the controller.
         gain_margin: Factor on the loop's gain at which it becomes unstable: the least above 1, or the inverse
             of the largest below 1, whichever is smaller [-]; infinite without one.
-        phase_margin: Least phase lag that makes it unstable [rad]; infinite without a gain of 1.
-        delay_margin: Least further delay that does [s].
+        phase_margin: Least phase lag that makes the loop unstable [rad]; infinite without a gain of 1.
+        delay_margin: Least further delay that makes the loop unstable [s].
         modulus_margin: Least distance of the response from -1 [-].
         loop_damping: Least damping ratio of the closed loop's vibrations [-].
         bandwidth: Highest frequency with a gain of 1 [Hz]; NaN without one.
@@ -169,17 +169,17 @@ def _phase_margin(frequency: Array, response: Complex) -> tuple[float, float, fl
 def loop_margins(scenario: Scenario, controller: str | None = None) -> LoopMargins:
     """Return the margins of a PID loop about the start of a scenario.
 
-    Other controllers' commands are held as they are at the start. Coulomb friction of ``[springs]`` counts as
-    constant, as of joints that move: regularised, it would damp a joint at rest as no friction does.
+    Other controllers' commands are held at their start values. Coulomb friction of ``[springs]`` counts as
+    constant, as in moving joints: regularised, it would damp a joint at rest too much.
 
     Args:
         scenario: The scenario.
-        controller: Name of its PID controller; may be left out if there is one.
+        controller: Name of its PID controller; optional if there is only one.
 
     Raises:
-        UnknownNameError: There is no such controller.
-        InvalidParameterError: It is no PID of a joint's angle that commands a drive, or its motor has an
-            inductance.
+        UnknownNameError: The controller is unknown.
+        InvalidParameterError: The controller is not a PID of a joint's angle that commands a drive, or its
+            motor has an inductance.
     """
     known = [name for name, table in scenario.controllers.items() if table.kind == "pid"]
     if controller is None and len(known) == 1:
@@ -273,7 +273,7 @@ def _with_pid(pid: Any, h: float, matrix: Array, column: Array, angle: Array, ra
     """Return a plant in series with a PID.
 
     States of the PID: the integral before the sampling time, the measurement before, and the derivative's.
-    The answer is minus the command for a reference of zero, so that the loop closes by u = -answer.
+    The output is minus the command for a zero reference: the loop closes by u = -output.
     """
     n = len(matrix)
     integral, last, derived = n, n + 1, n + 2

@@ -3,8 +3,7 @@ r"""Factors of motorization: sets by name, each factor a parameter with its clau
 .. math:: T_{min} = m \left(\sum_i f_i R_i\right) + f_D T_D + T_L, \qquad
           \text{margin} = \frac{\sum_j a_j A_j}{T_{min}} - 1
 
-R are resistances by class, A what actuates. Nothing here claims compliance: a customer may tailor every
-factor.
+R are resistances by class, A actuating torques. Customers tailor factors: compliance is not claimed.
 """
 
 from __future__ import annotations
@@ -46,14 +45,14 @@ class FactorSet:
     """Factors of a motorization margin.
 
     Attributes:
-        name: Of the set.
+        name: Name of the set.
         source: Document and edition.
         clause: Clause of the formula and of its factors.
-        factors: Of each class of resistance: of a theoretical value, and of one that is measured [-].
+        factors: Factors of each class of resistance, for theoretical and for measured values [-].
         motorization: m, on the sum of factored resistances [-].
-        commanded: f_D, on the torque of the acceleration asked of the mechanism, T_D [-].
-        spring: a of a spring that drives [-].
-        inertia: a of weight or inertia that drives [-].
+        commanded: f_D, on the torque of the required acceleration, T_D [-].
+        spring: a of a driving spring [-].
+        inertia: a of driving weight or inertia [-].
         motor: a of a motor, and of any other drive, in its worst case [-].
         required: Least margin [-].
     """
@@ -129,13 +128,13 @@ def factor_set(wanted: str | FactorSet | Mapping[str, Any]) -> FactorSet:
     """Return a set of factors by name, or a tailored one.
 
     Args:
-        wanted: A name, a set, or a mapping of what differs from a set: ``{"base": "ecss-e-st-33-01c", "F_R":
-            2.0, "S": (1.3, 1.2), "motorization": 1.5}``. The base is ``ecss-e-st-33-01c`` if left out; a
-            single number is the factor of theoretical and measured values alike.
+        wanted: A name, a set, or a mapping of changes to a set: ``{"base": "ecss-e-st-33-01c", "F_R":
+            2.0, "S": (1.3, 1.2), "motorization": 1.5}``. The base is ``ecss-e-st-33-01c`` by
+            default; a single number is the factor of theoretical and measured values.
 
     Raises:
-        UnknownNameError: There is no such set, or no such factor.
-        InvalidParameterError: A factor that is not positive.
+        UnknownNameError: The set or factor is unknown.
+        InvalidParameterError: A factor is not positive.
     """
     if isinstance(wanted, FactorSet):
         return wanted

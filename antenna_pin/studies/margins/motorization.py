@@ -1,4 +1,4 @@
-"""Motorization margin: what drives over what resists, at each position of a travel."""
+"""Motorization margin: driving over resisting torque, at each position of a travel."""
 
 from __future__ import annotations
 
@@ -78,11 +78,11 @@ def motorization_margin(
     .. math:: T_{min} = m \sum_i f_i R_i + f_D T_D + T_L, \qquad
               \text{margin} = \frac{\sum_j a_j A_j}{T_{min}} - 1
 
-    At each position the mechanism is in balance at vanishing rate (kinetic energy does not count), and what
-    each element exerts is reduced to the joint by virtual work. What resists counts with the factor of its
-    class, what drives with its own; what helps of friction, hysteresis and harnesses does not count.
-    Friction is that to break away, under the joint's own load at the torque needed; hysteresis is as after a
-    long way of the travel's sense.
+    At each position the mechanism is in balance at vanishing rate, without kinetic energy, and the torque of
+    each element is reduced to the joint by virtual work. Resistances count with the factors of their classes,
+    drives with their own; assisting friction, hysteresis and harnesses do not count. Friction is that at
+    breakaway, under the joint's own load at the needed torque; hysteresis is at its limit for the travel's
+    sense.
 
     Classes: springs, stops and latches S; friction and gears F_R; Bouc-Wen's hysteresis (its elastic part is
     S) and Maxwell's H_Y; harnesses and forces on links H_A; a motor's cogging, by its largest, H_M; weight I.
@@ -90,33 +90,32 @@ def motorization_margin(
     Args:
         model: A scenario, its name or path, or a system.
         joint: Joint of the function, or a drive, which means its joint.
-        travel: First and last position, or all positions in one sense [rad] ([m]); the joint's limits if left
-            out. The function moves from the first to the last.
+        travel: First and last position, or all positions in one sense [rad] ([m]); by default the joint's
+            limits. The function moves from the first to the last.
         count: Number of positions between the first and the last.
-        factors: Name of a set, a set, or what differs from one (:func:`factor_set`).
-        by_measurement: Sources whose value is measured: their places (``springs.harness``), or by place
-            whether they are.
-        classes: Class of a source, by its place, where it is another than above.
-        additional: Resistances that no element gives, by class: ``{"H_D": 0.02}``, one torque or one for each
+        factors: Name of a set, a set, or changes to one (:func:`factor_set`).
+        by_measurement: Sources with measured values, as ``springs.harness``; or True or False by source.
+        classes: Classes by source that differ from those above.
+        additional: Resistances outside the model, by class: ``{"H_D": 0.02}``, one torque or one for each
             position [N*m] ([N]).
-        base_acceleration: Of the base, linear and angular in its axes, (3,) or (6,) [m/s^2, rad/s^2]; its
-            inertia torque resists, whatever its sign.
-        acceleration: That the customer asks of the function [rad/s^2] ([m/s^2]), for T_D.
-        delivered_torque: T_L, to be delivered beside [N*m] ([N]).
-        rate: Of the joint, for the back-EMF of a motor [rad/s] ([m/s]).
-        drives: Names of the drives that actuate; those that move the joint if left out.
-        available: Torque of a drive at its own joint, by name [N*m] ([N]), where it does not follow from the
-            drive itself.
+        base_acceleration: Acceleration of the base, linear and angular in its axes, (3,) or (6,) [m/s^2,
+            rad/s^2]; its inertia torque resists with either sign.
+        acceleration: Required acceleration of the function [rad/s^2] ([m/s^2]), for T_D.
+        delivered_torque: T_L, to be delivered to a load [N*m] ([N]).
+        rate: Rate of the joint, for the back-EMF of a motor [rad/s] ([m/s]).
+        drives: Names of the actuating drives; by default all that move the joint.
+        available: Available torques of drives at their own joints, by name [N*m] ([N]), if they do not follow
+            from the drives.
         hold: Names of further joints that do not move.
-        q: Configuration from which the joint is moved to its travel, (nq,); the start if left out.
+        q: Configuration from which the joint is moved to its travel, (nq,); by default the start.
         cases: Overrides of scenario keys by name of the case: temperatures, gravity of a test.
         ranges: Least and greatest value of scenario keys: supplies, tolerances. All corners are evaluated, in
             each case.
         search: Whether the worst case is also searched within the ranges, for margins that are not monotone.
 
     Raises:
-        AntennaPinError: No such joint, drive, source or class, nothing that drives, a travel beyond the
-            joint's limits, or a position without balance.
+        AntennaPinError: A joint, drive, source or class is unknown, nothing drives, the travel is beyond the
+            joint's limits, or a position has no equilibrium.
     """
     begin = start_of(model, q)
     options = _Options(
@@ -341,7 +340,7 @@ def _driving(begin: Model, options: _Options) -> list[str]:
 
 
 def _develop(path: Path, sense: float) -> None:
-    """Bring hysteresis to what it is after a long way of the travel's sense."""
+    """Bring hysteresis to its limit for the travel's sense."""
     balance = path.balance
     velocity = path.kinematic(balance.y)
     senses = {}
@@ -377,7 +376,7 @@ def _sources(
     count: int,
     driving: Sequence[str],
 ) -> dict[str, _Source]:
-    """Return what resists and drives at a position, by source."""
+    """Return resistances and drives at a position, by source."""
     factors, velocity = options.factors, sense * point.velocity
     found: dict[str, _Source] = {}
     for name, torque in point.components.items():
@@ -422,7 +421,7 @@ def _element(system: System, place: str) -> Any:
 
 
 def _class_of(system: System, place: str, factors: FactorSet) -> tuple[str, float]:
-    """Return class and factor where it drives of a source."""
+    """Return the class of a source, and its factor when it drives."""
     if place == "gravity":
         return "I", factors.inertia
     element = _element(system, place)

@@ -34,20 +34,19 @@ class MotorizationMargin:
     """Motorization margin of a function over its travel.
 
     Attributes:
-        data: Along ``position`` [rad] ([m]): ``margin`` [-], ``actuation``, the factored sum of what drives,
+        data: Along ``position`` [rad] ([m]): ``margin`` [-], ``actuation``, the factored drive,
             ``minimum_torque``, T_min, and ``needed_torque``, unfactored [N*m] ([N]); along ``source`` too
             ``resistance`` (zero or more) and ``drive`` (likewise, unfactored), and of each source
             ``symbol``, its class, ``resistance_factor``, ``drive_factor`` and ``by_measurement``. All in
             the nominal case.
         joint: The function's joint.
-        sliding: Whether it slides.
+        sliding: Whether the joint is prismatic.
         factors: Set of factors.
         smallest: Smallest margin of the nominal case [-].
-        position: At which it is smallest [rad] ([m]).
-        cases: All combinations of extremes that were evaluated, the smallest margin first; the nominal case
-            among them.
-        worst: The first of these.
-        worst_scenario: Scenario of the worst case, which runs; None for a system built in Python.
+        position: Position of the smallest margin [rad] ([m]).
+        cases: All evaluated combinations of extremes and the nominal case, the smallest margin first.
+        worst: The first of the cases.
+        worst_scenario: Scenario of the worst case, ready to run; None for a system built in Python.
         notes: Assumptions and limits, in sentences.
         scenario: Nominal scenario; None for a system built in Python.
     """

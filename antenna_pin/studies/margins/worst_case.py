@@ -97,7 +97,7 @@ def _number(value: Any, unit: str, key: str) -> float:
 def worst_cases(
     extremes: Extremes, margin_of: Callable[[Scenario], tuple[float, float]], *, search: bool
 ) -> list[MarginCase]:
-    """Return the margins of all corners, and of what a search comes by.
+    """Return the margins of all corners, and of the points of a search.
 
     The search (:func:`antenna_pin.studies.sweep.box_search.worst_case`) is in the case of the smallest
     margin; a monotone margin keeps its corner.

@@ -1,8 +1,9 @@
 """Bifurcation points located in a step along a branch: folds, crossings, flips, tori, grazes.
 
-Test functions that pass zero at a bifurcation have the same sign at both ends where they pass zero twice. So
-a step is checked for turns of the parameter's cubic through both ends, for a parabola of the test functions
-through a third orbit that comes near zero, and for the number of multipliers that left the unit circle.
+Test functions that pass zero at a bifurcation have the same sign at both ends if they pass zero twice. So a
+step is also checked for turns of the parameter's cubic through both ends, for a parabola of the test
+functions through a third orbit that approaches zero, and for the number of multipliers that left the unit
+circle.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ Complex = NDArray[np.complex128]
 
 # --- orbits within a step, and points located among them ----------------------------------------------------
 
-_ROUNDS = 60  # of halving between two orbits, or of the secants of a fold
+_ROUNDS = 60  # Number of halvings between two orbits, or of secants of a fold.
 # Share of the bracket at which orbits about a crossing are computed, stages of refinement, and orbits through
 # which the polynomial passes.
 _SHARE, _STAGES, _THROUGH = 0.125, 5, 6
@@ -72,13 +73,13 @@ class BranchStep:
     """Step along a branch between two orbits, with the orbits computed between them.
 
     Args:
-        stepper: Of the branch.
-        begin: What it begins with; how far along is measured in the direction there.
-        last: What it comes to.
-        arc: How far that is.
+        stepper: Stepper of the branch.
+        begin: Orbit at the start; places are measured along its direction.
+        last: Orbit at the end.
+        arc: Place of the end.
 
     Attributes:
-        beside: Orbits before its first and behind its last, by how far along they would be.
+        beside: Orbits before the first and after the last, by their places.
     """
 
     def __init__(self, stepper: BranchStepper, begin: Node, last: Node, arc: float) -> None:
@@ -117,7 +118,7 @@ class BranchStep:
     def _between(self, along: float) -> Array | None:
         """Return the point of the cubic through the nearest orbits and directions at a place.
 
-        Where branches are close to one another it is nearer to this one than what is straight ahead.
+        Where branches are close to one another it is nearer to this one than a straight extrapolation.
         """
         first, about, rows = self.first, self._about(along), []
         for node in (self._nodes[one] for one in about):
@@ -150,7 +151,7 @@ class BranchStep:
     def slope(self, along: float) -> float:
         """Return the slope of the parameter over the place, in the parameter's unit.
 
-        A step is measured along the direction it began with, which the branch has turned from since.
+        A step is measured along its initial direction, from which the branch has turned since.
         """
         node = self.node(along)
         ahead = self.stepper.transported(self.first.tangent, self.first.point, node.point)
@@ -160,9 +161,9 @@ class BranchStep:
 def locate_zero(step: BranchStep, test: Test, low: float, high: float, precision: float) -> Located:
     """Return the zero of a smooth test function of the multipliers between two places.
 
-    By Brent's method along the branch, where no fold is in the way. It ends within the precision on both
-    sides, or upon the zero: of that no other side is known, and what is uncertain is by how much the number
-    would be another, had the multipliers been wrong by their doubt.
+    By Brent's method along the branch, unless a fold is between. It ends within the precision on both sides,
+    or at the zero: then the other side is unknown, and the error estimate is the effect of the multipliers'
+    error.
     """
     known = {along: test(step.point(along).orbit.multipliers) for along in (low, high)}
 
@@ -173,7 +174,7 @@ def locate_zero(step: BranchStep, test: Test, low: float, high: float, precision
 
     steepest = max(abs(step.slope(low)), abs(step.slope(high)), 1e-3)
     near = precision / (steepest * abs(step.stepper.unit))
-    with contextlib.suppress(AntennaPinError):  # what is known by then is all there is
+    with contextlib.suppress(AntennaPinError):  # the information so far is final
         brentq(at, low, high, xtol=0.5 * near, rtol=1e-14)
     upon = [along for along, found in known.items() if found == 0.0]
     before = max(along for along, found in known.items() if (found > 0.0) == (known[low] > 0.0))
@@ -204,10 +205,9 @@ def _test_error(test: Test, orbit: Orbit) -> float:
 def locate_fold(step: BranchStep, begin: float, end: float, precision: float) -> Located:
     """Return the fold between two places of a step: an orbit next to it.
 
-    Orbits are made between them, by regula falsi (Illinois) for where the parameter's part of the
-    branch's direction is zero. From an orbit there the parameter continues, to the fold, by no more than its
-    slope times what is left of the step in which that changes its sign: this is the doubt, and what orbits
-    are uncertain by.
+    Orbits are computed between them, by regula falsi (Illinois) for the zero of the parameter's part of the
+    branch's direction. The distance of the parameter to the fold is at most its slope times the rest of the
+    step in which the slope changes its sign: this and the error of orbits are the error estimate.
     """
     low, high = begin, end
     weights, before = [1.0, 1.0], None
@@ -222,7 +222,7 @@ def locate_fold(step: BranchStep, begin: float, end: float, precision: float) ->
         try:
             on = bool(step.node(along).tangent[-1] * ahead > 0.0)
         except AntennaPinError:
-            break  # what the two ends say is all there is
+            break  # the information of the two ends is final
         low, high = (along, high) if on else (low, along)
         # An end that is retained twice counts half (Illinois), or it would never move.
         replaced, stays = (0, 1) if on else (1, 0)
@@ -236,10 +236,10 @@ def locate_fold(step: BranchStep, begin: float, end: float, precision: float) ->
 def locate_crossing(step: BranchStep, low: float, high: float, precision: float) -> Located:
     """Return the crossing of another branch between two places of a step.
 
-    There Newton's method has no direction to go back by: what its tolerance leaves grows like one over the
-    distance. So orbits are made about the place, not at it, nearer and nearer, and polynomials through them
-    say where the determinant that is zero there is so. The doubt is by how much the last orbits moved that,
-    and what multipliers are doubted by.
+    At a crossing Newton's method is singular: the effect of its tolerance grows with the inverse of the
+    distance. So orbits are computed at decreasing distances, and polynomials through them give the zero of
+    the determinant. The error estimate is the change by the last orbits, and the effect of the multipliers'
+    error.
     """
     places = [low, high]
     found = best = _zero(step, places, 0.5 * (low + high))._replace(doubt=math.inf)
@@ -248,7 +248,7 @@ def locate_crossing(step: BranchStep, low: float, high: float, precision: float)
         width *= _SHARE
         about = [along for along in (found.along - width, found.along + width) if low < along < high]
         for along in about:
-            with contextlib.suppress(AntennaPinError):  # what else is known is all there is
+            with contextlib.suppress(AntennaPinError):  # other information is final
                 places += [along] if step.node(along).regular else []
         last, found = found, _zero(step, places, found.along)
         found = found._replace(doubt=max(abs(found.value - last.value), found.doubt))
@@ -261,7 +261,7 @@ def locate_crossing(step: BranchStep, low: float, high: float, precision: float)
 def _zero(step: BranchStep, places: Sequence[float], about: float) -> Located:
     """Return the zero of the polynomial through the crossing determinants nearest to a place.
 
-    Through those at which the sign changes, and those next to it.
+    It uses those at which the sign changes, and their neighbours.
     """
     places = sorted(places)
     signs = [step.node(along).crossing > 0.0 for along in places]
@@ -296,7 +296,7 @@ def _zero(step: BranchStep, places: Sequence[float], about: float) -> Located:
 # further orbit.
 _PLACES = np.linspace(0.0, 1.0, 33)
 _NEAR = 0.3
-_ON = 1e-6  # how near to the unit circle a multiplier is on no side of it
+_ON = 1e-6  # distance from the unit circle within which a multiplier is on neither side
 
 
 def _pairs(multipliers: Complex) -> list[tuple[complex, complex]]:
@@ -307,7 +307,7 @@ def _pairs(multipliers: Complex) -> list[tuple[complex, complex]]:
 def flip_test(multipliers: Complex) -> float:
     """Return the test function of period doubling, zero where a multiplier is -1.
 
-    It is the product of all 1 + multiplier, those that are larger than 1 taken over themselves.
+    It is the product of all 1 + multiplier, each divided by the multiplier's size if above 1.
     """
     return float(np.prod((multipliers + 1.0) / np.maximum(np.abs(multipliers), 1.0)).real)
 
@@ -315,7 +315,7 @@ def flip_test(multipliers: Complex) -> float:
 def torus_test(multipliers: Complex) -> float:
     """Return the test function of a torus, zero where two multipliers have the product 1.
 
-    Likewise of the products of two multipliers, less 1.
+    The same product with the products of two multipliers, minus 1.
     """
     products = [one * other for one, other in _pairs(multipliers)]
     return float(np.prod([(one - 1.0) / max(abs(one), 1.0) for one in products]).real) if products else 1.0
@@ -415,7 +415,7 @@ def curved_predictor(stepper: BranchStepper, node: Node, arc: float, passed: Bra
     """Return a predicted place an arc ahead, with the curvature of the last step.
 
     Returns:
-        Coordinates about the orbit, and how far the parameter is from there in its unit, (size + 1,).
+        Coordinates about the orbit, and the distance of the parameter in its unit, (size + 1,).
     """
     point, way = node.point, node.tangent
     if passed is None or passed.last is not node or len(passed.first.tangent) != len(way):
@@ -430,15 +430,14 @@ def graze_ahead(
 ) -> GrazeAhead | None:
     """Return the nearest change in contacts or events ahead of an orbit, within an arc.
 
-    No orbits are made, only runs from where they would be if the branch went on as it does, to the third
-    order of the distance: so this says how far it is worth to go, and the nearer an orbit is the better it
-    does.
+    Only runs are made, from orbits extrapolated to third order of the distance; the result is the more
+    reliable, the nearer the orbit.
 
     Args:
-        stepper: Of the branch.
+        stepper: Stepper of the branch.
         node: The orbit.
-        arc: How far to look.
-        passed: The step that has come to it, which says how the branch bends; None if there is none.
+        arc: Largest distance.
+        passed: The last step, which gives the curvature; None without one.
     """
     point, chart = node.point, stepper.chart(node.point)
 
@@ -455,7 +454,7 @@ def graze_ahead(
     if fading is not None and fading <= arc and _changes_with_parameter(stepper, node, fading):
         to = curved_predictor(stepper, node, fading, passed)
         return GrazeAhead(fading, point.value + float(to[-1]) * stepper.unit)
-    # Farther places may agree by accident: the nearest place that differs counts.
+    # Farther places may agree by accident: the nearest differing place counts.
     far, near, s, looks = 0.0, 0.0, arc, 0
     while looks < _LOOKS or (near == 0.0 and looks < _FARTHEST):
         found = other(s)
@@ -477,9 +476,9 @@ def graze_ahead(
 def _fading_impact(stepper: BranchStepper, node: Node, passed: BranchStep | None) -> float | None:
     """Return the distance ahead at which an impact loses its speed, or None.
 
-    On from there the branch would have it with the other sign, and runs along it have it still: none comes or
-    goes. But perturbed states come later to an impact by one over its speed, so that one over the derivative
-    of the map goes with the speed, and that with the way along the branch.
+    Beyond it the extrapolated branch has the impact with the other sign, and runs still have it: no impact
+    appears or disappears. But perturbed states reach an impact later by one over its speed, so that the
+    inverse derivative of the map is proportional to the speed, and that to the distance along the branch.
     """
     if passed is None or passed.last is not node:
         return None
@@ -525,8 +524,8 @@ def _orbit_from(stepper: BranchStepper, side: _Side, value: float) -> Point | No
 def locate_graze(stepper: BranchStepper, one: Node, other: Node, precision: float) -> tuple[float, float]:
     """Return the parameter of a graze between two orbits, and its error estimate.
 
-    The interval is halved by orbits, which are looked for from both sides. What comes of it must be one
-    branch: orbits on both sides come to one another.
+    The interval is halved by orbits, searched from both sides. Orbits on both sides must converge to one
+    another: one branch.
 
     Raises:
         NoOrbitError: They do not, or there are none.

@@ -91,8 +91,8 @@ def _check_same_modes(origin: Mapping[str, _ElementMode], other: Mapping[str, _E
             raise NotAlikeError("chart", one.label, rule, other[place].word)
 
 
-# Newton's iterations onto closures; residuals over the plan's length of convergence, and of closed states:
-# those of a run's corrections.
+# Newton's iterations onto closures; residuals over the plan's length of convergence, and of closed states,
+# as in a run's corrections.
 _ROUNDS, _CLOSED, _OPEN = 25, 1e-14, 1e-11
 # Relative singular values of constraint rows below which they are redundant but for round-off.
 _FAINT = 1e-10
@@ -106,14 +106,14 @@ class Chart:
     """Coordinates of states near an origin, (size,).
 
     They are the freedoms under closures and motions, in units of the run's error scales: positions, then
-    their rates; bristles; element memory, such as the place at which a joint began to stick; and of each
-    contact that touches the logarithm of its approach speed, which is discrete state too. Integrals that act
-    on nothing (works, impulses) are no coordinates, and neither are whole turns.
+    their rates; bristles; element memory, such as the place at which a joint began to stick; and for each
+    touching contact the logarithm of its approach speed, which is discrete state too. Integrals without
+    feedback (works, impulses) and whole turns are excluded.
 
     Coordinates are components along the freedoms, of the displacement from the origin and of the change of
-    velocity. Across them a state follows from closures and motions, so that it has the coordinates given: a
-    tangent-space parametrisation of the constraint manifold (Potra and Yen 1991, Mechanics of Structures and
-    Machines 19, 77-98).
+    velocity. The remaining components of a state follow from closures and motions: a tangent-space
+    parametrisation of the constraint manifold (Potra and Yen 1991, Mechanics of Structures and Machines 19,
+    77-98).
 
     Args:
         system: System of the state.
@@ -189,8 +189,8 @@ class Chart:
 
         Args:
             z: Coordinates.
-            system: On whose closures and motions, if not those of the chart's own system: another of the same
-                shape, so that states of systems that differ by a parameter have coordinates in one chart.
+            system: System of closures and motions, by default the chart's own: another of the same shape, so
+                that states of systems that differ by a parameter have coordinates in one chart.
 
         Raises:
             OutOfReachError: Closures cannot hold there.
@@ -270,8 +270,8 @@ class Chart:
     def transported(self, z: Array, other: Chart) -> Array:
         """Return a direction of another chart, (its size,), in this chart, (size,).
 
-        What constraints leave has axes of its own in each state. Both are of one system or of systems of the
-        same shape, and the same contacts touch in both.
+        The axes of freedoms differ from state to state. Both charts are of one system or of systems of the
+        same shape, with the same touching contacts.
         """
         n = other.positions
         way = other.units.position * (other.frame.free @ z[:n]) / self.units.position
@@ -314,18 +314,16 @@ class Chart:
 def carried(state: State, system: System, *, scale: float = 1.0) -> State:
     """Return a state as a start of another system of the same shape.
 
-    Positions, velocities, integrals and time go over as they are, except for what the other system cannot
-    have:
-    they are brought onto its closures and motions, a contact touches if its gap is closed there, and what
-    contacts that touch on either side remember is kept. Elements continue in the modes that they are in,
-    joints that they hold are held where they hold them there, and a stop that is compliant touches if the
-    joint is beyond it there. Step sizes start again.
+    Positions, velocities, integrals and time are taken over, except for values impossible in the other
+    system: they are projected onto its closures and motions, a contact touches if its gap is closed there,
+    and the memory of contacts that touch on both sides is retained. Elements continue in their modes, joints
+    are held at their present places, and a compliant stop touches if the joint is beyond it. Step sizes start
+    again.
 
     Args:
-        state: What a run of the one system left.
+        state: State left by a run of the one system.
         system: The other.
-        scale: By which time is stretched [-]: the new period of a drive over its old one, so that its phase
-            stays where it was.
+        scale: Factor on time [-]: the new period of a drive over its old one, so that its phase is retained.
 
     Raises:
         InvalidParameterError: The state is not as large as one of the other system, or has a joint beyond a
@@ -361,7 +359,7 @@ def carried(state: State, system: System, *, scale: float = 1.0) -> State:
     )
     if not len(state.memory):
         return moved
-    # Contacts touch by the rule of every start.
+    # Contacts touch by the rule of all starts.
     begun = Run(system, y, max(1.0, time), RunSettings()).present()
     old = state.memory[:, 0] != 0.0
     new = begun.memory[:, 0] != 0.0
@@ -402,7 +400,7 @@ class StatePerturbation:
     def between(self, here: State, there: State) -> Array | None:
         """Return the perturbation from one state to another, (perturbation,), without that of parameters.
 
-        None where other contacts touch in the other: there is no way between the two.
+        None if other contacts touch in the other state.
         """
         system = self._system
         ours, theirs = (memory_records(one.memory) for one in (here, there))
@@ -428,9 +426,9 @@ class StatePerturbation:
         Args:
             chunk: The states.
             moves: Their perturbations, (n, perturbation).
-            words: By how much words of the program are besides, (n, words) or zero, (1, 1).
-            there: The system to which they are perturbed, which turns numbers on with the state.
-            books: By how much integrals of the run is, (n, nx); its bristles are in ``moves``.
+            words: Further changes of words of the program, (n, words) or zero, (1, 1).
+            there: Target system, which selects its numbers with the state.
+            books: Changes of the run's integrals, (n, nx); its bristles are in ``moves``.
         """
         system = self._system
         first = system.model.nq + system.model.nv

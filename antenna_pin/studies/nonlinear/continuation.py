@@ -60,10 +60,10 @@ class Bifurcation(NamedTuple):
     """Bifurcation of a branch.
 
     Attributes:
-        kind: Which.
-        value: Of the parameter, where.
-        doubt: Half of the interval that it is known to be in.
-        after: Number of the point that it comes after.
+        kind: Kind of the bifurcation.
+        value: Value of the parameter.
+        doubt: Half of the interval around it.
+        after: Number of the preceding point.
     """
 
     kind: BifurcationKind
@@ -86,8 +86,8 @@ _DEEP = 5
 def _bifurcations_in(step: BranchStep, after: int, precision: float) -> list[Bifurcation]:
     """Return the bifurcations in a step between two orbits of a branch, in order.
 
-    Where the branch turns back in it, on both sides of that. Where more may happen than the ends tell of,
-    orbits are made between them.
+    A step with a fold is examined on both sides of it. If hidden changes are possible, orbits are computed
+    between the two.
     """
     found = _between(step, 0.0, step.arc, precision, _DEEP)
     found.sort(key=lambda each: each.where.along)
@@ -170,9 +170,9 @@ class Branch:
     """Branch of periodic orbits.
 
     Attributes:
-        points: In their order along it.
+        points: Orbits in their order along it.
         bifurcations: Likewise.
-        message: Why it ends.
+        message: Reason of its end.
         interrupted: Whether Ctrl-C has ended it.
     """
 

@@ -68,9 +68,9 @@ class ElementMemory:
     """Numbers that the elements of a system store at changes of mode.
 
     Attributes:
-        numbers: In the order of their elements.
-        words: Where they stand in a program, (kept,).
-        masses: Of each contact, whether it goes by the effective mass that it remembers.
+        numbers: The numbers, in the order of their elements.
+        words: Places in a program, (kept,).
+        masses: For each contact, whether its law depends on the stored effective mass.
     """
 
     def __init__(self, system: System) -> None:
@@ -179,10 +179,11 @@ class Frame(NamedTuple):
 class Lift(NamedTuple):
     """Coordinates about a state as perturbations, and back.
 
-    A perturbation, (2 nv + bristles + 2 contacts + parameters + kept + 1,), is that of the configuration in
-    the coordinates of velocities, of the velocity, of bristles, of the logarithms of approach speeds, of
-    those of effective masses, of parameters of the system in their scales, of element memory, of time.
-    Coordinates are positions, rates, time if it is one, bristles, parameters, element memory, contact memory.
+    A perturbation, (2 nv + bristles + 2 contacts + parameters + kept + 1,), consists of changes of the
+    configuration in the coordinates of velocities, of the velocity, of bristles, of the logarithms of
+    approach speeds and of effective masses, of parameters of the system in their scales, of element memory,
+    of time. Coordinates are positions, rates, time if included, bristles, parameters, element memory, contact
+    memory.
     """
 
     up: Array  # perturbation of each coordinate, by columns, (perturbation, size)
@@ -203,12 +204,12 @@ class RateJacobian(NamedTuple):
 def perturbation_slices(system: System, memory: int, parameters: int = 0) -> tuple[slice, ...]:
     """Return the slices of a perturbation.
 
-    They are way, rate, bristles, approach speeds, masses, parameters, kept numbers, time.
+    They are displacement, rate, bristles, approach speeds, masses, parameters, stored numbers, time.
 
     Args:
         system: The system.
-        memory: How many numbers its elements keep.
-        parameters: How many of its numbers are perturbed
+        memory: Number of numbers stored by its elements.
+        parameters: Number of perturbed system numbers
             (:mod:`antenna_pin.studies.nonlinear.perturbed_system`).
     """
     nv, contacts = system.model.nv, len(system.contact_names)
@@ -222,14 +223,14 @@ def own_coordinates(
 ) -> NDArray[np.bool_]:
     """Return which coordinates belong to a perturbed state alone, (size,).
 
-    The memory of a contact is constant while it lasts: over that time it is a parameter of the motion, which
-    perturbed states share. The same holds of constant element memory.
+    The memory of a contact is constant while it lasts: over that time it is a parameter of the motion, common
+    to perturbed states. The same holds for constant element memory.
 
     Args:
         frame: The axes; contact memory is behind all other coordinates, element memory before it.
-        size: How many coordinates there are.
-        lasting: Contacts that last over the time that is examined.
-        constant: Numbers of elements that nothing changes over it.
+        size: Number of coordinates.
+        lasting: Contacts that last over the examined time.
+        constant: Numbers of elements that are constant over it.
     """
     own = np.ones(size, dtype=bool)
     remembered = size - len(frame.contact_memory)
@@ -267,8 +268,8 @@ def frame_at(
 def configuration_difference(system: System, here: Array, there: Array) -> Array:
     """Return the tangent vector from one configuration to another, (nv,).
 
-    Pinocchio's own has no turns of 1e-8 rad and less where joints turn without end or move in a plane, and in
-    a plane has positions by 1 - cos of the turn.
+    Pinocchio's own loses rotations of 1e-8 rad and less of joints without limits or in a plane, and in a
+    plane has positions by 1 - cos of the angle.
     """
     way: Array = pin.difference(system.model, here, there)
     i = j = 0
@@ -318,13 +319,14 @@ class Lifts:
     """Lifts of coordinates to perturbations, with a cache.
 
     Args:
-        workspace: Its program is that of the moment.
-        units: Of perturbations.
+        workspace: Workspace at its present program.
+        units: Units of perturbations.
         element_memory: Element memory.
-        parts: Of a perturbation.
-        speeds: ``(time, y, positions) -> (rows, k)``: the derivatives along perturbations of how fast
-            constraints are violated, numbers of the system left as they are.
-        over_numbers: ``(time, y) -> (2, rows, numbers)``: how far and how fast they are over these.
+        parts: Slices of a perturbation.
+        speeds: ``(time, y, positions) -> (rows, k)``: derivatives of constraint velocities along
+            perturbations, at constant numbers of the system.
+        over_numbers: ``(time, y) -> (2, rows, numbers)``: derivatives of constraint residuals and velocities
+            over these.
     """
 
     def __init__(
@@ -346,8 +348,8 @@ class Lifts:
     def lift(self, frame: Frame, time: float, y: Array) -> Lift:
         """Return the coordinates of a frame as perturbations of a state near its own.
 
-        Closures and motions hold in perturbed states, to first order: across the axes a perturbation is what
-        they want it to be.
+        Closures and motions hold in perturbed states, to first order: they determine a perturbation across
+        the axes.
         """
         return self._at(frame, time, y).lift
 

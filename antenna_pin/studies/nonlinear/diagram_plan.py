@@ -28,7 +28,7 @@ def values_of(text: str) -> list[float | str]:
     """Return the parameter values of a text: ``FIRST:LAST:COUNT``, or a list with commas.
 
     Raises:
-        InvalidParameterError: It says none.
+        InvalidParameterError: The text contains none.
     """
     rule = "FIRST:LAST:COUNT as '0 mm:0.9 mm:10', or values with commas between"
     parts = [part.strip() for part in text.split(":")]
@@ -56,18 +56,18 @@ class DiagramPlan(RunsFile):
 
     Attributes:
         parameter: Key of the scenario, with dots.
-        values: Of it, in order: a list, or text as ``FIRST:LAST:COUNT``.
-        section: Where the motion is examined, as ``antenna-pin bifurcation --section`` has it.
-        direction: Of passages of a surface.
-        phase: Part of the period at which a stroboscope looks [-].
-        quantities: What is noted.
+        values: Its values, in order: a list, or text as ``FIRST:LAST:COUNT``.
+        section: Section of the motion, as in ``antenna-pin bifurcation --section``.
+        direction: Direction of crossings of a surface.
+        phase: Part of the period at which a stroboscope samples [-].
+        quantities: Recorded quantities.
         branches: ``fresh``, ``forward``, ``backward``.
         count: Points kept of each value [-].
         transient: Points cut before them; judged if left out [-].
         most: Points after which cutting stops [-].
         tolerance: A drift below this part of a quantity's largest amount is none [-].
-        name: Of the diagram: that of its file.
-        folder: Of the file.
+        name: Name of the diagram: that of its file.
+        folder: Folder of the file.
     """
 
     suffix: ClassVar[str] = ".diagram.toml"
@@ -113,8 +113,8 @@ def load_plan(path: str | os.PathLike[str], settings: Mapping[str, Any] | None =
     """Return a diagram's file, complete and checked; its scenario is not read yet.
 
     Args:
-        path: Of the file, or the name of a shipped one, as ``chen2021/friction``.
-        settings: What takes the place of the file's keys.
+        path: Path of the file, or the name of a shipped one, as ``chen2021/friction``.
+        settings: Settings in place of the file's keys.
 
     Raises:
         ScenarioError: With one line that gives file, place, rule, the value seen and a way out.

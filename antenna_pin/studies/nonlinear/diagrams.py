@@ -226,7 +226,7 @@ class _EntryStore:
 
     Attributes:
         entries: By number: of the branch, then of the value.
-        folder: Where they are kept; None for in memory only.
+        folder: Folder of the entries; None for memory only.
     """
 
     def __init__(self, folder: Path | None) -> None:
@@ -288,9 +288,9 @@ class DiagramProgress:
     """Progress of a diagram.
 
     Attributes:
-        done: Values made, of an earlier call too [-].
+        done: Finished values, including those of an earlier call [-].
         count: Values in all, of all branches [-].
-        unsettled: Those of them whose points have not settled, failures included [-].
+        unsettled: Values whose points have not settled, failures included [-].
     """
 
     done: int
@@ -318,28 +318,28 @@ def bifurcation(
     """Return the points of a section over a parameter of a scenario.
 
     ``fresh`` begins every value at the scenario's start; ``forward`` begins the first value there, and each
-    other in the state that the one before has left, its time, contacts and what these remember included;
-    ``backward`` does so from the last value to the first. Where two branches differ attractors coexist.
-    A stroboscope keeps its phase where its period changes. A value that fails is an entry with its reason,
-    and the next is begun in the state before it.
+    other in the state left by the previous one, its time, contacts and contact memory included; ``backward``
+    does so from the last value to the first. Where two branches differ attractors coexist. A stroboscope
+    keeps its phase where its period changes. A value that fails is an entry with its reason, and the next
+    begins in the state before it.
 
-    With ``out`` every value is kept on the disk as it is made, in the folder ``OUT.parts``: what was killed
-    continues with the same call, and comes to the same diagram bit for bit.
+    With ``out`` every value is stored in the folder ``OUT.parts``: after an interruption the same call
+    continues, to the same diagram bit for bit.
 
     Args:
-        scenario: What is run.
+        scenario: The scenario.
         parameter: Key of the scenario, with dots, as in ``--set``.
-        values: Of it, in order: numbers in SI units, or text with a unit.
-        section: Where the motion is examined.
+        values: Its values, in order: numbers in SI units, or text with a unit.
+        section: Section of the motion.
         quantities: Quantities recorded there, by the names of :func:`antenna_pin.analysis.quantity`.
         branches: Any of ``fresh``, ``forward``, ``backward``.
         count: Points of each value, at least 32 [-].
-        transient: Points cut before them; None to cut until what follows has settled [-].
+        transient: Points cut before them; None to cut until the rest has settled [-].
         most: Points of a value after which to stop cutting; 20 times ``count`` if left out [-].
         tolerance: A drift below this part of a quantity's largest amount is none [-].
         out: File of the result, ``.nc``.
-        workers: Runs made at a time, each of which does not depend on another: in threads for the compiled
-            engine, in processes for the other; one for each core if left out.
+        workers: Independent runs at a time: in threads for the compiled engine, in processes for the other;
+            one for each core if left out.
         progress: Called after each value.
 
     Returns:

@@ -60,11 +60,12 @@ class Tangent(NamedTuple):
 
     Attributes:
         matrix: (size at the end, size at the start).
-        doubt: By how much less exact differences say otherwise, of each column, or a hundred times the run's
-            tolerance. Those of runs see where an event comes and goes with the perturbed state (a graze).
-        end: The state that the one itself leads to.
-        lost: How many directions of perturbed states changes of mode have taken away on the way, as where a
-            joint comes to rest; of differences of runs 0, they are not told.
+        doubt: Error estimate of each column: difference from less exact differences, or a hundred times the
+            run's tolerance. Differences of runs include events that appear or disappear with the perturbed
+            state (a graze).
+        end: End state of the unperturbed one.
+        lost: Number of directions of perturbed states lost at changes of mode, as where a joint comes to
+            rest; 0 for differences of runs.
     """
 
     matrix: Array
@@ -81,7 +82,7 @@ class Flow:
 
     Args:
         system: The system; its drives may depend on time.
-        settings: How to integrate; of runs that are differentiated a tolerance near round-off.
+        settings: Settings of integration; for differentiated runs a tolerance near round-off.
         events: Events of runs besides contacts.
         scenario: Scenario of the system; None for one built in Python.
     """
@@ -127,7 +128,7 @@ class Flow:
         """Return the state a span of time [s] after another.
 
         Raises:
-            FlowError: The run did not come so far.
+            FlowError: The run ended before.
         """
         return self.traverse(start, span).end
 
@@ -135,7 +136,7 @@ class Flow:
         """Return the state a span of time [s] later, with the contacts and events between.
 
         Raises:
-            FlowError: The run did not come so far.
+            FlowError: The run ended before.
         """
         end = start.time + span
         run = Run(self.system, start, end, self._sampled(span), self._events)
@@ -152,7 +153,7 @@ class Flow:
         """Return the run over a span [s] from a state, sampled evenly.
 
         Raises:
-            FlowError: The run did not come so far.
+            FlowError: The run ended before.
         """
         settings = dataclasses.replace(self._sampled(span), output_rate=count / span, output_form="full")
         run = simulate(self.system, start=start, duration=span, settings=settings, events=self._events)
@@ -175,18 +176,18 @@ class Flow:
     def tangent(self, start: State, span: float, chart: Chart | None = None) -> Tangent:
         """Return the derivative of the flow over a span [s], by the variational equation.
 
-        Contacts that begin and end and events act on it by their saltation
+        Onsets, releases and events act on it by their saltation
         (:mod:`antenna_pin.studies.nonlinear.variational`).
 
         Args:
-            start: From where.
+            start: State at the start.
             span: [s].
-            chart: Coordinates at the end; about the state that the start leads to, if not given. Of one about
-                the start they are those at the start too.
+            chart: Coordinates at the end; by default about the end state. Those of a chart about the start
+                apply at the start too.
 
         Raises:
             FlowError: The run did not come to its end.
-            NotAlikeError: It ends with other contacts than the chart has, or in other modes of elements.
+            NotAlikeError: Other contacts touch at its end than in the chart, or elements are in other modes.
         """
         here = chart if chart is not None and chart.origin is start else Chart(self.system, start)
         carrier, end = self.propagate(start, span, here.frame)

@@ -439,16 +439,16 @@ class JacobianPropagation:
         self._way: tuple[Frame, Array, Array] | None = None
         self._propagator = Propagator(0)
 
-    def begin(self, time: float, y: Array, anew: bool) -> None:
+    def begin(self, time: float, y: Array, reordered: bool) -> None:
         """Begin a step in a state.
 
         Args:
             time: Time [s].
             y: State.
-            anew: Whether the round-off of rates may differ.
+            reordered: Whether the round-off of rates may differ.
         """
         self._steps += 1
-        if anew or self._steps > self._looked_at + _LOOKS:
+        if reordered or self._steps > self._looked_at + _LOOKS:
             self._unseen = time, y
 
     def _along(self, frame: Frame) -> tuple[Array, Array]:

@@ -303,49 +303,49 @@ def lyapunov_spectrum(
 
 
 @takes()
-def exponents_table(found: Exponents, scenario: Scenario | None = None) -> xr.Dataset:
+def exponents_table(exponents: Exponents, scenario: Scenario | None = None) -> xr.Dataset:
     """Return exponents as a dataset, which :func:`antenna_pin.studies.nonlinear.save_table` writes.
 
     Args:
-        found: The exponents.
-        scenario: What was run; None for a system built in Python.
+        exponents: The exponents.
+        scenario: Scenario of the run; None for a system built in Python.
 
     Returns:
         Over ``exponent``, from 1 on: ``value`` and ``error`` [1/s]. Over ``interval``: ``length`` [s], and
         ``time``, when it ends, from the end of the transient on [s]. Over both: ``growth`` [-] and
-        ``running`` [1/s], the exponents as they were after each interval. Attributes ``verdict``,
+        ``running`` [1/s], the exponents after each interval. Attributes ``verdict``,
         ``interval`` [s], and ``start`` and ``end``, states to continue from
         (:meth:`antenna_pin.base.state.State.from_json`).
     """
     over = ("interval", "exponent")
     rate, none = {"units": "1/s"}, {"units": "1"}
-    count = found.growth.shape[1]
+    count = exponents.growth.shape[1]
     return xr.Dataset(
         {
-            "value": ("exponent", found.values, rate | {"long_name": "Lyapunov exponent"}),
-            "error": ("exponent", found.errors, rate | {"long_name": "one standard error of it"}),
-            "length": ("interval", found.lengths, {"units": "s", "long_name": "length of an interval"}),
+            "value": ("exponent", exponents.values, rate | {"long_name": "Lyapunov exponent"}),
+            "error": ("exponent", exponents.errors, rate | {"long_name": "one standard error of it"}),
+            "length": ("interval", exponents.lengths, {"units": "s", "long_name": "length of an interval"}),
             "growth": (
                 over,
-                found.growth,
+                exponents.growth,
                 none | {"long_name": "logarithm of the growth in an interval"},
             ),
-            "running": (over, found.running, rate | {"long_name": "exponent after each interval"}),
+            "running": (over, exponents.running, rate | {"long_name": "exponent after each interval"}),
         },
         coords={
             "exponent": ("exponent", np.arange(1, count + 1), {"long_name": "the largest first"}),
             "time": (
                 "interval",
-                np.cumsum(found.lengths),
+                np.cumsum(exponents.lengths),
                 {"units": "s", "long_name": "end of an interval"},
             ),
         },
         attrs={
             **table_attributes("exponents", scenario),
-            "verdict": found.verdict,
-            "interval": found.interval,
-            "start": found.start.to_json(),
-            "end": found.end.to_json(),
+            "verdict": exponents.verdict,
+            "interval": exponents.interval,
+            "start": exponents.start.to_json(),
+            "end": exponents.end.to_json(),
         },
     )
 

@@ -127,9 +127,8 @@ def sensitivities(
     The ``equation`` propagates tangents along one run, through events by their saltation
     (:mod:`antenna_pin.studies.nonlinear.variational`), and the integrals by the integral of their rates'
     derivatives. Numbers that it does not determine, such as a largest force at a contact's onset, are NaN. It
-    takes more
-    time, and allows perturbed runs with other events: so it is compared with two runs a parameter, and
-    refused where they contradict.
+    takes more time, and allows perturbed runs with other events: so it is compared with two runs a parameter,
+    and refused where they contradict.
 
     Args:
         scenario: The scenario.

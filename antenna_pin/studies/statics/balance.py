@@ -66,7 +66,7 @@ _FAR = 1e9
 class Free(NamedTuple):
     """Directions that constraints leave in a state.
 
-    Steps of size 1 in any of them are as long as a step is trusted.
+    Steps of size 1 in any of them have the trusted length.
     """
 
     directions: Array  # N, (nv, k)
@@ -83,9 +83,9 @@ class Balance:
 
     Attributes:
         y: The last accepted state [q, v, x].
-        senses: Of dry friction, by place.
+        senses: Senses of dry friction, by place.
         velocity: Direction in which contacts slip, (nv,); zero without friction of contacts.
-        saturated: Whether friction that slips has that up to which it sticks.
+        saturated: Whether slipping friction acts with its static limit.
     """
 
     def __init__(self, static: StaticSystem, y: Array, time: float) -> None:
@@ -160,16 +160,16 @@ class Balance:
             self.adjustments.change(place, Change(FORWARD if sense > 0.0 else BACKWARD))
 
     def release(self) -> None:
-        """Let go the joints that stick, until their senses are set again."""
+        """Release sticking joints, until their senses are set again."""
         for place, sense in self.senses.items():
             if sense is None:
                 self.adjustments.change(place, Change(UNDECIDED))
 
     def develop(self, senses: Mapping[str, float]) -> None:
-        """Bring hysteretic states to their limits, as after a long way.
+        """Bring hysteretic states to their limits, as after a long displacement.
 
         Args:
-            senses: Of the ways, by joint.
+            senses: Senses of the displacements, by joint.
         """
         elements = self.adjustments.elements
         for one in self.states:
@@ -190,7 +190,7 @@ class Balance:
         self.program[first : first + layout.itemsize // 8].view(layout)["position"] = position
 
     def accept(self, y: Array) -> None:
-        """Take a state as the present one; hysteresis goes on from there."""
+        """Make a state the present one; hysteresis continues from it."""
         for place, one in self.slipping.items():
             element = self.adjustments.elements[place]
             assert isinstance(element, MaxwellSlip)
@@ -205,11 +205,11 @@ class Balance:
         self.system.turn_on(self.y)
 
     def snapshot(self) -> tuple[Any, ...]:
-        """Return what is needed to come back to the present state."""
+        """Return a snapshot of the present state."""
         return self.adjustments.snapshot(), self.y.copy(), dict(self.senses), self.velocity.copy()
 
     def restore(self, snapshot: tuple[Any, ...]) -> None:
-        """Come back to a state."""
+        """Restore a state."""
         adjustments, y, senses, velocity = snapshot
         self.adjustments.go_back(adjustments)
         self.y, self.senses, self.velocity = y.copy(), dict(senses), velocity.copy()
@@ -472,13 +472,13 @@ class Balance:
         return bool(moved[free.fine].max(initial=0.0) > moved[~free.fine].max(initial=0.0))
 
     def scale(self, y: Array) -> Array:
-        """Return S, of which S d is a step over what is trusted, (nv, nv)."""
+        """Return S, which gives a step d in trusted lengths, S d, (nv, nv)."""
         return self._scale(y)[0]
 
     def _scale(self, y: Array) -> tuple[Array, NDArray[np.bool_], Array]:
         """Return S, its rows of journals in their play, and their relative depths.
 
-        A step d is S d over what is trusted.
+        S d is a step d in trusted lengths.
         """
         nv = self.model.nv
         scale = np.diag(1.0 / (_TRUSTED * self.reach))
@@ -522,7 +522,7 @@ class Balance:
         return np.asarray(self.program[start : start + JOINT_WORDS].view(JOINT)["axes"][0])
 
     def _depth(self, y: Array, joint: str) -> float | None:
-        """Return the least depth of a joint's contacts [m]; None where none touches."""
+        """Return the least depth of a joint's contacts [m]; None without contact."""
         table = np.zeros(self.system.rows, CONTACT)
         self.workspace.locate(y, table)
         gaps = table["gap"][self._rows[joint]]
@@ -545,12 +545,12 @@ class Balance:
         return (ahead - behind) / (2.0 * step)
 
     def met(self, acting: Any, y: Array) -> Met:
-        """Return what an element's joint does in a state."""
+        """Return the motion of an element's joint in a state."""
         angle = float(kernels.joint_motion(self.program, acting.block, y, self.model.nq)[0])
         return Met(self.time, angle, 0.0, 0.0)
 
     def load(self, place: str) -> float:
-        """Return what an element that holds its joint carries, by the last forces [N*m] ([N])."""
+        """Return the load of a holding element by the last forces [N*m] ([N])."""
         constraints = self.workspace.constraints
         assert constraints is not None and self.system.plan is not None
         return float(constraints.loads()[self.system.plan.holds.index(place)])

@@ -1,4 +1,4 @@
-"""Equilibria of a mechanism, several where there are several, with their stability."""
+"""Equilibria of a mechanism, with their stability."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def equilibria(
     starts: int = 16,
     seed: int = 0,
 ) -> list[Equilibrium]:
-    """Return the equilibria of a mechanism that are found, that next to its start first.
+    """Return the equilibria found for a mechanism, the nearest to its start first.
 
     Springs, gravity, stops, contacts and elements are as at the start, at t = 0, motions at rest where they
     are then, and a free base is held. Dry friction is off in the equilibria; where there is some each has the
@@ -68,13 +68,13 @@ def equilibria(
 
     Args:
         model: A scenario, its name or path, or a system.
-        q: Configuration at which the search begins, (nq,); the start if left out.
+        q: Configuration at which the search begins, (nq,); by default the start.
         hold: Names of joints that do not move.
         starts: Number of random poses.
-        seed: Of these.
+        seed: Seed of the random poses.
 
     Raises:
-        AntennaPinError: No equilibrium is found, nothing is free to move, or a name that does not exist.
+        AntennaPinError: No equilibrium is found, nothing is free to move, or a name is unknown.
     """
     begin = start_of(model, q)
     static = static_system(begin.system, begin.state, hold=hold)
@@ -100,15 +100,15 @@ def equilibria(
         distance = float(np.abs(place - _coordinates(balance, origin[1])).max(initial=0.0))
         found.append((distance, rest, _with_ends(balance, rest, origin)))
     if not found:
-        raise first_error or MechanismError("statics: nothing is free to move; hold less")
+        raise first_error or MechanismError("statics: nothing is free to move; hold fewer joints")
     return [one for _, _, one in sorted(found, key=lambda item: item[0])]
 
 
 def _check_loops(balance: Balance) -> None:
     if balance.free(balance.projected(balance.y.copy())).directions.shape[1] == 0:
         raise MechanismError(
-            "statics: something must be free to move to have an equilibrium, got nothing beside what "
-            "closures, couplings, motions and held joints hold; hold less, or drive a joint through its "
+            "statics: something must be free to move to have an equilibrium, but closures, couplings, "
+            "motions and held joints hold everything; hold fewer joints, or drive a joint through its "
             "travel (joint = NAME)"
         )
 

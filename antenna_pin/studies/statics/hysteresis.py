@@ -1,6 +1,6 @@
 r"""Rate-independent states of elements along a travel: Bouc-Wen springs, harnesses, bristles.
 
-The rate of such a state is proportional to the joint's rate, so that it is a function of the way:
+The rate of such a state is proportional to the joint's rate, so that it is a function of the displacement:
 :math:`dz/ds = f_\pm(z)` for either sense, at vanishing rate where the law depends on rates. Where f is
 affine on a side of z = 0, as of most laws, the solution is an exponential; else it is integrated
 to round-off.
@@ -33,7 +33,7 @@ _FAR = 1e6
 
 
 class _RateBranch(NamedTuple):
-    """Rate of a state over the way, f = constant + slope z."""
+    """Rate of a state over the displacement, f = constant + slope z."""
 
     constant: float
     slope: float
@@ -41,10 +41,10 @@ class _RateBranch(NamedTuple):
 
 
 class HystereticState:
-    """State of one element that depends on the way of its joint.
+    """State of one element that depends on its joint's displacement.
 
     Attributes:
-        place: Of the element, as ``springs.coil``.
+        place: Table and name of the element, as ``springs.coil``.
         block: Place of its block in a program.
         x: Index of the state in y.
     """
@@ -67,7 +67,7 @@ class HystereticState:
         }
 
     def rate(self, z: float, sense: float) -> float:
-        """Return dz/ds of a motion of a sense."""
+        """Return dz/ds of a motion in one sense."""
         own = np.zeros(self._count)
         own[self._integral] = z - self.start
         rates = np.zeros(self._count)
@@ -84,11 +84,11 @@ class HystereticState:
         return _RateBranch(float(constant), float(slope), bool(affine))
 
     def advanced(self, offset: float, way: float) -> float:
-        """Return the state, less its start, after a signed way of the joint.
+        """Return the state, less its start, after a signed displacement of the joint.
 
         Args:
             offset: The state before, less its start.
-            way: Displacement of the joint [rad] ([m]).
+            way: Its displacement [rad] ([m]).
         """
         if way == 0.0:
             return offset
@@ -104,11 +104,11 @@ class HystereticState:
         return z - self.start
 
     def developed(self, sense: float) -> float:
-        """Return the state (less its start) after a long way of a sense."""
+        """Return the state (less its start) after a long displacement in one sense."""
         return self.advanced(0.0, sense * _FAR * self._reach())
 
     def _reach(self) -> float:
-        """Return the way on which the state comes near its limit [rad] ([m])."""
+        """Return the displacement within which the state approaches its limit [rad] ([m])."""
         f = abs(self.rate(0.0, 1.0))
         return self._scale / f if f > 0.0 else 1.0
 
@@ -129,7 +129,7 @@ class HystereticState:
 
 
 def _along(branch: _RateBranch, z: float, side: float, way: float) -> tuple[float, float]:
-    """Return the state after a way along an affine branch, and the rest."""
+    """Return the state after a displacement along an affine branch, and the remaining displacement."""
     constant, slope, _ = branch
     end = _affine(constant, slope, z, way)
     if side * end >= 0.0 or z == 0.0:
@@ -143,7 +143,7 @@ def _along(branch: _RateBranch, z: float, side: float, way: float) -> tuple[floa
 
 
 def _affine(constant: float, slope: float, z: float, way: float) -> float:
-    """Return the solution of dz/ds = constant + slope z after a way."""
+    """Return the solution of dz/ds = constant + slope z after a displacement."""
     grown = slope * way
     if slope == 0.0:
         return z + constant * way

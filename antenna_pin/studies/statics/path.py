@@ -38,17 +38,17 @@ class PathPoint(NamedTuple):
 
 
 class Path:
-    """Positions of a joint, driven one after another.
+    """Successive poses in balance of a driven joint.
 
     Args:
         static: The system with its driven joint.
-        y: State of the original system at which it begins; it comes into balance there.
-        time: At which motions and forces are taken [s].
-        saturated: Whether friction that slips has that up to which it sticks.
+        y: First state, of the original system; it is brought into balance.
+        time: Time of motions and forces [s].
+        saturated: Whether slipping friction acts with its static limit.
     """
 
     def __init__(self, static: StaticSystem, y: Array, time: float = 0.0, saturated: bool = False) -> None:
-        """Bring the mechanism into balance where it starts."""
+        """Bring the mechanism into balance at its start."""
         assert static.joint is not None
         self.joint = static.joint
         self.balance = Balance(static, static.state_from(y), time)
@@ -68,16 +68,16 @@ class Path:
         return self._motion(self.balance.y)[0]
 
     def snapshot(self) -> Any:
-        """Return what is needed to come back here."""
+        """Return a snapshot of the present position."""
         return self.balance.snapshot(), self._tangent
 
     def restore(self, snapshot: Any) -> None:
-        """Come back to where a snapshot was taken."""
+        """Restore a snapshot."""
         present, self._tangent = snapshot
         self.balance.restore(present)
 
     def forget(self) -> None:
-        """Begin anew, with no motion before."""
+        """Begin anew, without previous motion."""
         self._tangent = None
 
     def _check_freedom(self, y: Array) -> None:
@@ -116,7 +116,7 @@ class Path:
         return found
 
     def rate_of(self, joint: str, velocity: Array) -> float:
-        """Return the rate of a joint of a velocity, 0 without an axis."""
+        """Return a joint's rate in a velocity, 0 without an axis."""
         try:
             motion = JointMotion(self.balance.system, joint)
         except MechanismError:
@@ -125,7 +125,7 @@ class Path:
         return float(self.balance.slope(motion, v, self.balance.y) @ velocity)
 
     def geared_rate_of(self, joint: str, velocity: Array) -> float:
-        """Return the rate of a joint of a velocity with rigid gears."""
+        """Return a joint's rate in a velocity with rigid gears."""
         system, balance = self.balance.system, self.balance
         rates = {name: self.rate_of(name, velocity) for name in system.mechanism.joints}
         meshes = [
@@ -156,11 +156,11 @@ class Path:
         return torque * self.rate_of(element.joint, point.velocity)
 
     def move(self, position: float, sense: float, where: str = "travel") -> Rest:
-        """Move the joint to a position, and come into balance there.
+        """Move the joint to a position, and find the balance there.
 
         Args:
-            position: To which [rad] ([m]).
-            sense: Sense in which the joint moves there, 1 or -1, that of friction.
+            position: New position [rad] ([m]).
+            sense: Sense of the motion, 1 or -1, which sets that of friction.
             where: The pose, for messages.
         """
         start = self.position
@@ -206,7 +206,7 @@ class Path:
         return found
 
     def read(self, rest: Rest) -> PathPoint:
-        """Return what the joint needs at a pose in balance, where it is now."""
+        """Return the joint's needed torque and readings at the present pose."""
         velocity = self.tangent(rest)
         self._tangent = velocity
         parts = components(self.balance, rest.y, velocity)

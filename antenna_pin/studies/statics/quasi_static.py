@@ -50,23 +50,23 @@ def travel(
     """Return the torque that a joint needs along its travel at vanishing rate, and back.
 
     Drives at the joint are off; all else acts as it does at the start, at t = 0. Dry friction acts in full
-    against the motion; where a joint is free beside the driven one its friction sticks or slips as balance
-    has it. Hysteresis follows the way, from the state at the start of a run; dampers do nothing.
+    against the motion; friction of other free joints sticks or slips as equilibrium requires. Hysteresis
+    follows the displacement, from the state at the start of a run; dampers exert nothing.
 
     Args:
         model: A scenario, its name or path, or a system.
-        joint: The joint, or a drive, which means the joint that it moves.
-        positions: Of the joint [rad] ([m]), in one sense; or start, stop and count.
-        start: First position [rad] ([m]); the joint's lower limit if left out.
-        stop: Last position [rad] ([m]); the joint's upper limit if left out.
+        joint: The joint, or a drive of it.
+        positions: Positions of the joint [rad] ([m]), in one sense; instead of start, stop and count.
+        start: First position [rad] ([m]); by default the joint's lower limit.
+        stop: Last position [rad] ([m]); by default the joint's upper limit.
         count: Number of positions, evenly spaced.
         back: Whether the joint is moved back too.
         hold: Names of further joints that do not move.
-        q: Configuration from which the joint is moved, (nq,); the start if left out.
+        q: Configuration from which the joint is moved, (nq,); by default the start.
 
     Raises:
-        AntennaPinError: No such joint, a travel beyond its limits, a joint that something else holds, or a
-            position without balance.
+        AntennaPinError: The joint is unknown or held by something else, the travel is beyond its limits,
+            or a position has no equilibrium.
     """
     begin = start_of(model, q)
     joint = joint_to_drive(begin.system, joint)
@@ -96,7 +96,7 @@ def joint_to_drive(system: System, joint: str) -> str:
     """Return the joint of a name, which may be a drive's.
 
     Raises:
-        UnknownNameError: There is neither such a joint nor such a drive.
+        UnknownNameError: No joint and no drive has the name.
     """
     if joint in system.mechanism.joints:
         return joint
@@ -117,13 +117,13 @@ def positions_along(
     """Return the positions of a travel, (n,) [rad] ([m]).
 
     Raises:
-        InvalidParameterError: They are beyond the joint's limits, too few, or not in one sense.
+        InvalidParameterError: Positions are beyond the joint's limits, too few, or not in one sense.
     """
     unit = "m" if system.slides(joint) else "rad"
     lower, upper = limits_of(system, joint)
     if positions is not None:
         if start is not None or stop is not None:
-            raise InvalidParameterError("statics", "positions", "left out with start and stop", "both")
+            raise InvalidParameterError("statics", "positions", "omitted if start and stop are given", "both")
         places = np.array([quantity(one, unit, "positions") for one in positions])
     else:
         ends = []

@@ -48,7 +48,7 @@ def positions_of(balance: Balance, y: Array) -> dict[str, float]:
 
 
 def sources_of(balance: Balance) -> list[str]:
-    """Return the names of what exerts a torque, in the order of :func:`components`."""
+    """Return the names of the sources of torque, in the order of :func:`components`."""
     static, system = balance.static, balance.system
     names = [GRAVITY] if np.any(system.model.gravity.linear) else []
     for joint in system.clearances:
@@ -66,7 +66,7 @@ def components(balance: Balance, y: Array, velocity: Array) -> dict[str, float]:
     Args:
         balance: The mechanism.
         y: State in balance.
-        velocity: (nv,); with a rate of one of a joint these are torques at that joint.
+        velocity: (nv,); if a joint's rate in it is 1, the results are torques at that joint.
     """
     system, static = balance.system, balance.static
     model = balance.model
@@ -128,7 +128,7 @@ def efforts_of(balance: Balance, y: Array) -> dict[str, float]:
 
 
 def holding_of(balance: Balance, y: Array) -> dict[str, float]:
-    """Return what motions, couplings and elements that hold exert at their joints [N*m] ([N])."""
+    """Return the torques of motions, couplings and holding elements at their joints [N*m] ([N])."""
     system, constraints = balance.system, balance.workspace.constraints
     if system.plan is None or constraints is None:
         return {}
@@ -238,7 +238,7 @@ def contacts_of(balance: Balance, y: Array) -> tuple[StaticContact, ...]:
 def stiffness_of(balance: Balance, rest: Rest) -> tuple[Array, StaticStability]:
     """Return eigenvalues of the reduced tangent stiffness, rising, and the stability.
 
-    What nothing resists of journals in their play makes no equilibrium neutral.
+    Free motion of journals in their play makes no equilibrium neutral.
     """
     directions = rest.free.directions
     if directions.shape[1] == 0:

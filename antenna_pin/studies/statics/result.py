@@ -1,4 +1,4 @@
-"""Results of statics: equilibria, and a joint moved through its travel without inertia."""
+"""Results of statics: equilibria and quasi-static travels."""
 
 from __future__ import annotations
 
@@ -38,16 +38,16 @@ class Equilibrium:
         positions: Of joints with an axis [rad] ([m]), by name.
         efforts: Of elements at joints, on the child about the joint's axis [N*m] ([N]), by place, as
             ``springs.coil``.
-        holding: What motions, couplings and elements that hold exert on their joint [N*m] ([N]), by name.
+        holding: Torques of motions, couplings and holding elements on their joint [N*m] ([N]), by name.
         reactions: Force and moment on the child of each joint, at the joint's origin in world axes, (6,)
             [N, N*m]; by name.
         contacts: Contacts that carry load.
         stiffness: Eigenvalues of the reduced tangent stiffness, rising, (k,) [N*m/rad]; displacements count
             over the mechanism's length.
-        stability: By the signs of these.
+        stability: Stability by the signs of these eigenvalues.
         residual: Largest force out of balance over the largest force [-].
-        friction: How dry friction and hysteresis act: ``none`` (off), ``forward`` or ``backward``: in full
-            against a motion of that sense. The latter two are ends of a set of equilibria.
+        friction: Dry friction and hysteresis: ``none`` (off), or in full against a motion ``forward`` or
+            ``backward``, at the ends of a set of equilibria.
         ends: Both ends of the set that friction and hysteresis make of this equilibrium; () without either.
     """
 
@@ -87,7 +87,7 @@ class QuasiStaticTravel:
 
     Attributes:
         data: Along ``sense`` (``out``, and ``back`` if the travel is made both ways) and ``position`` [rad]
-            ([m]): ``torque``, which the joint needs at its child to be where it is [N*m] ([N]);
+            ([m]): ``torque``, needed at the joint's child for equilibrium [N*m] ([N]);
             ``component`` of each ``source``, the torque that it exerts along the motion, reduced to the
             joint by virtual work, so that torque and components sum to zero; ``joint_position`` of each
             ``joint``, ``reaction`` of each (``component`` fx to mz, on the child at the joint's origin in
@@ -96,7 +96,7 @@ class QuasiStaticTravel:
             senses stand in the order of the way out.
         states: [q, v, x] at each, (senses, n, nq + nv + nx).
         joint: The joint's name.
-        sliding: Whether it slides.
+        sliding: Whether the joint is prismatic.
         notes: Assumptions and limits, in sentences.
         scenario: Of the mechanism; None for a system built in Python.
     """

@@ -42,7 +42,7 @@ _LEAST = 1e-2
 
 
 class NotBalancedError(MechanismError):
-    """A pose in balance that is not found."""
+    """No pose in balance was found."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,8 +52,8 @@ class Rest:
     Attributes:
         y: The state [q, v, x], with v = 0.
         residual: Largest force out of balance over the largest force [-].
-        free: Directions that are free there.
-        stiffness: Minus the derivative of forces along them, (nv, k).
+        free: Free directions in the pose.
+        stiffness: Minus the derivative of forces along the free directions, (nv, k).
     """
 
     y: Array
@@ -63,19 +63,19 @@ class Rest:
 
 
 def balanced(balance: Balance, y: Array, where: str) -> Rest:
-    """Return the pose in balance next to a state, friction as it is set.
+    """Return the pose in balance next to a state, with the set friction.
 
-    Newton's method, also over humps of the force out of balance, which a journal that rolls along its bore
-    has to pass. Where it leads nowhere, as where a journal is in flight, pseudo-transient continuation: steps
-    along the forces, as long as is trusted.
+    Newton's method may pass larger residuals, as a journal that rolls along its bore requires. If it fails,
+    as with a journal in flight, pseudo-transient continuation follows: steps along the forces, of the trusted
+    length.
 
     Args:
         balance: The mechanism.
-        y: Where the search begins; loops are closed first.
+        y: State at which the search begins; loops are closed first.
         where: The pose, for the message.
 
     Raises:
-        NotBalancedError: None is found.
+        NotBalancedError: No pose is found.
     """
     here = _pose(balance, balance.projected(y.copy()))
     damping, far = 1.0, 0
@@ -130,7 +130,7 @@ def _left(balance: Balance, here: _Pose) -> str:
 
 
 def _newton(balance: Balance, start: _Pose) -> _Pose | None:
-    """Return the pose in balance by Newton's method, or None where it leads nowhere."""
+    """Return the pose in balance by Newton's method, or None if it fails."""
     here = best = start
     patience, cut = _PATIENCE, 0
     for _ in range(_NEWTONS):
@@ -181,7 +181,7 @@ def _drift(balance: Balance, here: _Pose, damping: float) -> tuple[_Pose, float]
 
 
 def _goes_far(balance: Balance, before: _Pose, here: _Pose) -> bool:
-    """Return whether a step moves a joint as far as is trusted."""
+    """Return whether a step moves a joint by the trusted length."""
     way = pin.difference(balance.model, before.y[: balance.model.nq], here.y[: balance.model.nq])
     moved = np.abs(before.free.scale @ way)
     return bool(moved[~before.free.fine].max(initial=0.0) > 0.9)
@@ -209,7 +209,7 @@ def _residual(balance: Balance, free: Free, force: Array, size: Array) -> float:
 
 
 def _longest(free: Free, step: Array) -> float:
-    """Return the longest part of a step over what is trusted."""
+    """Return the longest part of a step, in trusted lengths."""
     moved = free.scale @ (free.directions @ step)
     return float(np.abs(moved).max(initial=0.0))
 
@@ -222,10 +222,10 @@ def rested(balance: Balance, y: Array, where: str, undetermined: list[str]) -> R
 
     Args:
         balance: The mechanism.
-        y: Where the search begins.
+        y: State at which the search begins.
         where: The pose, for messages.
-        undetermined: Places of dry friction at joints that the driven joint does not move along by itself:
-            they stick, or slip as far as the balance needs.
+        undetermined: Places of dry friction at joints that the driven joint does not determine: they stick,
+            or slip as far as balance requires.
     """
     seen: set[tuple[object, ...]] = set()
     for _ in range(4 * (1 + len(undetermined) + len(balance.rigid)) ** 2):
@@ -253,7 +253,7 @@ def rested(balance: Balance, y: Array, where: str, undetermined: list[str]) -> R
 
 
 def _seat(balance: Balance, y: Array) -> None:
-    """Put joints beyond a rigid stop on it, in place of letting them pass."""
+    """Put joints beyond a rigid stop back onto it."""
     for place, one in balance.rigid.items():
         stop = balance.adjustments.elements[place]
         assert isinstance(stop, RigidStop)
@@ -265,7 +265,7 @@ def _seat(balance: Balance, y: Array) -> None:
 
 
 def _wrong_stops(balance: Balance, y: Array) -> list[tuple[str, Change | float | None]]:
-    """Return the changes of rigid stops that pull, or are passed."""
+    """Return the changes of rigid stops that would pull, or are passed."""
     found: list[tuple[str, Change | float | None]] = []
     for place, one in balance.rigid.items():
         stop = balance.adjustments.elements[place]
@@ -284,7 +284,7 @@ def _wrong_stops(balance: Balance, y: Array) -> list[tuple[str, Change | float |
 def _wrong_frictions(
     balance: Balance, y: Array, undetermined: list[str]
 ) -> list[tuple[str, Change | float | None]]:
-    """Return the senses of frictions that hold too much, or slip the wrong way."""
+    """Return new senses of frictions beyond their limits, or slipping the wrong way."""
     found: list[tuple[str, Change | float | None]] = []
     nq = balance.model.nq
     for place in undetermined:
@@ -309,7 +309,7 @@ def settled_senses(balance: Balance, y: Array, velocity: Array) -> list[str]:
     Args:
         balance: The mechanism.
         y: The state.
-        velocity: Direction of the motion, (nv,), with all that is free at rest; no joint sticks.
+        velocity: Direction of the motion, (nv,), with free joints at rest; no joint sticks.
     """
     free = balance.free(y)
     moved = np.abs(free.scale @ free.directions)  # of each coordinate by what is free

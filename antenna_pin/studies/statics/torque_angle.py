@@ -47,11 +47,11 @@ class TorqueAngleLoop:
     """Quasi-static loop of torque over angle.
 
     Attributes:
-        angle: Of the joint from where it began, along the path, (n,) [rad] ([m]).
-        torque: On the joint's child, (n,) [N*m] ([N]).
-        cycle: Of each point, 0 for the first loading, (n,).
+        angle: Angle of the joint from the start, along the path, (n,) [rad] ([m]).
+        torque: Torque on the joint's child, (n,) [N*m] ([N]).
+        cycle: Cycle of each point, 0 for the first loading, (n,).
         joint: The joint's name.
-        sliding: Whether it slides.
+        sliding: Whether the joint is prismatic.
         amplitude: Largest torque either way [N*m] ([N]).
         small_torque: Torque by which the lost motion is determined [N*m] ([N]).
         stiffness: Mean slope of the loaded branches from half of the amplitude on [N*m/rad] ([N/m]).
@@ -157,23 +157,23 @@ def torque_angle_loop(
     """Return the quasi-static torque-angle loop of a joint about the start position.
 
     The torque on the joint's child rises from the start to the amplitude, falls to its opposite and rises
-    again, ``cycles`` times; measures are those of the last cycle. All else acts as it does at the start; for
-    the stiffness of a whole drive train the other end is held (``hold``). Measures are defined in
-    ``DEFINITIONS``; a measure of the dead band is as fine as the points of the loop.
+    again, ``cycles`` times; measures are those of the last cycle. All else acts as at the start; for the
+    stiffness of a whole drive train hold its other end (``hold``). ``DEFINITIONS`` defines the measures; the
+    dead band is as fine as the points of the loop.
 
     Args:
         model: A scenario, its name or path, or a system.
-        joint: The joint, or a drive, which means the joint that it moves.
+        joint: The joint, or a drive of it.
         amplitude: Largest torque either way [N*m] ([N]).
         cycles: Number of cycles after the first loading.
-        small_torque: Torque that determines the lost motion [N*m] ([N]); twice the friction if left out, or
-            3 % of the amplitude where there is none.
+        small_torque: Torque that determines the lost motion [N*m] ([N]); by default twice the friction,
+            or 3 % of the amplitude without friction.
         hold: Names of further joints that do not move.
-        q: Configuration from which the joint is moved, (nq,); the start if left out.
+        q: Configuration from which the joint is moved, (nq,); by default the start.
 
     Raises:
-        AntennaPinError: No such joint, an amplitude that friction holds or that nothing resists, or a
-            position without balance.
+        AntennaPinError: The joint is unknown, friction holds the amplitude or nothing resists it, or a
+            position has no equilibrium.
     """
     begin = start_of(model, q)
     joint = joint_to_drive(begin.system, joint)
@@ -343,7 +343,7 @@ class _March:
     def _located(
         self, start: float, sense: float, torque: float, level: float, reached: float, before: object
     ) -> float:
-        """Return the length of the step on which the torque comes to a level."""
+        """Return the length of the step to a level of the torque."""
         slack = _LOCATED * self._size
 
         def beyond(length: float) -> float:

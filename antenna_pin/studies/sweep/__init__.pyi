@@ -7,7 +7,7 @@ from antenna_pin.studies.sweep.executor import Executor as Executor
 from antenna_pin.studies.sweep.executor import Here as Here
 from antenna_pin.studies.sweep.executor import Threads as Threads
 from antenna_pin.studies.sweep.measures import MEASURES as MEASURES
-from antenna_pin.studies.sweep.preparation import Prepared as Prepared
+from antenna_pin.studies.sweep.preparation import PreparedStudy as PreparedStudy
 from antenna_pin.studies.sweep.preparation import RunTime as RunTime
 from antenna_pin.studies.sweep.preparation import TrialRun as TrialRun
 from antenna_pin.studies.sweep.preparation import prepare as prepare

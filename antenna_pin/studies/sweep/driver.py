@@ -17,7 +17,7 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.errors import OutputError, ScenarioError
 from antenna_pin.studies.sweep.executor import Executor, Here, Lost
 from antenna_pin.studies.sweep.jobs import FinishedRun, Job, check_jobs, do_jobs, failed_entry
-from antenna_pin.studies.sweep.preparation import Prepared, prepare, trial
+from antenna_pin.studies.sweep.preparation import PreparedStudy, prepare, trial
 from antenna_pin.studies.sweep.store import LOST, SUFFIX, Store, identity_of, open_study
 from antenna_pin.studies.sweep.study import Study
 
@@ -105,7 +105,7 @@ def run_study(
     return open_study(store.path)
 
 
-def _store(path: Path, plan: Prepared, identity: Any, apart: bool) -> Store:
+def _store(path: Path, plan: PreparedStudy, identity: Any, apart: bool) -> Store:
     number = 1
     while True:
         target = path if number == 1 else path.with_name(f"{path.stem}-{number}{SUFFIX}")
@@ -118,7 +118,7 @@ def _store(path: Path, plan: Prepared, identity: Any, apart: bool) -> Store:
 
 
 def _check(
-    plan: Prepared, runs: list[int], by: Executor, progress: Callable[[StudyProgress], None] | None
+    plan: PreparedStudy, runs: list[int], by: Executor, progress: Callable[[StudyProgress], None] | None
 ) -> None:
     """Refuse a study of which a run cannot be built, with the first such run."""
     refused: list[tuple[int, str]] = []
@@ -139,7 +139,7 @@ def _check(
         raise ScenarioError(f"{plan.place}: {plan.design.label(run)}: {reason}{more}")
 
 
-def _job(plan: Prepared, run: int) -> Job:
+def _job(plan: PreparedStudy, run: int) -> Job:
     try:
         return plan.job(run)
     except ScenarioError as error:
@@ -151,7 +151,7 @@ class _StudyDriver:
 
     def __init__(
         self,
-        plan: Prepared,
+        plan: PreparedStudy,
         store: Store,
         by: Executor,
         seconds: float,

@@ -21,7 +21,7 @@ from antenna_pin.studies.sweep.responses import evaluate, source_of
 from antenna_pin.studies.sweep.study import Study
 from antenna_pin.trajectory import Trajectory, is_lean, library_versions
 
-__all__ = ["Prepared", "RunTime", "TrialRun", "prepare", "run_seconds", "trial"]
+__all__ = ["PreparedStudy", "RunTime", "TrialRun", "prepare", "run_seconds", "trial"]
 
 
 _TRIAL_SHARE = 0.02  # of a run's duration
@@ -29,7 +29,7 @@ _LONG_ENOUGH = 1.0  # [s] for a trial to tell the pace of a run
 
 
 @dataclass(frozen=True, slots=True)
-class Prepared:
+class PreparedStudy:
     """Study ready to be run.
 
     Attributes:
@@ -79,7 +79,7 @@ class TrialRun:
 
 
 @takes()
-def prepare(study: Study) -> Prepared:
+def prepare(study: Study) -> PreparedStudy:
     """Return a study ready to be run: scenario, runs and functions read and checked.
 
     Raises:
@@ -113,16 +113,16 @@ def prepare(study: Study) -> Prepared:
 
 
 @takes()
-def trial(prepared: Prepared, run: int = 0) -> TrialRun:
+def trial(plan: PreparedStudy, run: int = 0) -> TrialRun:
     """Make a short part of a run; check its responses, and estimate the run time.
 
     Raises:
         AntennaPinError: The run cannot be built, or a response does not exist for it.
     """
-    place = f"{prepared.place}: {prepared.design.label(run)}"
+    place = f"{plan.place}: {plan.design.label(run)}"
     try:
-        job = prepared.job(run)
-        scenario = scenario_of(prepared.work, job)
+        job = plan.job(run)
+        scenario = scenario_of(plan.work, job)
         span = scenario.duration * _TRIAL_SHARE
         uninterrupted(simulate(scenario, duration=span))  # loads the kernels
         began = time.perf_counter()
@@ -130,10 +130,10 @@ def trial(prepared: Prepared, run: int = 0) -> TrialRun:
         seconds = time.perf_counter() - began
     except AntennaPinError as error:
         raise ScenarioError(f"{place}: {error}") from None
-    reference = _reference(prepared, job, span)
+    reference = _reference(plan, job, span)
     notes = []
-    for name, response in prepared.study.responses.items():
-        where = f"{prepared.place}: responses.{name}"
+    for name, response in plan.study.responses.items():
+        where = f"{plan.place}: responses.{name}"
         measure = MEASURES.get(response.measure or "")
         if measure is not None and measure.series and is_lean(made.data):
             raise ScenarioError(
@@ -148,7 +148,7 @@ def trial(prepared: Prepared, run: int = 0) -> TrialRun:
             )
         if longest > made.data.attrs["end_time"]:
             continue  # can be told of a whole run only
-        source = prepared.work.sources.get(name, "")
+        source = plan.work.sources.get(name, "")
         try:
             evaluate(name, response, source, made, reference, job.seed)
         except AntennaPinError as error:
@@ -166,9 +166,9 @@ class RunTime(NamedTuple):
     """Estimates of the time of a run [s].
 
     Attributes:
-        least: At the greatest pace measured.
-        mean: At the last pace.
-        most: At the least pace.
+        least: Estimate at the greatest measured pace.
+        mean: Estimate at the last pace.
+        most: Estimate at the least pace.
     """
 
     least: float
@@ -177,7 +177,7 @@ class RunTime(NamedTuple):
 
 
 @takes()
-def run_seconds(prepared: Prepared) -> RunTime:
+def run_seconds(plan: PreparedStudy) -> RunTime:
     """Return estimates of a run's time on this machine [s], means over three runs.
 
     Parts of the first, the middle and the last run are made, longer and longer, up to the whole or to a part
@@ -186,12 +186,12 @@ def run_seconds(prepared: Prepared) -> RunTime:
     Raises:
         AntennaPinError: A run cannot be built.
     """
-    last = prepared.design.count - 1
-    every = np.mean([_seconds(prepared, run) for run in sorted({0, last // 2, last})], axis=0)
+    last = plan.design.count - 1
+    every = np.mean([_seconds(plan, run) for run in sorted({0, last // 2, last})], axis=0)
     return RunTime(*map(float, every))
 
 
-def _seconds(plan: Prepared, run: int) -> RunTime:
+def _seconds(plan: PreparedStudy, run: int) -> RunTime:
     scenario = scenario_of(plan.work, plan.job(run))
     share, before, paces = _TRIAL_SHARE, (0.0, 0.0), list[float]()
     while True:
@@ -205,7 +205,7 @@ def _seconds(plan: Prepared, run: int) -> RunTime:
         before, share = (share, stepping), min(2.0 * share, 1.0)
 
 
-def _reference(plan: Prepared, job: Job, span: float) -> Trajectory | None:
+def _reference(plan: PreparedStudy, job: Job, span: float) -> Trajectory | None:
     text = plan.work.reference
     if not text:
         return None

@@ -1,8 +1,8 @@
 """Study on disk: its identity, the journal of runs, dataset, full results.
 
 ``study.json`` holds the identity of the study, ``journal`` has a line for each finished run, ``runs.nc`` is
-the dataset made of them, ``runs/`` holds full results. The driver alone writes. Every file reveals damage by
-a digest.
+the dataset made of them, ``runs/`` holds full results. The driver alone writes. A digest in every
+file reveals damage.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ def analyses_of(
 
     Returns:
         Of each PID loop its margins and response; of each other analysis ``analysis``, ``key``, ``title``,
-        ``head`` and ``rows`` of a table, and what a figure is drawn of.
+        ``head`` and ``rows`` of a table, and the data of a figure.
     """
     case = Case(verified.plan.base, lambda: run)  # type: ignore[arg-type, return-value]
     curves: list[dict[str, Any]] = []

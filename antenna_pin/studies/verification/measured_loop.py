@@ -26,12 +26,12 @@ _NAME = "measured_loop"
 
 
 class LoopPoint(NamedTuple):
-    """Loop gain at one frequency, by the fundamental of what a run measures.
+    """Loop gain at one frequency, by the fundamental of a run's measurement.
 
     Attributes:
-        frequency: Of the reference [Hz].
+        frequency: Frequency of the reference [Hz].
         gain: Complex loop gain, measurement over error [-].
-        distortion: Root mean square of what does not follow over what does, of the measurement [-].
+        distortion: Root mean square of the measurement's other harmonics over its fundamental [-].
     """
 
     frequency: float
@@ -51,13 +51,13 @@ def measured_loop(
 
     Args:
         scenario: The scenario; its other references stay.
-        controller: Name of a PID whose derivative is of the error, or that has none.
-        frequencies: Of the references, below half of the sampling rate [Hz].
-        amplitude: Of the references, in the unit of what is measured.
+        controller: Name of a PID whose derivative acts on the error, or without derivative.
+        frequencies: Frequencies of the references, below half of the sampling rate [Hz].
+        amplitude: Amplitude of the references, in the measurement's unit.
 
     Raises:
-        UnknownNameError: There is no such controller.
-        InvalidParameterError: The derivative is of the measurement, or a frequency is too high.
+        UnknownNameError: The controller is unknown.
+        InvalidParameterError: The derivative acts on the measurement, or a frequency is too high.
     """
     table = scenario.controllers.get(controller)
     if table is None or table.kind != "pid":
@@ -119,7 +119,7 @@ def measured_phase_margin(
     Args:
         scenario: The scenario.
         controller: Name of the controller.
-        amplitude: Of the references.
+        amplitude: Amplitude of the references.
     """
     crossing = loop_margins(scenario, controller).bandwidth
     points = measured_loop(scenario, controller, [share * crossing for share in _AROUND], amplitude)

@@ -37,7 +37,7 @@ def quantity_of(spec: RequirementSpec, place: str) -> VerifiedQuantity:
         place: Place of the requirement, for messages.
 
     Raises:
-        UnknownNameError: There is no such quantity.
+        UnknownNameError: The quantity is unknown.
         ScenarioError: A key is given that the quantity does not take.
     """
     if ":" in spec.quantity:
