@@ -109,7 +109,7 @@ def prepare(study: Study) -> PreparedStudy:
         results=study.results,
         versions=library_versions(),
     )
-    return Prepared(study, design, base, work, record)
+    return PreparedStudy(study, design, base, work, record)
 
 
 @takes()
