@@ -33,8 +33,8 @@ _FAR = 48
 _UNSOLVED = 1e-3
 # Singular values of the stiffness below this, over the largest, are none.
 _SINGULAR = 1e-12
-# Rounds without a better balance after which round-off is reached.
-_PATIENCE = 6
+# Rounds without a better balance after which round-off is reached, and of a balance below which one will do.
+_PATIENCE, _ROUND_OFF = 6, 1e-11
 # Round-off of a stop's position [rad] ([m]), and of a friction's load over its grip.
 _AT_STOP, _SLACK = 1e-12, 1e-9
 # Share of the largest force as which one counts that is less: its round-off is that of the largest.
@@ -155,7 +155,7 @@ def _newton(balance: Balance, start: _Pose) -> _Pose | None:
         else:
             best = here if here.residual < best.residual else best
             patience -= 1
-            if patience == 0 and best.residual <= _ACCEPTED:
+            if best.residual <= _ROUND_OFF or (patience == 0 and best.residual <= _ACCEPTED):
                 break
     return best if best.residual <= _ACCEPTED else None
 
