@@ -136,7 +136,7 @@ def _numbered(every: list[Equilibrium]) -> list[tuple[str, Equilibrium]]:
 
 def _row(number: str, one: Equilibrium) -> dict[str, Any]:
     row: dict[str, Any] = {"equilibrium": number, "friction": one.friction, "stability": one.stability}
-    row |= {f"position {name}": value for name, value in one.positions.items()}
+    row |= {f"position {name} [{one.units[name]}]": value for name, value in one.positions.items()}
     row |= {f"effort {name}": value for name, value in one.efforts.items()}
     row["least stiffness [N m/rad]"] = float(one.stiffness[0]) if len(one.stiffness) else None
     row["residual [-]"] = one.residual
@@ -145,11 +145,14 @@ def _row(number: str, one: Equilibrium) -> dict[str, Any]:
 
 def _print_equilibria(title: str, every: list[Equilibrium]) -> None:
     joints = list(every[0].positions)
-    head = ["equilibrium", "stability", *joints, "least stiffness [N m/rad]"]
+    units = every[0].units
+    head = ["equilibrium", "stability", *(f"{name} [{units[name]}]" for name in joints)]
+    head.append("least stiffness [N m/rad]")
+    scales = {"rad": 1.0, "m": every[0].length}
     rows = []
     for number, one in _numbered(every):
         least = formatted(float(one.stiffness[0]), ".5g") if len(one.stiffness) else "-"
-        where = [formatted(one.positions[name], ".6g") for name in joints]
+        where = [formatted(one.positions[name], ".6g", scales[units[name]]) for name in joints]
         rows.append([number, one.stability, *where, least])
     print_rows(title, head, rows, numbers=False)
     for k, one in enumerate(every, 1):
@@ -185,19 +188,22 @@ def _print_travel(title: str, way: QuasiStaticTravel) -> None:
     data, length = way.data, "m" if way.sliding else "rad"
     unit = printed_unit(way.unit)
     senses = [str(one) for one in data["sense"].values]
+    largest = max(float(abs(data[name].values).max(initial=0.0)) for name in ("torque", "component"))
     head = [f"{way.joint} [{length}]", *(f"needed, {sense} [{unit}]" for sense in senses)]
     step = max(1, -(-(len(way.position) - 1) // (_ROWS - 1)))
     rows = []
     for k in sorted({*range(0, len(way.position), step), len(way.position) - 1}):
-        torques = [formatted(float(data["torque"].sel(sense=sense).values[k]), ".6g") for sense in senses]
-        rows.append([formatted(float(way.position[k]), ".6g"), *torques])
+        torques = [
+            formatted(float(data["torque"].sel(sense=sense).values[k]), ".6g", largest) for sense in senses
+        ]
+        span = float(abs(way.position).max())
+        rows.append([formatted(float(way.position[k]), ".6g", span), *torques])
     print_rows(title, head, rows)
     shares = []
     for source in data["source"].values:
         values = data["component"].sel(source=source, sense="out").values
-        shares.append(
-            [str(source), formatted(float(values.min()), ".5g"), formatted(float(values.max()), ".5g")]
-        )
+        ends = (float(values.min()), float(values.max()))
+        shares.append([str(source), *(formatted(one, ".5g", largest) for one in ends)])
     print_rows(
         "exerted along the motion on the way out", ["source", f"least [{unit}]", f"most [{unit}]"], shares
     )

@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.analysis import ROUND_OFF
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.units import quantity
 from antenna_pin.dynamics import System
@@ -218,7 +219,7 @@ class _Source(NamedTuple):
 def _table(begin: Model, options: _Options) -> tuple[xr.Dataset, tuple[str, ...]]:
     """Return the margin of one case over the travel, and notes."""
     system, joint = begin.system, options.joint
-    places = _positions(system, options)
+    places = _positions(begin, options)
     sense = 1.0 if places[-1] > places[0] else -1.0
     driving = _driving(begin, options)
     static = static_system(system, begin.state, joint=joint, hold=options.hold, without=driving)
@@ -237,6 +238,7 @@ def _table(begin: Model, options: _Options) -> tuple[xr.Dataset, tuple[str, ...]
     actuates = {name: row[name].actuates for row in rows for name in row}
     measured_sources = _sources_by_measurement(options, names)
     torque = np.array([[row[name].torque if name in row else 0.0 for name in names] for row in rows])
+    torque[np.abs(torque) < ROUND_OFF * np.abs(torque).max(initial=0.0)] = 0.0
     resistance, drive = np.maximum(-torque, 0.0), np.maximum(torque, 0.0)
     by_measurement = np.array([name in measured_sources for name in names])
     factor = np.array(
@@ -304,14 +306,14 @@ def _table(begin: Model, options: _Options) -> tuple[xr.Dataset, tuple[str, ...]
     return xr.Dataset(variables, coords=coordinates, attrs=attributes), tuple(notes)
 
 
-def _positions(system: System, options: _Options) -> Array:
+def _positions(begin: Model, options: _Options) -> Array:
     """Return the positions of the travel, (n,)."""
     travel = options.travel
     if travel is None:
-        return positions_along(system, options.joint, None, None, None, options.count)
+        return positions_along(begin, options.joint, None, None, None, options.count)
     if len(travel) == 2:
-        return positions_along(system, options.joint, None, travel[0], travel[1], options.count)
-    return positions_along(system, options.joint, travel, None, None, options.count)
+        return positions_along(begin, options.joint, None, travel[0], travel[1], options.count)
+    return positions_along(begin, options.joint, travel, None, None, options.count)
 
 
 def _driving(begin: Model, options: _Options) -> list[str]:

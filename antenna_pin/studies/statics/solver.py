@@ -27,8 +27,9 @@ _SOUGHT, _ACCEPTED = 1e-14, 1e-9
 # Rounds of Newton steps and of steps along the forces between them; how many of each; and how many Newton
 # steps may be cut to what is trusted.
 _ROUNDS, _NEWTONS, _DRIFTS, _CUTS = 40, 40, 8, 6
-# Steps as long as is trusted after which a joint is taken to move on without end.
-_FAR = 48
+# Steps nearly as long as is trusted after which a joint is taken to move on without end; and a displacement
+# over what is trusted by a round of steps that leads nowhere.
+_FAR, _LONG, _STILL = 48, 0.9, 1e-6
 # Share of the force out of balance that no step balances, above which the stiffness is singular.
 _UNSOLVED = 1e-3
 # Singular values of the stiffness below this, over the largest, are none.
@@ -83,12 +84,15 @@ def balanced(balance: Balance, y: Array, where: str) -> Rest:
     for _ in range(_ROUNDS):
         if found is not None or far > _FAR:
             break
+        start = here
         for _ in range(_DRIFTS):
             before = here
             here, damping = _drift(balance, here, damping)
             if here.residual <= _ACCEPTED:
                 break
-            far += _goes_far(balance, before, here)
+            far += _farthest(balance, before, here, coarse=True) > _LONG
+        if _farthest(balance, start, here) < _STILL:
+            break
         found = _newton(balance, here)
     if found is None:
         raise NotBalancedError(
@@ -180,11 +184,11 @@ def _drift(balance: Balance, here: _Pose, damping: float) -> tuple[_Pose, float]
     return moved, min(max(factor * damping, 1e-9), 1e9)
 
 
-def _goes_far(balance: Balance, before: _Pose, here: _Pose) -> bool:
-    """Return whether a step moves a joint as far as is trusted."""
+def _farthest(balance: Balance, before: _Pose, here: _Pose, *, coarse: bool = False) -> float:
+    """Return the largest displacement between two poses over what is trusted; ``coarse``: outside play."""
     way = pin.difference(balance.model, before.y[: balance.model.nq], here.y[: balance.model.nq])
     moved = np.abs(before.free.scale @ way)
-    return bool(moved[~before.free.fine].max(initial=0.0) > 0.9)
+    return float((moved[~before.free.fine] if coarse else moved).max(initial=0.0))
 
 
 def _moved(balance: Balance, here: _Pose, step: Array) -> _Pose | None:
