@@ -10,7 +10,7 @@ import pytest
 from antenna_pin import AntennaPinError, Scenario, System, Urdf, build_mechanism, load_scenario
 from antenna_pin.dynamics import ConstantDrive, JointSpring
 from antenna_pin.dynamics.constraints import Anchor, Closure, Coupling
-from antenna_pin.elements import HarnessSpring, Motor, StickingFriction
+from antenna_pin.elements import Gear, HarnessSpring, Motor, StickingFriction
 from antenna_pin.studies.margins import FACTOR_SETS, motorization_margin
 
 G = 9.81
@@ -158,6 +158,36 @@ def test_motor_behind_a_coupling():
     minimum = 2.0 * (3.0 * ratio * 0.01 + 1.5 * ratio * cogging)
     assert found.margin == pytest.approx(np.full(3, torque / minimum - 1.0), rel=1e-10)
     assert str(found.data["symbol"].sel(source="drives.motor cogging").item()) == "H_M"
+
+
+def test_gears_lose_a_share_of_what_they_transmit():
+    """Two stages of 8 and 5 between motor and bar: (1 / eta - 1) of the resistances beyond each."""
+    text = f'<robot name="g"><link name="bus"/>{LINK.format("bar")}{LINK.format("shaft")}{LINK.format("rotor")}'
+    for joint, link in (("hinge", "bar"), ("middle", "shaft"), ("motor", "rotor")):
+        text += JOINT.format(joint, "bus", link, 0)
+    text = text.replace('-3"', '-300"').replace('"3"', '"300"') + "</robot>"
+    dry = {"hinge": 0.9, "middle": 0.02, "motor": 0.001}
+    system = System(
+        build_mechanism(Urdf.from_text(text, "g"), "fixed"),
+        drives={"motor": ConstantDrive(joint="motor", value=1.0)},
+        springs={"coil": JointSpring(joint="hinge", stiffness=2.0)},
+        elements={
+            "frictions": {name: StickingFriction(joint=name, coulomb=value) for name, value in dry.items()},
+            "gears": {
+                "slow": Gear(input="middle", output="hinge", ratio=5.0, stiffness=1e5, efficiency=0.8),
+                "fast": Gear(input="motor", output="middle", ratio=8.0, stiffness=1e5, efficiency=0.9),
+            },
+        },
+    )
+    found = motorization_margin(system, "hinge", travel=(0.5, 1.0), count=3, delivered_torque=0.4)
+    beyond = 0.9 + 2.0 * found.data["position"].values + 0.4
+    slow = 0.25 * beyond
+    fast = (beyond + slow + 5.0 * 0.02) / 9.0
+    own = found.data["resistance"]
+    # Gears store energy as the coil winds up: T T' / k = 2 x 2 / 1e5.
+    assert own.sel(source="gears.slow").values == pytest.approx(slow, abs=1e-4)
+    assert own.sel(source="gears.fast").values == pytest.approx(fast, abs=1e-4)
+    assert own.sel(source="frictions.motor").values == pytest.approx(np.full(3, 0.04), rel=1e-4)
 
 
 @pytest.fixture

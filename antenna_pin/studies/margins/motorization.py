@@ -35,6 +35,7 @@ from antenna_pin.studies.linear.modal_analysis import bodies_of
 from antenna_pin.studies.margins.factors import FactorSet, Resistance, factor_set
 from antenna_pin.studies.margins.result import MarginCase, MotorizationMargin
 from antenna_pin.studies.margins.worst_case import Extremes, worst_cases
+from antenna_pin.studies.statics.balance import Balance
 from antenna_pin.studies.statics.path import Path, PathPoint
 from antenna_pin.studies.statics.quasi_static import joint_to_drive, positions_along
 from antenna_pin.studies.statics.static_system import Model, check_rate_independent, start_of, static_system
@@ -297,12 +298,8 @@ def _table(begin: Model, options: _Options) -> tuple[xr.Dataset, tuple[str, ...]
         "required": options.factors.required,
     }
     notes = [*static.notes]
-    for name, one in system.families.get("gears", {}).items():
-        if getattr(one, "efficiency", 1.0) != 1.0 or getattr(one, "efficiency_back", 1.0) != 1.0:
-            notes.append(
-                f"gear {name!r} has an efficiency: its friction is that under the torque needed at {joint}; "
-                "take the motor's joint as the function's for friction under the motor's torque"
-            )
+    for place in path.balance.meshes:
+        notes.append(f"{place} loses its share of what it has to transmit, T_L included")
     return xr.Dataset(variables, coords=coordinates, attrs=attributes), tuple(notes)
 
 
@@ -343,7 +340,7 @@ def _driving(begin: Model, options: _Options) -> list[str]:
 
 
 def _develop(path: Path, sense: float) -> None:
-    """Bring hysteresis to what it is after a long way of the travel's sense."""
+    """Bring hysteresis and friction to what they are after a long way of the travel's sense."""
     balance = path.balance
     velocity = path.kinematic(balance.y)
     senses = {}
@@ -352,6 +349,7 @@ def _develop(path: Path, sense: float) -> None:
         rate = sense * path.rate_of(joint, velocity)
         senses[joint] = math.copysign(1.0, rate) if abs(rate) > _MOVES else 0.0
     balance.develop(senses)
+    path.slip(sense)
 
 
 def _sources_by_measurement(options: _Options, names: Sequence[str]) -> set[str]:
@@ -409,6 +407,8 @@ def _sources(
         coupling = bodies_of(path.balance.system, point.rest.y[: path.balance.model.nq]).coupling
         torque = float(velocity @ coupling @ options.base_acceleration)
         found[_BASE] = _Source("I", -abs(torque), 0.0)
+    delivered = quantity(options.delivered_torque, unit, "delivered_torque")
+    _add_gear_losses(path, found, point, sense, driving, delivered)
     for name, symbol in options.classes.items():
         if symbol not in get_args(Resistance):
             raise UnknownNameError("margin: classes", "class of resistance", symbol, get_args(Resistance))
@@ -416,6 +416,69 @@ def _sources(
             raise UnknownNameError("margin: classes", "source", name, found)
         found[name] = found[name]._replace(symbol=symbol)
     return found
+
+
+def _add_gear_losses(
+    path: Path,
+    found: dict[str, _Source],
+    point: PathPoint,
+    sense: float,
+    driving: Sequence[str],
+    delivered: float,
+) -> None:
+    """Replace friction of gears between drives and joint: the travel, driven at the joint, unloads them.
+
+    A gear of efficiency eta loses (1 / eta - 1) R of a resistance R > 0 beyond it, seen from the drives; of
+    one that drives, R < 0, it loses (1 - eta_back) of it.
+    """
+    balance = path.balance
+    system = balance.static.original
+    near = {place: _joints_at_input(system, place) for place in balance.meshes}
+    transmitting = {
+        place: one
+        for place, one in balance.meshes.items()
+        if path.joint not in near[place] and not near[place].isdisjoint(_joints_of(balance, driving))
+    }
+    losses: dict[str, float] = {}
+
+    def loss(place: str) -> float:
+        if place not in losses:
+            rest = delivered
+            for name, one in found.items():
+                joints = _acts_at(system, name)
+                if one.symbol and name not in transmitting and not (joints and joints <= near[place]):
+                    rest -= one.torque
+            others = [other for other in transmitting if near[place] < near[other]]
+            rest += sum(loss(other) for other in others)
+            element: Any = transmitting[place].element
+            share = 1.0 / element.efficiency - 1.0 if rest > 0.0 else 1.0 - element.efficiency_back
+            losses[place] = share * abs(rest)
+        return losses[place]
+
+    for place in transmitting:
+        unloaded = sense * float(balance.mesh_friction(point.rest.y, place) @ point.velocity)
+        found[place] = found[place]._replace(torque=found[place].torque - unloaded - loss(place))
+
+
+def _joints_of(balance: Balance, drives: Sequence[str]) -> set[str]:
+    return {str(balance.static.original.drives[name].joint) for name in drives}
+
+
+def _acts_at(system: System, place: str) -> set[str]:
+    """Return the joint at which a source acts; none of what acts on links."""
+    joint = getattr(_element(system, place.split(" ")[0]), "joint", None)
+    return set() if joint is None else {str(joint)}
+
+
+def _joints_at_input(system: System, place: str) -> set[str]:
+    """Return the joints on the input's side of a gear, by other gears and couplings."""
+    gears = system.families.get("gears", {})
+    links = [{str(one.input), str(one.output)} for name, one in gears.items() if f"gears.{name}" != place]
+    links += [{one.follower, leader} for one in system.couplings.values() for leader in one.leaders]
+    near = {str(getattr(_element(system, place), "input"))}  # noqa: B009 - of whatever meshes
+    for _ in links:
+        near |= {joint for pair in links if not pair.isdisjoint(near) for joint in pair}
+    return near
 
 
 def _element(system: System, place: str) -> Any:

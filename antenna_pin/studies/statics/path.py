@@ -177,15 +177,31 @@ class Path:
 
     def _settle(self, sense: float, where: str) -> None:
         """Come into balance where the path begins, as far as there is one."""
-        before, balance = self.snapshot(), self.balance
+        before = self.snapshot()
         try:
-            found = self._at(self.position, sense, where)
-            # Joints that stick at the start give way to the motion: they are free in its tangent.
-            balance.release()
-            free = balance.free(found.y)
-            self._tangent = self.tangent(Rest(found.y, 0.0, free, balance.stiffness(found.y, free)))
+            self._at(self.position, sense, where)
+            self._tangent = self._tangent_of_slip()
         except (NotBalancedError, NotClosedError):
             self.restore(before)
+
+    def _tangent_of_slip(self) -> Array:
+        """Return the velocity ratios of a motion in which joints that stick give way, (nv,)."""
+        balance, y = self.balance, self.balance.y
+        balance.release()
+        free = balance.free(y)
+        return self.tangent(Rest(y, 0.0, free, balance.stiffness(y, free)))
+
+    def slip(self, sense: float, where: str = "travel") -> None:
+        """Come into balance with all friction against a motion of a sense, as after a long way."""
+        balance = self.balance
+        velocity = sense * self._tangent_of_slip()
+        size = float(np.abs(velocity / balance.reach).max())
+        for place, one in balance.frictions.items():
+            rate = float(velocity[balance.system.mechanism.joint(str(one.element.acts_at)).v.start])
+            if abs(rate) > _DEPENDENT * size:
+                balance.set_sense(place, math.copysign(1.0, rate))
+        self._rest = rested(balance, balance.y, where, [])
+        balance.accept(self._rest.y)
 
     def _step(self, goal: float, sense: float, where: str, halvings: int) -> Rest:
         before, start = self.snapshot(), self.position
