@@ -21,8 +21,8 @@ from antenna_pin.elements import (
     LuGreFriction,
     MaxwellSlip,
 )
-from antenna_pin.studies.margins import motorization_margin
-from antenna_pin.studies.statics import travel
+from antenna_pin.studies.margins import margin
+from antenna_pin.studies.statics import equilibria, statics, torque_angle_loop, travel
 
 from .conftest import BAR
 
@@ -187,8 +187,8 @@ def test_motor_behind_an_elastic_gear_of_high_ratio(bar: Callable[..., Any]):
     turned = found.data["joint_position"].sel(sense="out", joint="motor").values[1:]
     assert turned == pytest.approx(ratio * (found.position[1:] - ratio * (dry - push) / 500.0), rel=1e-9)
     # A margin starts from rest where the motion is to begin: all friction against it.
-    margin = motorization_margin(system, "hinge", travel=(-1.2, 1.2), count=4).margin
-    assert margin == pytest.approx(np.full(4, push / (2.0 * 3.0 * dry) - 1.0), rel=1e-9)
+    over = margin(system, "hinge", travel=(-1.2, 1.2), count=4).margin
+    assert over == pytest.approx(np.full(4, push / (2.0 * 3.0 * dry) - 1.0), rel=1e-9)
 
 
 def test_travel_of_a_joint_with_play_goes_from_limit_to_limit():
@@ -213,3 +213,19 @@ def test_refusals(bar: Callable[..., Any], four_bar: Callable[..., Any]):
         travel(System(mechanism, closures=closures), "crank", start=0.0, stop=1.0, hold=["knee"])
     with pytest.raises(AntennaPinError, match="5 N m at joint1 that nothing balances"):
         travel("you2010", "joint2", start=-0.1, stop=0.1, count=2)
+
+
+def test_statics_in_one_call_gives_what_its_parts_give(bar: Callable[..., Any]):
+    """Equilibria without a joint; with one its travel, its loop, or both."""
+    system = System(bar(G), springs={"k": JointSpring(joint="hinge", stiffness=3.0)})
+    assert [one.positions for one in statics(system).equilibria] == [
+        one.positions for one in equilibria(system)
+    ]
+    whole = statics(system, "hinge", start=-0.2, stop=0.2, count=3, loop=2.0)
+    assert whole.travel is not None and whole.loop is not None and whole.equilibria == ()
+    own = travel(system, "hinge", start=-0.2, stop=0.2, count=3)
+    assert whole.travel.torque.tolist() == own.torque.tolist()
+    assert whole.loop.stiffness == torque_angle_loop(system, "hinge", 2.0).stiffness
+    assert statics(system, "hinge", loop=2.0).travel is None
+    with pytest.raises(AntennaPinError, match="statics: loop must be given with a joint, got 2.0"):
+        statics(system, loop=2.0)

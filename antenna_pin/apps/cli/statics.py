@@ -82,47 +82,43 @@ def statics(
     for option, value in needs:
         if value is not None and joint is None:
             raise InvalidParameterError("statics", option, "given with --joint JOINT", said=str(value))
+    if loop is not None and (start is not None or stop is not None):
+        rule = "left out with --start or --stop, a travel's; run the command twice"
+        raise InvalidParameterError("statics", "--loop", rule, said=loop)
     if small_torque is not None and loop is None:
         raise InvalidParameterError(
             "statics", "--small-torque", "given with --loop TORQUE", said=small_torque
         )
     known = load(scenario, case, settings)
+    from antenna_pin.studies import statics as of_mechanism
+
+    quantities = {"start": start, "stop": stop, "loop": loop, "small_torque": small_torque}
+    read: dict[str, Any] = {
+        name: None if value is None else bare(value) for name, value in quantities.items()
+    }
+    found = of_mechanism.statics(
+        known, joint, count=count, back=back, hold=hold or (), starts=starts, **read
+    )
     title = ", ".join(filter(None, (known.title, known.case)))
-    if joint is None:
-        from antenna_pin.studies.statics import equilibria
-
-        found = equilibria(known, hold=hold or (), starts=starts)
-        facts = {"title": known.title, "case": known.case, "equilibria": [one.to_dict() for one in found]}
-        if not exported(facts, [_row(k, one) for k, one in _numbered(found)], as_json, table):
-            _print_equilibria(title, found)
-        return
-    from antenna_pin.studies.statics import torque_angle_loop, travel
-
-    if loop is not None:
-        cycle = torque_angle_loop(
-            known,
-            joint,
-            bare(loop),
-            small_torque=None if small_torque is None else bare(small_torque),
-            hold=hold or (),
-        )
+    if found.loop is not None:
         if target is not None:
             from antenna_pin.show.plot import figure_torque_angle
 
-            save_plot(figure_torque_angle(cycle.data, width=width.value), target, as_json)
-        if not exported(cycle.to_dict(), _loop_rows(cycle), as_json, table):
-            _print_loop(title, cycle)
-        return
-    ends: dict[str, Any] = {
-        name: None if value is None else bare(value) for name, value in (("start", start), ("stop", stop))
-    }
-    way = travel(known, joint, count=count, back=back, hold=hold or (), **ends)
-    if target is not None:
-        from antenna_pin.show.plot import figure_travel
+            save_plot(figure_torque_angle(found.loop.data, width=width.value), target, as_json)
+        if not exported(found.loop.to_dict(), _loop_rows(found.loop), as_json, table):
+            _print_loop(title, found.loop)
+    elif found.travel is not None:
+        if target is not None:
+            from antenna_pin.show.plot import figure_travel
 
-        save_plot(figure_travel(way.data, width=width.value), target, as_json)
-    if not exported(way.to_dict(), _travel_rows(way), as_json, table):
-        _print_travel(title, way)
+            save_plot(figure_travel(found.travel.data, width=width.value), target, as_json)
+        if not exported(found.travel.to_dict(), _travel_rows(found.travel), as_json, table):
+            _print_travel(title, found.travel)
+    else:
+        every = list(found.equilibria)
+        facts = {"title": known.title, "case": known.case, **found.to_dict()}
+        if not exported(facts, [_row(k, one) for k, one in _numbered(every)], as_json, table):
+            _print_equilibria(title, every)
 
 
 def _numbered(every: list[Equilibrium]) -> list[tuple[str, Equilibrium]]:

@@ -40,7 +40,7 @@ from antenna_pin.studies.statics.path import Path, PathPoint
 from antenna_pin.studies.statics.quasi_static import joint_to_drive, positions_along
 from antenna_pin.studies.statics.static_system import Model, check_rate_independent, start_of, static_system
 
-__all__ = ["motorization_margin"]
+__all__ = ["margin"]
 
 Array = NDArray[np.float64]
 
@@ -53,7 +53,7 @@ _MOVES = 1e-12
 
 
 @takes()
-def motorization_margin(
+def margin(
     model: Scenario | System | str | os.PathLike[str],
     joint: str,
     *,
@@ -267,10 +267,10 @@ def _table(begin: Model, options: _Options) -> tuple[xr.Dataset, tuple[str, ...]
             "a drive or a spring"
         )
     with np.errstate(divide="ignore"):
-        margin = np.where(minimum > 0.0, actuation / np.where(minimum > 0.0, minimum, 1.0) - 1.0, np.inf)
+        over = np.where(minimum > 0.0, actuation / np.where(minimum > 0.0, minimum, 1.0) - 1.0, np.inf)
     along = ("position",)
     variables: dict[str, Any] = {
-        "margin": (along, margin, {"units": "1", "long_name": "motorization margin"}),
+        "margin": (along, over, {"units": "1", "long_name": "motorization margin"}),
         "actuation": (along, actuation, {"units": unit, "long_name": "factored actuation"}),
         "minimum_torque": (along, minimum, {"units": unit, "long_name": "minimum actuation, T_min"}),
         "needed_torque": (along, needed, {"units": unit, "long_name": "sum of resistances, unfactored"}),

@@ -121,14 +121,14 @@ def _joint(spec: RequirementSpec) -> str:
 
 def margin_of(case: Case, spec: RequirementSpec) -> Any:
     """Return the motorization margin of a requirement's joint."""
-    from antenna_pin.studies.margins import motorization_margin
+    from antenna_pin.studies.margins import margin
 
     travel = None if spec.travel is None else tuple(spec.travel)
     name = f"margin {spec.of} {travel} {spec.positions} {spec.factors}"
     if name not in case.memo:
         more: dict[str, Any] = {} if spec.positions is None else {"count": spec.positions}
         more |= {} if spec.factors is None else {"factors": spec.factors}
-        case.memo[name] = motorization_margin(case.scenario, _joint(spec), travel=travel, **more)
+        case.memo[name] = margin(case.scenario, _joint(spec), travel=travel, **more)
     return case.memo[name]
 
 
