@@ -4,6 +4,8 @@ from antenna_pin.studies.verification.evaluation import PointEvaluator as PointE
 from antenna_pin.studies.verification.measured_loop import LoopPoint as LoopPoint
 from antenna_pin.studies.verification.measured_loop import measured_loop as measured_loop
 from antenna_pin.studies.verification.measured_loop import measured_phase_margin as measured_phase_margin
+from antenna_pin.studies.verification.measured_orders import measured_orders as measured_orders
+from antenna_pin.studies.verification.measured_orders import records_at_speeds as records_at_speeds
 from antenna_pin.studies.verification.output import facts_of as facts_of
 from antenna_pin.studies.verification.output import nominal_run as nominal_run
 from antenna_pin.studies.verification.output import save_verification as save_verification
