@@ -320,6 +320,11 @@ def _curve(one: Mapping[str, Any], run: Trajectory | None, figures: bool) -> Ite
     key, caption = f"figure-of-{one['key']}", str(one.get("caption", ""))
     if "margin" in one:
         yield picture(plot.figure_margin(one["margin"]), caption, key)
+    if "measured" in one:
+        frequency, small, lines = one["measured"]
+        yield picture(plot.figure_loop(frequency, small, lines), caption, key)
+    if "orders" in one:
+        yield picture(plot.figure_orders(one["orders"]), caption, key)
     if "loop" in one:
         yield picture(plot.figure_torque_angle(one["loop"]), caption, key)
     if "stress" in one and run is not None and one["stress"].time.size:
@@ -355,7 +360,7 @@ def _shocks(mine: Sequence[Mapping[str, Any]], run: Trajectory, figures: bool) -
             yield picture(drawn_, f"Shock response spectrum of {one}", f"srs-{_slug(one)}")
 
 
-def _interface(_: Sequence[Mapping[str, Any]], run: Trajectory, figures: bool) -> Iterator[Item | str]:
+def _interface(mine: Sequence[Mapping[str, Any]], run: Trajectory, figures: bool) -> Iterator[Item | str]:
     """Yield the disturbance at the interface: six axes, root mean squares and densities."""
     try:
         loads = interface_loads(run)
@@ -392,7 +397,8 @@ def _interface(_: Sequence[Mapping[str, Any]], run: Trajectory, figures: bool) -
             "Amplitude density of the disturbance on the base",
             "interface-density",
         )
-    yield "Orders of a wheel over speed need runs at several speeds, which this verification does not make."
+    if not any(one["quantity"].startswith("order_") for one in mine):
+        yield "Orders of a wheel over its speed: no requirement of order_coefficient in this file."
 
 
 def _loops(loops: Sequence[Mapping[str, Any]], figures: bool) -> Iterator[Item]:

@@ -36,6 +36,8 @@ _UNSOLVED = 1e-3
 _SINGULAR = 1e-12
 # Rounds without a better balance after which round-off is reached, and of a balance below which one will do.
 _PATIENCE, _ROUND_OFF = 6, 1e-11
+# Residual over that before a step, below which the stiffness is used again.
+_GAIN = 1e-2
 # Round-off of a stop's position [rad] ([m]), and of a friction's load over its grip.
 _AT_STOP, _SLACK = 1e-12, 1e-9
 # Share of the largest force as which one counts that is less: its round-off is that of the largest.
@@ -136,23 +138,26 @@ def _left(balance: Balance, here: _Pose) -> str:
 def _newton(balance: Balance, start: _Pose) -> _Pose | None:
     """Return the pose in balance by Newton's method, or None where it leads nowhere."""
     here = best = start
-    patience, cut = _PATIENCE, 0
+    patience, cut, renewed = _PATIENCE, 0, True
     for _ in range(_NEWTONS):
         if here.residual <= _SOUGHT:
             return here
-        directions = here.free.directions
-        reduced = directions.T @ balance.stiffness(here.y, here.free)
+        if renewed:  # where the last step gained much, the stiffness before it does once more
+            free = here.free
+            directions = free.directions
+            reduced = directions.T @ balance.stiffness(here.y, free)
         right = directions.T @ here.force
         step: Array = np.linalg.lstsq(reduced, right, rcond=_SINGULAR)[0].astype(float)
         if np.linalg.norm(reduced @ step - right) > _UNSOLVED * np.linalg.norm(right):
             break
-        longest = _longest(here.free, step)
+        longest = _longest(free, step)
         cut += longest > 1.0
         if cut > _CUTS:
             break
-        moved = _moved(balance, here, step / max(1.0, longest))
+        moved = _moved(balance, here, step / max(1.0, longest), directions)
         if moved is None:
             break
+        renewed = moved.residual > _GAIN * here.residual
         here = moved
         if here.residual < 0.5 * best.residual:
             best, patience = here, _PATIENCE
@@ -174,7 +179,7 @@ def _drift(balance: Balance, here: _Pose, damping: float) -> tuple[_Pose, float]
     for _ in range(40):
         shift = 1.01 * max(0.0, -least) + damping * size
         step = np.linalg.lstsq(reduced + shift * np.eye(len(right)), right, rcond=_SINGULAR)[0]
-        moved = _moved(balance, here, np.clip(step, -1.0, 1.0))
+        moved = _moved(balance, here, np.clip(step, -1.0, 1.0), directions)
         if moved is not None:
             break
         damping *= 4.0
@@ -191,10 +196,10 @@ def _farthest(balance: Balance, before: _Pose, here: _Pose, *, coarse: bool = Fa
     return float((moved[~before.free.fine] if coarse else moved).max(initial=0.0))
 
 
-def _moved(balance: Balance, here: _Pose, step: Array) -> _Pose | None:
+def _moved(balance: Balance, here: _Pose, step: Array, directions: Array) -> _Pose | None:
     """Return the pose after a step; None without closed loops or finite forces."""
     try:
-        found = _pose(balance, balance.displaced(here.y, here.free.directions @ step))
+        found = _pose(balance, balance.displaced(here.y, directions @ step))
     except MechanismError:
         return None
     return found if np.isfinite(found.force).all() else None

@@ -2,6 +2,9 @@ from antenna_pin.studies.verification.analyses import analyses_of as analyses_of
 from antenna_pin.studies.verification.evaluation import Evaluated as Evaluated
 from antenna_pin.studies.verification.evaluation import PointEvaluator as PointEvaluator
 from antenna_pin.studies.verification.measured_loop import LoopPoint as LoopPoint
+from antenna_pin.studies.verification.measured_loop import MeasuredMargins as MeasuredMargins
+from antenna_pin.studies.verification.measured_loop import frequencies_around as frequencies_around
+from antenna_pin.studies.verification.measured_loop import margins_of_points as margins_of_points
 from antenna_pin.studies.verification.measured_loop import measured_loop as measured_loop
 from antenna_pin.studies.verification.measured_loop import measured_phase_margin as measured_phase_margin
 from antenna_pin.studies.verification.measured_orders import measured_orders as measured_orders

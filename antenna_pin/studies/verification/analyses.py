@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -10,7 +11,7 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import readable
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.scenario.requirements import RequirementSpec
-from antenna_pin.studies.verification.design_quantities import loop_of, margin_of, stress_of
+from antenna_pin.studies.verification.design_quantities import loop_of, margin_of, orders_of, stress_of
 from antenna_pin.studies.verification.quantity import Case
 from antenna_pin.studies.verification.verify import Verified
 from antenna_pin.trajectory import Trajectory
@@ -43,12 +44,16 @@ def analyses_of(
     parts: list[Callable[[], Iterator[dict[str, Any]]]] = [
         lambda: _margins(verified, case),
         lambda: _torque_angle(verified, case),
+        lambda: _orders(verified, case),
+        lambda: _measured_loops(verified),
     ]
     if run is not None:
         parts.append(lambda: _stress(case))
     for part in parts:
         try:
-            curves += list(part())
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # of runs beside the nominal one
+                curves += list(part())
         except AntennaPinError as error:
             say(f"note: {error}")
     return list(_loops(verified, say)), curves
@@ -59,7 +64,7 @@ def _specs(verified: Verified, *names: str) -> list[RequirementSpec]:
     found: dict[str, RequirementSpec] = {}
     for spec in verified.plan.requirements.values():
         if spec.quantity in names:
-            found.setdefault(f"{spec.of} {spec.travel} {spec.factors} {spec.torque}", spec)
+            found.setdefault(f"{spec.of} {spec.travel} {spec.factors} {spec.torque} {spec.speeds}", spec)
     return list(found.values())
 
 
@@ -77,6 +82,59 @@ def _loops(verified: Verified, say: Callable[[str], None]) -> Iterator[dict[str,
             "controller": name,
             "frequency": found.frequency[::20],
             "response": found.response[::20],
+        }
+
+
+def _measured_loops(verified: Verified) -> Iterator[dict[str, Any]]:
+    """Yield the loops of requirements that measure them in runs, one line for each amplitude."""
+    from antenna_pin.studies.linear import loop_margins
+    from antenna_pin.studies.verification.measured_loop import (
+        frequencies_around,
+        margins_of_points,
+        measured_loop,
+    )
+
+    scenario = verified.plan.base
+    asked: dict[str, list[Any]] = {}
+    for spec in verified.plan.requirements.values():
+        if spec.quantity == "measured_phase_margin" and spec.of is not None:
+            asked.setdefault(spec.of, []).append(spec.amplitude)
+    for name, amplitudes in asked.items():
+        small = loop_margins(scenario, name)
+        rows = [
+            [
+                "small motions",
+                readable(small.bandwidth, "Hz", 3),
+                readable(math.degrees(small.phase_margin), "deg", 3),
+                readable(small.gain_margin, "1", 3),
+                "0",
+            ]
+        ]
+        lines = {}
+        for amplitude in dict.fromkeys(amplitudes):
+            points = measured_loop(scenario, name, frequencies_around(small), amplitude)
+            found = margins_of_points(points)
+            numbers = ((found.crossing, "Hz"), (math.degrees(found.phase), "deg"), (found.gain, "1"))
+            rows.append(
+                [
+                    str(amplitude),
+                    *(readable(value, unit, 3) if math.isfinite(value) else "outside" for value, unit in numbers),
+                    readable(max(point.distortion for point in points), "1", 2),
+                ]
+            )
+            lines[str(amplitude)] = ([point.frequency for point in points], [point.gain for point in points])
+        yield {
+            "analysis": "control",
+            "key": f"measured-loop-{name}",
+            "title": f"Loop {name} measured in runs with sine references, through play and friction",
+            "head": ("amplitude", "gain 1 at", "phase margin", "gain margin", "largest distortion"),
+            "rows": rows,
+            "measured": (small.frequency[::20], {name: small.response[::20]}, lines),
+            "caption": f"Loop {name}: small motions (line), and fundamentals in runs at amplitudes of the reference",
+            "notes": (
+                "Measured loops depend on the amplitude, as a describing function does; limits of the command, "
+                "quantisation, sticking and play are in them.",
+            ),
         }
 
 
@@ -133,6 +191,43 @@ def _torque_angle(verified: Verified, case: Case) -> Iterator[dict[str, Any]]:
             "loop": found.data,
             "caption": f"Torque-angle loop of {found.joint}",
             "notes": found.notes,
+        }
+
+
+def _orders(verified: Verified, case: Case) -> Iterator[dict[str, Any]]:
+    for number, spec in enumerate(_specs(verified, "order_coefficient", "order_amplitude"), start=1):
+        found = orders_of(case, spec)
+        rows = []
+        for order in found["order"].values:
+            for axis in found["axis"].values:
+                one = found.sel(order=order, axis=axis)
+                largest = float(one["amplitude"].max())
+                if largest == 0.0:
+                    continue
+                force = str(axis).startswith("f")
+                resonant = [f"{30.0 / math.pi * speed:.4g}" for speed in one["speed"].values[one["resonant"].values]]
+                rows.append(
+                    [
+                        f"{order:.6g}",
+                        str(axis),
+                        readable(float(one["coefficient"]), "kg m" if force else "kg m^2"),
+                        readable(float(one["misfit"]), "1", 2),
+                        readable(largest, "N" if force else "N m"),
+                        ", ".join(resonant) or "none",
+                    ]
+                )
+        yield {
+            "analysis": "disturbance",
+            "key": f"orders-{number}",
+            "title": f"Orders of {spec.of}: harmonics h and coefficients C, nominal state",
+            "head": ("order h", "axis", "C", "misfit", "largest amplitude", "resonant at [rpm]"),
+            "rows": rows,
+            "orders": found,
+            "caption": f"Amplitudes of {spec.of}'s orders over its speed; lines are C times the speed squared",
+            "notes": (
+                "Orders: force and moment of the mechanism on its base, least squares over the wheel's angle in "
+                "runs at each speed; resonant speeds do not count in C.",
+            ),
         }
 
 
