@@ -9,6 +9,7 @@ from typing import Any
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import readable
+from antenna_pin.base.units import any_quantity
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.scenario.requirements import RequirementSpec
 from antenna_pin.studies.verification.design_quantities import loop_of, margin_of, orders_of, stress_of
@@ -21,6 +22,8 @@ __all__ = ["analyses_of"]
 _MARGINS = (
     "gain_margin", "phase_margin", "delay_margin", "modulus_margin", "loop_damping", "bandwidth",
 )  # fmt: skip
+# Amplitudes of a measured loop over that of its requirement.
+_AMPLITUDES = (0.5, 1.0, 2.0)
 _LOOP_MEASURES = ("stiffness", "lost_motion", "dead_band", "hysteresis", "loop_friction")
 
 
@@ -95,10 +98,11 @@ def _measured_loops(verified: Verified) -> Iterator[dict[str, Any]]:
     )
 
     scenario = verified.plan.base
-    asked: dict[str, list[Any]] = {}
+    asked: dict[str, set[tuple[float, str]]] = {}
     for spec in verified.plan.requirements.values():
-        if spec.quantity == "measured_phase_margin" and spec.of is not None:
-            asked.setdefault(spec.of, []).append(spec.amplitude)
+        size = None if spec.amplitude is None else any_quantity(spec.amplitude)
+        if spec.quantity == "measured_phase_margin" and spec.of is not None and size is not None:
+            asked.setdefault(spec.of, set()).update((share * size[0], size[1]) for share in _AMPLITUDES)
     for name, amplitudes in asked.items():
         small = loop_margins(scenario, name)
         rows = [
@@ -111,18 +115,19 @@ def _measured_loops(verified: Verified) -> Iterator[dict[str, Any]]:
             ]
         ]
         lines = {}
-        for amplitude in dict.fromkeys(amplitudes):
-            points = measured_loop(scenario, name, frequencies_around(small), amplitude)
+        for size, measure in sorted(amplitudes):
+            amplitude = readable(size, measure or "1")
+            points = measured_loop(scenario, name, frequencies_around(small), size)
             found = margins_of_points(points)
             numbers = ((found.crossing, "Hz"), (math.degrees(found.phase), "deg"), (found.gain, "1"))
             rows.append(
                 [
-                    str(amplitude),
+                    amplitude,
                     *(readable(value, unit, 3) if math.isfinite(value) else "outside" for value, unit in numbers),
                     readable(max(point.distortion for point in points), "1", 2),
                 ]
             )
-            lines[str(amplitude)] = ([point.frequency for point in points], [point.gain for point in points])
+            lines[amplitude] = ([point.frequency for point in points], [point.gain for point in points])
         yield {
             "analysis": "control",
             "key": f"measured-loop-{name}",
