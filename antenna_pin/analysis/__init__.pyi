@@ -96,7 +96,6 @@ from antenna_pin.analysis.recurrence import recurrence as recurrence
 from antenna_pin.analysis.recurrence import said_of_verdicts as said_of_verdicts
 from antenna_pin.analysis.recurrence import section_lines as section_lines
 from antenna_pin.analysis.round_off import ROUND_OFF as ROUND_OFF
-from antenna_pin.analysis.round_off import ROUND_OFF as ROUND_OFF
 from antenna_pin.analysis.round_off import ROUND_OFF_WORDS as ROUND_OFF_WORDS
 from antenna_pin.analysis.round_off import is_round_off as is_round_off
 from antenna_pin.analysis.round_off import round_off_scales as round_off_scales

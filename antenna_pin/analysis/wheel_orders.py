@@ -71,11 +71,15 @@ def speed_records(
     known = names_along(data, "joint")
     if joint not in known:
         raise UnknownNameError("wheel orders", "joint", joint, known)
-    late = sample_times(data, "speed_records") >= after
+    times = sample_times(data, "speed_records")
+    # Of two samples at one time, but for round-off, the later one.
+    late = (times >= after) & (np.diff(times, append=np.inf) > 1e-12 * abs(times[-1]))
     loads = interface_loads(data)
     whole = np.concatenate([loads["force"].values, loads["moment"].values], axis=1)[late]
     one = data.sel(joint=joint)
-    angle, rate = (np.asarray(one[name].values, dtype=float)[late] for name in ("motion_angle", "motion_rate"))
+    angle, rate = (
+        np.asarray(one[name].values, dtype=float)[late] for name in ("motion_angle", "motion_rate")
+    )
     if angle.size and angle[-1] < angle[0]:
         angle, rate = -angle, -rate
     if angle.size < 2 or not (np.diff(angle) > 0.0).all():
@@ -85,9 +89,7 @@ def speed_records(
         return [SpeedRecord(angle, rate, whole)]
     edges = np.arange(angle[0], angle[-1] + 1e-9, 2.0 * np.pi * turns)
     cuts = np.searchsorted(angle, edges)
-    return [
-        SpeedRecord(angle[a:b], rate[a:b], whole[a:b]) for a, b in zip(cuts[:-1], cuts[1:], strict=True)
-    ]
+    return [SpeedRecord(angle[a:b], rate[a:b], whole[a:b]) for a, b in zip(cuts[:-1], cuts[1:], strict=True)]
 
 
 @takes()
@@ -125,7 +127,7 @@ def wheel_orders(
     if not resonance > 0.0:
         raise InvalidParameterError("wheel orders", "resonance", "positive", resonance)
     if harmonics is None:
-        orders = _refined(records, _found(records, count))
+        orders = _refined(records, _searched(records, count))
     else:
         orders = np.sort(np.array(harmonics, dtype=float))
         if not orders.size or not (orders > 0.0).all():
@@ -181,7 +183,7 @@ def _check(record: SpeedRecord) -> None:
 
 
 def _columns(record: SpeedRecord, orders: Array) -> Array:
-    """Return what a disturbance is a combination of, (n, 1 + 2 orders): a mean, and each order's sines."""
+    """Return the columns of the least squares, (n, 1 + 2 orders): a mean, and each order's sines."""
     turned = record.angle[:, None] * orders
     square = (record.rate**2)[:, None]
     return np.concatenate(
@@ -200,7 +202,7 @@ def _fitted(record: SpeedRecord, orders: Array) -> tuple[Array, Array]:
     return fit[:count] - 1j * fit[count:], np.sqrt(np.mean(rest**2, axis=0))
 
 
-def _found(records: Sequence[SpeedRecord], count: int) -> Array:
+def _searched(records: Sequence[SpeedRecord], count: int) -> Array:
     """Return the orders whose peaks most records have, (k,)."""
     rows: list[tuple[float, int, float]] = []  # order, record, share of the largest of its kind
     for k, record in enumerate(records):
@@ -232,7 +234,7 @@ def _refined(records: Sequence[SpeedRecord], orders: Array) -> Array:
 
     whole = np.concatenate([record.loads - record.loads.mean(axis=0) for record in records])
     sizes = [np.linalg.norm(whole[:, own]) or 1.0 for own in (slice(0, 3), slice(3, 6))]
-    weights = 1.0 / np.repeat(sizes, 3)
+    weights = 1.0 / np.repeat(np.array(sizes, dtype=float), 3)
 
     def left(trial: Array) -> Array:
         parts = []
@@ -245,7 +247,5 @@ def _refined(records: Sequence[SpeedRecord], orders: Array) -> Array:
         return np.concatenate(parts)
 
     turns = max(float(np.ptp(record.angle)) for record in records) / (2.0 * np.pi)
-    found = least_squares(
-        left, orders, x_scale=1.0 / turns, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15
-    )
+    found = least_squares(left, orders, x_scale=1.0 / turns, method="lm", xtol=1e-15, ftol=1e-15, gtol=1e-15)
     return np.asarray(found.x)

@@ -81,8 +81,8 @@ class RequirementSpec(Spec):
         hold: Joints that do not move in a torque-angle loop, beside those that the scenario holds.
         speeds: Lowest and highest speed of a wheel.
         harmonic: Harmonic of a wheel's speed [-].
-        axis: Axis of a wheel's disturbance: of the force ``fx``, ``fy``, ``fz``, of the moment ``mx``, ``my``,
-            ``mz``.
+        axis: Axis of a wheel's disturbance: ``fx``, ``fy``, ``fz`` of the force, ``mx``, ``my``, ``mz`` of
+            the moment.
     """
 
     text: str = ""

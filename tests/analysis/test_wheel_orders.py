@@ -102,7 +102,9 @@ def test_refusals():
     run = simulate(load_scenario("reaction_wheel", "ideal"), duration=0.01)
     with pytest.raises(AntennaPinError, match="joint 'shat' is unknown; did you mean shaft"):
         speed_records(run, "shat")
-    still = simulate(load_scenario("reaction_wheel", "ideal", {"initial.joints.shaft.rate": 0}), duration=0.01)
+    still = simulate(
+        load_scenario("reaction_wheel", "ideal", {"initial.joints.shaft.rate": 0}), duration=0.01
+    )
     with pytest.raises(AntennaPinError, match="of a joint that turns one way all the time"):
         speed_records(still, "shaft")
     scenario = load_scenario("reaction_wheel", "ideal")

@@ -166,7 +166,7 @@ def test_margins_of_measured_points_are_those_of_their_loop():
 
 
 def test_limits_lower_the_gain_of_a_measured_loop_as_their_describing_function(wheel):
-    """L = N(A) times that of small motions, N = 2/pi (asin 1/a + sqrt(1 - 1/a^2)/a) at a = A over the limit."""
+    """L = N(A) times that of small motions, N = 2/pi (asin 1/a + sqrt(1 - 1/a^2)/a) at a = A / limit."""
     from antenna_pin.studies.verification import measured_loop
 
     kp, kd, limit, amplitude, frequency = 40.0, 6.0, 2.0, 0.3, 1.5

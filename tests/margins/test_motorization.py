@@ -162,7 +162,9 @@ def test_motor_behind_a_coupling():
 
 def test_gears_lose_a_share_of_what_they_transmit():
     """Two stages of 8 and 5 between motor and bar: (1 / eta - 1) of the resistances beyond each."""
-    text = f'<robot name="g"><link name="bus"/>{LINK.format("bar")}{LINK.format("shaft")}{LINK.format("rotor")}'
+    text = (
+        f'<robot name="g"><link name="bus"/>{LINK.format("bar")}{LINK.format("shaft")}{LINK.format("rotor")}'
+    )
     for joint, link in (("hinge", "bar"), ("middle", "shaft"), ("motor", "rotor")):
         text += JOINT.format(joint, "bus", link, 0)
     text = text.replace('-3"', '-300"').replace('"3"', '"300"') + "</robot>"
@@ -259,10 +261,6 @@ def test_refusals(hinge: Scenario):
     ):
         margin(hinge, "hinge", travel=(0.1, 1.0), count=2, factors="ecss")
     with pytest.raises(AntennaPinError, match="two numbers that rise"):
-        margin(
-            hinge, "hinge", travel=(0.1, 1.0), count=2, ranges={"springs.coil.stiffness": (3.0, 2.0)}
-        )
+        margin(hinge, "hinge", travel=(0.1, 1.0), count=2, ranges={"springs.coil.stiffness": (3.0, 2.0)})
     with pytest.raises(AntennaPinError, match="coils"):
-        margin(
-            hinge, "hinge", travel=(0.1, 1.0), count=2, ranges={"springs.coils.x": (1.0, 2.0)}
-        )
+        margin(hinge, "hinge", travel=(0.1, 1.0), count=2, ranges={"springs.coils.x": (1.0, 2.0)})

@@ -58,7 +58,7 @@ def test_rare_failures_lie_within_the_stated_interval(case):
 
 @pytest.mark.parametrize("case", CASES)
 def test_importance_sampling_is_sharp_about_one_failure(case):
-    """Its interval is within a factor of two; of 20 a 95 % interval holds in 17 or more with a chance of 0.984."""
+    """It is within a factor of two; an exact 95 % one holds in 17 or more of 20 with a chance of 98 %."""
     variables, limit, exact = CASES[case]
     found = [importance_sampling(limit, variables, samples=1000, seed=k) for k in range(REPEATS)]
     assert max(one.runs for one in found) < 3000

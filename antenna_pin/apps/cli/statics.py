@@ -96,9 +96,7 @@ def statics(
     read: dict[str, Any] = {
         name: None if value is None else bare(value) for name, value in quantities.items()
     }
-    found = of_mechanism.statics(
-        known, joint, count=count, back=back, hold=hold or (), starts=starts, **read
-    )
+    found = of_mechanism.statics(known, joint, count=count, back=back, hold=hold or (), starts=starts, **read)
     title = ", ".join(filter(None, (known.title, known.case)))
     if found.loop is not None:
         if target is not None:

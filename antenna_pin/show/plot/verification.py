@@ -152,7 +152,7 @@ def figure_loop(
 def _margin_lines(
     frequency: Array, gain: Array, phase: Array
 ) -> tuple[list[tuple[Array, Array]], list[tuple[Array, Array]]]:
-    """Return upright lines of gain and phase margin: to 1 where the phase is -180, to -180 where the gain is 1."""
+    """Return upright lines of the gain margin and of the phase margin."""
     found: list[list[tuple[Array, Array]]] = [[], []]
     for kind, (falling, other, level) in enumerate(
         ((phase + 180.0, np.log(gain), 0.0), (np.log(gain), phase, -180.0))

@@ -296,12 +296,15 @@ def _analysis(
         if one["analysis"] == key:
             items += list(_curve(one, runs[0].run if runs else None, figures))
             notes += [str(note) for note in one.get("notes", ())]
+            if "made_by" in one:
+                notes.append(f"{one['title']}: {one['made_by']}")
     extra = {"shocks": _shocks, "disturbance": _interface}.get(key)
     if extra is not None and runs:
         for part in extra(mine, runs[0].run, figures):
             (notes if isinstance(part, str) else items).append(part)  # type: ignore[arg-type]
     if key == "control":
         items += list(_loops(loops, figures))
+        notes += [f"Loop {one['controller']}: {one['made_by']}" for one in loops if "made_by" in one]
     items += placed.get(key, ())
     if key == "integrity" and runs:
         books = conservation(runs)
@@ -542,6 +545,10 @@ def _provenance(facts: Mapping[str, Any], file: Path | None) -> Section:
         statement("requirements", facts["file"], True),
         statement("points evaluated", f"{facts['points']}, a line each in {facts['store']}/journal"),
         statement("all numbers", "verification.json, matrix.csv", True),
+        statement(
+            "tables of analyses", "analyses.json, each with the command or Python call that repeats it"
+        ),
+        statement("nominal scenario", "nominal.toml", True),
         statement("worst cases", "worst/REQUIREMENT.toml, each a scenario that antenna-pin run takes"),
         statement("identity of scenario, functions and versions", facts["digest"], True),
         statement("finished (UTC)", facts["finished"]),

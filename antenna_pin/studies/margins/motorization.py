@@ -340,7 +340,7 @@ def _driving(begin: Model, options: _Options) -> list[str]:
 
 
 def _develop(path: Path, sense: float) -> None:
-    """Bring hysteresis and friction to what they are after a long way of the travel's sense."""
+    """Bring hysteresis and friction to their state after a long way."""
     balance = path.balance
     velocity = path.kinematic(balance.y)
     senses = {}
@@ -426,7 +426,7 @@ def _add_gear_losses(
     driving: Sequence[str],
     delivered: float,
 ) -> None:
-    """Replace friction of gears between drives and joint: the travel, driven at the joint, unloads them.
+    """Replace friction of gears between drives and joint, which the travel unloads.
 
     A gear of efficiency eta loses (1 / eta - 1) R of a resistance R > 0 beyond it, seen from the drives; of
     one that drives, R < 0, it loses (1 - eta_back) of it.
@@ -472,7 +472,7 @@ def _acts_at(system: System, place: str) -> set[str]:
 
 def _joints_at_input(system: System, place: str) -> set[str]:
     """Return the joints on the input's side of a gear, by other gears and couplings."""
-    gears = system.families.get("gears", {})
+    gears: Mapping[str, Any] = system.families.get("gears", {})
     links = [{str(one.input), str(one.output)} for name, one in gears.items() if f"gears.{name}" != place]
     links += [{one.follower, leader} for one in system.couplings.values() for leader in one.leaders]
     near = {str(getattr(_element(system, place), "input"))}  # noqa: B009 - of whatever meshes

@@ -192,7 +192,7 @@ class Path:
         return self.tangent(Rest(y, 0.0, free, balance.stiffness(y, free)))
 
     def slip(self, sense: float, where: str = "travel") -> None:
-        """Come into balance with all friction against a motion of a sense, as after a long way."""
+        """Come into balance with all friction against a motion, as after a long way."""
         balance = self.balance
         velocity = sense * self._tangent_of_slip()
         size = float(np.abs(velocity / balance.reach).max())

@@ -167,7 +167,7 @@ def limits_of(system: System, joint: str) -> tuple[float, float]:
 
 
 def _stated_limits(begin: Model, joint: str) -> tuple[float, float]:
-    """Return the limits that the scenario's URDF states, of a joint with play or on bearings too."""
+    """Return the limits stated by the URDF, of joints with play or on bearings too."""
     if begin.scenario is None:
         return -np.inf, np.inf
     change = begin.scenario.mechanism.joints.get(joint)

@@ -1,4 +1,4 @@
-"""Statics of a mechanism in one call: equilibria, or travel and torque-angle loop of a joint."""
+"""Statics in one call: equilibria, or travel and torque-angle loop of a joint."""
 
 from __future__ import annotations
 

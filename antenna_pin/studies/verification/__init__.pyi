@@ -11,6 +11,7 @@ from antenna_pin.studies.verification.measured_orders import measured_orders as 
 from antenna_pin.studies.verification.measured_orders import records_at_speeds as records_at_speeds
 from antenna_pin.studies.verification.output import facts_of as facts_of
 from antenna_pin.studies.verification.output import nominal_run as nominal_run
+from antenna_pin.studies.verification.output import save_analyses as save_analyses
 from antenna_pin.studies.verification.output import save_verification as save_verification
 from antenna_pin.studies.verification.plan import RequirementsFile as RequirementsFile
 from antenna_pin.studies.verification.plan import UncertainNumber as UncertainNumber

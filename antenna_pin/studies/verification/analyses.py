@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+import shlex
 import warnings
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -13,6 +15,7 @@ from antenna_pin.base.units import any_quantity
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.scenario.requirements import RequirementSpec
 from antenna_pin.studies.verification.design_quantities import loop_of, margin_of, orders_of, stress_of
+from antenna_pin.studies.verification.output import NOMINAL
 from antenna_pin.studies.verification.quantity import Case
 from antenna_pin.studies.verification.verify import Verified
 from antenna_pin.trajectory import Trajectory
@@ -40,7 +43,8 @@ def analyses_of(
 
     Returns:
         Of each PID loop its margins and response; of each other analysis ``analysis``, ``key``, ``title``,
-        ``head`` and ``rows`` of a table, and what a figure is drawn of.
+        ``head`` and ``rows`` of a table, ``made_by``, the command or call that repeats it in the folder of
+        the output, and what a figure is drawn of.
     """
     case = Case(verified.plan.base, lambda: run)  # type: ignore[arg-type, return-value]
     curves: list[dict[str, Any]] = []
@@ -52,11 +56,12 @@ def analyses_of(
     ]
     if run is not None:
         parts.append(lambda: _stress(case))
+    by_run = f"antenna-pin stress nominal-{verified.digest}.nc"
     for part in parts:
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # of runs beside the nominal one
-                curves += list(part())
+                curves += [{"made_by": by_run, **one} for one in part()]
         except AntennaPinError as error:
             say(f"note: {error}")
     return list(_loops(verified, say)), curves
@@ -71,6 +76,19 @@ def _specs(verified: Verified, *names: str) -> list[RequirementSpec]:
     return list(found.values())
 
 
+def _command(command: str, *options: tuple[str, Any]) -> str:
+    """Return the command that repeats an analysis of the nominal scenario."""
+    words = [f"--{name}={value}" for name, value in options if value is not None]
+    return shlex.join(["antenna-pin", command, NOMINAL, *words])
+
+
+def _call(function: str, *arguments: Any, **named: Any) -> str:
+    """Return the call in Python that repeats an analysis of the nominal scenario."""
+    words = [f'load_scenario("{NOMINAL}")', *(json.dumps(one) for one in arguments)]
+    words += [f"{name}={value}" for name, value in named.items() if value is not None]
+    return f"{function}({', '.join(words)})"
+
+
 def _loops(verified: Verified, say: Callable[[str], None]) -> Iterator[dict[str, Any]]:
     from antenna_pin.studies.linear import loop_margins
 
@@ -83,6 +101,7 @@ def _loops(verified: Verified, say: Callable[[str], None]) -> Iterator[dict[str,
             continue
         yield {key: float(getattr(found, key)) for key in _MARGINS} | {
             "controller": name,
+            "made_by": _call("loop_margins", name),
             "frequency": found.frequency[::20],
             "response": found.response[::20],
         }
@@ -100,9 +119,9 @@ def _measured_loops(verified: Verified) -> Iterator[dict[str, Any]]:
     scenario = verified.plan.base
     asked: dict[str, set[tuple[float, str]]] = {}
     for spec in verified.plan.requirements.values():
-        size = None if spec.amplitude is None else any_quantity(spec.amplitude)
-        if spec.quantity == "measured_phase_margin" and spec.of is not None and size is not None:
-            asked.setdefault(spec.of, set()).update((share * size[0], size[1]) for share in _AMPLITUDES)
+        read = None if spec.amplitude is None else any_quantity(spec.amplitude)
+        if spec.quantity == "measured_phase_margin" and spec.of is not None and read is not None:
+            asked.setdefault(spec.of, set()).update((share * read[0], read[1]) for share in _AMPLITUDES)
     for name, amplitudes in asked.items():
         small = loop_margins(scenario, name)
         rows = [
@@ -123,7 +142,10 @@ def _measured_loops(verified: Verified) -> Iterator[dict[str, Any]]:
             rows.append(
                 [
                     amplitude,
-                    *(readable(value, unit, 3) if math.isfinite(value) else "outside" for value, unit in numbers),
+                    *(
+                        readable(value, unit, 3) if math.isfinite(value) else "outside"
+                        for value, unit in numbers
+                    ),
                     readable(max(point.distortion for point in points), "1", 2),
                 ]
             )
@@ -131,13 +153,14 @@ def _measured_loops(verified: Verified) -> Iterator[dict[str, Any]]:
         yield {
             "analysis": "control",
             "key": f"measured-loop-{name}",
+            "made_by": _call("measured_loop", name, "FREQUENCIES", "AMPLITUDE"),
             "title": f"Loop {name} measured in runs with sine references, through play and friction",
             "head": ("amplitude", "gain 1 at", "phase margin", "gain margin", "largest distortion"),
             "rows": rows,
             "measured": (small.frequency[::20], {name: small.response[::20]}, lines),
-            "caption": f"Loop {name}: small motions (line), and fundamentals in runs at amplitudes of the reference",
+            "caption": f"Loop {name}: small motions (line), and fundamentals in runs",
             "notes": (
-                "Measured loops depend on the amplitude, as a describing function does; limits of the command, "
+                "Measured loops depend on the amplitude, as a describing function does; limits, "
                 "quantisation, sticking and play are in them.",
             ),
         }
@@ -165,6 +188,13 @@ def _margins(verified: Verified, case: Case) -> Iterator[dict[str, Any]]:
         yield {
             "analysis": "motorization",
             "key": f"motorization-{number}",
+            "made_by": _command(
+                "margin",
+                ("joint", spec.of),
+                ("travel", spec.travel and f"{spec.travel[0]}:{spec.travel[1]}"),
+                ("count", spec.positions),
+                ("factors", spec.factors),
+            ),
             "title": f"Motorization of {found.joint} at {place}, where its margin is smallest",
             "head": ("source", "class", "resists", "factor", "drives", "factor", "value"),
             "rows": rows,
@@ -190,6 +220,9 @@ def _torque_angle(verified: Verified, case: Case) -> Iterator[dict[str, Any]]:
         yield {
             "analysis": "motorization",
             "key": f"torque-angle-{number}",
+            "made_by": _command(
+                "statics", ("joint", spec.of), ("loop", spec.torque), *(("hold", one) for one in spec.hold)
+            ),
             "title": f"Torque-angle loop of {found.joint}, {readable(found.amplitude, units['friction'])}",
             "head": ("measure", "value", "definition"),
             "rows": rows,
@@ -210,7 +243,9 @@ def _orders(verified: Verified, case: Case) -> Iterator[dict[str, Any]]:
                 if largest == 0.0:
                     continue
                 force = str(axis).startswith("f")
-                resonant = [f"{30.0 / math.pi * speed:.4g}" for speed in one["speed"].values[one["resonant"].values]]
+                resonant = [
+                    f"{30.0 / math.pi * speed:.4g}" for speed in one["speed"].values[one["resonant"].values]
+                ]
                 rows.append(
                     [
                         f"{order:.6g}",
@@ -224,14 +259,15 @@ def _orders(verified: Verified, case: Case) -> Iterator[dict[str, Any]]:
         yield {
             "analysis": "disturbance",
             "key": f"orders-{number}",
+            "made_by": _call("measured_orders", spec.of, list(spec.speeds or ()), count=spec.positions),
             "title": f"Orders of {spec.of}: harmonics h and coefficients C, nominal state",
             "head": ("order h", "axis", "C", "misfit", "largest amplitude", "resonant at [rpm]"),
             "rows": rows,
             "orders": found,
-            "caption": f"Amplitudes of {spec.of}'s orders over its speed; lines are C times the speed squared",
+            "caption": f"Amplitudes of {spec.of}'s orders over its speed; lines: C times its square",
             "notes": (
-                "Orders: force and moment of the mechanism on its base, least squares over the wheel's angle in "
-                "runs at each speed; resonant speeds do not count in C.",
+                "Orders: force and moment of the mechanism on its base, least squares over the wheel's angle "
+                "in runs at each speed; resonant speeds do not count in C.",
             ),
         }
 

@@ -157,8 +157,8 @@ def _order(reduce: Callable[[Any], float], force: str, moment: str) -> Find:
 def _of_wheels() -> Iterator[VerifiedQuantity]:
     options = ("speeds", "positions", "harmonic", "axis")
     yield VerifiedQuantity(
-        "order_coefficient", "", "C of an order of a wheel: amplitude over the square of its speed, resonances "
-        "apart", "disturbance", "joint",
+        "order_coefficient", "", "C of a wheel's order: amplitude over the square of its speed, resonances apart",
+        "disturbance", "joint",
         _order(lambda found: float(found["coefficient"]), "kg m", "kg m^2"), options, needs_run=False,
     )  # fmt: skip
     yield VerifiedQuantity(

@@ -134,7 +134,7 @@ def measured_phase_margin(
 
 
 class MeasuredMargins(NamedTuple):
-    """Margins of a loop measured at some frequencies; NaN for a crossing that is not among them.
+    """Margins of a measured loop; NaN for a crossing beyond the measured frequencies.
 
     Attributes:
         phase: Phase margin [rad].
@@ -151,7 +151,9 @@ class MeasuredMargins(NamedTuple):
 
 @takes()
 def margins_of_points(points: Sequence[LoopPoint]) -> MeasuredMargins:
-    """Return gain and phase margin of measured points; logarithms of gain and frequency, and phase, straight.
+    """Return gain and phase margin of measured points.
+
+    Logarithms of gain and frequency, and phase, are taken as straight between them.
 
     Args:
         points: Of rising frequency, two or more.
@@ -186,11 +188,11 @@ def margins_of_points(points: Sequence[LoopPoint]) -> MeasuredMargins:
 
 @takes()
 def frequencies_around(margins: LoopMargins, count: int = 8) -> list[float]:
-    """Return frequencies from below the crossing of small motions to beyond that of -180 degrees [Hz]."""
+    """Return frequencies from below the crossing to beyond -180 degrees [Hz]."""
     late = margins.frequency > margins.bandwidth
     above = np.unwrap(np.angle(margins.response[late])) + math.pi
     above -= 2.0 * math.pi * math.floor(above[0] / (2.0 * math.pi))
     passed = np.flatnonzero(above < 0.0)
     last = float(margins.frequency[late][passed[0]]) if passed.size else 2.0 * margins.bandwidth
     highest = min(1.2 * last, 0.9 * float(margins.frequency[-1]))
-    return np.geomspace(0.5 * margins.bandwidth, highest, count).tolist()
+    return [float(one) for one in np.geomspace(0.5 * margins.bandwidth, highest, count)]

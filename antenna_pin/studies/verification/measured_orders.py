@@ -48,8 +48,8 @@ def records_at_speeds(
 ) -> list[SpeedRecord]:
     """Return the disturbance of a wheel in runs at several speeds.
 
-    Each run begins with the wheel at its speed, which drives of the scenario have to hold, and lasts 40 turns,
-    of which the last 20 count.
+    Each run begins with the wheel at its speed, which drives of the scenario have to hold, and lasts 40
+    turns, of which the last 20 count.
 
     Args:
         scenario: The scenario.

@@ -6,7 +6,7 @@ import io
 import json
 import math
 import shlex
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
@@ -25,7 +25,10 @@ from antenna_pin.studies.verification.quantity import ANALYSES
 from antenna_pin.studies.verification.verify import Demonstration, Verified
 from antenna_pin.trajectory import Trajectory, library_versions
 
-__all__ = ["NOT_COVERED", "facts_of", "nominal_run", "save_verification"]
+__all__ = ["NOMINAL", "NOT_COVERED", "facts_of", "nominal_run", "save_analyses", "save_verification"]
+
+#: File of the nominal scenario in the folder of the output.
+NOMINAL = "nominal.toml"
 
 #: Subjects of a mechanism's verification that no analysis here covers.
 NOT_COVERED = (
@@ -236,6 +239,12 @@ def save_verification(verified: Verified, facts: Mapping[str, Any], folder: Path
         )
     with replacing(paths[1]) as partial:
         partial.write_text(_matrix(facts), encoding="utf-8")
+    paths.append(folder / NOMINAL)
+    with replacing(paths[-1]) as partial:
+        head = f"# Nominal scenario of {verified.plan.label}\n\n"
+        partial.write_text(
+            head + scenario_toml(found_from(verified.plan.base, folder.resolve())), encoding="utf-8"
+        )
     for name, shown in verified.demonstrations.items():
         path = worst / f"{name}.toml"
         scenario = verified.plan.base
@@ -245,6 +254,29 @@ def save_verification(verified: Verified, facts: Mapping[str, Any], folder: Path
             partial.write_text(_worst(verified, name, scenario, worst), encoding="utf-8")
         paths.append(path)
     return paths
+
+
+@takes()
+def save_analyses(
+    loops: Sequence[Mapping[str, Any]], curves: Sequence[Mapping[str, Any]], folder: Path
+) -> Path:
+    """Write the tables of further analyses with their commands; return the path.
+
+    Args:
+        loops: Sampled loops (:func:`analyses_of`).
+        curves: Tables and curves, likewise.
+        folder: Folder of the output.
+    """
+    kept = ("analysis", "key", "title", "made_by", "head", "rows", "notes")
+    tables = [{name: one[name] for name in kept if name in one} for one in curves]
+    numbers = [
+        {name: value for name, value in one.items() if name not in ("frequency", "response")} for one in loops
+    ]
+    path = folder / "analyses.json"
+    with replacing(path) as partial:
+        text = json.dumps({"loops": numbers, "tables": tables}, indent=1, ensure_ascii=False, default=str)
+        partial.write_text(text + "\n", encoding="utf-8")
+    return path
 
 
 def _worst(verified: Verified, name: str, scenario: Scenario, folder: Path) -> str:

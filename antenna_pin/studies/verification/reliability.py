@@ -148,7 +148,7 @@ def _around(probability: float, variation: float, confidence: float, freedom: fl
 
 
 def _freedom(terms: Array) -> float:
-    """Return the degrees of freedom of a variance: n - 1 of normal terms, fewer of terms with long tails.
+    """Return the degrees of freedom of a variance: fewer of terms with long tails.
 
     Satterthwaite's, of the variance of the variance: 2 n / (kurtosis - 1).
     """
@@ -308,9 +308,10 @@ def importance_sampling(
     .. math:: P = \frac1N \sum_k 1[g(u_k) \le 0]\,
               \exp\left(-c \cdot u_k + \tfrac12 |c|^2\right)
 
-    with Student's interval of its logarithm, of as many degrees of freedom as the kurtosis of the terms leaves
-    of N (Satterthwaite 1946): long tails make their variance uncertain. The estimate is unbiased for any centre; a second region of failure far from the centre makes its interval
-    too narrow, and :func:`subset_simulation` finds it.
+    with Student's interval of its logarithm, of as many degrees of freedom as the kurtosis of the terms
+    leaves of N (Satterthwaite 1946): long tails make their variance uncertain. The estimate is unbiased for
+    any centre; a second region of failure far from the centre makes its interval too narrow, and
+    :func:`subset_simulation` finds it.
 
     Args:
         limit: Limit state.
