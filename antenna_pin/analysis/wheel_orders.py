@@ -127,7 +127,7 @@ def wheel_orders(
     if not resonance > 0.0:
         raise InvalidParameterError("wheel orders", "resonance", "positive", resonance)
     if harmonics is None:
-        orders = _refined(records, _searched(records, count))
+        orders = _refined(records, _peak_orders(records, count))
     else:
         orders = np.sort(np.array(harmonics, dtype=float))
         if not orders.size or not (orders > 0.0).all():
@@ -183,7 +183,7 @@ def _check(record: SpeedRecord) -> None:
 
 
 def _columns(record: SpeedRecord, orders: Array) -> Array:
-    """Return the columns of the least squares, (n, 1 + 2 orders): a mean, and each order's sines."""
+    """Return the columns of the least squares, (n, 1 + 2 orders)."""
     turned = record.angle[:, None] * orders
     square = (record.rate**2)[:, None]
     return np.concatenate(
@@ -202,7 +202,7 @@ def _fitted(record: SpeedRecord, orders: Array) -> tuple[Array, Array]:
     return fit[:count] - 1j * fit[count:], np.sqrt(np.mean(rest**2, axis=0))
 
 
-def _searched(records: Sequence[SpeedRecord], count: int) -> Array:
+def _peak_orders(records: Sequence[SpeedRecord], count: int) -> Array:
     """Return the orders whose peaks most records have, (k,)."""
     rows: list[tuple[float, int, float]] = []  # order, record, share of the largest of its kind
     for k, record in enumerate(records):

@@ -397,7 +397,7 @@ def text_of(value: Any) -> str:
 
 
 def formatted(value: float, form: str, scale: float = 0.0) -> str:
-    """Return a number in a format such as ``.4g``; a dash for infinity, 0 for round-off of a scale."""
+    """Return a number in a format such as ``.4g``; infinity is a dash, round-off 0."""
     from antenna_pin.analysis import is_round_off
 
     if is_round_off(value, "1", {"1": scale}):

@@ -113,12 +113,12 @@ def figure_effects(
 @figure(
     frequency="Frequencies, rising, (n,) [Hz].",
     responses="Open loop's responses by name, complex, (n,) [-].",
-    measured="Frequencies [Hz] and responses [-] measured in runs, by amplitude.",
+    points="Frequencies [Hz] and responses [-] measured in runs, by amplitude.",
 )
 def figure_loop(
     frequency: Array,
     responses: Mapping[str, Any],
-    measured: Mapping[str, tuple[Any, Any]] | None = None,
+    points: Mapping[str, tuple[Any, Any]] | None = None,
     *,
     width: Width = "page",
 ) -> Sheet:
@@ -127,7 +127,7 @@ def figure_loop(
     phases: list[PlotMark] = [Rule(-180.0, _THIN)]
     lines = [(name, np.asarray(frequency), np.asarray(one), "-") for name, one in responses.items()]
     lines += [
-        (name, np.asarray(where), np.asarray(one), "o:") for name, (where, one) in (measured or {}).items()
+        (name, np.asarray(where), np.asarray(one), "o:") for name, (where, one) in (points or {}).items()
     ]
     for k, (name, where, values, style) in enumerate(lines):
         look = {"color": COLOURS[k % len(COLOURS)], "linewidth": 1.0, "markersize": 3.0}

@@ -420,7 +420,7 @@ def _sources(
 
 def _add_gear_losses(
     path: Path,
-    found: dict[str, _Source],
+    sources: dict[str, _Source],
     point: PathPoint,
     sense: float,
     driving: Sequence[str],
@@ -444,7 +444,7 @@ def _add_gear_losses(
     def loss(place: str) -> float:
         if place not in losses:
             rest = delivered
-            for name, one in found.items():
+            for name, one in sources.items():
                 joints = _acts_at(system, name)
                 if one.symbol and name not in transmitting and not (joints and joints <= near[place]):
                     rest -= one.torque
@@ -457,7 +457,7 @@ def _add_gear_losses(
 
     for place in transmitting:
         unloaded = sense * float(balance.mesh_friction(point.rest.y, place) @ point.velocity)
-        found[place] = found[place]._replace(torque=found[place].torque - unloaded - loss(place))
+        sources[place] = sources[place]._replace(torque=sources[place].torque - unloaded - loss(place))
 
 
 def _joints_of(balance: Balance, drives: Sequence[str]) -> set[str]:

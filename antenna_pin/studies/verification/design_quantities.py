@@ -157,13 +157,14 @@ def _order(reduce: Callable[[Any], float], force: str, moment: str) -> Find:
 def _of_wheels() -> Iterator[VerifiedQuantity]:
     options = ("speeds", "positions", "harmonic", "axis")
     yield VerifiedQuantity(
-        "order_coefficient", "", "C of a wheel's order: amplitude over the square of its speed, resonances apart",
+        "order_coefficient", "", "C of a wheel's order, amplitude over the speed squared, resonances apart",
         "disturbance", "joint",
-        _order(lambda found: float(found["coefficient"]), "kg m", "kg m^2"), options, needs_run=False,
+        _order(lambda orders: float(orders["coefficient"]), "kg m", "kg m^2"), options, needs_run=False,
     )  # fmt: skip
     yield VerifiedQuantity(
         "order_amplitude", "", "largest amplitude of an order of a wheel over its speeds", "disturbance",
-        "joint", _order(lambda found: float(found["amplitude"].max()), "N", "N m"), options, needs_run=False,
+        "joint", _order(lambda orders: float(orders["amplitude"].max()), "N", "N m"), options,
+        needs_run=False,
     )  # fmt: skip
 
 
