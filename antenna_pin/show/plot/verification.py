@@ -203,10 +203,12 @@ def figure_orders(orders: xr.Dataset, *, width: Width = "page") -> Sheet:
                     continue
                 look = {"color": COLOURS[len(marks) // 3 % len(COLOURS)]}
                 label = f"{axis}, order {order:.4g}"
+                # Rings of two sizes: two radial axes of a wheel are alike.
+                small = {"markersize": 3.0 + len(marks) // 3 % 2 * 3.0, "markerfacecolor": "none"}
                 flagged = np.where(one["resonant"].values, amplitude, np.nan)
                 fitted = float(one["coefficient"]) * fine**2
                 marks += [
-                    PlotCurve(label, speed, amplitude, look | {"linestyle": "none", "marker": "o"}),
+                    PlotCurve(label, speed, amplitude, look | {"linestyle": "none", "marker": "o", **small}),
                     PlotCurve("", fine, fitted, look | {"linewidth": 0.8}),
                     PlotCurve("", speed, flagged, {"color": _BAD, "linestyle": "none", "marker": "x"}),
                 ]
