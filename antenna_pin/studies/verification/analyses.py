@@ -133,10 +133,10 @@ def _measured_loops(verified: Verified) -> Iterator[dict[str, Any]]:
                 "0",
             ]
         ]
-        lines = {}
+        lines, frequencies = {}, frequencies_around(small)
         for size, measure in sorted(amplitudes):
             amplitude = readable(size, measure or "1")
-            points = measured_loop(scenario, name, frequencies_around(small), size)
+            points = measured_loop(scenario, name, frequencies, size)
             found = margins_of_points(points)
             numbers = ((found.crossing, "Hz"), (math.degrees(found.phase), "deg"), (found.gain, "1"))
             rows.append(
@@ -153,7 +153,7 @@ def _measured_loops(verified: Verified) -> Iterator[dict[str, Any]]:
         yield {
             "analysis": "control",
             "key": f"measured-loop-{name}",
-            "made_by": _call("measured_loop", name, "FREQUENCIES", "AMPLITUDE"),
+            "made_by": _call("measured_loop", name, frequencies, max(amplitudes)[0]),
             "title": f"Loop {name} measured in runs with sine references, through play and friction",
             "head": ("amplitude", "gain 1 at", "phase margin", "gain margin", "largest distortion"),
             "rows": rows,
