@@ -153,3 +153,7 @@ from antenna_pin.analysis.transients import settled as settled
 from antenna_pin.analysis.vibration import band_rms as band_rms
 from antenna_pin.analysis.vibration import power_density as power_density
 from antenna_pin.analysis.vibration import transfer as transfer
+from antenna_pin.analysis.wheel_orders import LOAD_AXES as LOAD_AXES
+from antenna_pin.analysis.wheel_orders import SpeedRecord as SpeedRecord
+from antenna_pin.analysis.wheel_orders import speed_records as speed_records
+from antenna_pin.analysis.wheel_orders import wheel_orders as wheel_orders

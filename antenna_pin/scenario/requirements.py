@@ -72,11 +72,15 @@ class RequirementSpec(Spec):
         period: ``pointing``: length of the observation periods.
         level: ``pointing``: confidence of the level [-].
         travel: Ends of the travel of a joint, as a motorization margin takes it.
-        positions: Number of positions over the travel.
+        positions: Number of positions over the travel, or of a wheel's speeds.
         factors: Set of factors of a motorization margin.
         torque: Amplitude of a torque-angle loop.
         amplitude: Amplitude of the sine references of a loop measured in runs.
         hold: Joints that do not move in a torque-angle loop, beside those that the scenario holds.
+        speeds: Lowest and highest speed of a wheel.
+        harmonic: Harmonic of a wheel's speed [-].
+        axis: Axis of a wheel's disturbance: ``fx``, ``fy``, ``fz`` of the force, ``mx``, ``my``, ``mz`` of
+            the moment.
     """
 
     text: str = ""
@@ -111,6 +115,9 @@ class RequirementSpec(Spec):
     torque: OptionalQuantity = None
     amplitude: OptionalQuantity = None
     hold: tuple[str, ...] = ()
+    speeds: tuple[AnyQuantity, AnyQuantity] | None = None
+    harmonic: Annotated[float, QuantityRule("1", "positive")] = 1.0
+    axis: Literal["fx", "fy", "fz", "mx", "my", "mz"] | None = None
 
     @model_validator(mode="after")
     def _check_choice(self) -> Self:
@@ -156,7 +163,7 @@ def _read(value: object) -> tuple[float, str]:
 OPTIONS = (
     *("units", "after", "before", "band", "quality", "source", "number", "index", "component", "value"),
     *("window", "drift_spacing", "period", "level", "travel", "positions", "factors"),
-    *("torque", "hold", "amplitude"),
+    *("torque", "hold", "amplitude", "speeds", "harmonic", "axis"),
 )
 
 

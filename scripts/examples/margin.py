@@ -1,8 +1,8 @@
 """Motorization margin of a geared pointing mechanism."""
 
-from antenna_pin.studies.margins import motorization_margin
+from antenna_pin.studies.margins import margin
 
-found = motorization_margin(
+found = margin(
     "pointing_gear",
     "dish",
     travel=("-10 deg", "10 deg"),

@@ -1,7 +1,7 @@
 """Equilibrium of a pendulum, and the torque that moves it quasi-statically."""
 
-from antenna_pin.studies.statics import equilibria, travel
+from antenna_pin.studies.statics import statics
 
-hanging = equilibria("pendulum")[0]
-moved = travel("pendulum", "hinge", start="-30 deg", stop="30 deg", count=5)
+hanging = statics("pendulum").equilibria[0]
+moved = statics("pendulum", "hinge", start="-30 deg", stop="30 deg", count=5).travel
 print(hanging.stability, moved.torque - moved.torque_back)

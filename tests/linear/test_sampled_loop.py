@@ -144,3 +144,42 @@ def test_a_loop_measured_in_runs_is_the_linear_one_where_nothing_bends(wheel):
     z = np.exp(2j * np.pi * 2.0 * PERIOD)
     assert point.gain == pytest.approx(double_integrator(z, 40.0, 6.0, 1), rel=1e-3)
     assert point.distortion < 1e-3 and found.bandwidth > 1.0
+
+
+def test_margins_of_measured_points_are_those_of_their_loop():
+    """Points of an exact response, straight between them in logarithms: to the spacing's square."""
+    from antenna_pin.studies.verification import LoopPoint, margins_of_points
+
+    loop = {"kp": 40.0, "kd": 6.0, "delay": 1}
+    frequency = np.geomspace(0.1, 0.499 / PERIOD, 20_000)
+    response = double_integrator(np.exp(2j * np.pi * frequency * PERIOD), **loop)
+    k = np.flatnonzero(np.abs(response) >= 1.0)[-1]
+    lag = np.unwrap(np.angle(response)) - 2.0 * np.pi * (np.angle(response[0]) > 0.0)
+    late = np.flatnonzero(lag >= -np.pi)[-1]
+    exact = (np.pi + lag[k], 1.0 / abs(response[late]), frequency[k], frequency[late])
+    found = margins_of_points(
+        [LoopPoint(f, complex(one), 0.0) for f, one in zip(frequency[::500], response[::500], strict=True)]
+    )
+    assert found == pytest.approx(exact, rel=1e-2)
+    some = margins_of_points([LoopPoint(f, complex(1.0 / f), 0.0) for f in (0.5, 0.8)])
+    assert math.isnan(some.phase) and math.isnan(some.gain)
+
+
+def test_limits_lower_the_gain_of_a_measured_loop_as_their_describing_function(wheel):
+    """L = N(A) times that of small motions, N = 2/pi (asin 1/a + sqrt(1 - 1/a^2)/a) at a = A / limit."""
+    from antenna_pin.studies.verification import measured_loop
+
+    kp, kd, limit, amplitude, frequency = 40.0, 6.0, 2.0, 0.3, 1.5
+    loop = f'kp = {kp}\nkd = {kd}\nderivative = "error"\nfollows = "slow"\nlower = -{limit}\nupper = {limit}'
+    scenario = wheel(loop, '[references.slow]\nkind = "constant"\nvalue = 0.0')
+    z = np.exp(2j * np.pi * frequency * PERIOD)
+    small = double_integrator(z, kp, kd, 0)
+    controller = kp + kd * (1.0 - 1.0 / z) / PERIOD
+    gain = 1.0
+    for _ in range(200):  # the error's amplitude follows from the loop, and the gain from the error
+        a = max(abs(controller) * amplitude / abs(1.0 + gain * small) / limit, 1.0)
+        gain = 0.5 * gain + 0.5 * 2.0 / np.pi * (np.arcsin(1.0 / a) + np.sqrt(1.0 - 1.0 / a**2) / a)
+    (point,) = measured_loop(scenario, "loop", [frequency], amplitude)
+    assert gain < 0.8
+    # Harmonics that the inertia leaves: a ninth of a third of the fundamental.
+    assert point.gain == pytest.approx(gain * small, rel=0.05)

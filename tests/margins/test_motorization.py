@@ -10,8 +10,8 @@ import pytest
 from antenna_pin import AntennaPinError, Scenario, System, Urdf, build_mechanism, load_scenario
 from antenna_pin.dynamics import ConstantDrive, JointSpring
 from antenna_pin.dynamics.constraints import Anchor, Closure, Coupling
-from antenna_pin.elements import HarnessSpring, Motor, StickingFriction
-from antenna_pin.studies.margins import FACTOR_SETS, motorization_margin
+from antenna_pin.elements import Gear, HarnessSpring, Motor, StickingFriction
+from antenna_pin.studies.margins import FACTOR_SETS, margin
 
 G = 9.81
 LINK = (
@@ -67,7 +67,7 @@ def test_hinge_by_hand():
         springs={"coil": JointSpring(joint="hinge", stiffness=3.0, rest_angle=0.2), "harness": harness},
         elements={"frictions": {"bush": friction}},
     )
-    found = motorization_margin(
+    found = margin(
         system,
         "hinge",
         travel=(-1.0, 1.0),
@@ -90,12 +90,12 @@ def test_hinge_by_hand():
     assert (found.smallest, found.position) == pytest.approx(
         (drives[k] / minimum[k] - 1.0, phi[k]), rel=1e-10
     )
-    back = motorization_margin(system, "hinge", travel=(1.0, -1.0), count=11, available={"motor": 60.0})
+    back = margin(system, "hinge", travel=(1.0, -1.0), count=11, available={"motor": 60.0})
     # On the way down the harness helps on neither way by its sign: its other table, and the weight drives.
     cable = 0.1 + 0.025 * (back.data["position"].values + 2.0)
     own = back.data["resistance"].sel(source="springs.harness").values
     assert own == pytest.approx(cable, rel=1e-10)
-    second = motorization_margin(system, "hinge", travel=(-1.0, 1.0), count=11, factors="aiaa-s-114")
+    second = margin(system, "hinge", travel=(-1.0, 1.0), count=11, factors="aiaa-s-114")
     bare = 2.0 * (np.maximum(-weight, 0.0) + np.maximum(-spring, 0.0) + dry + 0.3 + 0.05 * (phi + 2.0))
     assert second.data["minimum_torque"].values == pytest.approx(bare, rel=1e-12)
     assert "second hand" in FACTOR_SETS["aiaa-s-114"].source
@@ -124,7 +124,7 @@ def test_four_bar_by_virtual_work():
 
     start, _ = assembled(system, q, held=["crank"])
     assert start[:2] == pytest.approx(q[:2], abs=1e-9)  # the branch of the parallelogram
-    found = motorization_margin(system, "crank", travel=(0.3, 1.2), count=7, q=start)
+    found = margin(system, "crank", travel=(0.3, 1.2), count=7, q=start)
     phi = found.data["position"].values
     # Rod and rocker: the rod goes with the crank's end, the rocker's centre as the crank's, back to front.
     lifted = 2.0 * G * (0.5 + 1.0 + (1.0 - 0.5 + 0.0)) * np.cos(phi)
@@ -153,11 +153,43 @@ def test_motor_behind_a_coupling():
         couplings={"train": Coupling(follower="shaft", leader="hinge", multiplier=ratio)},
         elements={"frictions": {"dry": StickingFriction(joint="shaft", coulomb=0.01)}},
     )
-    found = motorization_margin(system, "hinge", travel=(0.0, 1.0), count=3, rate=speed)
+    found = margin(system, "hinge", travel=(0.0, 1.0), count=3, rate=speed)
     torque = ratio * kt * (volts - kt * ratio * speed) / resistance
     minimum = 2.0 * (3.0 * ratio * 0.01 + 1.5 * ratio * cogging)
     assert found.margin == pytest.approx(np.full(3, torque / minimum - 1.0), rel=1e-10)
     assert str(found.data["symbol"].sel(source="drives.motor cogging").item()) == "H_M"
+
+
+def test_gears_lose_a_share_of_what_they_transmit():
+    """Two stages of 8 and 5 between motor and bar: (1 / eta - 1) of the resistances beyond each."""
+    text = (
+        f'<robot name="g"><link name="bus"/>{LINK.format("bar")}{LINK.format("shaft")}{LINK.format("rotor")}'
+    )
+    for joint, link in (("hinge", "bar"), ("middle", "shaft"), ("motor", "rotor")):
+        text += JOINT.format(joint, "bus", link, 0)
+    text = text.replace('-3"', '-300"').replace('"3"', '"300"') + "</robot>"
+    dry = {"hinge": 0.9, "middle": 0.02, "motor": 0.001}
+    system = System(
+        build_mechanism(Urdf.from_text(text, "g"), "fixed"),
+        drives={"motor": ConstantDrive(joint="motor", value=1.0)},
+        springs={"coil": JointSpring(joint="hinge", stiffness=2.0)},
+        elements={
+            "frictions": {name: StickingFriction(joint=name, coulomb=value) for name, value in dry.items()},
+            "gears": {
+                "slow": Gear(input="middle", output="hinge", ratio=5.0, stiffness=1e5, efficiency=0.8),
+                "fast": Gear(input="motor", output="middle", ratio=8.0, stiffness=1e5, efficiency=0.9),
+            },
+        },
+    )
+    found = margin(system, "hinge", travel=(0.5, 1.0), count=3, delivered_torque=0.4)
+    beyond = 0.9 + 2.0 * found.data["position"].values + 0.4
+    slow = 0.25 * beyond
+    fast = (beyond + slow + 5.0 * 0.02) / 9.0
+    own = found.data["resistance"]
+    # Gears store energy as the coil winds up: T T' / k = 2 x 2 / 1e5.
+    assert own.sel(source="gears.slow").values == pytest.approx(slow, abs=1e-4)
+    assert own.sel(source="gears.fast").values == pytest.approx(fast, abs=1e-4)
+    assert own.sel(source="frictions.motor").values == pytest.approx(np.full(3, 0.04), rel=1e-4)
 
 
 @pytest.fixture
@@ -170,7 +202,7 @@ def hinge(tmp_path: Path) -> Scenario:
 
 def test_worst_case_of_a_monotone_margin_is_its_corner(hinge: Scenario):
     """Stiff coil and low supply, as text with units; the named case runs."""
-    found = motorization_margin(
+    found = margin(
         hinge,
         "hinge",
         travel=(0.1, 1.0),
@@ -184,7 +216,7 @@ def test_worst_case_of_a_monotone_margin_is_its_corner(hinge: Scenario):
     assert found.worst.margin == min(one.margin for one in corners)
     assert found.worst.name == "cold, drives.motor.value=25, springs.coil.stiffness=2.5"
     assert found.worst_scenario is not None
-    again = motorization_margin(found.worst_scenario, "hinge", travel=(0.1, 1.0), count=4)
+    again = margin(found.worst_scenario, "hinge", travel=(0.1, 1.0), count=4)
     assert again.smallest == pytest.approx(found.worst.margin, rel=1e-12)
 
 
@@ -192,7 +224,7 @@ def test_search_beats_the_corners_of_a_margin_that_is_not_monotone(hinge: Scenar
     """The spring resists by k a b sin(phi) (l_0 / l - 1): nothing at b = 0 and l = l_0, most in between."""
     phi, key = 0.5 * np.pi, "springs.tension.first.point[0]"
     far = -np.sqrt(1.5**2 - 1.0)
-    found = motorization_margin(
+    found = margin(
         hinge,
         "hinge",
         travel=[0.4 * np.pi, phi],
@@ -219,20 +251,16 @@ def test_search_beats_the_corners_of_a_margin_that_is_not_monotone(hinge: Scenar
 def test_refusals(hinge: Scenario):
     """One line each: nothing that drives, names, classes, keys."""
     with pytest.raises(AntennaPinError, match="something must drive the function along its travel"):
-        motorization_margin(_bar(), "hinge", travel=(-0.5, 0.5), count=3)
+        margin(_bar(), "hinge", travel=(-0.5, 0.5), count=3)
     with pytest.raises(AntennaPinError, match="source 'coyl' is unknown; did you mean springs.coil"):
-        motorization_margin(hinge, "hinge", travel=(0.1, 1.0), count=2, by_measurement=["coyl"])
+        margin(hinge, "hinge", travel=(0.1, 1.0), count=2, by_measurement=["coyl"])
     with pytest.raises(AntennaPinError, match="class of resistance 'F' is unknown"):
-        motorization_margin(hinge, "hinge", travel=(0.1, 1.0), count=2, additional={"F": 1.0})
+        margin(hinge, "hinge", travel=(0.1, 1.0), count=2, additional={"F": 1.0})
     with pytest.raises(
         AntennaPinError, match="set of factors 'ecss' is unknown; did you mean ecss-e-st-33-01c"
     ):
-        motorization_margin(hinge, "hinge", travel=(0.1, 1.0), count=2, factors="ecss")
+        margin(hinge, "hinge", travel=(0.1, 1.0), count=2, factors="ecss")
     with pytest.raises(AntennaPinError, match="two numbers that rise"):
-        motorization_margin(
-            hinge, "hinge", travel=(0.1, 1.0), count=2, ranges={"springs.coil.stiffness": (3.0, 2.0)}
-        )
+        margin(hinge, "hinge", travel=(0.1, 1.0), count=2, ranges={"springs.coil.stiffness": (3.0, 2.0)})
     with pytest.raises(AntennaPinError, match="coils"):
-        motorization_margin(
-            hinge, "hinge", travel=(0.1, 1.0), count=2, ranges={"springs.coils.x": (1.0, 2.0)}
-        )
+        margin(hinge, "hinge", travel=(0.1, 1.0), count=2, ranges={"springs.coils.x": (1.0, 2.0)})

@@ -15,12 +15,16 @@ from antenna_pin.elements import (
     BoucWen,
     ConstantDrive,
     EndStop,
+    Gear,
     HarnessSpring,
     JointFriction,
     LuGreFriction,
     MaxwellSlip,
 )
-from antenna_pin.studies.statics import travel
+from antenna_pin.studies.margins import margin
+from antenna_pin.studies.statics import equilibria, statics, torque_angle_loop, travel
+
+from .conftest import BAR
 
 G = 9.81
 
@@ -161,6 +165,39 @@ def test_contact_friction_of_a_hinge_with_play():
     assert arm[[0, 1, 3, 4]] == pytest.approx(np.full(4, 0.2), rel=1e-9)
 
 
+def test_motor_behind_an_elastic_gear_of_high_ratio(bar: Callable[..., Any]):
+    """A rotor turns 100 times as far as the joint: its friction times the ratio, its turns counted."""
+    text = BAR.format(kind="revolute").replace("</robot>", "") + (
+        '<link name="rotor"><inertial><mass value="0.1"/><inertia ixx="1e-6" iyy="1e-6" izz="1e-6" ixy="0" '
+        'ixz="0" iyz="0"/></inertial></link><joint name="motor" type="continuous"><parent link="bus"/>'
+        '<child link="rotor"/><axis xyz="0 0 1"/></joint></robot>'
+    )
+    ratio, dry, push = 100.0, 2e-3, 1e-4
+    system = System(
+        build_mechanism(Urdf.from_text(text, "geared"), "fixed"),
+        springs={"dry": JointFriction(joint="motor", friction=dry)},
+        drives={"motor": ConstantDrive(joint="motor", value=push)},
+        elements={"gears": {"train": Gear(input="motor", output="hinge", ratio=ratio, stiffness=500.0)}},
+    )
+    found = travel(system, "hinge", start=-1.2, stop=1.2, count=4)
+    # Round-off of the rotor's angle of 120 rad over the wind-up of 4e-4 rad at the joint.
+    # At the ends the rotor has not turned round yet.
+    assert found.torque[1:] == pytest.approx(np.full(3, ratio * (dry - push)), rel=1e-9)
+    assert found.torque_back[:-1] == pytest.approx(np.full(3, -ratio * (dry + push)), rel=1e-9)
+    turned = found.data["joint_position"].sel(sense="out", joint="motor").values[1:]
+    assert turned == pytest.approx(ratio * (found.position[1:] - ratio * (dry - push) / 500.0), rel=1e-9)
+    # A margin starts from rest where the motion is to begin: all friction against it.
+    over = margin(system, "hinge", travel=(-1.2, 1.2), count=4).margin
+    assert over == pytest.approx(np.full(4, push / (2.0 * 3.0 * dry) - 1.0), rel=1e-9)
+
+
+def test_travel_of_a_joint_with_play_goes_from_limit_to_limit():
+    """A joint that is free in its variant keeps the limits that its URDF states, as ends of the travel."""
+    found = travel(load_scenario("gimbal", "ideal"), "elevation", count=2, back=False)
+    assert found.position.tolist() == [-1.0, 1.0]
+    assert travel(load_scenario("gimbal"), "azimuth", count=2, back=False).position.tolist() == [-2.0, 2.0]
+
+
 def test_refusals(bar: Callable[..., Any], four_bar: Callable[..., Any]):
     """One line each: joint, limits, a joint that something holds, a balance that there is not."""
     system = System(bar(G), drives={"motor": ConstantDrive(joint="hinge", value=1.0)})
@@ -176,3 +213,19 @@ def test_refusals(bar: Callable[..., Any], four_bar: Callable[..., Any]):
         travel(System(mechanism, closures=closures), "crank", start=0.0, stop=1.0, hold=["knee"])
     with pytest.raises(AntennaPinError, match="5 N m at joint1 that nothing balances"):
         travel("you2010", "joint2", start=-0.1, stop=0.1, count=2)
+
+
+def test_statics_in_one_call_gives_what_its_parts_give(bar: Callable[..., Any]):
+    """Equilibria without a joint; with one its travel, its loop, or both."""
+    system = System(bar(G), springs={"k": JointSpring(joint="hinge", stiffness=3.0)})
+    assert [one.positions for one in statics(system).equilibria] == [
+        one.positions for one in equilibria(system)
+    ]
+    whole = statics(system, "hinge", start=-0.2, stop=0.2, count=3, loop=2.0)
+    assert whole.travel is not None and whole.loop is not None and whole.equilibria == ()
+    own = travel(system, "hinge", start=-0.2, stop=0.2, count=3)
+    assert whole.travel.torque.tolist() == own.torque.tolist()
+    assert whole.loop.stiffness == torque_angle_loop(system, "hinge", 2.0).stiffness
+    assert statics(system, "hinge", loop=2.0).travel is None
+    with pytest.raises(AntennaPinError, match="statics: loop must be given with a joint, got 2.0"):
+        statics(system, loop=2.0)

@@ -8,9 +8,25 @@ import pytest
 from typer.testing import CliRunner
 
 from antenna_pin.apps.cli import app
-from antenna_pin.studies.verification import point_text, result_text
+from antenna_pin.run.simulation import simulate
+from antenna_pin.scenario import load_scenario
+from antenna_pin.studies.verification import measured_orders, point_text, result_text
 
 FAR = "[requirements.far]\ntext = 'far & away'\nquantity = 'final_position'\nof = 'slide'\nat_least = '{}'\n"
+WHEEL = """format = 1
+scenario = "reaction_wheel"
+case = "ideal"
+[set.mechanism]
+base = "fixed"
+[requirements.imbalance]
+quantity = "order_coefficient"
+of = "shaft"
+axis = "fx"
+speeds = ["1000 rpm", "3000 rpm"]
+positions = 3
+at_most = "10.001 g*mm"
+at_least = "9.999 g*mm"
+"""
 AT_ONCE = ["--workers", "0", "--no-progress"]
 
 
@@ -46,7 +62,28 @@ def test_report_is_one_page_with_every_number_and_its_file(sled):
         assert text in page
     assert "push 3\N{NO-BREAK SPACE}N, " in page and "Hz (worst/far.toml)" in page and "energy" in page
     assert 'data-label="worst result"' in page  # as a phone shows the matrix
+    assert "antenna-pin stress" not in page  # nothing touches
+    nominal = load_scenario(out / "nominal.toml")
+    assert simulate(nominal).data["final_position"].item() == facts["requirements"][0]["nominal"]
     assert facts["requirements"][0]["integrity"]["outcome"] == "COMPLETED"
+
+
+def test_every_table_of_an_analysis_is_in_a_file_with_its_command(tmp_path, monkeypatch):
+    """The command in the file gives the margin of the report; orders and loops name their calls."""
+    path = tmp_path / "wheel.requirements.toml"
+    path.write_text(WHEEL)
+    out = tmp_path / "out"
+    assert call(path, "--output", out).exit_code == 0
+    kept = json.loads((out / "analyses.json").read_text())
+    (orders,) = kept["tables"]
+    assert orders["made_by"] == (
+        'measured_orders(load_scenario("nominal.toml"), "shaft", ["1000 rpm", "3000 rpm"], count=3)'
+    )
+    monkeypatch.chdir(out)
+    found = measured_orders(load_scenario("nominal.toml"), "shaft", ["1000 rpm", "3000 rpm"], count=3)
+    assert orders["rows"][0][0] == f"{found['order'].values[0]:.6g}" == "1"
+    page = (out / "report.html").read_text()
+    assert "Orders of shaft" in page and "measured_orders" in page and "9.9" in page
 
 
 def test_shipped_verifications_are_listed():
@@ -55,6 +92,7 @@ def test_shipped_verifications_are_listed():
     assert found.exit_code == 0
     assert {line.partition(":")[0] for line in found.stdout.splitlines()} >= {
         "gimbal/pointing",
+        "reaction_wheel/disturbance",
         "solar_array/deployment",
     }
 

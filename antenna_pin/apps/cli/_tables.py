@@ -396,8 +396,12 @@ def text_of(value: Any) -> str:
 # --- numbers ---
 
 
-def formatted(value: float, form: str) -> str:
-    """Return a number in a format such as ``.4g``; a dash for infinity."""
+def formatted(value: float, form: str, scale: float = 0.0) -> str:
+    """Return a number in a format such as ``.4g``; infinity is a dash, round-off 0."""
+    from antenna_pin.analysis import is_round_off
+
+    if is_round_off(value, "1", {"1": scale}):
+        return "0"
     return format(value, form) if math.isfinite(value) else "-"
 
 

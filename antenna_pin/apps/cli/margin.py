@@ -117,7 +117,7 @@ def margin(
     """Compute the motorization margin over a travel: what drives over what resists, with factors."""
     table, target = csv_target(csv), figure_target(plot, "margin", "--plot")
     worst_file = None if write_worst is None else writable_file(write_worst, ".toml")
-    from antenna_pin.studies.margins import motorization_margin
+    from antenna_pin.studies import margins
 
     known = load(scenario, case, settings)
     tailored: Any = factors
@@ -131,7 +131,7 @@ def margin(
     for name, rest in _pairs(cases, "--extreme", ":"):
         key, value = _pairs([rest], "--extreme")[0]
         named.setdefault(name, {})[key] = bare(value)
-    found = motorization_margin(
+    found = margins.margin(
         known,
         joint,
         travel=ends,

@@ -82,47 +82,41 @@ def statics(
     for option, value in needs:
         if value is not None and joint is None:
             raise InvalidParameterError("statics", option, "given with --joint JOINT", said=str(value))
+    if loop is not None and (start is not None or stop is not None):
+        rule = "left out with --start or --stop, a travel's; run the command twice"
+        raise InvalidParameterError("statics", "--loop", rule, said=loop)
     if small_torque is not None and loop is None:
         raise InvalidParameterError(
             "statics", "--small-torque", "given with --loop TORQUE", said=small_torque
         )
     known = load(scenario, case, settings)
+    from antenna_pin.studies import statics as of_mechanism
+
+    quantities = {"start": start, "stop": stop, "loop": loop, "small_torque": small_torque}
+    read: dict[str, Any] = {
+        name: None if value is None else bare(value) for name, value in quantities.items()
+    }
+    found = of_mechanism.statics(known, joint, count=count, back=back, hold=hold or (), starts=starts, **read)
     title = ", ".join(filter(None, (known.title, known.case)))
-    if joint is None:
-        from antenna_pin.studies.statics import equilibria
-
-        found = equilibria(known, hold=hold or (), starts=starts)
-        facts = {"title": known.title, "case": known.case, "equilibria": [one.to_dict() for one in found]}
-        if not exported(facts, [_row(k, one) for k, one in _numbered(found)], as_json, table):
-            _print_equilibria(title, found)
-        return
-    from antenna_pin.studies.statics import torque_angle_loop, travel
-
-    if loop is not None:
-        cycle = torque_angle_loop(
-            known,
-            joint,
-            bare(loop),
-            small_torque=None if small_torque is None else bare(small_torque),
-            hold=hold or (),
-        )
+    if found.loop is not None:
         if target is not None:
             from antenna_pin.show.plot import figure_torque_angle
 
-            save_plot(figure_torque_angle(cycle.data, width=width.value), target, as_json)
-        if not exported(cycle.to_dict(), _loop_rows(cycle), as_json, table):
-            _print_loop(title, cycle)
-        return
-    ends: dict[str, Any] = {
-        name: None if value is None else bare(value) for name, value in (("start", start), ("stop", stop))
-    }
-    way = travel(known, joint, count=count, back=back, hold=hold or (), **ends)
-    if target is not None:
-        from antenna_pin.show.plot import figure_travel
+            save_plot(figure_torque_angle(found.loop.data, width=width.value), target, as_json)
+        if not exported(found.loop.to_dict(), _loop_rows(found.loop), as_json, table):
+            _print_loop(title, found.loop)
+    elif found.travel is not None:
+        if target is not None:
+            from antenna_pin.show.plot import figure_travel
 
-        save_plot(figure_travel(way.data, width=width.value), target, as_json)
-    if not exported(way.to_dict(), _travel_rows(way), as_json, table):
-        _print_travel(title, way)
+            save_plot(figure_travel(found.travel.data, width=width.value), target, as_json)
+        if not exported(found.travel.to_dict(), _travel_rows(found.travel), as_json, table):
+            _print_travel(title, found.travel)
+    else:
+        every = list(found.equilibria)
+        facts = {"title": known.title, "case": known.case, **found.to_dict()}
+        if not exported(facts, [_row(k, one) for k, one in _numbered(every)], as_json, table):
+            _print_equilibria(title, every)
 
 
 def _numbered(every: list[Equilibrium]) -> list[tuple[str, Equilibrium]]:
@@ -136,7 +130,7 @@ def _numbered(every: list[Equilibrium]) -> list[tuple[str, Equilibrium]]:
 
 def _row(number: str, one: Equilibrium) -> dict[str, Any]:
     row: dict[str, Any] = {"equilibrium": number, "friction": one.friction, "stability": one.stability}
-    row |= {f"position {name}": value for name, value in one.positions.items()}
+    row |= {f"position {name} [{one.units[name]}]": value for name, value in one.positions.items()}
     row |= {f"effort {name}": value for name, value in one.efforts.items()}
     row["least stiffness [N m/rad]"] = float(one.stiffness[0]) if len(one.stiffness) else None
     row["residual [-]"] = one.residual
@@ -145,11 +139,14 @@ def _row(number: str, one: Equilibrium) -> dict[str, Any]:
 
 def _print_equilibria(title: str, every: list[Equilibrium]) -> None:
     joints = list(every[0].positions)
-    head = ["equilibrium", "stability", *joints, "least stiffness [N m/rad]"]
+    units = every[0].units
+    head = ["equilibrium", "stability", *(f"{name} [{units[name]}]" for name in joints)]
+    head.append("least stiffness [N m/rad]")
+    scales = {"rad": 1.0, "m": every[0].length}
     rows = []
     for number, one in _numbered(every):
         least = formatted(float(one.stiffness[0]), ".5g") if len(one.stiffness) else "-"
-        where = [formatted(one.positions[name], ".6g") for name in joints]
+        where = [formatted(one.positions[name], ".6g", scales[units[name]]) for name in joints]
         rows.append([number, one.stability, *where, least])
     print_rows(title, head, rows, numbers=False)
     for k, one in enumerate(every, 1):
@@ -185,19 +182,22 @@ def _print_travel(title: str, way: QuasiStaticTravel) -> None:
     data, length = way.data, "m" if way.sliding else "rad"
     unit = printed_unit(way.unit)
     senses = [str(one) for one in data["sense"].values]
+    largest = max(float(abs(data[name].values).max(initial=0.0)) for name in ("torque", "component"))
     head = [f"{way.joint} [{length}]", *(f"needed, {sense} [{unit}]" for sense in senses)]
     step = max(1, -(-(len(way.position) - 1) // (_ROWS - 1)))
     rows = []
     for k in sorted({*range(0, len(way.position), step), len(way.position) - 1}):
-        torques = [formatted(float(data["torque"].sel(sense=sense).values[k]), ".6g") for sense in senses]
-        rows.append([formatted(float(way.position[k]), ".6g"), *torques])
+        torques = [
+            formatted(float(data["torque"].sel(sense=sense).values[k]), ".6g", largest) for sense in senses
+        ]
+        span = float(abs(way.position).max())
+        rows.append([formatted(float(way.position[k]), ".6g", span), *torques])
     print_rows(title, head, rows)
     shares = []
     for source in data["source"].values:
         values = data["component"].sel(source=source, sense="out").values
-        shares.append(
-            [str(source), formatted(float(values.min()), ".5g"), formatted(float(values.max()), ".5g")]
-        )
+        ends = (float(values.min()), float(values.max()))
+        shares.append([str(source), *(formatted(one, ".5g", largest) for one in ends)])
     print_rows(
         "exerted along the motion on the way out", ["source", f"least [{unit}]", f"most [{unit}]"], shares
     )

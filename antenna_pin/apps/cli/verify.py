@@ -106,10 +106,11 @@ def _report(
 ) -> None:
     from antenna_pin.show.plot import processes_to_draw
     from antenna_pin.show.report import verification_report
-    from antenna_pin.studies.verification import analyses_of, nominal_run
+    from antenna_pin.studies.verification import analyses_of, nominal_run, save_analyses
 
     run, path = nominal_run(result, folder)
     loops, curves = analyses_of(result, run, complain)
+    save_analyses(loops, curves, folder)
     made = verification_report(
         facts,
         nominal=run,

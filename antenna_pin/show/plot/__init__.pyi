@@ -95,4 +95,5 @@ from antenna_pin.show.plot.verification import figure_effects as figure_effects
 from antenna_pin.show.plot.verification import figure_interface as figure_interface
 from antenna_pin.show.plot.verification import figure_loop as figure_loop
 from antenna_pin.show.plot.verification import figure_margins as figure_margins
+from antenna_pin.show.plot.verification import figure_orders as figure_orders
 from antenna_pin.show.plot.verification import figure_spectrum as figure_spectrum

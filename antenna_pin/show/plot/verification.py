@@ -18,6 +18,7 @@ __all__ = [
     "figure_interface",
     "figure_loop",
     "figure_margins",
+    "figure_orders",
     "figure_spectrum",
 ]
 
@@ -115,18 +116,32 @@ def figure_effects(
 @figure(
     frequency="Frequencies, rising, (n,) [Hz].",
     responses="Open loop's responses by name, complex, (n,) [-].",
+    points="Frequencies [Hz] and responses [-] measured in runs, by amplitude.",
 )
-def figure_loop(frequency: Array, responses: Mapping[str, Any], *, width: Width = "page") -> Sheet:
-    """Return gain and phase of sampled loops, opened at the command."""
+def figure_loop(
+    frequency: Array,
+    responses: Mapping[str, Any],
+    points: Mapping[str, tuple[Any, Any]] | None = None,
+    *,
+    width: Width = "page",
+) -> Sheet:
+    """Return gain and phase of sampled loops, opened at the command, with their margins."""
     gains: list[PlotMark] = [Rule(1.0, _THIN)]
     phases: list[PlotMark] = [Rule(-180.0, _THIN)]
-    for k, (name, values) in enumerate(responses.items()):
-        look = {"color": COLOURS[k % len(COLOURS)], "linewidth": 1.0}
-        gains.append(PlotCurve(name, frequency, np.abs(values), look))
+    lines = [(name, np.asarray(frequency), np.asarray(one), "-") for name, one in responses.items()]
+    lines += [
+        (name, np.asarray(where), np.asarray(one), "o:") for name, (where, one) in (points or {}).items()
+    ]
+    for k, (name, where, values, style) in enumerate(lines):
+        look = {"color": COLOURS[k % len(COLOURS)], "linewidth": 1.0, "markersize": 3.0}
+        look |= {"linestyle": style[-1], "marker": "o" if style[0] == "o" else ""}
+        gains.append(PlotCurve(name, where, np.abs(values), look))
         phase = np.degrees(np.unwrap(np.angle(values)))
         # The loop begins with the lag of its integrators, not a turn beside it.
         phase -= 360.0 * np.round((phase[0] + 180.0) / 360.0)
-        phases.append(PlotCurve("", frequency, phase, look))
+        phases.append(PlotCurve("", where, phase, look))
+        for marks, ends in zip((gains, phases), _margin_lines(where, np.abs(values), phase), strict=True):
+            marks += [PlotCurve("", *one, {"color": look["color"], "linewidth": 2.2}) for one in ends]
     x = Axis("frequency [Hz]", scale="log", shared="frequency", ticks=0)
     sizes = np.concatenate([np.abs(values) for values in responses.values()])
     top = float(min(sizes.max(), 1e4))
@@ -135,6 +150,22 @@ def figure_loop(frequency: Array, responses: Mapping[str, Any], *, width: Width 
     turn = Axis("phase [deg]", limits=(-400.0, 20.0), named=named)
     panels = [Panel("", gains, y, x, lettered=False), Panel("", phases, turn, x, lettered=False)]
     return Sheet([[one] for one in panels], width, 110.0, heights=[1.3, 1.0])
+
+
+def _margin_lines(
+    frequency: Array, gain: Array, phase: Array
+) -> tuple[list[tuple[Array, Array]], list[tuple[Array, Array]]]:
+    """Return upright lines of the gain margin and of the phase margin."""
+    found: list[list[tuple[Array, Array]]] = [[], []]
+    for kind, (falling, other, level) in enumerate(
+        ((phase + 180.0, np.log(gain), 0.0), (np.log(gain), phase, -180.0))
+    ):
+        for k in np.flatnonzero((falling[:-1] >= 0.0) & (falling[1:] < 0.0))[-1:]:
+            share = falling[k] / (falling[k] - falling[k + 1])
+            where = frequency[k] * (frequency[k + 1] / frequency[k]) ** share
+            ends = np.array([other[k] + share * (other[k + 1] - other[k]), level])
+            found[kind].append((np.array([where, where]), np.exp(ends) if kind == 0 else ends))
+    return found[0], found[1]
 
 
 @figure(densities="``force`` and ``moment``: power spectral densities over ``frequency`` and ``axis``.")
@@ -155,6 +186,41 @@ def figure_interface(densities: xr.Dataset, *, width: Width = "page") -> Sheet:
         x = Axis("frequency [Hz]", scale="log", shared="frequency", ticks=0)
         panels.append(Panel(f"{column} on the base", marks, y, x))
     return Sheet([[one] for one in panels], width, 120.0)
+
+
+@figure(orders="Orders of a wheel, as :func:`antenna_pin.analysis.wheel_orders` returns them.")
+def figure_orders(orders: xr.Dataset, *, width: Width = "page") -> Sheet:
+    """Return amplitudes of a wheel's orders over its speed, forces and moments, resonances marked."""
+    speed = np.asarray(orders["speed"].values)
+    fine = np.linspace(0.0, float(speed[-1]), 101)
+    panels = []
+    for name, unit, begin in (("force", "N", "f"), ("moment", "N m", "m")):
+        axes = [str(axis) for axis in orders["axis"].values if str(axis).startswith(begin)]
+        marks: list[PlotMark] = []
+        top = 0.0
+        for order in orders["order"].values:
+            for axis in axes:
+                one = orders.sel(order=order, axis=axis)
+                amplitude = np.asarray(one["amplitude"].values)
+                if not amplitude.any():
+                    continue
+                look = {"color": COLOURS[len(marks) // 3 % len(COLOURS)]}
+                label = f"{axis}, order {order:.4g}"
+                # Rings of two sizes: two radial axes of a wheel are alike.
+                small = {"markersize": 3.0 + len(marks) // 3 % 2 * 3.0, "markerfacecolor": "none"}
+                flagged = np.where(one["resonant"].values, amplitude, np.nan)
+                fitted = float(one["coefficient"]) * fine**2
+                marks += [
+                    PlotCurve(label, speed, amplitude, look | {"linestyle": "none", "marker": "o", **small}),
+                    PlotCurve("", fine, fitted, look | {"linewidth": 0.8}),
+                    PlotCurve("", speed, flagged, {"color": _BAD, "linestyle": "none", "marker": "x"}),
+                ]
+                top = max(top, float(amplitude.max()))
+        x = Axis("speed [rad/s]", shared="speed", ticks=0)
+        y = Axis(f"amplitude [{unit}]", limits=(0.0, 1.1 * top or 1.0), ticks=0)
+        panels.append(Panel(f"{name} on the base", marks, y, x))
+    note = "lines: C times the speed squared; crosses: resonances, which do not count"
+    return Sheet([[one] for one in panels], width, 120.0, (note,))
 
 
 @figure(

@@ -309,12 +309,15 @@ def _analysis(
         if one["analysis"] == key:
             items += list(_curve(one, runs[0].run if runs else None, figures))
             notes += [str(note) for note in one.get("notes", ())]
+            if "made_by" in one:
+                notes.append(f"{one['title']}: {one['made_by']}")
     extra = {"shocks": _shocks, "disturbance": _interface}.get(key)
     if extra is not None and runs:
         for part in extra(mine, runs[0].run, figures):
             (notes if isinstance(part, str) else items).append(part)  # type: ignore[arg-type]
     if key == "control":
         items += list(_loops(loops, figures))
+        notes += [f"Loop {one['controller']}: {one['made_by']}" for one in loops if "made_by" in one]
     items += placed.get(key, ())
     if key == "integrity" and runs:
         books = conservation(runs)
@@ -339,6 +342,11 @@ def _curve(one: Mapping[str, Any], run: Trajectory | None, figures: bool) -> Ite
     key, caption = f"figure-of-{one['key']}", str(one.get("caption", ""))
     if "margin" in one:
         yield picture(plot.figure_margin(one["margin"]), caption, key)
+    if "measured" in one:
+        frequency, small, lines = one["measured"]
+        yield picture(plot.figure_loop(frequency, small, lines), caption, key)
+    if "orders" in one:
+        yield picture(plot.figure_orders(one["orders"]), caption, key)
     if "loop" in one:
         yield picture(plot.figure_torque_angle(one["loop"]), caption, key)
     if "stress" in one and run is not None and one["stress"].time.size:
@@ -374,7 +382,7 @@ def _shocks(mine: Sequence[Mapping[str, Any]], run: Trajectory, figures: bool) -
             yield picture(drawn_, f"Shock response spectrum of {one}", f"srs-{_slug(one)}")
 
 
-def _interface(_: Sequence[Mapping[str, Any]], run: Trajectory, figures: bool) -> Iterator[Item | str]:
+def _interface(mine: Sequence[Mapping[str, Any]], run: Trajectory, figures: bool) -> Iterator[Item | str]:
     """Yield the disturbance at the interface: six axes, root mean squares and densities."""
     try:
         loads = interface_loads(run)
@@ -411,7 +419,8 @@ def _interface(_: Sequence[Mapping[str, Any]], run: Trajectory, figures: bool) -
             "Amplitude density of the disturbance on the base",
             "interface-density",
         )
-    yield "Orders of a wheel over speed need runs at several speeds, which this verification does not make."
+    if not any(one["quantity"].startswith("order_") for one in mine):
+        yield "Orders of a wheel over its speed: no requirement of order_coefficient in this file."
 
 
 def _loops(loops: Sequence[Mapping[str, Any]], figures: bool) -> Iterator[Item]:
@@ -557,6 +566,10 @@ def _provenance(facts: Mapping[str, Any], file: Path | None) -> Section:
         statement("requirements", facts["file"], True),
         statement("points evaluated", f"{facts['points']}, a line each in {facts['store']}/journal"),
         statement("all numbers", "verification.json, matrix.csv", True),
+        statement(
+            "tables of analyses", "analyses.json, each with the command or Python call that repeats it"
+        ),
+        statement("nominal scenario", "nominal.toml", True),
         statement("worst cases", "worst/REQUIREMENT.toml, each a scenario that antenna-pin run takes"),
         statement("identity of scenario, functions and versions", facts["digest"], True),
         statement("finished (UTC)", facts["finished"]),

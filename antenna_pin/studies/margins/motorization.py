@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from antenna_pin.analysis import ROUND_OFF
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.units import quantity
 from antenna_pin.dynamics import System
@@ -34,11 +35,12 @@ from antenna_pin.studies.linear.modal_analysis import bodies_of
 from antenna_pin.studies.margins.factors import FactorSet, Resistance, factor_set
 from antenna_pin.studies.margins.result import MarginCase, MotorizationMargin
 from antenna_pin.studies.margins.worst_case import Extremes, worst_cases
+from antenna_pin.studies.statics.balance import Balance
 from antenna_pin.studies.statics.path import Path, PathPoint
 from antenna_pin.studies.statics.quasi_static import joint_to_drive, positions_along
 from antenna_pin.studies.statics.static_system import Model, check_rate_independent, start_of, static_system
 
-__all__ = ["motorization_margin"]
+__all__ = ["margin"]
 
 Array = NDArray[np.float64]
 
@@ -51,7 +53,7 @@ _MOVES = 1e-12
 
 
 @takes()
-def motorization_margin(
+def margin(
     model: Scenario | System | str | os.PathLike[str],
     joint: str,
     *,
@@ -217,7 +219,7 @@ class _Source(NamedTuple):
 def _table(begin: Model, options: _Options) -> tuple[xr.Dataset, tuple[str, ...]]:
     """Return the margin of one case over the travel, and notes."""
     system, joint = begin.system, options.joint
-    places = _positions(system, options)
+    places = _positions(begin, options)
     sense = 1.0 if places[-1] > places[0] else -1.0
     driving = _driving(begin, options)
     static = static_system(system, begin.state, joint=joint, hold=options.hold, without=driving)
@@ -236,6 +238,7 @@ def _table(begin: Model, options: _Options) -> tuple[xr.Dataset, tuple[str, ...]
     actuates = {name: row[name].actuates for row in rows for name in row}
     measured_sources = _sources_by_measurement(options, names)
     torque = np.array([[row[name].torque if name in row else 0.0 for name in names] for row in rows])
+    torque[np.abs(torque) < ROUND_OFF * np.abs(torque).max(initial=0.0)] = 0.0
     resistance, drive = np.maximum(-torque, 0.0), np.maximum(torque, 0.0)
     by_measurement = np.array([name in measured_sources for name in names])
     factor = np.array(
@@ -263,10 +266,10 @@ def _table(begin: Model, options: _Options) -> tuple[xr.Dataset, tuple[str, ...]
             "a drive or a spring"
         )
     with np.errstate(divide="ignore"):
-        margin = np.where(minimum > 0.0, actuation / np.where(minimum > 0.0, minimum, 1.0) - 1.0, np.inf)
+        over = np.where(minimum > 0.0, actuation / np.where(minimum > 0.0, minimum, 1.0) - 1.0, np.inf)
     along = ("position",)
     variables: dict[str, Any] = {
-        "margin": (along, margin, {"units": "1", "long_name": "motorization margin"}),
+        "margin": (along, over, {"units": "1", "long_name": "motorization margin"}),
         "actuation": (along, actuation, {"units": unit, "long_name": "factored actuation"}),
         "minimum_torque": (along, minimum, {"units": unit, "long_name": "minimum actuation, T_min"}),
         "needed_torque": (along, needed, {"units": unit, "long_name": "sum of resistances, unfactored"}),
@@ -294,23 +297,19 @@ def _table(begin: Model, options: _Options) -> tuple[xr.Dataset, tuple[str, ...]
         "required": options.factors.required,
     }
     notes = [*static.notes]
-    for name, one in system.families.get("gears", {}).items():
-        if getattr(one, "efficiency", 1.0) != 1.0 or getattr(one, "efficiency_back", 1.0) != 1.0:
-            notes.append(
-                f"gear {name!r} has an efficiency: its friction is that under the torque needed at {joint}; "
-                "take the motor's joint as the function's for friction under the motor's torque"
-            )
+    for place in path.balance.meshes:
+        notes.append(f"{place} loses its share of what it has to transmit, T_L included")
     return xr.Dataset(variables, coords=coordinates, attrs=attributes), tuple(notes)
 
 
-def _positions(system: System, options: _Options) -> Array:
+def _positions(begin: Model, options: _Options) -> Array:
     """Return the positions of the travel, (n,)."""
     travel = options.travel
     if travel is None:
-        return positions_along(system, options.joint, None, None, None, options.count)
+        return positions_along(begin, options.joint, None, None, None, options.count)
     if len(travel) == 2:
-        return positions_along(system, options.joint, None, travel[0], travel[1], options.count)
-    return positions_along(system, options.joint, travel, None, None, options.count)
+        return positions_along(begin, options.joint, None, travel[0], travel[1], options.count)
+    return positions_along(begin, options.joint, travel, None, None, options.count)
 
 
 def _driving(begin: Model, options: _Options) -> list[str]:
@@ -340,7 +339,7 @@ def _driving(begin: Model, options: _Options) -> list[str]:
 
 
 def _develop(path: Path, sense: float) -> None:
-    """Bring hysteresis to its limit for the travel's sense."""
+    """Bring hysteresis and friction to their state after a long way."""
     balance = path.balance
     velocity = path.kinematic(balance.y)
     senses = {}
@@ -349,6 +348,7 @@ def _develop(path: Path, sense: float) -> None:
         rate = sense * path.rate_of(joint, velocity)
         senses[joint] = math.copysign(1.0, rate) if abs(rate) > _MOVES else 0.0
     balance.develop(senses)
+    path.slip(sense)
 
 
 def _sources_by_measurement(options: _Options, names: Sequence[str]) -> set[str]:
@@ -406,6 +406,8 @@ def _sources(
         coupling = bodies_of(path.balance.system, point.rest.y[: path.balance.model.nq]).coupling
         torque = float(velocity @ coupling @ options.base_acceleration)
         found[_BASE] = _Source("I", -abs(torque), 0.0)
+    delivered = quantity(options.delivered_torque, unit, "delivered_torque")
+    _add_gear_losses(path, found, point, sense, driving, delivered)
     for name, symbol in options.classes.items():
         if symbol not in get_args(Resistance):
             raise UnknownNameError("margin: classes", "class of resistance", symbol, get_args(Resistance))
@@ -413,6 +415,69 @@ def _sources(
             raise UnknownNameError("margin: classes", "source", name, found)
         found[name] = found[name]._replace(symbol=symbol)
     return found
+
+
+def _add_gear_losses(
+    path: Path,
+    sources: dict[str, _Source],
+    point: PathPoint,
+    sense: float,
+    driving: Sequence[str],
+    delivered: float,
+) -> None:
+    """Replace friction of gears between drives and joint, which the travel unloads.
+
+    A gear of efficiency eta loses (1 / eta - 1) R of a resistance R > 0 beyond it, seen from the drives; of
+    one that drives, R < 0, it loses (1 - eta_back) of it.
+    """
+    balance = path.balance
+    system = balance.static.original
+    near = {place: _joints_at_input(system, place) for place in balance.meshes}
+    transmitting = {
+        place: one
+        for place, one in balance.meshes.items()
+        if path.joint not in near[place] and not near[place].isdisjoint(_joints_of(balance, driving))
+    }
+    losses: dict[str, float] = {}
+
+    def loss(place: str) -> float:
+        if place not in losses:
+            rest = delivered
+            for name, one in sources.items():
+                joints = _acts_at(system, name)
+                if one.symbol and name not in transmitting and not (joints and joints <= near[place]):
+                    rest -= one.torque
+            others = [other for other in transmitting if near[place] < near[other]]
+            rest += sum(loss(other) for other in others)
+            element: Any = transmitting[place].element
+            share = 1.0 / element.efficiency - 1.0 if rest > 0.0 else 1.0 - element.efficiency_back
+            losses[place] = share * abs(rest)
+        return losses[place]
+
+    for place in transmitting:
+        unloaded = sense * float(balance.mesh_friction(point.rest.y, place) @ point.velocity)
+        sources[place] = sources[place]._replace(torque=sources[place].torque - unloaded - loss(place))
+
+
+def _joints_of(balance: Balance, drives: Sequence[str]) -> set[str]:
+    return {str(balance.static.original.drives[name].joint) for name in drives}
+
+
+def _acts_at(system: System, place: str) -> set[str]:
+    """Return the joint at which a source acts; none of what acts on links."""
+    joint = getattr(_element(system, place.split(" ")[0]), "joint", None)
+    return set() if joint is None else {str(joint)}
+
+
+def _joints_at_input(system: System, place: str) -> set[str]:
+    """Return the joints on the input's side of a gear, by other gears and couplings."""
+    gears: Mapping[str, Any] = system.families.get("gears", {})
+    links = [{str(one.input), str(one.output)} for name, one in gears.items() if f"gears.{name}" != place]
+    links += [{one.follower, leader} for one in system.couplings.values() for leader in one.leaders]
+    near = {str(getattr(_element(system, place), "input"))}  # noqa: B009 - of whatever meshes
+    for _ in links:
+        near |= {joint for pair in links if not pair.isdisjoint(near) for joint in pair}
+    return near
 
 
 def _element(system: System, place: str) -> Any:

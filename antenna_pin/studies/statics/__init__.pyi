@@ -7,3 +7,5 @@ from antenna_pin.studies.statics.result import StaticStability as StaticStabilit
 from antenna_pin.studies.statics.torque_angle import DEFINITIONS as DEFINITIONS
 from antenna_pin.studies.statics.torque_angle import TorqueAngleLoop as TorqueAngleLoop
 from antenna_pin.studies.statics.torque_angle import torque_angle_loop as torque_angle_loop
+from antenna_pin.studies.statics.whole import Statics as Statics
+from antenna_pin.studies.statics.whole import statics as statics

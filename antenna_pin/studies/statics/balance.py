@@ -53,6 +53,8 @@ _TRUSTED, _TRUSTED_IN_PLAY = 0.2, 0.3
 _STEP, _STEP_IN_DEPTH = 1e-4, 0.02
 # A direction that moves a journal by less, of what is trusted, does not move it.
 _PURE = 1e-6
+# Turn of a joint at once by which whole turns are counted [rad].
+_TURNED = 1.0
 # Below this, over the largest, a row or a singular value counts as zero.
 _DEPENDENT = 1e-9
 # Acceleration of the whole mass by a force that counts as none [m/s^2].
@@ -406,6 +408,13 @@ class Balance:
         return rows
 
     # --- what is free ---
+
+    def move(self, y: Array, step: Array) -> None:
+        """Move a state by a tangent step of any length, (nv,), in place, turns counted."""
+        parts = max(1, math.ceil(float(np.abs(step / self.reach).max(initial=0.0)) / _TURNED))
+        for _ in range(parts):
+            self.workspace.retract(y, step / parts)
+            self.system.turn_on(y)
 
     def displaced(self, y: Array, step: Array) -> Array:
         """Return a state moved by a tangent step, (nv,), constraints held.

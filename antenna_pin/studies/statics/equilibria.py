@@ -329,9 +329,12 @@ def _act(balance: Balance, y: Array, velocity: Array) -> None:
 
 def _reading(balance: Balance, rest: Rest, friction: Literal["none", "forward", "backward"]) -> Equilibrium:
     values, stability = stiffness_of(balance, rest)
+    positions = positions_of(balance, rest.y)
     return Equilibrium(
         state=balance.static.state_of_original(rest.y),
-        positions=positions_of(balance, rest.y),
+        positions=positions,
+        units={name: "m" if balance.system.slides(name) else "rad" for name in positions},
+        length=balance.length,
         efforts=efforts_of(balance, rest.y),
         holding=holding_of(balance, rest.y),
         reactions=reactions_of(balance, rest.y),

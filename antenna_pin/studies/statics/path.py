@@ -58,6 +58,7 @@ class Path:
         self.sliding = static.system.slides(self.joint)
         self._longest = _LONGEST * (self.balance.length if self.sliding else 1.0)
         self._tangent: Array | None = None
+        self._rest: Rest | None = None  # the last pose in balance, whose tangent predicts the next one
         y0 = self.balance.projected(self.balance.y.copy())
         self.balance.accept(y0)
         self._check_freedom(y0)
@@ -69,16 +70,16 @@ class Path:
 
     def snapshot(self) -> Any:
         """Return a snapshot of the present position."""
-        return self.balance.snapshot(), self._tangent
+        return self.balance.snapshot(), self._tangent, self._rest
 
     def restore(self, snapshot: Any) -> None:
         """Restore a snapshot."""
-        present, self._tangent = snapshot
+        present, self._tangent, self._rest = snapshot
         self.balance.restore(present)
 
     def forget(self) -> None:
         """Begin anew, without previous motion."""
-        self._tangent = None
+        self._tangent = self._rest = None
 
     def _check_freedom(self, y: Array) -> None:
         """Refuse a joint that other constraints hold."""
@@ -166,20 +167,48 @@ class Path:
         start = self.position
         parts = max(1, math.ceil(abs(position - start) / self._longest - 1e-9))
         found: Rest | None = None
+        if self._rest is None and position != start:
+            self._settle(sense, where)
         for k in range(1, parts + 1):
             goal = position if k == parts else start + (position - start) * k / parts
             found = self._step(goal, sense, where, _HALVINGS)
         assert found is not None
         return found
 
+    def _settle(self, sense: float, where: str) -> None:
+        """Come into balance where the path begins, as far as there is one."""
+        before = self.snapshot()
+        try:
+            self._at(self.position, sense, where)
+            self._tangent = self._tangent_of_slip()
+        except (NotBalancedError, NotClosedError):
+            self.restore(before)
+
+    def _tangent_of_slip(self) -> Array:
+        """Return the velocity ratios of a motion in which joints that stick give way, (nv,)."""
+        balance, y = self.balance, self.balance.y
+        balance.release()
+        free = balance.free(y)
+        return self.tangent(Rest(y, 0.0, free, balance.stiffness(y, free)))
+
+    def slip(self, sense: float, where: str = "travel") -> None:
+        """Come into balance with all friction against a motion, as after a long way."""
+        balance = self.balance
+        velocity = sense * self._tangent_of_slip()
+        size = float(np.abs(velocity / balance.reach).max())
+        for place, one in balance.frictions.items():
+            rate = float(velocity[balance.system.mechanism.joint(str(one.element.acts_at)).v.start])
+            if abs(rate) > _DEPENDENT * size:
+                balance.set_sense(place, math.copysign(1.0, rate))
+        self._rest = rested(balance, balance.y, where, [])
+        balance.accept(self._rest.y)
+
     def _step(self, goal: float, sense: float, where: str, halvings: int) -> Rest:
-        before = self.balance.snapshot()
-        start, tangent = self.position, self._tangent
+        before, start = self.snapshot(), self.position
         try:
             return self._at(goal, sense, where)
         except (NotBalancedError, NotClosedError) as error:
-            self.balance.restore(before)
-            self._tangent = tangent
+            self.restore(before)
             if halvings == 0 or goal == start:
                 unit = "m" if self.sliding else "rad"
                 at = f"{self.joint} at {number(goal)} {unit}"
@@ -190,6 +219,8 @@ class Path:
     def _at(self, goal: float, sense: float, where: str) -> Rest:
         balance = self.balance
         y, change = balance.y.copy(), goal - self.position
+        if change and self._tangent is None and self._rest is not None:
+            self._tangent = self.tangent(self._rest)
         balance.release()
         kinematic = self.kinematic_or_none(y)
         if kinematic is None:
@@ -197,12 +228,13 @@ class Path:
         direction = kinematic if self._tangent is None else self._tangent
         balance.drive_to(goal)
         if change:
-            balance.workspace.retract(y, direction * change)
+            balance.move(y, direction * change)
         balance.velocity = sense * direction if balance.static.contact_friction else balance.velocity
         y = balance.projected(y)
         undetermined = settled_senses(balance, y, sense * kinematic)
         found = rested(balance, y, where, undetermined)
         balance.accept(found.y)
+        self._rest, self._tangent = found, None
         return found
 
     def read(self, rest: Rest) -> PathPoint:

@@ -16,11 +16,12 @@ from antenna_pin.base.units import quantity
 from antenna_pin.dynamics import System
 from antenna_pin.elements import Limits, RigidStop
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-from antenna_pin.scenario import Scenario
+from antenna_pin.scenario import Scenario, joint_limits
 from antenna_pin.studies.statics.path import Path, PathPoint
 from antenna_pin.studies.statics.reading import positions_of, reactions_of, sources_of, stiffness_of
 from antenna_pin.studies.statics.result import QuasiStaticTravel
 from antenna_pin.studies.statics.static_system import (
+    Model,
     check_rate_independent,
     start_of,
     static_system,
@@ -70,7 +71,7 @@ def travel(
     """
     begin = start_of(model, q)
     joint = joint_to_drive(begin.system, joint)
-    places = positions_along(begin.system, joint, positions, start, stop, count)
+    places = positions_along(begin, joint, positions, start, stop, count)
     static = static_system(begin.system, begin.state, joint=joint, hold=hold)
     check_rate_independent(static.system)
     path = Path(static, begin.state)
@@ -107,7 +108,7 @@ def joint_to_drive(system: System, joint: str) -> str:
 
 
 def positions_along(
-    system: System,
+    begin: Model,
     joint: str,
     positions: Sequence[float | str] | None,
     start: float | str | None,
@@ -119,6 +120,7 @@ def positions_along(
     Raises:
         InvalidParameterError: Positions are beyond the joint's limits, too few, or not in one sense.
     """
+    system = begin.system
     unit = "m" if system.slides(joint) else "rad"
     lower, upper = limits_of(system, joint)
     if positions is not None:
@@ -127,7 +129,8 @@ def positions_along(
         places = np.array([quantity(one, unit, "positions") for one in positions])
     else:
         ends = []
-        for name, value, limit in (("start", start, lower), ("stop", stop, upper)):
+        least, most = _stated_limits(begin, joint)
+        for name, value, limit in (("start", start, max(lower, least)), ("stop", stop, min(upper, most))):
             if value is None and not np.isfinite(limit):
                 rule = f"given: joint {joint!r} has no limit there"
                 raise InvalidParameterError("statics", name, rule, said="none")
@@ -161,6 +164,17 @@ def limits_of(system: System, joint: str) -> tuple[float, float]:
         if isinstance(one, Limits) and isinstance(one, RigidStop) and one.joint == joint and one.on:
             lower, upper = max(lower, one.lowest), min(upper, one.highest)
     return lower, upper
+
+
+def _stated_limits(begin: Model, joint: str) -> tuple[float, float]:
+    """Return the limits stated by the URDF, of joints with play or on bearings too."""
+    if begin.scenario is None:
+        return -np.inf, np.inf
+    change = begin.scenario.mechanism.joints.get(joint)
+    own = (None, None) if change is None else (change.lower, change.upper)
+    stated = joint_limits(begin.scenario.urdf_text).get(joint, (-np.inf, np.inf))
+    lower, upper = (limit if new is None else new for new, limit in zip(own, stated, strict=True))
+    return float(lower), float(upper)
 
 
 class _Table:

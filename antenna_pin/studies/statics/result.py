@@ -36,6 +36,8 @@ class Equilibrium:
     Attributes:
         state: [q, v, x] with v = 0, (nq + nv + nx,).
         positions: Of joints with an axis [rad] ([m]), by name.
+        units: Of these positions, ``rad`` or ``m``, by name.
+        length: Of the mechanism [m], the scale of displacements.
         efforts: Of elements at joints, on the child about the joint's axis [N*m] ([N]), by place, as
             ``springs.coil``.
         holding: Torques of motions, couplings and holding elements on their joint [N*m] ([N]), by name.
@@ -55,6 +57,8 @@ class Equilibrium:
 
     state: Array
     positions: Mapping[str, float]
+    units: Mapping[str, str]
+    length: float
     efforts: Mapping[str, float]
     holding: Mapping[str, float]
     reactions: Mapping[str, Array]
@@ -69,6 +73,7 @@ class Equilibrium:
         """Return the equilibrium in plain numbers."""
         return {
             "positions": dict(self.positions),
+            "units": dict(self.units),
             "stability": self.stability,
             "stiffness": self.stiffness.tolist(),
             "efforts": dict(self.efforts),

@@ -27,14 +27,17 @@ _SOUGHT, _ACCEPTED = 1e-14, 1e-9
 # Rounds of Newton steps and of steps along the forces between them; how many of each; and how many Newton
 # steps may be cut to what is trusted.
 _ROUNDS, _NEWTONS, _DRIFTS, _CUTS = 40, 40, 8, 6
-# Steps as long as is trusted after which a joint is taken to move on without end.
-_FAR = 48
+# Steps nearly as long as is trusted after which a joint is taken to move on without end; and a displacement
+# over what is trusted by a round of steps that leads nowhere.
+_FAR, _LONG, _STILL = 48, 0.9, 1e-6
 # Share of the force out of balance that no step balances, above which the stiffness is singular.
 _UNSOLVED = 1e-3
 # Singular values of the stiffness below this, over the largest, are none.
 _SINGULAR = 1e-12
-# Rounds without a better balance after which round-off is reached.
-_PATIENCE = 6
+# Rounds without a better balance after which round-off is reached, and of a balance below which one will do.
+_PATIENCE, _ROUND_OFF = 6, 1e-11
+# Residual over that before a step, below which the stiffness is used again.
+_GAIN = 1e-2
 # Round-off of a stop's position [rad] ([m]), and of a friction's load over its grip.
 _AT_STOP, _SLACK = 1e-12, 1e-9
 # Share of the largest force as which one counts that is less: its round-off is that of the largest.
@@ -83,12 +86,15 @@ def balanced(balance: Balance, y: Array, where: str) -> Rest:
     for _ in range(_ROUNDS):
         if found is not None or far > _FAR:
             break
+        start = here
         for _ in range(_DRIFTS):
             before = here
             here, damping = _drift(balance, here, damping)
             if here.residual <= _ACCEPTED:
                 break
-            far += _goes_far(balance, before, here)
+            far += _farthest(balance, before, here, coarse=True) > _LONG
+        if _farthest(balance, start, here) < _STILL:
+            break
         found = _newton(balance, here)
     if found is None:
         raise NotBalancedError(
@@ -132,30 +138,33 @@ def _left(balance: Balance, here: _Pose) -> str:
 def _newton(balance: Balance, start: _Pose) -> _Pose | None:
     """Return the pose in balance by Newton's method, or None if it fails."""
     here = best = start
-    patience, cut = _PATIENCE, 0
+    patience, cut, renewed = _PATIENCE, 0, True
     for _ in range(_NEWTONS):
         if here.residual <= _SOUGHT:
             return here
-        directions = here.free.directions
-        reduced = directions.T @ balance.stiffness(here.y, here.free)
+        if renewed:  # where the last step gained much, the stiffness before it does once more
+            free = here.free
+            directions = free.directions
+            reduced = directions.T @ balance.stiffness(here.y, free)
         right = directions.T @ here.force
         step: Array = np.linalg.lstsq(reduced, right, rcond=_SINGULAR)[0].astype(float)
         if np.linalg.norm(reduced @ step - right) > _UNSOLVED * np.linalg.norm(right):
             break
-        longest = _longest(here.free, step)
+        longest = _longest(free, step)
         cut += longest > 1.0
         if cut > _CUTS:
             break
-        moved = _moved(balance, here, step / max(1.0, longest))
+        moved = _moved(balance, here, step / max(1.0, longest), directions)
         if moved is None:
             break
+        renewed = moved.residual > _GAIN * here.residual
         here = moved
         if here.residual < 0.5 * best.residual:
             best, patience = here, _PATIENCE
         else:
             best = here if here.residual < best.residual else best
             patience -= 1
-            if patience == 0 and best.residual <= _ACCEPTED:
+            if best.residual <= _ROUND_OFF or (patience == 0 and best.residual <= _ACCEPTED):
                 break
     return best if best.residual <= _ACCEPTED else None
 
@@ -170,7 +179,7 @@ def _drift(balance: Balance, here: _Pose, damping: float) -> tuple[_Pose, float]
     for _ in range(40):
         shift = 1.01 * max(0.0, -least) + damping * size
         step = np.linalg.lstsq(reduced + shift * np.eye(len(right)), right, rcond=_SINGULAR)[0]
-        moved = _moved(balance, here, np.clip(step, -1.0, 1.0))
+        moved = _moved(balance, here, np.clip(step, -1.0, 1.0), directions)
         if moved is not None:
             break
         damping *= 4.0
@@ -180,17 +189,17 @@ def _drift(balance: Balance, here: _Pose, damping: float) -> tuple[_Pose, float]
     return moved, min(max(factor * damping, 1e-9), 1e9)
 
 
-def _goes_far(balance: Balance, before: _Pose, here: _Pose) -> bool:
-    """Return whether a step moves a joint by the trusted length."""
+def _farthest(balance: Balance, before: _Pose, here: _Pose, *, coarse: bool = False) -> float:
+    """Return the largest displacement between two poses over what is trusted; ``coarse``: outside play."""
     way = pin.difference(balance.model, before.y[: balance.model.nq], here.y[: balance.model.nq])
     moved = np.abs(before.free.scale @ way)
-    return bool(moved[~before.free.fine].max(initial=0.0) > 0.9)
+    return float((moved[~before.free.fine] if coarse else moved).max(initial=0.0))
 
 
-def _moved(balance: Balance, here: _Pose, step: Array) -> _Pose | None:
+def _moved(balance: Balance, here: _Pose, step: Array, directions: Array) -> _Pose | None:
     """Return the pose after a step; None without closed loops or finite forces."""
     try:
-        found = _pose(balance, balance.displaced(here.y, here.free.directions @ step))
+        found = _pose(balance, balance.displaced(here.y, directions @ step))
     except MechanismError:
         return None
     return found if np.isfinite(found.force).all() else None

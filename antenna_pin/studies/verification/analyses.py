@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import json
 import math
+import shlex
+import warnings
 from collections.abc import Callable, Iterator
 from typing import Any
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number, readable
+from antenna_pin.base.units import any_quantity
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.scenario.requirements import RequirementSpec
-from antenna_pin.studies.verification.design_quantities import loop_of, margin_of, stress_of
+from antenna_pin.studies.verification.design_quantities import loop_of, margin_of, orders_of, stress_of
+from antenna_pin.studies.verification.output import NOMINAL
 from antenna_pin.studies.verification.quantity import Case
 from antenna_pin.studies.verification.verify import Verified
 from antenna_pin.trajectory import Trajectory
@@ -20,6 +25,8 @@ __all__ = ["analyses_of"]
 _MARGINS = (
     "gain_margin", "phase_margin", "delay_margin", "modulus_margin", "loop_damping", "bandwidth",
 )  # fmt: skip
+# Amplitudes of a measured loop over that of its requirement.
+_AMPLITUDES = (0.5, 1.0, 2.0)
 _LOOP_MEASURES = ("stiffness", "lost_motion", "dead_band", "hysteresis", "loop_friction")
 
 
@@ -36,19 +43,25 @@ def analyses_of(
 
     Returns:
         Of each PID loop its margins and response; of each other analysis ``analysis``, ``key``, ``title``,
-        ``head`` and ``rows`` of a table, and the data of a figure.
+        ``head`` and ``rows`` of a table, ``made_by``, the command or call that repeats it in the folder of
+        the output, and what a figure is drawn of.
     """
     case = Case(verified.plan.base, lambda: run)  # type: ignore[arg-type, return-value]
     curves: list[dict[str, Any]] = []
     parts: list[Callable[[], Iterator[dict[str, Any]]]] = [
         lambda: _margins(verified, case),
         lambda: _torque_angle(verified, case),
+        lambda: _orders(verified, case),
+        lambda: _measured_loops(verified),
     ]
     if run is not None:
         parts.append(lambda: _stress(case))
+    by_run = f"antenna-pin stress nominal-{verified.digest}.nc"
     for part in parts:
         try:
-            curves += list(part())
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # of runs beside the nominal one
+                curves += [{"made_by": by_run, **one} for one in part()]
         except AntennaPinError as error:
             say(f"note: {error}")
     return list(_loops(verified, say)), curves
@@ -59,8 +72,21 @@ def _specs(verified: Verified, *names: str) -> list[RequirementSpec]:
     found: dict[str, RequirementSpec] = {}
     for spec in verified.plan.requirements.values():
         if spec.quantity in names:
-            found.setdefault(f"{spec.of} {spec.travel} {spec.factors} {spec.torque}", spec)
+            found.setdefault(f"{spec.of} {spec.travel} {spec.factors} {spec.torque} {spec.speeds}", spec)
     return list(found.values())
+
+
+def _command(command: str, *options: tuple[str, Any]) -> str:
+    """Return the command that repeats an analysis of the nominal scenario."""
+    words = [f"--{name}={value}" for name, value in options if value is not None]
+    return shlex.join(["antenna-pin", command, NOMINAL, *words])
+
+
+def _call(function: str, *arguments: Any, **options: Any) -> str:
+    """Return the call in Python that repeats an analysis of the nominal scenario."""
+    words = [f'load_scenario("{NOMINAL}")', *(json.dumps(one) for one in arguments)]
+    words += [f"{name}={value}" for name, value in options.items() if value is not None]
+    return f"{function}({', '.join(words)})"
 
 
 def _loops(verified: Verified, say: Callable[[str], None]) -> Iterator[dict[str, Any]]:
@@ -75,8 +101,68 @@ def _loops(verified: Verified, say: Callable[[str], None]) -> Iterator[dict[str,
             continue
         yield {key: float(getattr(found, key)) for key in _MARGINS} | {
             "controller": name,
+            "made_by": _call("loop_margins", name),
             "frequency": found.frequency[::20],
             "response": found.response[::20],
+        }
+
+
+def _measured_loops(verified: Verified) -> Iterator[dict[str, Any]]:
+    """Yield the loops of requirements that measure them in runs, one line for each amplitude."""
+    from antenna_pin.studies.linear import loop_margins
+    from antenna_pin.studies.verification.measured_loop import (
+        frequencies_around,
+        margins_of_points,
+        measured_loop,
+    )
+
+    scenario = verified.plan.base
+    asked: dict[str, set[tuple[float, str]]] = {}
+    for spec in verified.plan.requirements.values():
+        read = None if spec.amplitude is None else any_quantity(spec.amplitude)
+        if spec.quantity == "measured_phase_margin" and spec.of is not None and read is not None:
+            asked.setdefault(spec.of, set()).update((share * read[0], read[1]) for share in _AMPLITUDES)
+    for name, amplitudes in asked.items():
+        small = loop_margins(scenario, name)
+        rows = [
+            [
+                "small motions",
+                readable(small.bandwidth, "Hz", 3),
+                readable(math.degrees(small.phase_margin), "deg", 3),
+                readable(small.gain_margin, "1", 3),
+                "0",
+            ]
+        ]
+        lines, frequencies = {}, frequencies_around(small)
+        for size, measure in sorted(amplitudes):
+            amplitude = readable(size, measure or "1")
+            points = measured_loop(scenario, name, frequencies, size)
+            found = margins_of_points(points)
+            numbers = ((found.crossing, "Hz"), (math.degrees(found.phase), "deg"), (found.gain, "1"))
+            rows.append(
+                [
+                    amplitude,
+                    *(
+                        readable(value, unit, 3) if math.isfinite(value) else "outside"
+                        for value, unit in numbers
+                    ),
+                    readable(max(point.distortion for point in points), "1", 2),
+                ]
+            )
+            lines[amplitude] = ([point.frequency for point in points], [point.gain for point in points])
+        yield {
+            "analysis": "control",
+            "key": f"measured-loop-{name}",
+            "made_by": _call("measured_loop", name, frequencies, max(amplitudes)[0]),
+            "title": f"Loop {name} measured in runs with sine references, through play and friction",
+            "head": ("amplitude", "gain 1 at", "phase margin", "gain margin", "largest distortion"),
+            "rows": rows,
+            "measured": (small.frequency[::20], {name: small.response[::20]}, lines),
+            "caption": f"Loop {name}: small motions (line), and fundamentals in runs",
+            "notes": (
+                "Measured loops depend on the amplitude, as a describing function does; limits, "
+                "quantisation, sticking and play are in them.",
+            ),
         }
 
 
@@ -102,6 +188,13 @@ def _margins(verified: Verified, case: Case) -> Iterator[dict[str, Any]]:
         yield {
             "analysis": "motorization",
             "key": f"motorization-{count}",
+            "made_by": _command(
+                "margin",
+                ("joint", spec.of),
+                ("travel", spec.travel and f"{spec.travel[0]}:{spec.travel[1]}"),
+                ("count", spec.positions),
+                ("factors", spec.factors),
+            ),
             "title": f"Motorization of {found.joint} at {place}, where its margin is smallest",
             "head": ("source", "class", "resists", "factor", "drives", "factor", "value"),
             "rows": rows,
@@ -127,6 +220,9 @@ def _torque_angle(verified: Verified, case: Case) -> Iterator[dict[str, Any]]:
         yield {
             "analysis": "motorization",
             "key": f"torque-angle-{count}",
+            "made_by": _command(
+                "statics", ("joint", spec.of), ("loop", spec.torque), *(("hold", one) for one in spec.hold)
+            ),
             "title": f"Torque-angle loop of {found.joint}, {readable(found.amplitude, units['friction'])}",
             "head": ("measure", "value", "definition"),
             "sentences": True,
@@ -134,6 +230,46 @@ def _torque_angle(verified: Verified, case: Case) -> Iterator[dict[str, Any]]:
             "loop": found.data,
             "caption": f"Torque-angle loop of {found.joint}",
             "notes": found.notes,
+        }
+
+
+def _orders(verified: Verified, case: Case) -> Iterator[dict[str, Any]]:
+    for count, spec in enumerate(_specs(verified, "order_coefficient", "order_amplitude"), start=1):
+        found = orders_of(case, spec)
+        rows = []
+        for order in found["order"].values:
+            for axis in found["axis"].values:
+                one = found.sel(order=order, axis=axis)
+                largest = float(one["amplitude"].max())
+                if largest == 0.0:
+                    continue
+                force = str(axis).startswith("f")
+                resonant = [
+                    f"{30.0 / math.pi * speed:.4g}" for speed in one["speed"].values[one["resonant"].values]
+                ]
+                rows.append(
+                    [
+                        f"{order:.6g}",
+                        str(axis),
+                        readable(float(one["coefficient"]), "kg m" if force else "kg m^2"),
+                        readable(float(one["misfit"]), "1", 2),
+                        readable(largest, "N" if force else "N m"),
+                        ", ".join(resonant) or "none",
+                    ]
+                )
+        yield {
+            "analysis": "disturbance",
+            "key": f"orders-{count}",
+            "made_by": _call("measured_orders", spec.of, list(spec.speeds or ()), count=spec.positions),
+            "title": f"Orders of {spec.of}: harmonics h and coefficients C, nominal state",
+            "head": ("order h", "axis", "C", "misfit", "largest amplitude", "resonant at [rpm]"),
+            "rows": rows,
+            "orders": found,
+            "caption": f"Amplitudes of {spec.of}'s orders over its speed; lines: C times its square",
+            "notes": (
+                "Orders: force and moment of the mechanism on its base, least squares over the wheel's angle "
+                "in runs at each speed; resonant speeds do not count in C.",
+            ),
         }
 
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.scenario.requirements import RequirementSpec
 from antenna_pin.studies.verification.quantity import Case, Find, Value, VerifiedQuantity, chosen
 
-__all__ = ["design_quantities", "margin_of", "stress_of"]
+__all__ = ["design_quantities", "margin_of", "orders_of", "stress_of"]
 
 
 # --- small motions ---
@@ -110,6 +110,64 @@ def _of_measured_loops() -> Iterator[VerifiedQuantity]:
     )  # fmt: skip
 
 
+# --- orders of a wheel, in runs at several speeds ---
+
+# Orders as near are one [-]: a turn in the record's 20.
+_SAME_ORDER = 0.05
+
+
+def orders_of(case: Case, spec: RequirementSpec) -> Any:
+    """Return the orders of a requirement's wheel, those that are found and the requirement's own."""
+    from antenna_pin.analysis import wheel_orders
+    from antenna_pin.studies.verification.measured_orders import records_at_speeds
+
+    if spec.speeds is None:
+        raise InvalidParameterError(
+            spec.quantity, "speeds", "the lowest and the highest speed, as ['1000 rpm', '6000 rpm']", None
+        )
+    about = f"{spec.of} {spec.speeds} {spec.positions}"
+    records = case.memo.get(f"speeds {about}")
+    if records is None:
+        more = {} if spec.positions is None else {"count": spec.positions}
+        records = records_at_speeds(case.scenario, _joint(spec), spec.speeds, **more)
+        case.memo[f"speeds {about}"] = records
+    name = f"orders {about} {spec.harmonic}"
+    if name not in case.memo:
+        try:
+            found = wheel_orders(records)
+            orders = found["order"].values.tolist()
+        except InvalidParameterError:
+            found, orders = None, []
+        if found is None or all(abs(one - spec.harmonic) > _SAME_ORDER for one in orders):
+            found = wheel_orders(records, harmonics=[*orders, spec.harmonic])
+        case.memo[name] = found
+    return case.memo[name]
+
+
+def _order(reduce: Callable[[Any], float], force: str, moment: str) -> Find:
+    def find(case: Case, spec: RequirementSpec) -> Value:
+        if spec.axis is None:
+            raise InvalidParameterError(spec.quantity, "axis", "one of fx, fy, fz, mx, my, mz", None)
+        found = orders_of(case, spec).sel(axis=spec.axis).sel(order=spec.harmonic, method="nearest")
+        return reduce(found), force if spec.axis.startswith("f") else moment
+
+    return find
+
+
+def _of_wheels() -> Iterator[VerifiedQuantity]:
+    options = ("speeds", "positions", "harmonic", "axis")
+    yield VerifiedQuantity(
+        "order_coefficient", "", "C of a wheel's order, amplitude over the speed squared, resonances apart",
+        "disturbance", "joint",
+        _order(lambda orders: float(orders["coefficient"]), "kg m", "kg m^2"), options, needs_run=False,
+    )  # fmt: skip
+    yield VerifiedQuantity(
+        "order_amplitude", "", "largest amplitude of an order of a wheel over its speeds", "disturbance",
+        "joint", _order(lambda orders: float(orders["amplitude"].max()), "N", "N m"), options,
+        needs_run=False,
+    )  # fmt: skip
+
+
 # --- motorization and statics ---
 
 
@@ -121,14 +179,14 @@ def _joint(spec: RequirementSpec) -> str:
 
 def margin_of(case: Case, spec: RequirementSpec) -> Any:
     """Return the motorization margin of a requirement's joint."""
-    from antenna_pin.studies.margins import motorization_margin
+    from antenna_pin.studies.margins import margin
 
     travel = None if spec.travel is None else tuple(spec.travel)
     name = f"margin {spec.of} {travel} {spec.positions} {spec.factors}"
     if name not in case.memo:
         more: dict[str, Any] = {} if spec.positions is None else {"count": spec.positions}
         more |= {} if spec.factors is None else {"factors": spec.factors}
-        case.memo[name] = motorization_margin(case.scenario, _joint(spec), travel=travel, **more)
+        case.memo[name] = margin(case.scenario, _joint(spec), travel=travel, **more)
     return case.memo[name]
 
 
@@ -272,6 +330,6 @@ def _of_contacts() -> Iterator[VerifiedQuantity]:
 def design_quantities() -> Iterator[VerifiedQuantity]:
     """Yield all quantities of scenarios and contacts."""
     for made in (
-        _of_small_motions(), _of_loops(), _of_measured_loops(), _of_statics(), _of_contacts()
+        _of_small_motions(), _of_loops(), _of_measured_loops(), _of_wheels(), _of_statics(), _of_contacts()
     ):  # fmt: skip
         yield from made

@@ -13,10 +13,17 @@ from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.run.simulation import simulate
 from antenna_pin.scenario import Scenario
-from antenna_pin.studies.linear import loop_margins
+from antenna_pin.studies.linear import LoopMargins, loop_margins
 from antenna_pin.trajectory import Trajectory, names_along
 
-__all__ = ["LoopPoint", "measured_loop", "measured_phase_margin"]
+__all__ = [
+    "LoopPoint",
+    "MeasuredMargins",
+    "frequencies_around",
+    "margins_of_points",
+    "measured_loop",
+    "measured_phase_margin",
+]
 
 # Periods that pass before a measurement, and those that it takes.
 _SETTLING, _MEASURED = 4, 4
@@ -123,12 +130,69 @@ def measured_phase_margin(
     """
     crossing = loop_margins(scenario, controller).bandwidth
     points = measured_loop(scenario, controller, [share * crossing for share in _AROUND], amplitude)
+    return margins_of_points(points).phase, points
+
+
+class MeasuredMargins(NamedTuple):
+    """Margins of a measured loop; NaN for a crossing beyond the measured frequencies.
+
+    Attributes:
+        phase: Phase margin [rad].
+        gain: Gain margin [-].
+        crossing: Frequency at which the gain falls through 1 [Hz].
+        lag: Frequency at which the phase falls through -180 degrees [Hz].
+    """
+
+    phase: float
+    gain: float
+    crossing: float
+    lag: float
+
+
+@takes()
+def margins_of_points(points: Sequence[LoopPoint]) -> MeasuredMargins:
+    """Return gain and phase margin of measured points.
+
+    Logarithms of gain and frequency, and phase, are taken as straight between them.
+
+    Args:
+        points: Of rising frequency, two or more.
+    """
     gains = np.log(np.abs([one.gain for one in points]))
-    phases = np.unwrap(np.angle([one.gain for one in points]))
-    falls = np.flatnonzero((gains[:-1] >= 0.0) & (gains[1:] < 0.0))
-    if not falls.size:
-        return math.nan, points
-    k = int(falls[-1])
-    share = gains[k] / (gains[k] - gains[k + 1])
-    phase = phases[k] + share * (phases[k + 1] - phases[k])
-    return float((phase + math.pi) % (2.0 * math.pi)), points
+    # Of the phase over -180 degrees, from the first point on, which is within a turn of it.
+    above = np.unwrap(np.angle([one.gain for one in points])) + math.pi
+    above -= 2.0 * math.pi * math.floor(above[0] / (2.0 * math.pi))
+    frequencies = np.log([one.frequency for one in points])
+
+    def falls(values: np.ndarray) -> tuple[int, float] | None:
+        found = np.flatnonzero((values[:-1] >= 0.0) & (values[1:] < 0.0))
+        if not found.size:
+            return None
+        k = int(found[-1])
+        return k, float(values[k] / (values[k] - values[k + 1]))
+
+    def at(values: np.ndarray, where: tuple[int, float] | None) -> float:
+        if where is None:
+            return math.nan
+        k, share = where
+        return float(values[k] + share * (values[k + 1] - values[k]))
+
+    crossing, lag = falls(gains), falls(above)
+    return MeasuredMargins(
+        phase=at(above, crossing),
+        gain=math.exp(-at(gains, lag)),
+        crossing=math.exp(at(frequencies, crossing)),
+        lag=math.exp(at(frequencies, lag)),
+    )
+
+
+@takes()
+def frequencies_around(margins: LoopMargins, count: int = 8) -> list[float]:
+    """Return frequencies from below the crossing to beyond -180 degrees [Hz]."""
+    late = margins.frequency > margins.bandwidth
+    above = np.unwrap(np.angle(margins.response[late])) + math.pi
+    above -= 2.0 * math.pi * math.floor(above[0] / (2.0 * math.pi))
+    passed = np.flatnonzero(above < 0.0)
+    last = float(margins.frequency[late][passed[0]]) if passed.size else 2.0 * margins.bandwidth
+    highest = min(1.2 * last, 0.9 * float(margins.frequency[-1]))
+    return [float(one) for one in np.geomspace(0.5 * margins.bandwidth, highest, count)]

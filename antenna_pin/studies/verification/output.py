@@ -7,7 +7,7 @@ import json
 import math
 import re
 import shlex
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
@@ -28,10 +28,22 @@ from antenna_pin.studies.verification.quantity import ANALYSES
 from antenna_pin.studies.verification.verify import Demonstration, Verified
 from antenna_pin.trajectory import Trajectory, library_versions
 
-__all__ = ["NOT_COVERED", "facts_of", "nominal_run", "point_text", "result_text", "save_verification"]
+__all__ = [
+    "NOMINAL",
+    "NOT_COVERED",
+    "facts_of",
+    "nominal_run",
+    "point_text",
+    "result_text",
+    "save_analyses",
+    "save_verification",
+]
 
 # A number, and what follows it.
 _WRITTEN = re.compile(r"([-+]?[0-9_.]*(?:[eE][-+]?[0-9]+)?)\s*(.*)", re.DOTALL)
+
+#: File of the nominal scenario in the folder of the output.
+NOMINAL = "nominal.toml"
 
 #: Subjects of a mechanism's verification that no analysis here covers.
 NOT_COVERED = (
@@ -299,6 +311,12 @@ def save_verification(verified: Verified, facts: Mapping[str, Any], folder: Path
         )
     with replacing(paths[1]) as partial:
         partial.write_text(_matrix(facts), encoding="utf-8")
+    paths.append(folder / NOMINAL)
+    with replacing(paths[-1]) as partial:
+        head = f"# Nominal scenario of {verified.plan.label}\n\n"
+        partial.write_text(
+            head + scenario_toml(found_from(verified.plan.base, folder.resolve())), encoding="utf-8"
+        )
     for name, shown in verified.demonstrations.items():
         path = worst / f"{name}.toml"
         scenario = verified.plan.base
@@ -308,6 +326,29 @@ def save_verification(verified: Verified, facts: Mapping[str, Any], folder: Path
             partial.write_text(_worst(verified, name, scenario, worst), encoding="utf-8")
         paths.append(path)
     return paths
+
+
+@takes()
+def save_analyses(
+    loops: Sequence[Mapping[str, Any]], curves: Sequence[Mapping[str, Any]], folder: Path
+) -> Path:
+    """Write the tables of further analyses with their commands; return the path.
+
+    Args:
+        loops: Sampled loops (:func:`analyses_of`).
+        curves: Tables and curves, likewise.
+        folder: Folder of the output.
+    """
+    kept = ("analysis", "key", "title", "made_by", "head", "rows", "notes")
+    tables = [{name: one[name] for name in kept if name in one} for one in curves]
+    numbers = [
+        {name: value for name, value in one.items() if name not in ("frequency", "response")} for one in loops
+    ]
+    path = folder / "analyses.json"
+    with replacing(path) as partial:
+        text = json.dumps({"loops": numbers, "tables": tables}, indent=1, ensure_ascii=False, default=str)
+        partial.write_text(text + "\n", encoding="utf-8")
+    return path
 
 
 def _worst(verified: Verified, name: str, scenario: Scenario, folder: Path) -> str:

@@ -135,15 +135,26 @@ def _values(limit: LimitState, points: Array) -> Array:
     return values
 
 
-def _around(probability: float, variation: float, confidence: float, samples: int) -> tuple[float, float]:
-    """Return the interval of a positive estimate, normal in its logarithm."""
+def _around(probability: float, variation: float, confidence: float, freedom: float) -> tuple[float, float]:
+    """Return the interval of a positive estimate, Student's in its logarithm."""
     from scipy.stats import t
 
     if not (probability > 0.0 and math.isfinite(variation)):
         return 0.0, 1.0
-    half = float(t.ppf(0.5 * (1.0 + confidence), max(samples - 1, 1)))
+    half = float(t.ppf(0.5 * (1.0 + confidence), max(freedom, 1.0)))
     half *= math.sqrt(math.log1p(variation**2))
     return probability * math.exp(-half), min(probability * math.exp(half), 1.0)
+
+
+def _freedom(terms: Array) -> float:
+    """Return the degrees of freedom of a variance: fewer of terms with long tails.
+
+    Satterthwaite's, of the variance of the variance: 2 n / (kurtosis - 1).
+    """
+    off = terms - terms.mean()
+    square = float(np.mean(off**2))
+    kurtosis = float(np.mean(off**4)) / square**2 if square > 0.0 else 3.0
+    return min(2.0 * len(terms) / max(kurtosis - 1.0, 1e-9), len(terms) - 1.0)
 
 
 # --- subset simulation --------------------------------------------------------------------------------------
@@ -215,7 +226,7 @@ def subset_simulation(
     squares, total = sum(one**2 for one in variations), sum(variations)
     # Between independent levels (Au and Beck's lower estimate) and fully dependent ones (their upper).
     variation = math.sqrt(0.5 * (squares + total**2)) if probability > 0.0 else math.nan
-    low, high = _around(probability, variation, confidence, samples)
+    low, high = _around(probability, variation, confidence, samples - 1)
     failures = int((values <= 0.0).sum())
     if message:
         low, failures = 0.0, 0
@@ -293,8 +304,10 @@ def importance_sampling(
     .. math:: P = \frac1N \sum_k 1[g(u_k) \le 0]\,
               \exp\left(-c \cdot u_k + \tfrac12 |c|^2\right)
 
-    The estimate is unbiased for any centre; a second region of failure far from the centre makes its interval
-    too narrow, and :func:`subset_simulation` finds it.
+    with Student's interval of its logarithm, of as many degrees of freedom as the kurtosis of the terms
+    leaves of N (Satterthwaite 1946): long tails make their variance uncertain. The estimate is unbiased for
+    any centre; a second region of failure far from the centre makes its interval too narrow, and
+    :func:`subset_simulation` finds it.
 
     Args:
         limit: Limit state.
@@ -307,7 +320,8 @@ def importance_sampling(
         InvalidParameterError: A number is out of range, or a value of the limit state is NaN.
 
     References:
-        Rubinstein and Kroese (2004), The Cross-Entropy Method, Springer, section 3.
+        Rubinstein and Kroese (2004), The Cross-Entropy Method, Springer, section 3; Satterthwaite (1946),
+        Biometrics Bulletin 2(6), 110-114.
     """
     if variables > _MOST_VARIABLES:
         rule = (
@@ -340,7 +354,7 @@ def importance_sampling(
         variation, message = math.nan, "no failure among the samples: the interval is that of plain sampling"
     else:
         variation = float(terms.std(ddof=1)) / (probability * math.sqrt(samples))
-        low, high = _around(probability, variation, confidence, samples)
+        low, high = _around(probability, variation, confidence, _freedom(terms))
     return FailureProbability(
         probability, low, high, confidence, runs, failures, "importance sampling", variation, message
     )
