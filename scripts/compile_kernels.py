@@ -97,6 +97,9 @@ def call_alone() -> None:
     pose = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
     joint.evaluate(pose, np.zeros(6))
     joint.stored_energy(pose)
+    law = joint.normal_laws[0]
+    law.elastic_force(1e-6)
+    law.elastic_energy(1e-6)
     joint.geometry.scenario(pose[:3], np.eye(3))
     Dahl(coefficient_of_friction=0.1, bristle_stiffness=1e5).coefficient(0.1)
     for one in (grip_of, is_held, mode_of):
