@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import contextlib
 import dataclasses
 import io
 import json
@@ -27,6 +28,10 @@ from antenna_pin.base.interruption import acknowledge, late_signal
 from antenna_pin.contact import Hertz
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints.geometry import PrismaticClearance
+
+# Before any module of tests has Numba compile something: that decides of the processor for the process.
+with contextlib.suppress(ModuleNotFoundError):
+    import antenna_pin.compiled.jit  # noqa: F401
 
 # The same examples in every run, and no deadline, because a first example may compile kernels.
 settings.register_profile("repeatable", derandomize=True, deadline=None)

@@ -125,7 +125,7 @@ def test_a_number_of_threads_that_is_none():
     ("arguments", "said"),
     [
         (["--threads", "2", "--workers", "1"], "--threads: must be left out with --workers and --scheduler"),
-        (["--threads", "-1"], "--threads: must be zero or more, got -1"),
+        (["--threads", "-1"], "'--threads': must be zero or more, got -1"),
     ],
 )
 def test_threads_besides_processes_are_refused(arguments, said):
