@@ -85,14 +85,22 @@ def make(job: Job, derivatives: bool = False, more: bool = True) -> None:
 
 
 def call_alone() -> None:
-    """Call the kernels that Python calls and no run above: a joint alone, bristles, modes, linear steps."""
+    """Call the kernels that Python calls and no run above: a joint alone, bristles, modes, linear steps.
+
+    Those that only some runs need are made for all callers, as a shared library needs them.
+    """
     import numpy as np
 
-    from antenna_pin import build_system, load_scenario
+    from antenna_pin import build_system, load_scenario, simulate
+    from antenna_pin.compiled.deferred import require_all
     from antenna_pin.contact import Dahl
     from antenna_pin.dynamics.mode_kernels import grip_of, is_held, mode_of
     from antenna_pin.integrate.collocation import NODES, Propagator
 
+    for model, case, changes in JOBS:
+        scenario = load_scenario(model, case=case, overrides=list(changes))
+        simulate(scenario, duration=min(DURATION, scenario.duration))
+        require_all()
     (joint,) = build_system(load_scenario("bai2020", case="case3")).clearances
     pose = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
     joint.evaluate(pose, np.zeros(6))

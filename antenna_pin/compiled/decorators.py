@@ -15,7 +15,7 @@ import types
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from antenna_pin.compiled.deferred import require
+from antenna_pin.compiled.deferred import note_group, require
 from antenna_pin.compiled.record import Layout, record
 
 __all__ = [
@@ -49,6 +49,7 @@ def deferred(group: str) -> Callable[[_Function], _Function]:
     These require its group (``deferred.py``). Its callers are compiled without it. It returns None, int,
     float or bool, as annotated.
     """
+    note_group(group)
 
     def decorate(function: _Function) -> _Function:
         return function if _plain() else _DeferredKernel(function, group)  # type: ignore[return-value]

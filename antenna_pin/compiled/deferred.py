@@ -4,9 +4,15 @@ from __future__ import annotations
 
 import sys
 
-__all__ = ["is_required", "require"]
+__all__ = ["is_required", "note_group", "require", "require_all"]
 
+_known: set[str] = set()
 _required: set[str] = set()
+
+
+def note_group(group: str) -> None:
+    """Register a group of kernels."""
+    _known.add(group)
 
 
 def is_required(group: str) -> bool:
@@ -22,3 +28,9 @@ def require(group: str) -> None:
     slots = sys.modules.get("antenna_pin.compiled.slots")
     if slots is not None:
         slots.fill(group)
+
+
+def require_all() -> None:
+    """Require all groups of the modules loaded so far, as for a shared library of all kernels."""
+    for group in sorted(_known):
+        require(group)

@@ -22,8 +22,17 @@ from antenna_pin.compiled.decorators import _LazyKernel
 PACKAGE = Path(antenna_pin.__path__[0])
 
 
+def is_compiled(node: ast.stmt) -> bool:
+    """Return whether a statement defines a compiled function."""
+    return isinstance(node, ast.FunctionDef) and any(
+        getattr(one, "id", "") in ("kernel", "inlined", "released", "composed") for one in node.decorator_list
+    )
+
+
 def called_in(tree: ast.AST) -> Iterator[tuple[str, str]]:
     """Yield module and name of functions of kernel files that a file calls."""
+    if isinstance(tree, ast.Module):  # kernels beside a kind's class are not Python's
+        tree.body = [one for one in tree.body if not is_compiled(one)]
     names: dict[str, tuple[str, str]] = {}
     modules: dict[str, str] = {}
     for node in ast.walk(tree):

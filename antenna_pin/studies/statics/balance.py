@@ -301,7 +301,7 @@ class Balance:
             if not sense or place not in (None, own):
                 continue
             element: Any = one.element
-            partner = kernels.element_at(self.program, one.block).partner
+            partner = int(record(self.program[one.block :][: kernels.PARAMETERS], kernels.ELEMENT).partner)
             angle = kernels.own_motion(self.program, one.block, y, nq)[0]
             other = kernels.own_motion(self.program, one.block + partner, y, nq)[0]
             seen = (float(angle), 0.0, float(other), 0.0)

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.readable import number
 from antenna_pin.dynamics import JointMotion, kernels
+from antenna_pin.dynamics.mode_kernels import grip_of
 from antenna_pin.elements import Change, RigidStop, kind_of
-from antenna_pin.elements import kernels as of_elements
 from antenna_pin.elements.limits import FREE, LOWER, UPPER
 from antenna_pin.errors import MechanismError
 from antenna_pin.studies.statics.balance import Balance, Free
@@ -300,7 +300,7 @@ def _wrong_frictions(
         one, sense = balance.frictions[place], balance.senses[place]
         if sense is None:
             first = one.block + int(kernels.PARAMETERS)
-            grip = float(of_elements.grip(kind_of(type(one.element)), balance.program, first))
+            grip = float(grip_of(kind_of(type(one.element)), balance.program, first))
             load = balance.load(place)
             if abs(load) > grip * (1.0 + _SLACK):
                 found.append((place, -math.copysign(1.0, load)))
