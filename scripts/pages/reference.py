@@ -37,7 +37,7 @@ PLACE = re.compile(r"(<!-- table: (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 
 # --- the variables of a result, the figures of runs, and the layers of the package ---
 
-#: What docs/trajectory.md says once above its tables: names, units where a joint slides, spans of integrals, peaks.
+#: What docs/trajectory.md says once above its tables: names, units of sliding joints, spans, peaks.
 _SAID_ABOVE = re.compile(
     r"; (its size|which)$|,? by name(?=$|;)"
     r"| \((a |m/s|N s|N\b|way|displacement|m/s\^2)[^()]*\)"
@@ -51,7 +51,8 @@ def short(meaning: str, name: str) -> str:
     meaning = _SAID_ABOVE.sub("", meaning)
     if name.startswith("peak_"):
         meaning = _LARGEST.sub("", meaning)
-    return "" if meaning.lower() in (name.replace("_", " "), name.partition("_")[2].replace("_", " ")) else meaning
+    is_name = meaning.lower() in {part.replace("_", " ") for part in (name, name.partition("_")[2])}
+    return "" if is_name else meaning
 
 
 def trajectory_table() -> str:

@@ -148,7 +148,7 @@ class Row(NamedTuple):
         said = f": {meaning}" if meaning else ""
         choices = re.findall(r"`[^`]+`", self.kind)
         explained = choices and all(choice in meaning for choice in choices)
-        told = self.kind and not explained and self.default not in ("`true`", "`false`")
+        told = self.kind not in ("", "text") and not explained and self.default not in ("`true`", "`false`")
         return f"- {key}{f' [{self.kind}]' if told else ''}{said}"
 
 
