@@ -51,8 +51,7 @@ def short(meaning: str, name: str) -> str:
     meaning = _SAID_ABOVE.sub("", meaning)
     if name.startswith("peak_"):
         meaning = _LARGEST.sub("", meaning)
-    is_name = meaning.lower() in {part.replace("_", " ") for part in (name, name.partition("_")[2])}
-    return "" if is_name else meaning
+    return "" if name.replace("_", " ").endswith(meaning.lower()) else meaning
 
 
 def trajectory_table() -> str:
@@ -61,7 +60,8 @@ def trajectory_table() -> str:
     for label in COORDINATES:
         groups.setdefault(label.dim, []).append(f"- `{label.name}`: {label.meaning}")
     for one in VARIABLES.values():
-        meaning = short(one.meaning, one.name)
+        of_group = rf"(?<!integral) of the ({'|'.join(one.dims)})\b(?!')"
+        meaning = short(re.sub(of_group, "", one.meaning), one.name)
         if one.flags:
             meaning += ": " + ", ".join(f"{value} {word}" for value, word in one.flags)
         if "NaN" in one.rule.words and "NaN" not in meaning:
