@@ -44,7 +44,7 @@ def plain(text: str) -> str:
         text = text.replace(python, file)
     for said, short in _SAID_ONCE:
         text = re.sub(said, short, text)
-    return text.strip(".; ")
+    return re.sub(r"; if left out, (?!it )", "; default: ", text).strip(".; ")
 
 
 #: What docs/scenario.md says once, of all keys: that nothing follows where one is left out, files, sizes.
