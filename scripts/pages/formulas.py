@@ -32,6 +32,7 @@ __all__ = [
 #: Laws that are nothing: there is no formula of none.
 NOTHING = ("none",)
 _LISTED = 8  # laws that have a parameter; that of more is described once
+_LONG = 15  # words of a meaning; a longer one of several laws is described once
 _SECTION = re.compile(r"^(Attributes|References|Args|Returns|Raises):$", re.MULTILINE)
 _DISPLAYED = re.compile(r"^\.\. math::(.*(?:\n(?:[ \t]+\S.*|[ \t]*(?=\n[ \t]+\S)))*)", re.MULTILINE)
 
@@ -109,10 +110,15 @@ def unit_of(parameter: Parameter) -> str:
     return "-" if parameter.unit == "1" else str(parameter.unit).replace("**", "^").replace("*", "·")
 
 
+def is_shared(meaning: str, laws: list[str]) -> bool:
+    """Return whether a parameter is described once for all of its laws."""
+    return len(laws) > _LISTED or (len(laws) > 1 and len(meaning.split()) > _LONG)
+
+
 def parameters_line(cls: type[Any]) -> str:
     """Return the parameters of a law with unit, default and meaning: bold those it needs."""
     parameters = law_parameters(cls)
-    shared = {which for which, names in meanings().items() if len(names) > _LISTED}
+    shared = {which for which, names in meanings().items() if is_shared(which[2], names)}
     lines = []
     for name, one in parameters.items():
         default = law_default(name, parameters)
@@ -172,7 +178,7 @@ def formulas_table() -> str:
         "",
     ]
     for (key, unit, meaning), names in meanings().items():
-        if len(names) > _LISTED:
+        if is_shared(meaning, names):
             lines.append(f"- `{key}` [{unit}]: {meaning}")
     return "\n".join([*lines, ""])
 
