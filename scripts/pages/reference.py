@@ -39,7 +39,7 @@ PLACE = re.compile(r"(<!-- table: (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 
 #: What docs/trajectory.md says once above its tables: names, units of sliding joints, spans, peaks.
 _SAID_ABOVE = re.compile(
-    r"; (its size|which)$|,? by name(?=$|;)"
+    r",? by name(?=$|;)"
     r"| \((a |m/s|N s|N\b|way|displacement|m/s\^2)[^()]*\)"
     r"|,? (since the start|from start to end|at a sample|in all)\b"
 )
