@@ -1,9 +1,6 @@
 """Many runs at once: the compiled engine runs without the interpreter's lock, so threads share the cores."""
 
-import os
 from concurrent.futures import ThreadPoolExecutor
-
-import numpy as np
 
 from antenna_pin import Trajectory, load_scenario, simulate
 
@@ -18,11 +15,7 @@ def run(friction: float) -> Trajectory:
     return simulate(changed, duration=0.1)
 
 
-coefficients = np.linspace(0.03, 0.15, 5)
-with ThreadPoolExecutor(os.cpu_count()) as pool:
-    runs = list(pool.map(run, coefficients.tolist()))
-for friction, one in zip(coefficients, runs, strict=True):
-    lost = 1e3 * sum(one.data[f"total_{of}_loss"].sum().item() for of in ("normal", "friction"))
-    print(
-        f"friction {friction:5.3f}: largest force {one.data['peak_force'].max():6.1f} N, lost {lost:.3f} mJ"
-    )
+coefficients = [0.03, 0.09, 0.15]
+with ThreadPoolExecutor() as pool:
+    for friction, one in zip(coefficients, pool.map(run, coefficients), strict=True):
+        print(f"friction {friction}: largest force {one.data['peak_force'].max():.1f} N")

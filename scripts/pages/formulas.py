@@ -10,6 +10,7 @@ import inspect
 import re
 import textwrap
 from collections.abc import Iterator, Mapping
+from functools import cache
 from typing import Any
 
 from scenario_reference import plain
@@ -30,7 +31,8 @@ __all__ = [
 
 #: Laws that are nothing: there is no formula of none.
 NOTHING = ("none",)
-_LISTED = 8  # laws that have a parameter; of more, only how many
+_LISTED = 8  # laws that have a parameter; that of more is described once
+_LONG = 15  # words of a meaning; a longer one of several laws is described once
 _SECTION = re.compile(r"^(Attributes|References|Args|Returns|Raises):$", re.MULTILINE)
 _DISPLAYED = re.compile(r"^\.\. math::(.*(?:\n(?:[ \t]+\S.*|[ \t]*(?=\n[ \t]+\S)))*)", re.MULTILINE)
 
@@ -80,30 +82,56 @@ def law_default(name: str, parameters: dict[str, Parameter]) -> str:
     return {"modulus": "from materials", "effective_mass": "from the contact"}.get(name, "from the joint")
 
 
-def essence(cls: type[Any]) -> str:
-    """Return what a class is and its formula, with the paragraph behind it."""
+#: What a dissipation delivers, which docs/contact-laws.md shows of all beside one another.
+_DELIVERED = re.compile(r": delivers\s(?:[^.]|\.\d)*|(?<=\.)\s+Delivers\s(?:[^.]|\.\d)*\.")
+
+
+def essence(cls: type[Any], named: bool = False) -> str:
+    """Return what a class is and its formula, with the paragraph behind it.
+
+    Args:
+        cls: Class.
+        named: Without its first line where the formula follows: the scenario's reference has it.
+    """
     paragraphs = parts_of(cls)["said"].split("\n\n")
+    if named and paragraphs[1].startswith(".. math::"):
+        paragraphs = paragraphs[1:]
     shown = [k for k, text in enumerate(paragraphs) if text.startswith(".. math::")]
     # A formula may have lines of its own that are empty: what is indented belongs to it.
     last = shown[-1] if shown else 0
     while last + 1 < len(paragraphs) and paragraphs[last + 1].startswith(" "):
         last += 1
-    return markdown("\n\n".join(paragraphs[: last + 2]))
+    text = markdown("\n\n".join(paragraphs[: last + 2]))
+    return _DELIVERED.sub("", text) if cls in DISSIPATIONS.values() else text
+
+
+def unit_of(parameter: Parameter) -> str:
+    """Return the unit of a law's parameter as the pages have it."""
+    return "-" if parameter.unit == "1" else str(parameter.unit).replace("**", "^").replace("*", "·")
+
+
+def is_shared(meaning: str, laws: list[str]) -> bool:
+    """Return whether a parameter is described once for all of its laws."""
+    return len(laws) > _LISTED or (len(laws) > 1 and len(meaning.split()) > _LONG)
 
 
 def parameters_line(cls: type[Any]) -> str:
-    """Return what a law needs, and what it may be given, in a line."""
+    """Return the parameters of a law with unit, default and meaning: bold those it needs."""
     parameters = law_parameters(cls)
-    defaults = {name: law_default(name, parameters) for name in parameters}
-    needed = [f"`{name}`" for name, one in defaults.items() if one.startswith("required")]
-    chosen = [f"`{name}` ({one})" for name, one in defaults.items() if re.match(r"[-\d]", one)]
-    pieces = [
-        f"Needs {', '.join(needed)}" if needed else "",
-        f"may be given {', '.join(chosen)}" if chosen else "",
-        "the rest is the joint's" if len(needed) + len(chosen) < len(defaults) else "",
-    ]
-    line = "; ".join(filter(None, pieces))
-    return f"*{line[:1].upper()}{line[1:]}.*".replace("*The rest is", "*All is")
+    shared = {which for which, names in meanings().items() if is_shared(which[2], names)}
+    lines = []
+    for name, one in parameters.items():
+        default = law_default(name, parameters)
+        said = f"**`{name}`**" if default.startswith("required") else f"`{name}`"
+        said += f" = {default}" if re.match(r"[-\d]", default) else ""
+        said += f" [{unit_of(one)}]"
+        if (name, unit_of(one), plain(one.doc)) not in shared:
+            lines.append(f"{said}: {plain(one.doc)}" + (f", {default}" if name == "stiffness" else ""))
+        elif not one.from_joint:
+            lines.append(said)
+    if not lines:
+        return "All is the joint's."
+    return "; ".join([*lines, *(["the rest is the joint's"] if len(lines) < len(parameters) else [])]) + "."
 
 
 def short_source(cls: type[Any]) -> str:
@@ -146,56 +174,53 @@ def formulas_table() -> str:
     lines += [
         "## Parameters",
         "",
-        "In bold the laws that need it; others have a default, or take it from the joint.",
+        "Those of a law stand with it, bold if it needs them. Of many laws, and the joint's unless given:",
         "",
     ]
     for (key, unit, meaning), names in meanings().items():
-        said = ", ".join(f"**`{name}`**" if needed else f"`{name}`" for name, needed in names)
-        if len(names) > _LISTED:
-            said = f"**{len(names)} laws**" if names[0][1] else f"{len(names)} laws"
-        lines.append(f"- `{key}` [{unit}]: {meaning} ({said})")
+        if is_shared(meaning, names):
+            lines.append(f"- `{key}` [{unit}]: {meaning}")
     return "\n".join([*lines, ""])
 
 
-def meanings() -> dict[tuple[str, str, str], list[tuple[str, bool]]]:
-    """Return each parameter by name, unit and meaning: which laws have it, and whether they need it."""
-    found: dict[tuple[str, str, str], list[tuple[str, bool]]] = {}
+@cache
+def meanings() -> dict[tuple[str, str, str], list[str]]:
+    """Return each parameter by name, unit and meaning: which laws have it."""
+    found: dict[tuple[str, str, str], list[str]] = {}
     for _, _, laws in _GROUPS:
         for name, cls in own_laws(laws).items():
             parameters = law_parameters(cls)
             for key, one in parameters.items():
-                unit = "-" if one.unit == "1" else str(one.unit).replace("**", "^").replace("*", "·")
-                needed = law_default(key, parameters) == "required"
-                found.setdefault((key, unit, plain(one.doc)), []).append((name, needed))
+                found.setdefault((key, unit_of(one), plain(one.doc)), []).append(name)
     return found
 
 
 def _whole_laws() -> list[str]:
     """Return the list of laws that combine an elastic law and a dissipation."""
-    lines = [
-        "## Laws as a whole",
-        "",
-        "An elastic law with the dissipation of that name, unless given, and exponent 1.5, unless given.",
-        "",
-    ]
     elastic = {law: key for key, law in NORMAL_LAWS.items()}
     damped = {law: key for key, law in DISSIPATIONS.items()}
+    laws: dict[str, list[str]] = {}
     for alias in ALIASES:
         cls = NORMAL_LAWS[alias.name]
         exponent = law_parameters(cls)["exponent"].default
-        parts = [f"`{elastic[cls.elastic]}`"]
-        if damped[cls.dissipation] != alias.name:
-            parts.append(f"`{damped[cls.dissipation]}`")
-        named = f"- `{alias.name}`: {' with '.join(parts)}"
-        lines.append(named if exponent == 1.5 else f"{named}, exponent {exponent:g}")
-    return [*lines, ""]
+        power = "" if exponent == 1.5 else f" with the exponent {exponent:g}"
+        other = "" if damped[cls.dissipation] == alias.name else f" and `{damped[cls.dissipation]}`"
+        laws.setdefault(f"`{elastic[cls.elastic]}`{power}{other}", []).append(f"`{alias.name}`")
+    return [
+        "## Laws as a whole",
+        "",
+        "An elastic law with the dissipation of that name and the exponent 1.5, unless given.",
+        "",
+        *(f"- {parts}: {', '.join(names)}" for parts, names in laws.items()),
+        "",
+    ]
 
 
 def element_formulas() -> str:
     """Return what kinds of elements with a formula say of themselves."""
     lines: list[str] = []
     for family, kind, cls in kinds():
-        lines += [f"### `{kind}` of `[{family}]`", "", essence(cls), ""]
+        lines += [f"### `{kind}` of `[{family}]`", "", essence(cls, named=True), ""]
     return "\n".join(lines)
 
 

@@ -37,26 +37,44 @@ PLACE = re.compile(r"(<!-- table: (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 
 # --- the variables of a result, the figures of runs, and the layers of the package ---
 
+#: What docs/trajectory.md says once above its tables: names, units of sliding joints, spans, peaks.
+_SAID_ABOVE = re.compile(
+    r",? by name(?=$|;)"
+    r"| \((a |m/s|N s|N\b|way|displacement|m/s\^2)[^()]*\)"
+    r"|,? (since the start|from start to end|at a sample|in all)\b"
+)
+_LARGEST = re.compile(r"^largest (size of )?(the |its |an |a )?", re.IGNORECASE)
+
+
+def short(meaning: str, name: str) -> str:
+    """Return the meaning of a variable without what its page says above, or nothing if it is the name."""
+    meaning = _SAID_ABOVE.sub("", meaning)
+    if name.startswith("peak_"):
+        meaning = _LARGEST.sub("", meaning)
+    return "" if name.replace("_", " ").endswith(meaning.lower()) else meaning
+
 
 def trajectory_table() -> str:
     """Return the variables and labels of a result, of its schema, by their dimensions."""
-    groups: dict[str, list[str]] = {"time": ["- `time` [s]: time"]}
+    groups: dict[str, list[str]] = {"time": ["- `time` [s]"]}
     for label in COORDINATES:
         groups.setdefault(label.dim, []).append(f"- `{label.name}`: {label.meaning}")
     for one in VARIABLES.values():
-        meaning = one.meaning
+        of_group = rf"(?<!integral) of the ({'|'.join(one.dims)})\b(?!')"
+        meaning = short(re.sub(of_group, "", one.meaning), one.name)
         if one.flags:
             meaning += ": " + ", ".join(f"{value} {word}" for value, word in one.flags)
         if "NaN" in one.rule.words and "NaN" not in meaning:
             meaning += ", or NaN"
         unit = "-" if one.units == "1" else one.units
-        groups.setdefault(", ".join(one.dims), []).append(f"- `{one.name}` [{unit}]: {meaning}")
+        line = f"- `{one.name}` [{unit}]" + (f": {meaning}" if meaning else "")
+        groups.setdefault(", ".join(one.dims), []).append(line)
     return "\n\n".join(f"**{dims}**\n\n" + "\n".join(lines) for dims, lines in groups.items()) + "\n"
 
 
 def dimensions_table() -> str:
     """Return the dimensions of a result, of its schema."""
-    return "\n".join(f"- `{name}`: {meaning}" for name, meaning in DIMENSIONS.items()) + "\n"
+    return "".join(f"- `{name}`: {short(meaning, name)}\n" for name, meaning in DIMENSIONS.items())
 
 
 def figures_table() -> str:

@@ -44,7 +44,7 @@ def plain(text: str) -> str:
         text = text.replace(python, file)
     for said, short in _SAID_ONCE:
         text = re.sub(said, short, text)
-    return text.strip(".; ")
+    return re.sub(r"; if left out, (?!it )", "; default: ", text).strip(".; ")
 
 
 #: What docs/scenario.md says once, of all keys: that nothing follows where one is left out, files, sizes.
@@ -83,19 +83,23 @@ def annotations(item: Any) -> Iterator[Any]:
 def kind_of(field: FieldInfo, parameter: Parameter | None = None) -> str:
     """Return the unit of a field, or what else it holds."""
     if parameter is not None and parameter.sizes == (0,):
-        return f"list of {kind_of_units(parameter.units)}"
+        units = kind_of_units(parameter.units)
+        return "list" if units == "-" else f"list of {units}"
     for item in (*field.metadata, *annotations(field.annotation)):
         if type(item).__name__ in ("QuantityRule", "Vector"):
             text = kind_of_units(item.unit)
             sizes = getattr(item, "sizes", ())
-            return f"{' or '.join(map(str, sizes))} × {text}" if sizes else text
+            if not sizes:
+                return text
+            count = " or ".join(map(str, sizes))
+            return f"{count} numbers" if text == "-" else f"{count} × {text}"
     choices = [value for item in annotations(field.annotation) for value in get_args(item)]
     choices = [value for value in choices if isinstance(value, str)]
     if choices:
         return ", ".join(f"`{value}`" for value in choices)
     if str in annotations(field.annotation):
-        return "list of text" if "tuple" in str(field.annotation) else "text"
-    return "list of -" if "tuple" in str(field.annotation) else "-"
+        return "list" if "tuple" in str(field.annotation) else "text"
+    return "list" if "tuple" in str(field.annotation) else "-"
 
 
 def kind_of_units(unit: str | tuple[str, ...]) -> str:
@@ -148,7 +152,7 @@ class Row(NamedTuple):
         said = f": {meaning}" if meaning else ""
         choices = re.findall(r"`[^`]+`", self.kind)
         explained = choices and all(choice in meaning for choice in choices)
-        told = self.kind and not explained and self.default not in ("`true`", "`false`")
+        told = self.kind not in ("", "text") and not explained and self.default not in ("`true`", "`false`")
         return f"- {key}{f' [{self.kind}]' if told else ''}{said}"
 
 
@@ -205,7 +209,8 @@ def kinds_of(rows: Mapping[str, list[Row]], said: Mapping[str, str]) -> list[str
     having: dict[Row, list[str]] = {}
     for kind, own in rows.items():
         for row in own:
-            having.setdefault(row, []).append(kind)
+            if not (said and row.key.strip("*") == "`kind`"):
+                having.setdefault(row, []).append(kind)
     groups: dict[tuple[str, ...], list[Row]] = {}
     for row, kinds in having.items():
         groups.setdefault(tuple(kinds), []).append(row)
