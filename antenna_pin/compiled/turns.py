@@ -52,11 +52,11 @@ class Turn:
 
     def end(self) -> None:
         """Let others have it."""
-        if self._file is not None:
+        file, self._file = self._file, None  # once, whichever thread ends it
+        if file is not None:
             with contextlib.suppress(OSError):
-                _move(self._file, self._byte)
-                os.lockf(self._file, os.F_ULOCK, 1)
-            self._file = None
+                _move(file, self._byte)
+                os.lockf(file, os.F_ULOCK, 1)
 
 
 @lru_cache
