@@ -39,8 +39,8 @@ plot run.nc --out f: --format bmp > figure format 'bmp' is unknown | --format , 
 record run.nc: > Missing option '--out' | --out a.avi > must end in .html | --out no/a.html > does not exist
 record run.nc --out a.html: --fps 30 > --fps | --size 10x10 > --size | --at 0 > --at
     --speed {1e400;1e-400;0;nan;1e999999999} > speed must be | --speed {1/0;fast;1/2/3} > --speed
-    --key-rate 0 > --key-rate must be positive | --key-rate inf > --key-rate | --max-size nan > --max-size
-    --max-size 0 > --max-size must be positive | --max-size 1e-9 > max | --start 1 --end 0 > start
+    --key-rate 0 > must be positive | --key-rate inf > --key-rate | --max-size nan > --max-size
+    --max-size 0 > must be positive | --max-size 1e-9 > max | --start 1 --end 0 > start
     --start 5 > start | --end nan > --end | --start 1·m > --start must be a time | --view side > --view
     --body bra > bra | --ideal no.nc > no such file
 record run.nc --out a.html --view joint: --joint hing > hing | --magnify {0;nan;1e300} > magnify

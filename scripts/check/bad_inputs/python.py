@@ -113,7 +113,7 @@ _CALLS: Mapping[str, tuple[Callable[[], Any], str]] = {
     "simulate: v of one": (lambda: _simulated(v=[0.0]), "v must"),
     "simulate: v infinite": (lambda: _simulated(v=[math.inf] * 12), "v must"),
     "simulate: angles of no joint": (lambda: _simulated(angles={"x": 0.0}), "x"),
-    "simulate: start and q": (lambda: _simulated(start=_run().end, q=[0.0]), "left out with start"),
+    "simulate: start and q": (lambda: _simulated(start=_run().end, q=[0.0]), "omitted if start"),
     "simulate: start of another": (lambda: simulate(load_scenario("pendulum"), start=_run().end), ""),
     "simulate: step without end": (lambda: _set(method="rk4", step=1e-20), "step must be"),
     "simulate: samples without end": (lambda: _set(output_rate=1e12), "output_rate must be"),
