@@ -31,6 +31,6 @@ def require(group: str) -> None:
 
 
 def require_all() -> None:
-    """Require all groups of the modules loaded so far, as for a shared library of all kernels."""
+    """Require all groups of loaded modules, for a shared library of all kernels."""
     for group in sorted(_known):
         require(group)
