@@ -22,7 +22,7 @@ __all__ = [
 
 
 #: Forecast of the compile time of a first run on a machine, as text, on one or two cores.
-COMPILE_TIME = "2 to 4 minutes"
+COMPILE_TIME = "1 to 3 minutes"
 
 
 class CompileClock:
