@@ -135,7 +135,7 @@ def _as_compiled() -> types.SimpleNamespace:
 # Numba infers the types of callees within the inference of their caller, some forty frames each: the chain
 # of all kinds of elements exceeds Python's limit of a thousand.
 _DEEP = 10_000
-#: Locks by kernel: of several threads one compiles.
+#: Of several threads that need a kernel one compiles it.
 _MAKING = threading.RLock()
 
 

@@ -11,7 +11,6 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.base.records import PLANE, RIGID, words_of
-from antenna_pin.compiled.deferred import require
 from antenna_pin.compiled.lanes import LANES
 from antenna_pin.dynamics.constraints import layout_kernels as _layout
 from antenna_pin.dynamics.constraints.carried_kernels import room_for
@@ -140,7 +139,7 @@ def make_plan(
     turns: Mapping[str, int] | None = None,
     holding: Sequence[DrivenJoint] = (),
 ) -> ConstraintPlan:
-    """Lay out the constraints of a mechanism, whose kernels are required.
+    """Lay out the constraints of a mechanism.
 
     Args:
         mechanism: The mechanism.
@@ -154,7 +153,6 @@ def make_plan(
         UnknownNameError: A closure on an unknown link.
         MechanismError: A closure whose sides are one body.
     """
-    require(_layout.CONSTRAINTS)
     model = mechanism.model
     records = np.zeros(len(closures), dtype=_layout.CLOSURE)
     rows: dict[str, tuple[str, ...]] = {}

@@ -17,7 +17,6 @@ from antenna_pin.compiled.native import Evaluator
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.dynamics import outside_kernels as kernels
 from antenna_pin.dynamics.by_pinocchio import accelerations_of, machine_code_of, terms_of
-from antenna_pin.dynamics.constraints.layout_kernels import CONSTRAINTS
 from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.errors import FunctionError, MechanismError
 from antenna_pin.integrate import Method, Stepper
@@ -200,9 +199,7 @@ class Compiled:
             tree = TreeDynamics(system.mechanism).tree
         elif tree is None:
             tree = body_tree(system.mechanism)
-        if system.plan is not None:
-            require(CONSTRAINTS)
-        elif engine == "compiled":
+        if engine == "compiled" and system.plan is None:
             require(TREE)
         plan, nq, nv, size = system.plan, model.nq, model.nv, system.manifold.size
         self.answers = Answers(size, nv)
