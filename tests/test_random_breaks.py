@@ -57,7 +57,7 @@ def test_what_was_drawn_is_found_again_where_its_line_is_now(scripts, tmp_path):
 
 
 def test_where_machine_code_is_tied_to_a_file_kernels_run_as_python(scripts):
-    tied = {"compiled/jit.py", "base/records.py", "elements/spring.py", "contact/damping_kernels.py"}
+    tied = {"compiled/jit.py", "base/records.py", "elements/spring.py", "contact/damping.py"}
     for path in (*tied, "base/units.py", "show/plot/fits.py"):
         assert scripts.sites("x = 1\n", "room", Path("antenna_pin", path))[0].plain == (path in tied), path
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import inspect
 import sys
-from typing import TYPE_CHECKING, Annotated, Any, Self, TypeVar, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Self, TypeVar, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,6 +49,8 @@ __all__ = [
     "Vector6",
     "memory_numbers",
     "memory_records",
+    "numbers_of",
+    "packed",
     "place_of",
     "fields_of",
     "layout",
@@ -91,6 +93,14 @@ else:
         __setattr__ = np.void.__setitem__
 
 
+if TYPE_CHECKING:
+    from builtins import property as packed
+else:
+
+    class packed(property):  # noqa: N801 - a decorator
+        """A computed number of a class for its kernels."""
+
+
 _Record = TypeVar("_Record", bound=Record)
 
 #: Records in a row, (n,).
@@ -115,6 +125,28 @@ def fields_of(kind: type[Record]) -> dict[str, Any]:
             "without the compiler it would be that attribute; take another name"
         )
     return fields
+
+
+def numbers_of(cls: type[Any]) -> dict[str, Any]:
+    """Return the numbers of a class for its kernels, with types: fields, then ``packed`` properties.
+
+    Fields that are no numbers, or are ``unpacked``, are not among them.
+    """
+    unpacked = getattr(cls, "unpacked", ())
+    found = {name: hint for name, hint in get_type_hints(cls).items() if name not in unpacked}
+    for base in reversed(cls.__mro__):
+        for name, one in vars(base).items():
+            if isinstance(one, packed):
+                found[name] = get_type_hints(one.fget, include_extras=True)["return"]
+    return {name: kind for name, hint in found.items() if (kind := _packed_as(hint)) is not None}
+
+
+def _packed_as(hint: Any) -> Any:
+    """Return the type of a number or fixed array in a record, else None."""
+    if hint in (float, int, bool) or get_origin(hint) is Annotated:
+        return int if hint is bool else hint
+    parts = get_args(hint)
+    return Annotated[Floats, len(parts)] if get_origin(hint) is tuple and {*parts} == {float} else None
 
 
 def layout(kind: type[_Record]) -> Layout[_Record]:

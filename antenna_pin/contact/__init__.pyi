@@ -67,6 +67,11 @@ from antenna_pin.contact.normal import ElasticLaw as ElasticLaw
 from antenna_pin.contact.normal import Hertz as Hertz
 from antenna_pin.contact.normal import NoDissipation as NoDissipation
 from antenna_pin.contact.normal import NormalLaw as NormalLaw
+from antenna_pin.contact.normal import Parameter as Parameter
+from antenna_pin.contact.normal import is_elastic as is_elastic
+from antenna_pin.contact.normal import law_parameters as law_parameters
+from antenna_pin.contact.normal import make_normal_law as make_normal_law
+from antenna_pin.contact.normal import normal_parameters as normal_parameters
 from antenna_pin.contact.pin_joint import LiuConformal as LiuConformal
 from antenna_pin.contact.pin_joint import LiuHertz as LiuHertz
 from antenna_pin.contact.pin_joint import LiuPinJoint as LiuPinJoint
@@ -106,11 +111,6 @@ from antenna_pin.contact.pressure import point_shear as point_shear
 from antenna_pin.contact.registry import DISSIPATIONS as DISSIPATIONS
 from antenna_pin.contact.registry import FRICTION_LAWS as FRICTION_LAWS
 from antenna_pin.contact.registry import NORMAL_LAWS as NORMAL_LAWS
-from antenna_pin.contact.registry import Parameter as Parameter
-from antenna_pin.contact.registry import is_elastic as is_elastic
-from antenna_pin.contact.registry import law_parameters as law_parameters
-from antenna_pin.contact.registry import make_normal_law as make_normal_law
-from antenna_pin.contact.registry import normal_parameters as normal_parameters
 from antenna_pin.contact.socket_pressure import WIDEST_CAP as WIDEST_CAP
 from antenna_pin.contact.socket_pressure import SocketContact as SocketContact
 from antenna_pin.contact.socket_pressure import ball_in_socket as ball_in_socket

@@ -25,23 +25,49 @@ potential energy, so that it is not given apart.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
 from antenna_pin.base.parameters import parameter
-from antenna_pin.contact import friction_kernels as kernels
-from antenna_pin.contact.bristle_kernels import steady_coefficient
-from antenna_pin.contact.friction import CompiledFrictionLaw, check_static
+from antenna_pin.base.records import Floats, Triple, packed
+from antenna_pin.compiled.decorators import composed, inlined, kernel, record
+from antenna_pin.contact import registry
+from antenna_pin.contact.friction import CompiledFrictionLaw, check_static, no_ratio
+from antenna_pin.contact.records import FRICTION_LAW, chain, friction_record, number_of
 
-__all__ = ["BristleLaw", "Dahl", "GonthierBristle", "LuGre"]
+__all__ = [
+    "GONTHIER",
+    "BristleLaw",
+    "Dahl",
+    "GonthierBristle",
+    "LuGre",
+    "bristle",
+    "bristle_force",
+    "gonthier_kink",
+]
+
+DEFLECTION_SIZE = 3
+DWELL = DEFLECTION_SIZE  # where in a state its dwell stands
+
+#: Friction [N], and the rates of deflection [m/s] and dwell [1/s].
+Rates = tuple[float, float, float, float, float, float, float]
 
 
 class BristleLaw(CompiledFrictionLaw):
-    """Base of the laws with a deflection per contact."""
+    """Base of the laws with a deflection per contact.
+
+    Attributes:
+        kernel: With the arguments of :func:`bristle`, the law being its record.
+        steady: Of record and slip speed [m/s]: the coefficient in steady sliding [-].
+    """
 
     __slots__ = ()
+
+    ratio = staticmethod(no_ratio)
+    steady: ClassVar[Any]
 
     def coefficient(self, speed: float, normal_force: float = np.inf) -> float:
         """Return the friction coefficient in steady sliding [-].
@@ -51,6 +77,32 @@ class BristleLaw(CompiledFrictionLaw):
             normal_force: Without influence [N].
         """
         return float(steady_coefficient(self.code(), speed))
+
+
+@kernel
+def dahl(law: Dahl, force: float, slip: Triple, whole: Triple, along: Triple, dwell: float) -> Rates:
+    """Return friction and rates: of the deflection ``|v| w |w|^(i - 1)``, w = v / |v| - sigma_0 z / mu."""
+    vx, vy, vz = slip
+    zx, zy, zz = whole
+    tx, ty, tz = along
+    mu, sigma_0, exponent = law.coefficient_of_friction, law.bristle_stiffness, law.exponent
+    speed = math.sqrt(vx * vx + vy * vy + vz * vz)
+    grip = 1.0
+    if exponent != 1.0 and speed > 0.0:
+        wx = vx / speed - sigma_0 * zx / mu
+        wy = vy / speed - sigma_0 * zy / mu
+        wz = vz / speed - sigma_0 * zz / mu
+        grip = math.sqrt(wx * wx + wy * wy + wz * wz) ** (exponent - 1.0)
+    fade = sigma_0 * speed / mu
+    rx, ry, rz = grip * (vx - fade * zx), grip * (vy - fade * zy), grip * (vz - fade * zz)
+    factor = -force * sigma_0
+    return factor * tx, factor * ty, factor * tz, rx, ry, rz, 0.0
+
+
+@inlined
+def steady_dahl(law: Dahl, speed: float) -> float:
+    """Friction coefficient in steady sliding [-]."""
+    return float(law.coefficient_of_friction)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -72,7 +124,9 @@ class Dahl(BristleLaw):
         Dahl (1968), Aerospace Corp. report TOR-158; vector form here. Recalled, not checked.
     """
 
-    kind: ClassVar[float] = kernels.DAHL
+    kernel = staticmethod(dahl)
+    steady = staticmethod(steady_dahl)
+    unpacked: ClassVar[tuple[str, ...]] = ("shape",)
 
     coefficient_of_friction: float = parameter(rule="positive")
     bristle_stiffness: float = parameter("1/m", rule="positive")
@@ -81,12 +135,69 @@ class Dahl(BristleLaw):
     @property
     def state_scales(self) -> tuple[float, ...]:
         """Largest deflection [m], for each of its components."""
-        return (self.coefficient_of_friction / self.bristle_stiffness,) * kernels.DEFLECTION_SIZE
+        return (self.coefficient_of_friction / self.bristle_stiffness,) * DEFLECTION_SIZE
 
-    @property
+    @packed
     def exponent(self) -> float:
         """I [-]: the shape, as the kernels name it."""
         return self.shape
+
+
+@inlined
+def stribeck_level(law: LuGre, speed: float) -> float:
+    """``mu_d + (mu_s - mu_d) exp(-(|v| / v_s)^2)`` [-]."""
+    y = speed / law.stribeck_speed
+    return float(law.dynamic + (law.static - law.dynamic) * math.exp(-y * y))
+
+
+@kernel
+def lugre(law: LuGre, force: float, slip: Triple, whole: Triple, along: Triple, dwell: float) -> Rates:
+    """Return friction and rates."""
+    vx, vy, vz = slip
+    speed = math.sqrt(vx * vx + vy * vy + vz * vz)
+    fade = law.bristle_stiffness * speed / stribeck_level(law, speed)
+    return _bent(law, (force, 1.0, fade, math.inf), slip, whole, along, 0.0)
+
+
+@inlined
+def _bent(
+    law: LuGre,
+    pull: tuple[float, float, float, float],
+    slip: Triple,
+    whole: Triple,
+    along: Triple,
+    dwelling: float,
+) -> Rates:
+    """Return friction and rates of bristles, that of the deflection being follow v - fade z.
+
+    Args:
+        law: The law, or one with its numbers.
+        pull: Normal force [N], follow [-], fade [1/s], largest friction coefficient [-].
+        slip: Of :func:`bristle`.
+        whole: Likewise.
+        along: Likewise.
+        dwelling: Rate of the dwell [1/s].
+    """
+    vx, vy, vz = slip
+    zx, zy, zz = whole
+    tx, ty, tz = along
+    force, follow, fade, limit = pull
+    rx, ry, rz = follow * vx - fade * zx, follow * vy - fade * zy, follow * vz - fade * zz
+    stiff = law.bristle_stiffness - law.bristle_damping * fade
+    damp = law.bristle_damping * follow
+    bx, by, bz = stiff * tx + damp * vx, stiff * ty + damp * vy, stiff * tz + damp * vz
+    size = math.sqrt(bx * bx + by * by + bz * bz)
+    cut = limit / size if size > limit else 1.0
+    fx = -force * (cut * bx + law.viscous * vx)
+    fy = -force * (cut * by + law.viscous * vy)
+    fz = -force * (cut * bz + law.viscous * vz)
+    return fx, fy, fz, rx, ry, rz, dwelling
+
+
+@inlined
+def steady_lugre(law: LuGre, speed: float) -> float:
+    """Friction coefficient in steady sliding [-]."""
+    return float(stribeck_level(law, speed) + law.viscous * speed)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -114,7 +225,8 @@ class LuGre(BristleLaw):
         Recalled, not checked against the paper.
     """
 
-    kind: ClassVar[float] = kernels.LUGRE
+    kernel = staticmethod(lugre)
+    steady = staticmethod(steady_lugre)
 
     static: float = parameter()
     dynamic: float = parameter(rule="positive")
@@ -131,7 +243,74 @@ class LuGre(BristleLaw):
     @property
     def state_scales(self) -> tuple[float, ...]:
         """Largest deflection [m], for each of its components."""
-        return (self.static / self.bristle_stiffness,) * kernels.DEFLECTION_SIZE
+        return (self.static / self.bristle_stiffness,) * DEFLECTION_SIZE
+
+
+@inlined
+def _sticking(law: GonthierBristle, speed: float) -> Triple:
+    """Return stick s, and the factors of v and -z in the rate of the deflection.
+
+    The bristle sticks (rate v) as far as s says, and slides (bristle force mu_d) as far as 1 - s.
+    """
+    s = math.exp(-((speed / law.stribeck_speed) ** 2))
+    v_e = law.rounding_speed
+    u = speed / v_e
+    direction = (1.5 - 0.5 * u * u) / v_e if u < 1.0 else 1.0 / speed  # dir(v) = direction v
+    follow = s + (1.0 - s) * law.dynamic * direction / law.bristle_damping
+    return s, follow, (1.0 - s) * law.bristle_stiffness / law.bristle_damping
+
+
+@inlined
+def _strength(law: GonthierBristle, dwell: float) -> float:
+    """Return the largest friction coefficient [-]."""
+    return float(law.dynamic + (law.static - law.dynamic) * dwell)
+
+
+@kernel
+def gonthier(
+    law: GonthierBristle, force: float, slip: Triple, whole: Triple, along: Triple, dwell: float
+) -> Rates:
+    """Return friction and rates."""
+    vx, vy, vz = slip
+    s, follow, fade = _sticking(law, math.sqrt(vx * vx + vy * vy + vz * vz))
+    dwelling = (s - dwell) / (law.dwell_time if s >= dwell else law.bristle_damping / law.bristle_stiffness)
+    return _bent(law, (force, follow, fade, _strength(law, dwell)), slip, whole, along, dwelling)
+
+
+@kernel
+def steady_gonthier(law: GonthierBristle, speed: float) -> float:
+    """Friction coefficient in steady sliding [-].
+
+    sigma_0 z = mu_d dir(v) + sigma_1 s v / (1 - s), at most mu_max, with the dwell state s_dw = s.
+    """
+    level = stribeck_level(law, speed)
+    s = math.exp(-((speed / law.stribeck_speed) ** 2))
+    u = min(speed / law.rounding_speed, 1.0)
+    bent = law.dynamic * u * (1.5 - 0.5 * u * u)
+    bent = min(bent + law.bristle_damping * s * speed / (1.0 - s), level) if s < 1.0 else level
+    return float(bent + law.viscous * speed)
+
+
+@kernel
+def gonthier_kink(words: Floats, k: int, rate: float, bend: float, dwell: float) -> float:
+    """Return function k of Gonthier's law, zero at kinks of the friction.
+
+    0: how much it sticks beyond its dwell, which grows slowly and fades fast; 1: what its bristles would give
+    beyond what they can.
+
+    Args:
+        words: The law's packed parameters, (FRICTION_SIZE,).
+        k: Which.
+        rate: Of the joint.
+        bend: Deflection of the bristles.
+        dwell: What is remembered of it [-].
+    """
+    law = record(words, GONTHIER_LAW)
+    s, follow, fade = _sticking(law, abs(rate))
+    if k == 0:
+        return float(s - dwell)
+    pull = law.bristle_stiffness * bend + law.bristle_damping * (follow * rate - fade * bend)
+    return float(abs(pull) - _strength(law, dwell))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -166,7 +345,8 @@ class GonthierBristle(BristleLaw):
         against the paper.
     """
 
-    kind: ClassVar[float] = kernels.GONTHIER
+    kernel = staticmethod(gonthier)
+    steady = staticmethod(steady_gonthier)
 
     static: float = parameter()
     dynamic: float = parameter(rule="positive")
@@ -185,9 +365,90 @@ class GonthierBristle(BristleLaw):
     @property
     def state_scales(self) -> tuple[float, ...]:
         """Largest deflection [m], for each of its components, and 1 for the dwell state [-]."""
-        return ((self.static / self.bristle_stiffness,) * kernels.DEFLECTION_SIZE) + (1.0,)
+        return ((self.static / self.bristle_stiffness,) * DEFLECTION_SIZE) + (1.0,)
 
-    @property
+    @packed
     def rounding_speed(self) -> float:
         """v_e as it is used [m/s]."""
         return self.direction_speed if self.direction_speed > 0.0 else 0.01 * self.stribeck_speed
+
+
+#: Kind of Gonthier's law, whose states end with a dwell; its record.
+GONTHIER, GONTHIER_LAW = number_of(gonthier), friction_record(gonthier)
+
+# --- by kind ------------------------------------------------------------------------------------------------
+
+
+def _laws() -> list[Any]:
+    return [law for law in registry.FRICTION_LAWS.values() if issubclass(law, BristleLaw)]
+
+
+@composed
+def _unknown(
+    law: Floats, kind: float, force: float, slip: Triple, whole: Triple, along: Triple, dwell: float
+) -> Rates:
+    return math.nan, math.nan, math.nan, math.nan, math.nan, math.nan, math.nan
+
+
+@composed
+def _no_coefficient(law: Floats, kind: float, speed: float) -> float:
+    return math.nan
+
+
+_bristle = chain(_laws, "bristle", friction_record, _unknown)
+_steady = chain(_laws, "steady", friction_record, _no_coefficient)
+
+
+@kernel
+def steady_coefficient(law: Floats, speed: float) -> float:
+    """Friction coefficient of a bristle law in steady sliding [-]."""
+    return float(_steady(law, record(law, FRICTION_LAW).kind, speed))
+
+
+@kernel
+def bristle(law: Floats, force: float, slip: Triple, whole: Triple, along: Triple, dwell: float) -> Rates:
+    """Return the friction of a bristle law [N], and the rates of deflection and dwell.
+
+    With torques in the place of coefficients, one for the normal force and rates of a joint for slip, it is
+    the friction of that joint.
+
+    Args:
+        law: Packed parameters, (FRICTION_SIZE,).
+        force: Normal force [N].
+        slip: Velocity of the journal's material point over the bearing's, three numbers [m/s].
+        whole: The deflection, three numbers [m].
+        along: The part of it that carries force, likewise.
+        dwell: What a law with a dwell remembers of it [-].
+    """
+    return _bristle(law, record(law, FRICTION_LAW).kind, force, slip, whole, along, dwell)
+
+
+@kernel
+def bristle_force(
+    law: Floats, force: float, slip: Triple, normal: Triple, state: Floats, rates: Floats
+) -> Triple:
+    """Return the friction of a bristle law on the journal [N]; write its state rates.
+
+    Args:
+        law: Packed parameters, (FRICTION_SIZE,).
+        force: Normal force [N].
+        slip: Velocity of the journal's material point over the bearing's, (3,) [m/s].
+        normal: Of the contact, unit, (3,).
+        state: What the law remembers; its deflection comes first.
+        rates: To write to, of that.
+    """
+    nx, ny, nz = normal
+    zx, zy, zz = state[0], state[1], state[2]
+    # What has turned out of the tangent plane, as the contact moved round the bore, carries no force; the law
+    # lets it fade like the rest.
+    out = zx * nx + zy * ny + zz * nz
+    along = zx - out * nx, zy - out * ny, zz - out * nz
+    dwells = record(law, FRICTION_LAW).kind == GONTHIER
+    dwell = state[DWELL] if dwells else 0.0
+    fx, fy, fz, rx, ry, rz, rate = bristle(law, force, slip, (zx, zy, zz), along, dwell)
+    rates[0] = rx
+    rates[1] = ry
+    rates[2] = rz
+    if dwells:
+        rates[DWELL] = rate
+    return fx, fy, fz

@@ -23,9 +23,13 @@ import math
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+import numpy as np
+
 from antenna_pin.base.parameters import parameter
-from antenna_pin.contact.normal import ElasticLaw
-from antenna_pin.contact.records import BAI_ZHAO, FOUNDATION, LOGARITHMIC, PERSSON, POWER
+from antenna_pin.base.records import packed
+from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.contact.normal import ElasticLaw, power, power_energy, power_force
+from antenna_pin.contact.pressure import LARGEST_SQUARE
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -59,6 +63,7 @@ class LineLaw(ElasticLaw):
     """
 
     line: ClassVar[bool] = True
+    unpacked: ClassVar[tuple[str, ...]] = ("length", "journal_radius", "bearing_radius", "modulus")
 
     length: float = parameter("m", rule="positive", from_joint=True)
     journal_radius: float = parameter("m", rule="positive", from_joint=True)
@@ -73,10 +78,64 @@ class LineLaw(ElasticLaw):
                 law, "bearing_radius", f"above journal_radius = {law.journal_radius:g} m, and finite"
             )
 
-    @property
+    @packed
     def clearance(self) -> float:
         """Radial play dR = R_i - R_j [m]."""
         return self.bearing_radius - self.journal_radius
+
+
+@kernel
+def log_ratio(ratio: float) -> float:
+    """Return the larger root w of ``w exp(-w) = ratio``.
+
+    The ratio is in (0, 1/e]; beyond 1/e the root is that of 1/e: 1.
+
+    By Newton's method on ``(w - 1) - ln w = u``, ``u = -1 - ln ratio``, between the bounds
+    ``sqrt(2 u) + 2 u / 3`` and ``sqrt(2 u) + u`` of w - 1 (Chatzigeorgiou 2013). It is convex, so that from
+    the lower bound the first step lands above the root and all others come down on it: four or five steps.
+    """
+    u = -1.0 - math.log(ratio)
+    if not u > 0.0:
+        return 1.0
+    root = math.sqrt(2.0 * u)
+    low = root + 2.0 / 3.0 * u
+    high = root + u
+    w = low
+    for _ in range(12):
+        step = (w - math.log1p(w) - u) * (1.0 + w) / w
+        w = min(max(w - step, low), high)
+        if abs(step) <= 1e-15 * w:
+            break
+    return 1.0 + w
+
+
+@kernel
+def logarithmic_force(law: LogarithmicLaw, depth: float) -> float:
+    """Elastic force [N], odd in the depth.
+
+    d = d_0 w exp(-w), F = F_0 exp(-w), on the branch below the turn-over at w = 1. Odd, as the law is nearly
+    linear and an integrator may step across its end.
+    """
+    ratio = abs(depth) / law.depth_scale
+    if ratio < 1e-300:
+        return 0.0
+    force = law.force_scale * math.exp(-log_ratio(ratio))
+    return float(force if depth > 0.0 else -force)
+
+
+@kernel
+def logarithmic_energy(law: LogarithmicLaw, depth: float) -> float:
+    """Energy stored [J].
+
+    F d - integral of d dF, with d = d_0 s ln(1/s): F_0 d_0 s^2 (w/2 - 1/4), w = ln(1/s).
+    """
+    if depth < 1e-300 * law.depth_scale:
+        return 0.0
+    w = log_ratio(depth / law.depth_scale)
+    s = math.exp(-w)
+    # Beyond the turn-over the force stays as it is there.
+    beyond = max(0.0, depth - law.depth_scale * w * s) * law.force_scale * s
+    return float(law.force_scale * law.depth_scale * s * s * (0.5 * w - 0.25) + beyond)
 
 
 class LogarithmicLaw(LineLaw):
@@ -84,7 +143,8 @@ class LogarithmicLaw(LineLaw):
 
     __slots__ = ()
 
-    kind: ClassVar[float] = LOGARITHMIC
+    kernel = staticmethod(logarithmic_force)
+    energy = staticmethod(logarithmic_energy)
 
     def _logarithm(self) -> tuple[float, float]:
         """Return alpha [m^2/N] and beta [N/m]."""
@@ -107,12 +167,12 @@ class LogarithmicLaw(LineLaw):
         load = force / self.length
         return alpha * load * math.log(beta / load)
 
-    @property
+    @packed
     def force_scale(self) -> float:
         """F_0 of F = F_0 s [N]."""
         return self._logarithm()[1] * self.length
 
-    @property
+    @packed
     def depth_scale(self) -> float:
         """d_0 of the depth d_0 s ln(1/s) [m]."""
         alpha, beta = self._logarithm()
@@ -258,6 +318,36 @@ class ESDU78035(LogarithmicLaw):
 # and the load grows with the arc. All of these give the force over the depth explicitly.
 
 
+@kernel
+def arc_energy(factor: float, clearance: float, depth: float) -> float:
+    """Integral of ``factor x sqrt(x / (clearance + x))`` from 0 to ``depth`` [J]."""
+    r = depth / clearance
+    if r > 0.3:
+        root = math.sqrt(r * (1.0 + r))
+        return 0.25 * factor * clearance**2 * ((2.0 * r - 3.0) * root + 3.0 * math.asinh(math.sqrt(r)))
+    # The terms of that cancel at small depth: sum over k of binomial(-1/2, k) r^k / (k + 5/2).
+    total = 0.0
+    term = 1.0
+    for k in range(40):
+        total += term / (k + 2.5)
+        term *= -r * (k + 0.5) / (k + 1.0)
+        if abs(term) < 1e-17:
+            break
+    return factor * depth * depth * math.sqrt(r) * total
+
+
+@inlined
+def foundation_force(law: LiuFoundation, depth: float) -> float:
+    """Elastic force [N]."""
+    return float(law.factor * depth * math.sqrt(depth / (law.clearance + depth))) if depth > 0.0 else 0.0
+
+
+@inlined
+def foundation_energy(law: LiuFoundation, depth: float) -> float:
+    """Energy stored [J]."""
+    return arc_energy(law.factor, law.clearance, depth)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LiuFoundation(LineLaw):
     r"""Liu et al.'s elastic foundation for a journal in a bore (an improved Winkler model).
@@ -272,12 +362,41 @@ class LiuFoundation(LineLaw):
         183-197. The formula as a public multibody code (DyS) has it.
     """
 
-    kind: ClassVar[float] = FOUNDATION
+    kernel = staticmethod(foundation_force)
+    energy = staticmethod(foundation_energy)
+    frequent: ClassVar[bool] = True
 
-    @property
+    @packed
     def factor(self) -> float:
         """Pi E* L / sqrt(8) [N/m]."""
         return 0.5 * math.pi / math.sqrt(2.0) * self.modulus * self.length
+
+
+@kernel
+def bai_zhao_force(law: BaiZhaoElastic, depth: float) -> float:
+    """Elastic force [N]."""
+    if depth <= 0.0:
+        return 0.0
+    s = law.clearance + depth
+    return float(
+        law.factor
+        * math.sqrt(depth / s)
+        * (3.0 * law.clearance + 2.0 * depth)
+        / s
+        * power(depth, law.exponent)
+    )  # K_n d^n
+
+
+@kernel
+def bai_zhao_energy(law: BaiZhaoElastic, depth: float) -> float:
+    """Energy stored [J] with an exponent of 1; NaN with another.
+
+    K_n L is the slope of Liu's force F, whose factor is twice K_n's: F d - integral of F.
+    """
+    if law.exponent != 1.0:
+        return math.nan
+    force = 2.0 * law.factor * depth * math.sqrt(depth / (law.clearance + depth))
+    return float(force * depth - arc_energy(2.0 * law.factor, law.clearance, depth))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -300,7 +419,8 @@ class BaiZhaoElastic(LineLaw):
         the tests.
     """
 
-    kind: ClassVar[float] = BAI_ZHAO
+    kernel = staticmethod(bai_zhao_force)
+    energy = staticmethod(bai_zhao_energy)
 
     exponent: float = parameter(default=1.0)
 
@@ -311,22 +431,49 @@ class BaiZhaoElastic(LineLaw):
         if law.exponent not in (1.0, 1.5):
             raise InvalidParameterError(law, "exponent", "1 or 1.5")
 
-    @property
+    @packed
     def factor(self) -> float:
         """Pi E* L / sqrt(32) [N/m]."""
         return math.pi / 8.0 * math.sqrt(2.0) * self.modulus * self.length
 
 
-def _largest_square() -> float:
-    """Return b^2 at which Persson's load is infinite.
+# b^2 that Persson's law is evaluated at, at most.
+_LARGEST = 0.99 * LARGEST_SQUARE
+# Gauss-Legendre on [-1, 1].
+LOAD_NODES, LOAD_WEIGHTS = np.polynomial.legendre.leggauss(24)
 
-    It is the root of 2 - ln(1 + b^2) - 2 b^4.
+
+@kernel
+def persson_force(law: Persson, depth: float) -> float:
+    """Elastic force [N], continued analytically below zero depth."""
+    x = max(depth, -0.5 * law.clearance)
+    square = min(x / (2.0 * law.clearance + x), _LARGEST)  # tan^2(eps/2)
+    return float(law.factor * square * (1.0 + square) / (2.0 - math.log1p(square) - 2.0 * square * square))
+
+
+@kernel
+def persson_energy(law: Persson, depth: float) -> float:
+    """Return the energy stored [J].
+
+    The variable is s = tan^2(eps/2): depth = 2 dR s / (1 - s).
+
+    The force has a pole at its root, just beyond the range: it is taken out, r / (s - root), and integrated
+    in closed form. At small depth that would cancel, and the pole is far enough for the nodes alone.
     """
-    square = 0.8
-    for _ in range(20):
-        value = 2.0 - math.log1p(square) - 2.0 * square**2
-        square -= value / (-1.0 / (1.0 + square) - 4.0 * square)
-    return square
+    root = LARGEST_SQUARE  # of the load: there it is infinite
+    end = min(depth / (2.0 * law.clearance + depth), _LARGEST)
+    residue = 0.0
+    if end > 0.25:
+        residue = -root * (1.0 + root) / ((1.0 - root) ** 2 * (1.0 / (1.0 + root) + 4.0 * root))
+    total = residue * math.log1p(-end / root)
+    for k in range(LOAD_NODES.shape[0]):
+        s = 0.5 * end * (1.0 + LOAD_NODES[k])
+        load = s * (1.0 + s) / (2.0 - math.log1p(s) - 2.0 * s * s)
+        total += 0.5 * end * LOAD_WEIGHTS[k] * (load / (1.0 - s) ** 2 - residue / (s - root))
+    # Beyond the range the force stays as it is there.
+    beyond = depth - 2.0 * law.clearance * end / (1.0 - end) if end == _LARGEST else 0.0
+    held = end * (1.0 + end) / (2.0 - math.log1p(end) - 2.0 * end * end)
+    return float(law.factor * (2.0 * law.clearance * total + max(beyond, 0.0) * held))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -347,16 +494,15 @@ class Persson(LineLaw):
         tests check the load over the arc against a series solution of the plane problem.
     """
 
-    kind: ClassVar[float] = PERSSON
-    root: ClassVar[float] = _largest_square()
-    largest: ClassVar[float] = 0.99 * root  # b^2 that the law is evaluated at
+    kernel = staticmethod(persson_force)
+    energy = staticmethod(persson_energy)
 
     @property
     def depth_limit(self) -> float:
         """Depth at which the arc is the largest that the law is evaluated at [m]."""
-        return 2.0 * self.clearance * self.largest / (1.0 - self.largest)
+        return 2.0 * self.clearance * _LARGEST / (1.0 - _LARGEST)
 
-    @property
+    @packed
     def factor(self) -> float:
         """2 pi E* L dR [N]."""
         return 2.0 * math.pi * self.modulus * self.length * self.clearance
@@ -382,7 +528,9 @@ class Pereira(LineLaw):
         the paper; that the two branches of Y meet is checked in the tests.
     """
 
-    kind: ClassVar[float] = POWER
+    kernel = staticmethod(power_force)
+    energy = staticmethod(power_energy)
+    frequent: ClassVar[bool] = True
 
     @classmethod
     def check_rules(cls, law: Any) -> None:

@@ -19,10 +19,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 from antenna_pin.base.parameters import parameter
-from antenna_pin.contact import damping_kernels as kernels
+from antenna_pin.base.records import packed
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.contact.normal import Dissipation, ElasticLaw
 from antenna_pin.errors import InvalidParameterError
 
@@ -59,14 +61,25 @@ class _OfRestitution(Dissipation):
     """
 
     adds_force: ClassVar[bool] = True
+    unpacked: ClassVar[tuple[str, ...]] = ("restitution",)
 
     restitution: float = parameter()
     effective_mass: float | None = parameter("kg", rule="positive", default=None, from_joint=True)
 
     @property
+    def takes_mass(self) -> bool:
+        """Return whether the force depends on the effective mass of the contact."""
+        return self.effective_mass is None
+
+    @packed
     def mass(self) -> float:
         """Effective mass, 0 for that of the contact [kg]."""
         return self.effective_mass or 0.0
+
+    @packed
+    def damping(self) -> float:
+        """Alpha or 2 xi, over the root of mass times secant stiffness [-]."""
+        raise NotImplementedError
 
     @classmethod
     def check_rules(cls, law: Any) -> None:
@@ -75,6 +88,14 @@ class _OfRestitution(Dissipation):
             raise InvalidParameterError(
                 law, "restitution", "in (0, 1] (no finite damping of this form stops a body dead)"
             )
+
+
+@inlined
+def viscous(
+    law: KelvinVoigtDamping, elastic: float, depth: float, rate: float, approach_speed: float, mass: float
+) -> float:
+    """Normal force [N]."""
+    return max(elastic + law.damping * rate, 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,9 +115,18 @@ class KelvinVoigtDamping(Dissipation):
 
     adds_force: ClassVar[bool] = True
 
-    kind: ClassVar[float] = kernels.VISCOUS
+    kernel = staticmethod(viscous)
 
     damping: float = parameter("N*s/m", rule="zero or more")
+
+
+@inlined
+def root_depth(
+    law: KuwabaraKonoDamping, elastic: float, depth: float, rate: float, approach_speed: float, mass: float
+) -> float:
+    """Normal force [N]."""
+    damping = law.damping * math.sqrt(max(depth, 0.0))
+    return max(elastic + damping * rate, 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,9 +147,19 @@ class KuwabaraKonoDamping(Dissipation):
 
     adds_force: ClassVar[bool] = True
 
-    kind: ClassVar[float] = kernels.ROOT_DEPTH
+    kernel = staticmethod(root_depth)
 
     damping: float = parameter("N*s/m**1.5", rule="zero or more")
+
+
+@inlined
+def secant(
+    law: _OfRestitution, elastic: float, depth: float, rate: float, approach_speed: float, mass: float
+) -> float:
+    """Normal force [N]."""
+    m = law.mass if law.mass > 0.0 else mass
+    damping = law.damping * math.sqrt(m * max(elastic / depth, 0.0)) if depth != 0.0 else 0.0
+    return max(elastic + damping * rate, 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -141,13 +181,23 @@ class TsujiDamping(_OfRestitution):
         form, Antypov and Elliott (2011), EPL 94, 50004, is derived here (see the module).
     """
 
-    kind: ClassVar[float] = kernels.SECANT
+    kernel = staticmethod(secant)
 
-    def numbers(self, elastic: ElasticLaw) -> dict[str, float]:
+    def beside(self, elastic: ElasticLaw) -> Any:
         """Return alpha, which depends on the elastic law, and the mass."""
         exponent = getattr(elastic, "exponent", 1.5)
         alpha = math.sqrt(2.0 * (exponent + 1.0)) * damping_ratio(self.restitution)
-        return {"damping": alpha, "mass": self.mass}
+        return SimpleNamespace(damping=alpha, mass=self.mass)
+
+
+@inlined
+def secant_loading(
+    law: _OfRestitution, elastic: float, depth: float, rate: float, approach_speed: float, mass: float
+) -> float:
+    """Normal force [N]."""
+    if rate > 0.0:
+        return secant(law, elastic, depth, rate, approach_speed, mass)
+    return max(elastic + 0.0 * rate, 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -171,7 +221,7 @@ class JankowskiDamping(_OfRestitution):
         checked against the papers; xi has the slope at c_r = 1 that the exact relation requires.
     """
 
-    kind: ClassVar[float] = kernels.SECANT_LOADING
+    kernel = staticmethod(secant_loading)
 
     @property
     def damping_ratio(self) -> float:
@@ -179,10 +229,20 @@ class JankowskiDamping(_OfRestitution):
         c = self.restitution
         return 4.5 * math.sqrt(5.0) * (1.0 - c * c) / (c * (c * (9.0 * math.pi - 16.0) + 16.0))
 
-    @property
+    @packed
     def damping(self) -> float:
         """2 xi [-]."""
         return 2.0 * self.damping_ratio
+
+
+@inlined
+def step(
+    law: AdamsDamping, elastic: float, depth: float, rate: float, approach_speed: float, mass: float
+) -> float:
+    """Normal force [N]."""
+    x = min(max(depth / law.full_damping_depth, 0.0), 1.0)
+    damping = law.damping * x * x * (3.0 - 2.0 * x)
+    return max(elastic + damping * rate, 0.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -204,7 +264,7 @@ class AdamsDamping(Dissipation):
 
     adds_force: ClassVar[bool] = True
 
-    kind: ClassVar[float] = kernels.STEP
+    kernel = staticmethod(step)
 
     damping: float = parameter("N*s/m", rule="zero or more")
     full_damping_depth: float = parameter("m", rule="positive")

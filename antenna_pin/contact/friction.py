@@ -8,6 +8,7 @@ stiction, and a joint under a static load creeps. Laws that stick remember a def
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Protocol, runtime_checkable
@@ -17,12 +18,13 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import check_takes, takes
 from antenna_pin.base.parameters import parameter
-from antenna_pin.compiled.decorators import record
+from antenna_pin.base.records import Floats, Triple, packed
+from antenna_pin.compiled.calls import call_1
+from antenna_pin.compiled.decorators import composed, inlined, kernel, record
 from antenna_pin.compiled.given_functions import address_of, callable_of, is_compiled
-from antenna_pin.contact import friction_kernels as kernels
-from antenna_pin.contact.called_kernels import CALLED_FRICTION
+from antenna_pin.contact import registry
 from antenna_pin.contact.normal import Law
-from antenna_pin.contact.records import FRICTION_LAW, FRICTION_SIZE, coded
+from antenna_pin.contact.records import FRICTION_LAW, chain, friction_code, friction_record
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -39,6 +41,8 @@ __all__ = [
     "Tanh",
     "Threlfall",
     "VelocityBased",
+    "friction_force",
+    "friction_ratio",
 ]
 
 
@@ -51,15 +55,18 @@ class FrictionLaw(Protocol):
 
 
 class CompiledFrictionLaw(Law):
-    """The shared face of the laws whose arithmetic is a compiled kernel.
+    """Base of the laws whose arithmetic is a compiled kernel.
 
     Attributes:
-        kind: A kind of the kernels, whose record has the names of the law's attributes.
+        kernel: Of record, slip speed [m/s] and normal force [N]: the coefficient over the speed [s/m], finite
+            at rest. Only laws whose friction is not proportional to the force depend on it.
+        frequent: Whether it is compiled into its callers.
     """
 
     __slots__ = ()
 
-    kind: ClassVar[float]
+    kernel: ClassVar[Any]
+    frequent: ClassVar[bool] = False
 
     @property
     def states(self) -> int:
@@ -73,11 +80,7 @@ class CompiledFrictionLaw(Law):
 
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (12,), for the fused kernels."""
-        layout = kernels.FRICTION_RECORDS[self.kind]
-        code = np.zeros(FRICTION_SIZE)
-        record(code, FRICTION_LAW).kind = self.kind
-        coded(code, layout, {name: getattr(self, name) for name in layout.names or ()})
-        return code
+        return friction_code(self)
 
     def coefficient(self, speed: float, normal_force: float = np.inf) -> float:
         """Return the friction coefficient at a slip speed; at least 0 [-].
@@ -87,7 +90,13 @@ class CompiledFrictionLaw(Law):
             normal_force: What presses the surfaces together [N]; for laws whose friction is not proportional
                 to it.
         """
-        return float(kernels.friction_ratio(self.code(), speed, normal_force) * speed)
+        return float(friction_ratio(self.code(), speed, normal_force) * speed)
+
+
+@kernel
+def tanh_ratio(y: float) -> float:
+    """``tanh(y) / y`` for y >= 0, by its series near zero."""
+    return 1.0 - y * y / 3.0 if y < 1e-4 else math.tanh(y) / y
 
 
 # A law that has not fallen by half at this speed from what it reaches further on jumps at rest [m/s].
@@ -96,8 +105,6 @@ _REST, _SPEEDS = 1e-12, (1e-9, 1e-6, 1e-3, 1.0)
 
 def check_at_rest(place: str, coefficient: Callable[[float], float]) -> None:
     """Refuse friction that jumps at rest: no step resolves it.
-
-    A function that is none of a float is left to what calls it.
 
     Args:
         place: Owner, for the message.
@@ -122,11 +129,29 @@ def check_static(law: Any) -> None:
         raise InvalidParameterError(law, "static", f"at least dynamic = {law.dynamic}")
 
 
+@inlined
+def no_ratio(law: NoFriction, speed: float, force: float) -> float:
+    """Zero [s/m]."""
+    return 0.0
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NoFriction(CompiledFrictionLaw):
     """No friction at all."""
 
-    kind: ClassVar[float] = kernels.FRICTIONLESS
+    kernel = staticmethod(no_ratio)
+    frequent: ClassVar[bool] = True
+
+
+@inlined
+def ambrosio_ratio(law: Ambrosio, speed: float, force: float) -> float:
+    """Friction coefficient over slip speed [s/m]."""
+    mu, v_0, v_1 = law.coefficient_of_friction, law.lower_speed, law.upper_speed
+    if speed <= v_0:
+        return 0.0
+    if speed < v_1:
+        return float(mu * (speed - v_0) / (v_1 - v_0) / speed)
+    return float(mu / speed)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,7 +172,8 @@ class Ambrosio(CompiledFrictionLaw):
         Ambrosio (2003), in Virtual Nonlinear Multibody Systems, 57-81; Chen and Cui (2021), equation (19).
     """
 
-    kind: ClassVar[float] = kernels.AMBROSIO
+    kernel = staticmethod(ambrosio_ratio)
+    frequent: ClassVar[bool] = True
 
     coefficient_of_friction: float = parameter(rule="zero or more")
     lower_speed: float = parameter("m/s", rule="zero or more", default=1e-4)
@@ -160,13 +186,23 @@ class Ambrosio(CompiledFrictionLaw):
             raise InvalidParameterError(law, "upper_speed", f"above lower_speed = {law.lower_speed}")
 
 
+@inlined
+def smooth_ratio(law: Tanh, speed: float, force: float) -> float:
+    """Friction coefficient over slip speed [s/m]."""
+    level, v_t = law.coefficient_of_friction, law.transition_speed
+    z = speed / v_t
+    if z < 1e-4:
+        return float(level * (1.0 - z * z / 3.0) / v_t)
+    return float(level * math.tanh(z) / speed)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tanh(CompiledFrictionLaw):
     r"""Coulomb friction smoothed by a hyperbolic tangent.
 
     .. math:: \mu(|v|) = \mu \tanh(|v| / v_t)
 
-    Infinitely differentiable in the slip *speed's* sign change; viscous near rest with slope mu / v_t.
+    Infinitely differentiable; viscous near rest with slope mu / v_t.
 
     Attributes:
         coefficient_of_friction: mu at high speed [-].
@@ -176,10 +212,17 @@ class Tanh(CompiledFrictionLaw):
         Coulomb's law (1785); this smoothing is a usual one, in other codes as tanh(5 v) with v in m/s.
     """
 
-    kind: ClassVar[float] = kernels.TANH
+    kernel = staticmethod(smooth_ratio)
+    frequent: ClassVar[bool] = True
 
     coefficient_of_friction: float = parameter(rule="zero or more")
     transition_speed: float = parameter("m/s", rule="positive")
+
+
+@inlined
+def coulomb_ratio(law: Coulomb, speed: float, force: float) -> float:
+    """Friction coefficient over slip speed [s/m]."""
+    return float(law.coefficient_of_friction / math.hypot(speed, law.regularisation_speed))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -199,10 +242,16 @@ class Coulomb(CompiledFrictionLaw):
         The law is Coulomb's (1785); this regularisation is a usual one.
     """
 
-    kind: ClassVar[float] = kernels.COULOMB
+    kernel = staticmethod(coulomb_ratio)
 
     coefficient_of_friction: float = parameter(rule="zero or more")
     regularisation_speed: float = parameter("m/s", rule="positive", default=1e-4)
+
+
+@inlined
+def linear_ratio(law: LinearFriction, speed: float, force: float) -> float:
+    """Friction coefficient over slip speed [s/m]."""
+    return float(law.coefficient_of_friction / max(speed, law.regularisation_speed))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -221,10 +270,19 @@ class LinearFriction(CompiledFrictionLaw):
         As the multibody code Exudyn regularises Coulomb friction.
     """
 
-    kind: ClassVar[float] = kernels.LINEAR
+    kernel = staticmethod(linear_ratio)
 
     coefficient_of_friction: float = parameter(rule="zero or more")
     regularisation_speed: float = parameter("m/s", rule="positive")
+
+
+@kernel
+def threlfall_ratio(law: Threlfall, speed: float, force: float) -> float:
+    """Friction coefficient over slip speed [s/m]."""
+    mu, v_0 = law.coefficient_of_friction, law.transition_speed
+    if speed == 0.0:
+        return float(3.0 * mu / v_0)
+    return float(-mu * math.expm1(-3.0 * min(speed / v_0, 1.0)) / speed)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -234,8 +292,7 @@ class Threlfall(CompiledFrictionLaw):
     .. math:: \mu(|v|) = \mu \left(1 - e^{-3 |v| / v_0}\right) \text{ up to } v_0,
               \quad \mu (1 - e^{-3}) \text{ above}
 
-    The law is printed with 0.95 above v_0, which is :math:`1 - e^{-3}` rounded and would make it jump by
-    0.02 %. There is a kink at v_0.
+    Printed with 0.95 above v_0, which is :math:`1 - e^{-3}` rounded, a jump. There is a kink at v_0.
 
     Attributes:
         coefficient_of_friction: mu, of which 95 % are reached [-].
@@ -245,10 +302,16 @@ class Threlfall(CompiledFrictionLaw):
         Threlfall (1978), Mech. Mach. Theory 13, 475-483. Recalled, not checked against the paper.
     """
 
-    kind: ClassVar[float] = kernels.THRELFALL
+    kernel = staticmethod(threlfall_ratio)
 
     coefficient_of_friction: float = parameter(rule="zero or more")
     transition_speed: float = parameter("m/s", rule="positive")
+
+
+@inlined
+def called_ratio(law: CustomFriction, speed: float, force: float) -> float:
+    """Friction coefficient over slip speed [s/m]; none at rest."""
+    return float(call_1(law.address, speed)) / speed if speed > 0.0 else 0.0
 
 
 @takes()
@@ -264,6 +327,10 @@ class CustomFriction:
             ``numba.cfunc``.
     """
 
+    kernel = staticmethod(called_ratio)
+    frequent: ClassVar[bool] = False
+    unpacked: ClassVar[tuple[str, ...]] = ()
+
     coefficient: Callable[[float], float]
 
     def __post_init__(self) -> None:
@@ -276,20 +343,34 @@ class CustomFriction:
         """Return whether the law's function is compiled."""
         return is_compiled(self.coefficient)
 
+    @packed
+    def address(self) -> float:
+        """Address of the function in this process."""
+        return address_of(type(self).__name__, "coefficient", self.coefficient, 1)
+
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (12,): where its function stands in this process.
 
         Raises:
             InvalidParameterError: It does not take a float, or does not return one.
         """
-        code = np.zeros(FRICTION_SIZE)
-        record(code, FRICTION_LAW).kind = CALLED_FRICTION
-        address = address_of(type(self).__name__, "coefficient", self.coefficient, 1)
-        coded(code, kernels.FRICTION_RECORDS[CALLED_FRICTION], {"address": address})
-        return code
+        return friction_code(self)
 
 
 # --- friction that falls with the slip speed ----------------------------------------------------------------
+
+
+@inlined
+def adams_ratio(law: VelocityBased, speed: float, force: float) -> float:
+    """Friction coefficient over slip speed [s/m]: cubic STEP 0 -> mu_s at v_s -> mu_d at v_d."""
+    mu_s, mu_d, v_s, v_d = law.static, law.dynamic, law.static_speed, law.dynamic_speed
+    if speed < v_s:
+        y = speed / v_s
+        return float(0.5 * mu_s * (3.0 - y * y) / v_s)
+    if speed < v_d:
+        x = (v_d - speed) / (v_d - v_s)
+        return float((mu_d + (mu_s - mu_d) * x * x * (3.0 - 2.0 * x)) / speed)
+    return float(mu_d / speed)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -303,9 +384,8 @@ class VelocityBased(CompiledFrictionLaw):
         \mu_d + (\mu_s - \mu_d)\, x^2 (3 - 2x) & v_s \le |v| < v_d \\
         \mu_d & v_d \le |v| \end{cases}
 
-    continuous with its slope. Near rest it is viscous, with slope :math:`1.5 \mu_s / v_s`. Put right are the
-    paper's (14), whose second branch has its argument reversed, and (13), which applies the sign of the slip
-    twice.
+    continuous with its slope; near rest viscous, with slope :math:`1.5 \mu_s / v_s`. Corrected: (14), whose
+    second branch has its argument reversed, and (13), which applies the sign of the slip twice.
 
     Attributes:
         static: mu_s, reached at ``static_speed`` [-].
@@ -317,7 +397,8 @@ class VelocityBased(CompiledFrictionLaw):
         Bai and Zhao (2020), Int. J. Aerospace Eng., 8846177, equations (13), (14), Table 2.
     """
 
-    kind: ClassVar[float] = kernels.VELOCITY_BASED
+    kernel = staticmethod(adams_ratio)
+    frequent: ClassVar[bool] = True
 
     static: float = parameter(rule="zero or more")
     dynamic: float = parameter(rule="zero or more")
@@ -329,6 +410,15 @@ class VelocityBased(CompiledFrictionLaw):
         """Refuse speeds in the wrong order."""
         if not law.static_speed < law.dynamic_speed:
             raise InvalidParameterError(law, "dynamic_speed", f"above static_speed = {law.static_speed}")
+
+
+@kernel
+def stribeck_ratio(law: Stribeck, speed: float, force: float) -> float:
+    """Friction coefficient over slip speed [s/m]."""
+    level = law.dynamic + (law.static - law.dynamic) * math.exp(
+        -((speed / law.stribeck_speed) ** law.exponent)
+    )
+    return float(level * tanh_ratio(speed / law.transition_speed) / law.transition_speed + law.viscous)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -354,7 +444,8 @@ class Stribeck(CompiledFrictionLaw):
         Tribol. Int. 40, 580-587, regularise it.
     """
 
-    kind: ClassVar[float] = kernels.STRIBECK
+    kernel = staticmethod(stribeck_ratio)
+    unpacked: ClassVar[tuple[str, ...]] = ("shape",)
 
     static: float = parameter()
     dynamic: float = parameter(rule="zero or more")
@@ -371,10 +462,19 @@ class Stribeck(CompiledFrictionLaw):
             rule = f"below stribeck_speed = {law.stribeck_speed}"
             raise InvalidParameterError(law, "transition_speed", rule)
 
-    @property
+    @packed
     def exponent(self) -> float:
         """A [-]: the shape, as the kernels name it."""
         return self.shape
+
+
+@kernel
+def bengisu_akay_ratio(law: BengisuAkay, speed: float, force: float) -> float:
+    """Friction coefficient over slip speed [s/m]."""
+    mu_c, mu_s, v_0 = law.dynamic, law.static, law.static_speed
+    if speed < v_0:
+        return float(mu_s * (2.0 * v_0 - speed) / (v_0 * v_0))
+    return float((mu_c + (mu_s - mu_c) * math.exp(-law.decay * (speed - v_0))) / speed)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -397,7 +497,7 @@ class BengisuAkay(CompiledFrictionLaw):
         Bengisu and Akay (1994), J. Sound Vib. 171(4), 557-570. Recalled, not checked against the paper.
     """
 
-    kind: ClassVar[float] = kernels.BENGISU_AKAY
+    kernel = staticmethod(bengisu_akay_ratio)
 
     static: float = parameter()
     dynamic: float = parameter(rule="zero or more")
@@ -408,6 +508,18 @@ class BengisuAkay(CompiledFrictionLaw):
     def check_rules(cls, law: Any) -> None:
         """Refuse a static coefficient below the dynamic one."""
         check_static(law)
+
+
+@kernel
+def brown_mcphee_ratio(law: BrownMcPhee, speed: float, force: float) -> float:
+    """Friction coefficient over slip speed [s/m]."""
+    y = speed / law.transition_speed
+    valley = 0.25 * y * y + 0.75
+    dry = 4.0 * law.dynamic * tanh_ratio(4.0 * y) + (law.static - law.dynamic) / (valley * valley)
+    # The last term is mu_v tanh(4 F / F_nt) / F.
+    whole = law.transition_force
+    wet = law.viscous * tanh_ratio(4.0 * abs(force) / whole) * 4.0 / whole
+    return float(dry / law.transition_speed + wet)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -433,7 +545,7 @@ class BrownMcPhee(CompiledFrictionLaw):
         have it.
     """
 
-    kind: ClassVar[float] = kernels.BROWN_MCPHEE
+    kernel = staticmethod(brown_mcphee_ratio)
 
     static: float = parameter()
     dynamic: float = parameter(rule="zero or more")
@@ -445,3 +557,41 @@ class BrownMcPhee(CompiledFrictionLaw):
     def check_rules(cls, law: Any) -> None:
         """Refuse a static coefficient below the dynamic one."""
         check_static(law)
+
+
+# --- by kind ------------------------------------------------------------------------------------------------
+
+
+def _laws(frequent: bool) -> list[Any]:
+    return [law for law in (*registry.FRICTION_LAWS.values(), CustomFriction) if law.frequent == frequent]
+
+
+@composed
+def _unknown(law: Floats, kind: float, speed: float, force: float) -> float:
+    return math.nan
+
+
+_rare_ratio = chain(lambda: _laws(frequent=False), "ratio", friction_record, _unknown)
+
+
+@kernel
+def _other_ratio(law: Floats, kind: float, speed: float, force: float) -> float:
+    """Friction coefficient over slip speed [s/m] of the rarer laws."""
+    return float(_rare_ratio(law, kind, speed, force))
+
+
+_ratio = chain(lambda: _laws(frequent=True), "ratio", friction_record, _other_ratio)
+
+
+@inlined
+def friction_ratio(law: Floats, speed: float, force: float) -> float:
+    """Friction coefficient over slip speed [s/m]; zero of bristles, NaN of unknown kinds."""
+    return float(_ratio(law, record(law, FRICTION_LAW).kind, speed, force))
+
+
+@inlined
+def friction_force(law: Floats, force: float, slip_x: float, slip_y: float, slip_z: float) -> Triple:
+    """Return the friction on the journal by a law of the slip speed [N], at a force [N] and a slip [m/s]."""
+    speed = math.sqrt(slip_x * slip_x + slip_y * slip_y + slip_z * slip_z)
+    factor = -force * friction_ratio(law, speed, force)
+    return factor * slip_x, factor * slip_y, factor * slip_z

@@ -30,8 +30,9 @@ from typing import Annotated, Any, ClassVar
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.parameters import parameter
+from antenna_pin.base.records import packed
 from antenna_pin.base.rules import NotNegative, NumberRule
-from antenna_pin.contact import damping_kernels as kernels
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.contact.normal import Dissipation
 from antenna_pin.errors import InvalidParameterError
 
@@ -57,6 +58,14 @@ __all__ = [
 ]
 
 
+@inlined
+def hysteretic(
+    law: HysteresisDamping, elastic: float, depth: float, rate: float, approach_speed: float, mass: float
+) -> float:
+    """Normal force before it is cut off [N]."""
+    return elastic * (1.0 + float(law.hysteresis * rate / approach_speed))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HysteresisDamping(Dissipation):
     """Base of the laws of the form; each has its ``factor`` chi over c_r.
@@ -65,7 +74,9 @@ class HysteresisDamping(Dissipation):
         restitution: c_r, required coefficient of restitution, in [0, 1] [-].
     """
 
-    kind: ClassVar[float] = kernels.HYSTERETIC
+    kernel = staticmethod(hysteretic)
+    frequent: ClassVar[bool] = True
+    unpacked: ClassVar[tuple[str, ...]] = ("restitution",)
     factor: ClassVar[Any]  # c_r -> chi
 
     # At a restitution of zero the factor is infinite.
@@ -83,7 +94,7 @@ class HysteresisDamping(Dissipation):
                 law, "restitution", "above 0 (no finite damping of this form stops a body dead)"
             )
 
-    @property
+    @packed
     def hysteresis(self) -> float:
         """Hysteresis damping factor chi of ``1 + chi rate / approach_speed`` [-]."""
         return float(type(self).factor(self.restitution))
@@ -103,7 +114,7 @@ class ExactDamping(HysteresisDamping):
 
     positive_restitution: ClassVar[bool] = True
 
-    @property
+    @packed
     def hysteresis(self) -> float:
         """Chi [-]."""
         return exact_hysteresis(self.restitution)
@@ -272,6 +283,14 @@ class CarvalhoMartinsDamping(HysteresisDamping):
     factor = staticmethod(lambda c: 1.5 * (1.0 - c) * (11.0 - c) / (1.0 + 9.0 * c))
 
 
+@inlined
+def hysteretic_loading(
+    law: HysteresisDamping, elastic: float, depth: float, rate: float, approach_speed: float, mass: float
+) -> float:
+    """Normal force before it is cut off [N]."""
+    return elastic * (1.0 + float(law.hysteresis * max(rate, 0.0) / approach_speed))
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PantWijeyewickremaDamping(HysteresisDamping):
     r""":math:`\chi = 3 (1 - c_r^2) / (2 c_r^2)`, in the approach only.
@@ -287,7 +306,7 @@ class PantWijeyewickremaDamping(HysteresisDamping):
         Pant and Wijeyewickrema (2012), Earthq. Eng. Struct. Dyn. 41(12).
     """
 
-    kind: ClassVar[float] = kernels.HYSTERETIC_LOADING
+    kernel = staticmethod(hysteretic_loading)
     positive_restitution: ClassVar[bool] = True
     approach_only: ClassVar[bool] = True
 
@@ -384,6 +403,14 @@ def exact_hysteresis(restitution: Annotated[float, NumberRule("in (0, 1]")]) -> 
 # --- damping without an approach speed ----------------------------------------------------------------------
 
 
+@inlined
+def proportional(
+    law: MarhefkaOrinDamping, elastic: float, depth: float, rate: float, approach_speed: float, mass: float
+) -> float:
+    """Normal force before it is cut off [N]."""
+    return elastic * (1.0 + law.hysteresis_over_speed * rate)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MarhefkaOrinDamping(Dissipation):
     r"""Hunt and Crossley's damping with a restitution that falls with the speed.
@@ -400,11 +427,12 @@ class MarhefkaOrinDamping(Dissipation):
         Marhefka and Orin (1999), IEEE Trans. Syst. Man Cybern. A 29(6), 566-572.
     """
 
-    kind: ClassVar[float] = kernels.PROPORTIONAL
+    kernel = staticmethod(proportional)
+    frequent: ClassVar[bool] = True
 
     slope: float = parameter("s/m", rule="zero or more")
 
-    @property
+    @packed
     def hysteresis_over_speed(self) -> float:
         """Chi over the approach speed [s/m]."""
         return 1.5 * self.slope

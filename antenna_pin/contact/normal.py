@@ -13,7 +13,7 @@ input to these. A user's own law without one (:class:`CustomNormal`, or any obje
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, ClassVar, Protocol, Self, runtime_checkable
@@ -22,14 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import check_takes, fits, takes, unknown_type
-from antenna_pin.base.parameters import check, parameter, parameters_of
-from antenna_pin.compiled.decorators import record
+from antenna_pin.base.parameters import Parameter, check, parameter, parameters_of
+from antenna_pin.compiled.decorators import inlined
 from antenna_pin.compiled.given_functions import address_of, is_compiled
 from antenna_pin.contact import kernels
-from antenna_pin.contact.called_kernels import CALLED, CALLED_WHOLE
-from antenna_pin.contact.damping_kernels import CONSERVATIVE
-from antenna_pin.contact.records import NORMAL_LAW, NORMAL_SIZE, POWER, coded
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.contact.records import normal_code
+from antenna_pin.contact.registry import DISSIPATIONS, NORMAL_LAWS
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
 __all__ = [
     "CompiledNormalLaw",
@@ -42,6 +41,10 @@ __all__ = [
     "NoDissipation",
     "normal_questions",
     "NormalLaw",
+    "is_elastic",
+    "law_parameters",
+    "make_normal_law",
+    "normal_parameters",
 ]
 
 # --- laws of all kinds --------------------------------------------------------------------------------------
@@ -51,6 +54,9 @@ class Law:
     """Base of laws and dissipations: their parameters are numbers, in SI units."""
 
     __slots__ = ()
+
+    # Fields that are numbers and not in the record for kernels.
+    unpacked: ClassVar[tuple[str, ...]] = ()
 
     def __new__(cls, *values: Any, **parameters: Any) -> Self:
         """Refuse values that are no numbers, before a law checks more."""
@@ -142,7 +148,7 @@ class CompiledNormalLaw(Law):
                 to the contact and here is none.
         """
         code = _code_within(self, depth)
-        if kernels.takes_mass_of_contact(code):
+        if self.parts.dissipation.takes_mass:
             raise InvalidParameterError(
                 self, "effective_mass", "given for a force apart from a joint, whose contacts have one"
             )
@@ -182,23 +188,32 @@ def check_depth(law: CompiledNormalLaw, depth: float) -> None:
         raise InvalidParameterError(type(law.parts.elastic).__name__, "depth", rule, depth)
 
 
+@inlined
+def not_given(law: Any, depth: float) -> float:
+    """Return NaN, of a law whose energy has no closed form."""
+    return math.nan
+
+
 class ElasticLaw(CompiledNormalLaw):
     """A law without dissipation; it can be given one with :class:`DampedContact`.
 
     Attributes:
-        kind: A kind that the kernels implement; its record has the names of the law's attributes.
+        kernel: Of record and depth [m]: the force [N] (:mod:`antenna_pin.contact.records`).
+        energy: Likewise the energy [J]; integrated where it is not a number.
+        frequent: Whether these are compiled into their callers.
         line: Whether it is the law of two cylinders along a line, which means nothing at a flange.
     """
 
     __slots__ = ()
 
-    kind: ClassVar[float]
+    kernel: ClassVar[Any]
+    energy = staticmethod(not_given)
+    frequent: ClassVar[bool] = False
     line: ClassVar[bool] = False
 
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (16,)."""
-        names = kernels.ELASTIC_RECORDS[self.kind].names or ()
-        return elastic_code(self.kind, **{name: getattr(self, name) for name in names})
+        return normal_code(self.kernel, self, NoDissipation.kernel, None)
 
     @property
     def parts(self) -> DampedContact:
@@ -215,39 +230,42 @@ class Dissipation(Law):
     """Protocol of the dissipation of a normal law, independent of the elastic law.
 
     Attributes:
-        kind: A kind that the kernels implement; its record has the names of its attributes.
+        kernel: Of record, elastic force [N], depth [m], rate [m/s], approach speed [m/s] and mass of the
+            contact [kg]: the whole force [N], which is cut off where it pulls.
+        frequent: Whether it is compiled into its callers.
         adds_force: Whether it adds a force of its own to the elastic one, rather than a multiple of that.
     """
 
     __slots__ = ()
 
-    kind: ClassVar[float]
+    kernel: ClassVar[Any]
+    frequent: ClassVar[bool] = False
     adds_force: ClassVar[bool] = False
 
-    def numbers(self, elastic: ElasticLaw) -> dict[str, float]:
-        """Return the parameters of its record by name, beside an elastic law."""
-        return {name: getattr(self, name) for name in kernels.DISSIPATION_RECORDS[self.kind].names or ()}
+    @property
+    def takes_mass(self) -> bool:
+        """Return whether the force depends on the effective mass of the contact."""
+        return False
+
+    def beside(self, elastic: ElasticLaw) -> Any:
+        """Return an object with the numbers of its record, beside an elastic law."""
+        return self
+
+
+@inlined
+def conservative(
+    law: NoDissipation, elastic: float, depth: float, rate: float, approach_speed: float, mass: float
+) -> float:
+    """Elastic force [N]."""
+    return elastic
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NoDissipation(Dissipation):
     """No dissipation: a restitution of 1."""
 
-    kind: ClassVar[float] = CONSERVATIVE
-
-
-def elastic_code(kind: float, **parameters: float) -> NDArray[np.float64]:
-    """Return an elastic law without dissipation as flat numbers, shape (16,).
-
-    Args:
-        kind: One of ``kernels.ELASTIC_RECORDS``.
-        parameters: By the names of its record.
-    """
-    code = np.zeros(NORMAL_SIZE)
-    record(code, NORMAL_LAW).elastic = kind
-    record(code, NORMAL_LAW).dissipation = CONSERVATIVE
-    coded(code, kernels.ELASTIC_RECORDS[kind], parameters)
-    return code
+    kernel = staticmethod(conservative)
+    frequent: ClassVar[bool] = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -276,11 +294,40 @@ class DampedContact(CompiledNormalLaw):
 
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (16,)."""
-        code = self.elastic.code()
-        kind = self.dissipation.kind
-        record(code, NORMAL_LAW).dissipation = kind
-        coded(code, kernels.DISSIPATION_RECORDS[kind], self.dissipation.numbers(self.elastic))
-        return code
+        numbers = self.dissipation.beside(self.elastic)
+        return normal_code(self.elastic.kernel, self.elastic, self.dissipation.kernel, numbers)
+
+
+@inlined
+def power(depth: float, exponent: float) -> float:
+    """``depth**exponent``, continued to negative depth where the exponent is an integer, else zero there.
+
+    The continuation lets an integrator step smoothly across the end of a contact before that end is
+    located; no accepted state lies beyond it.
+    """
+    if depth > 0.0:
+        if exponent == 1.5:
+            return depth * math.sqrt(depth)
+        if exponent == 1.0:
+            return depth
+        return float(depth**exponent)
+    whole = math.floor(exponent)
+    if whole != exponent:
+        return 0.0
+    size = float((-depth) ** exponent)
+    return size if whole % 2.0 == 0.0 else -size
+
+
+@inlined
+def power_force(law: Hertz, depth: float) -> float:
+    """Elastic force [N]."""
+    return float(law.stiffness * power(depth, law.exponent))
+
+
+@inlined
+def power_energy(law: Hertz, depth: float) -> float:
+    """Energy stored [J]."""
+    return float(law.stiffness * power(depth, law.exponent) * depth / (law.exponent + 1.0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -301,7 +348,9 @@ class Hertz(ElasticLaw):
         Hertz (1881), J. reine angew. Math. 92, 156-171.
     """
 
-    kind: ClassVar[float] = POWER
+    kernel = staticmethod(power_force)
+    energy = staticmethod(power_energy)
+    frequent: ClassVar[bool] = True
 
     stiffness: float = parameter("N/m**exponent", rule="positive", from_joint=True)
     exponent: float = parameter(default=1.5)
@@ -352,14 +401,77 @@ class CustomNormal:
         Raises:
             InvalidParameterError: A function does not take its floats, or does not return one.
         """
-        place = type(self).__name__
-        code = elastic_code(
-            CALLED,
-            address=address_of(place, "elastic_force", self.elastic_force, 1),
-            energy=address_of(place, "elastic_energy", self.elastic_energy, 1),
-            limit=self.depth_limit,
+        place, end = type(self).__name__, self.depth_limit
+        force, energy = (
+            address_of(place, name, getattr(self, name), 1) for name in ("elastic_force", "elastic_energy")
         )
-        record(code, NORMAL_LAW).dissipation = CALLED_WHOLE
-        whole = address_of(place, "force", self.force, 3)
-        coded(code, kernels.DISSIPATION_RECORDS[CALLED_WHOLE], {"whole": whole, "end": self.depth_limit})
-        return code
+        elastic = kernels.CalledLaw(force, energy, end)
+        whole = kernels.CalledWholeLaw(address_of(place, "force", self.force, 3), end)
+        return normal_code(kernels.called_force, elastic, kernels.called_whole, whole)
+
+
+# --- laws by name -------------------------------------------------------------------------------------------
+
+
+@takes()
+def law_parameters(law: type[Any]) -> dict[str, Parameter]:
+    """Return the parameters of a law or dissipation by name."""
+    return parameters_of(law)
+
+
+@takes()
+def is_elastic(law: str) -> bool:
+    """Return whether a normal law, by name, takes a separate dissipation."""
+    return issubclass(NORMAL_LAWS[law], ElasticLaw)
+
+
+@takes()
+def normal_parameters(law: str, dissipation: str | None = None) -> dict[str, Parameter]:
+    """Return the parameters of a normal law by name, with those of its dissipation.
+
+    Args:
+        law: Name in ``NORMAL_LAWS``.
+        dissipation: Name in ``DISSIPATIONS``, only beside an elastic law.
+    """
+    own = law_parameters(NORMAL_LAWS[law])
+    return own if dissipation is None else own | law_parameters(DISSIPATIONS[dissipation])
+
+
+@takes()
+def make_normal_law(
+    law: str, parameters: Mapping[str, float], dissipation: str | None = None
+) -> CompiledNormalLaw:
+    """Return a normal law from names and numbers.
+
+    Args:
+        law: Name in ``NORMAL_LAWS``.
+        parameters: Parameters in SI units, of the law and of the dissipation together.
+        dissipation: Name in ``DISSIPATIONS``; only beside an elastic law, which without one is conservative.
+
+    Raises:
+        UnknownNameError: No such law or dissipation.
+        InvalidParameterError: A parameter breaks a rule, is missing, or is not the law's.
+    """
+    if law not in NORMAL_LAWS:
+        raise UnknownNameError("make_normal_law", "law", law, NORMAL_LAWS)
+    if dissipation is not None and dissipation not in DISSIPATIONS:
+        raise UnknownNameError("make_normal_law", "dissipation", dissipation, DISSIPATIONS)
+    if dissipation is not None and not is_elastic(law):
+        raise InvalidParameterError(
+            "make_normal_law", "dissipation", f"left out, for law {law} brings its own", dissipation
+        )
+    declared = normal_parameters(law, dissipation)
+    for name in parameters:
+        if name not in declared:
+            takes = ", ".join(declared) or "no parameters"
+            raise InvalidParameterError("make_normal_law", "parameters", f"of {takes} (law {law})", name)
+    for name, one in declared.items():
+        if one.required and name not in parameters:
+            raise InvalidParameterError("make_normal_law", name, f"given (law {law})")
+    own = law_parameters(NORMAL_LAWS[law])
+    elastic: CompiledNormalLaw = NORMAL_LAWS[law](**{k: v for k, v in parameters.items() if k in own})
+    if dissipation is None:
+        return elastic
+    assert isinstance(elastic, ElasticLaw)
+    rest = {name: value for name, value in parameters.items() if name not in own}
+    return DampedContact(elastic=elastic, dissipation=DISSIPATIONS[dissipation](**rest))

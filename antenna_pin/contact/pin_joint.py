@@ -10,9 +10,10 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from antenna_pin.base.records import packed
+from antenna_pin.compiled.decorators import kernel
 from antenna_pin.contact.cylinder import LineLaw
-from antenna_pin.contact.normal import check_depth
-from antenna_pin.contact.records import PIN_JOINT, POWER
+from antenna_pin.contact.normal import check_depth, power_energy, power_force
 
 __all__ = ["LiuConformal", "LiuHertz", "LiuPinJoint", "LiuPinJointCorrected"]
 
@@ -28,7 +29,9 @@ class LiuHertz(LineLaw):
         Liu, Zhang, Guo and Deng (2013), J. Aerosp. Technol. Manag. 5(3), 341-348, equation (6).
     """
 
-    kind: ClassVar[float] = POWER
+    kernel = staticmethod(power_force)
+    energy = staticmethod(power_energy)
+    frequent: ClassVar[bool] = True
 
     @property
     def stiffness(self) -> float:
@@ -55,7 +58,9 @@ class LiuConformal(LineLaw):
         Liu, Zhang, Guo and Deng (2013), J. Aerosp. Technol. Manag. 5(3), 341-348, equation (14).
     """
 
-    kind: ClassVar[float] = POWER
+    kernel = staticmethod(power_force)
+    energy = staticmethod(power_energy)
+    frequent: ClassVar[bool] = True
 
     @property
     def stiffness(self) -> float:
@@ -69,15 +74,38 @@ class LiuConformal(LineLaw):
         return 1.5
 
 
+@kernel
+def pin_joint_force(law: _PinJoint, depth: float) -> float:
+    """Elastic force [N]; odd in the depth.
+
+    Liu et al. 2013 (24) and (28); a^2 is written so that nothing cancels at small depth.
+    """
+    journal, bearing, clearance = law.journal_radius, law.bearing_radius, law.clearance
+    size = abs(depth)
+    d = min(size * law.share, math.sqrt((bearing + journal) * clearance) - clearance)
+    s = clearance + d
+    inner = 4.0 * bearing * clearance + 2.0 * (bearing + clearance) * d + d * d
+    square = d * (2.0 * journal - d) * inner / (4.0 * s * s)
+    if square < 1e-300:
+        return 0.0
+    force = law.factor * size / (math.log(16.0 * journal * journal / square) - 1.0)
+    return float(force if depth > 0.0 else -force)
+
+
 class _PinJoint(LineLaw):
     """Base of (28) and (28'), with different shares of depth in the width."""
 
     __slots__ = ()
 
-    kind: ClassVar[float] = PIN_JOINT
-    share: ClassVar[float]
+    kernel = staticmethod(pin_joint_force)
+    unpacked: ClassVar[tuple[str, ...]] = ("length", "modulus")
 
-    @property
+    @packed
+    def share(self) -> float:
+        """Share of the depth that shapes the contact [-]."""
+        return 1.0
+
+    @packed
     def factor(self) -> float:
         """Half of pi E* L [N/m]."""
         return 0.5 * math.pi * self.modulus * self.length
@@ -115,8 +143,6 @@ class LiuPinJoint(_PinJoint):
         Liu, Zhang, Guo and Deng (2013), J. Aerosp. Technol. Manag. 5(3), 341-348, equations (24), (28).
     """
 
-    share: ClassVar[float] = 1.0
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LiuPinJointCorrected(_PinJoint):
@@ -134,4 +160,7 @@ class LiuPinJointCorrected(_PinJoint):
         project's.
     """
 
-    share: ClassVar[float] = 0.5
+    @packed
+    def share(self) -> float:
+        """Half of the depth, that of each of both contacts [-]."""
+        return 0.5

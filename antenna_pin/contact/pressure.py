@@ -33,6 +33,7 @@ from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
     "LARGEST_HALF_ANGLE",
+    "LARGEST_SQUARE",
     "Ellipse",
     "LinePressure",
     "PointPressure",
@@ -127,9 +128,10 @@ def _largest_square() -> float:
     return square
 
 
-_LARGEST_SQUARE = _largest_square()
+#: b^2 of an infinite load [-].
+LARGEST_SQUARE = _largest_square()
 #: Half-angle of the arc of contact under an infinite load, or without play [rad]: 84.5 deg.
-LARGEST_HALF_ANGLE = 2.0 * math.atan(math.sqrt(_LARGEST_SQUARE))
+LARGEST_HALF_ANGLE = 2.0 * math.atan(math.sqrt(LARGEST_SQUARE))
 
 
 @takes(half_angle="rad")
@@ -213,8 +215,8 @@ def persson_line(
 def _persson_square(load: Array) -> Array:
     """Return b^2 under loads f / (E* dR), by safeguarded Newton steps."""
     # g(s) = load * (2 - ln(1 + s) - 2 s^2) - 2 pi s (1 + s) falls from 2 load to below zero at the largest s.
-    low, high = np.zeros_like(load), np.full_like(load, _LARGEST_SQUARE)
-    s = np.minimum(load / math.pi, 0.5 * _LARGEST_SQUARE)
+    low, high = np.zeros_like(load), np.full_like(load, LARGEST_SQUARE)
+    s = np.minimum(load / math.pi, 0.5 * LARGEST_SQUARE)
     for _ in range(80):
         value = load * (2.0 - np.log1p(s) - 2.0 * s * s) - 2.0 * math.pi * s * (1.0 + s)
         slope = -load * (1.0 / (1.0 + s) + 4.0 * s) - 2.0 * math.pi * (1.0 + 2.0 * s)

@@ -1,35 +1,21 @@
-"""Contact laws by name, their parameters, and their construction.
+"""Contact laws by name; a law enters by one line.
 
-A scenario file, the command line and the documentation all read the laws from here; a law enters by one line.
-A normal law is a name and its parameters; where the name is that of an elastic law, a dissipation can be
-named beside it, whose parameters then stand with the elastic law's::
-
-    make_normal_law("johnson", {"length": "0.025", ..., "restitution": 0.9}, dissipation="flores")
+A scenario file, the command line, the documentation and the kernels all read the laws from here.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
-from antenna_pin.base.arguments import takes
 from antenna_pin.base.lazy import Classes
-from antenna_pin.base.parameters import Parameter, parameters_of
-from antenna_pin.contact.normal import CompiledNormalLaw, DampedContact, ElasticLaw
-from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
 __all__ = [
     "Alias",
     "ALIASES",
     "DISSIPATIONS",
     "FRICTION_LAWS",
-    "is_elastic",
-    "law_parameters",
-    "make_normal_law",
     "NORMAL_LAWS",
-    "normal_parameters",
-    "Parameter",
     "SHAPELESS_LAWS",
 ]
 
@@ -146,67 +132,3 @@ FRICTION_LAWS: Classes = Classes(
         "gonthier-bristle": "bristle.GonthierBristle",
     },
 )
-
-
-@takes()
-def law_parameters(law: type[Any]) -> dict[str, Parameter]:
-    """Return the parameters of a law or dissipation by name."""
-    return parameters_of(law)
-
-
-@takes()
-def is_elastic(law: str) -> bool:
-    """Return whether a normal law, by name, takes a separate dissipation."""
-    return issubclass(NORMAL_LAWS[law], ElasticLaw)
-
-
-@takes()
-def normal_parameters(law: str, dissipation: str | None = None) -> dict[str, Parameter]:
-    """Return the parameters of a normal law by name, with those of its dissipation.
-
-    Args:
-        law: Name in ``NORMAL_LAWS``.
-        dissipation: Name in ``DISSIPATIONS``, only beside an elastic law.
-    """
-    own = law_parameters(NORMAL_LAWS[law])
-    return own if dissipation is None else own | law_parameters(DISSIPATIONS[dissipation])
-
-
-@takes()
-def make_normal_law(
-    law: str, parameters: Mapping[str, float], dissipation: str | None = None
-) -> CompiledNormalLaw:
-    """Return a normal law from names and numbers.
-
-    Args:
-        law: Name in ``NORMAL_LAWS``.
-        parameters: Parameters in SI units, of the law and of the dissipation together.
-        dissipation: Name in ``DISSIPATIONS``; only beside an elastic law, which without one is conservative.
-
-    Raises:
-        UnknownNameError: No such law or dissipation.
-        InvalidParameterError: A parameter breaks a rule, is missing, or is not the law's.
-    """
-    if law not in NORMAL_LAWS:
-        raise UnknownNameError("make_normal_law", "law", law, NORMAL_LAWS)
-    if dissipation is not None and dissipation not in DISSIPATIONS:
-        raise UnknownNameError("make_normal_law", "dissipation", dissipation, DISSIPATIONS)
-    if dissipation is not None and not is_elastic(law):
-        raise InvalidParameterError(
-            "make_normal_law", "dissipation", f"left out, for law {law} brings its own", dissipation
-        )
-    declared = normal_parameters(law, dissipation)
-    for name in parameters:
-        if name not in declared:
-            takes = ", ".join(declared) or "no parameters"
-            raise InvalidParameterError("make_normal_law", "parameters", f"of {takes} (law {law})", name)
-    for name, parameter in declared.items():
-        if parameter.required and name not in parameters:
-            raise InvalidParameterError("make_normal_law", name, f"given (law {law})")
-    own = law_parameters(NORMAL_LAWS[law])
-    elastic: CompiledNormalLaw = NORMAL_LAWS[law](**{k: v for k, v in parameters.items() if k in own})
-    if dissipation is None:
-        return elastic
-    assert isinstance(elastic, ElasticLaw)
-    rest = {name: value for name, value in parameters.items() if name not in own}
-    return DampedContact(elastic=elastic, dissipation=DISSIPATIONS[dissipation](**rest))

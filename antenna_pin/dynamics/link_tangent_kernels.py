@@ -11,7 +11,7 @@ from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.link_kernels import add_forces
 from antenna_pin.dynamics.tangent_room_kernels import TangentRoom
-from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
+from antenna_pin.integrate.difference_kernels import differentiated
 from antenna_pin.integrate.manifold_kernels import move_by_velocity, space_of
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.slope_kernels import is_moved
@@ -77,36 +77,30 @@ def _moves(way: Floats, count: int) -> bool:
     return found
 
 
+@inlined
+def _pull_displaced(h: float, t: float, y: Floats, way: Floats, m: int, room: TangentRoom) -> None:
+    """Write the actions of elements on links with one number, or the state, displaced."""
+    numbers, shifts = room.numbers, room.shifts
+    if m < 0:
+        _displace(y, way, h, room)
+        _pull(t + h * way[way.shape[0] - 1], room)
+    else:
+        displace_words(numbers.program, shifts.program, m, h)
+        displace_words(shifts.flat, shifts.tree, m, h)
+        _pull(t, room)
+
+
+_differences = differentiated(_pull_displaced)
+
+
 @kernel
 def _differentiate_links(t: float, y: Floats, way: Floats, m: int, step: float, room: TangentRoom) -> None:
     """Write the derivatives of the actions of elements on links to ``room.column``.
 
     They are along a displacement if m is below 0, else over number m of the system.
     """
-    numbers, shifts, trial, looked = room.numbers, room.shifts, room.trial, room.looked
-    nv, one, other = room.tau.shape[0], BEGIN, BEGIN
-    whole, points = _pulls(room), room.weights.shape[1]
-    for _ in range(OFTEN):
-        clear(trial, whole)
-        moves = False
-        for turn in range(2 * points + 1):
-            place = place_at(turn, points)
-            h = place * step
-            if m < 0:
-                _displace(y, way, h, room)
-                _pull(t + h * way[way.shape[0] - 1], room)
-            else:
-                displace_words(numbers.program, shifts.program, m, h)
-                displace_words(shifts.flat, shifts.tree, m, h)
-                _pull(t, room)
-            moves = add(looked, whole, place, room.weights, trial) or moves
-            if rests(turn, moves, whole, trial):
-                break
-        one = settle(trial, looked, step, (0, nv), one, room.column)
-        other = settle(trial, looked, step, (nv, whole), other, room.column)
-        if not (one[2] or other[2]):
-            break
-        step /= FINER
+    whole, arrays = _pulls(room), (room.looked, room.weights, room.trial)
+    _differences(step, (0, room.tau.shape[0], whole, whole), arrays, room.column, t, y, way, m, room)
 
 
 @inlined

@@ -28,7 +28,7 @@ from antenna_pin.dynamics.kernels import (
     element_forces,
 )
 from antenna_pin.dynamics.tangent_room_kernels import TangentRoom
-from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
+from antenna_pin.integrate.difference_kernels import differentiated
 from antenna_pin.integrate.manifold_kernels import factor_of, space_of
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.slope_kernels import TIMES, displace_joint, is_moved
@@ -103,6 +103,33 @@ def _move(part: Part, kind: int, s: int, n: int, y: Floats, h: float, room: Tang
         displace_words(room.numbers.program, room.shifts.program, n, h)
 
 
+@inlined
+def _act_displaced(
+    h: float,
+    part: Part,
+    about: tuple[int, int, int, bool],
+    t: float,
+    y: Floats,
+    here: float,
+    room: TangentRoom,
+) -> None:
+    """Write an element's action, or the output of its law, with one number displaced."""
+    kind, s, n, whole = about
+    _move(part, kind, s, n, y, h, room)
+    if whole:
+        _act(part, t, room)
+    elif h == 0.0:
+        for i in range(EFFORTS + part.x_end - part.x):
+            room.looked[i] = room.middle[i]
+    else:
+        if kind == _ASKED:
+            room.asked[n] = here + h
+        _say(part, t + h if kind == _TIME else t, kind != _ASKED or n != A_POWER, room)
+
+
+_differences = differentiated(_act_displaced)
+
+
 @kernel
 def _differentiate(
     part: Part,
@@ -118,34 +145,10 @@ def _differentiate(
     ``about``: variable, joint, index, and whether the action as a whole is examined.
     """
     kind, s, n, whole = about
-    trial, looked, points = room.trial, room.looked, room.weights.shape[1]
     forces = part.freedoms[0] + part.freedoms[1] if whole else EFFORTS
-    count, one, other = forces + part.x_end - part.x, BEGIN, BEGIN
+    count, arrays = forces + part.x_end - part.x, (room.looked, room.weights, room.trial)
     here = room.asked[n] if kind == _ASKED else 0.0
-    for _ in range(OFTEN):
-        clear(trial, count)
-        moves = False
-        for turn in range(2 * points + 1):
-            place = place_at(turn, points)
-            h = place * step
-            _move(part, kind, s, n, y, h, room)
-            if whole:
-                _act(part, t, room)
-            elif turn == 0:
-                for i in range(count):
-                    looked[i] = room.middle[i]
-            else:
-                if kind == _ASKED:
-                    room.asked[n] = here + h
-                _say(part, t + h if kind == _TIME else t, kind != _ASKED or n != A_POWER, room)
-            moves = add(looked, count, place, room.weights, trial) or moves
-            if rests(turn, moves, count, trial):
-                break
-        one = settle(trial, looked, step, (0, forces), one, out)
-        other = settle(trial, looked, step, (forces, count), other, out)
-        if not (one[2] or other[2]):
-            break
-        step /= FINER
+    _differences(step, (0, forces, count, count), arrays, out, part, about, t, y, here, room)
     _move(part, kind, s, n, y, 0.0, room)
     if kind == _ASKED:
         room.asked[n] = here

@@ -14,8 +14,8 @@ from typing import Any, ClassVar
 from antenna_pin.base.parameters import parameter
 from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined
-from antenna_pin.contact.bristle_kernels import bristle, gonthier_kink
-from antenna_pin.contact.friction_kernels import FRICTION_SIZE, GONTHIER
+from antenna_pin.contact.bristle import GONTHIER, bristle, gonthier_kink
+from antenna_pin.contact.records import FRICTION_SIZE
 from antenna_pin.elements.element import LOSS, Element, Integral, packed
 from antenna_pin.elements.hook_kernels import Motion, Own, Powered
 from antenna_pin.elements.own_load import (

@@ -29,7 +29,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, get_args, get_origin, get_type_hints
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +37,7 @@ from numpy.typing import NDArray
 from antenna_pin.base.arguments import AskedFunction, check_takes, takes, told_numbers
 from antenna_pin.base.parameters import check, parameters_of
 from antenna_pin.base.readable import GIVEN, readable
-from antenna_pin.base.records import Floats, Record, layout, words_of
+from antenna_pin.base.records import Record, layout, numbers_of, packed, words_of
 from antenna_pin.compiled.decorators import Layout, in_python, record
 
 __all__ = [
@@ -71,14 +71,6 @@ class Integral:
 
     name: str
     unit: str = "J"
-
-
-if TYPE_CHECKING:
-    from builtins import property as packed
-else:
-
-    class packed(property):  # noqa: N801 - a decorator
-        """A computed number of an element for its kernels."""
 
 
 WORK = Integral("work")
@@ -367,19 +359,5 @@ def takes_tail(hook: Any) -> bool:
 
 @cache
 def _layout(cls: type[ForceElement]) -> Layout[Any]:
-    """Return the layout of a class's record: fields that are numbers, then packed properties."""
-    found = {name: hint for name, hint in get_type_hints(cls).items() if name not in cls.unpacked}
-    for base in reversed(cls.__mro__):
-        for name, one in vars(base).items():
-            if isinstance(one, packed):
-                found[name] = get_type_hints(one.fget, include_extras=True)["return"]
-    numbers = {name: packed_as for name, hint in found.items() if (packed_as := _packed_as(hint)) is not None}
-    return layout(type(cls.__name__, (Record,), {"__annotations__": numbers}))
-
-
-def _packed_as(hint: Any) -> Any:
-    """Return the type of a number or fixed array in a record, else None."""
-    if hint in (float, int, bool) or get_origin(hint) is Annotated:
-        return int if hint is bool else hint
-    parts = get_args(hint)
-    return Annotated[Floats, len(parts)] if get_origin(hint) is tuple and {*parts} == {float} else None
+    """Return the layout of a class's record."""
+    return layout(type(cls.__name__, (Record,), {"__annotations__": numbers_of(cls)}))

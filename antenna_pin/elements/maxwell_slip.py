@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from antenna_pin.base.parameters import parameter
-from antenna_pin.base.records import Floats
-from antenna_pin.compiled.decorators import inlined
+from antenna_pin.base.records import Floats, Record, layout, words_of
+from antenna_pin.compiled.decorators import inlined, record
 from antenna_pin.elements.curve import check_as_many
 from antenna_pin.elements.element import Element, packed
 from antenna_pin.elements.hook_kernels import Loaded, Own, Powered
@@ -21,13 +21,23 @@ _MOST = 8
 # Share of its reach at which one that is bent slips: what round-off leaves.
 _AT = 1.0 - 1e-9
 _ANCHORS = tuple(f"anchor_{k}" for k in range(1, _MOST + 1))
-# Stiffness, reach and anchor of each stand behind the record.
-EACH = 3
 # Modes: none slips; some slip, or did last, as the angle grows, or as it falls.
 HELD, UP = range(2)
 # Share of its reach by which one is bent further before its mode follows: one that has just been let go is
 # not told from one that slips. The torque is right either way; of the loss as large a share is left out.
 _SLACK = 1e-11
+
+
+class Slipping(Record):
+    """A spring; they stand behind the element's record."""
+
+    stiffness: float  # [N m/rad] ([N/m])
+    reach: float  # deflection at which it slips [rad] ([m])
+    anchor: float  # [rad] ([m])
+
+
+_SLIPPING = layout(Slipping)
+_EACH = words_of(_SLIPPING)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -162,10 +172,15 @@ class MaxwellSlip(ModalElement):
 
 
 @inlined
-def _bent(tail: Floats, one: int, angle: float) -> float:
+def _spring(tail: Floats, k: int) -> Slipping:
+    """Return a spring."""
+    return record(tail[_EACH * k : _EACH * (k + 1)], _SLIPPING)
+
+
+@inlined
+def _bent(one: Slipping, angle: float) -> float:
     """By how much one spring is bent, and at most can be."""
-    reach = tail[one + 1]
-    return float(min(max(angle - tail[one + 2], -reach), reach))
+    return float(min(max(angle - one.anchor, -one.reach), one.reach))
 
 
 @inlined
@@ -173,8 +188,8 @@ def effort(springs: MaxwellSlip, tail: Floats, t: float, angle: float, rate: flo
     """Torque [N m], or force [N]."""
     found = 0.0
     for k in range(springs.count):
-        one = EACH * k
-        found -= tail[one] * _bent(tail, one, angle)
+        one = _spring(tail, k)
+        found -= one.stiffness * _bent(one, angle)
     return found
 
 
@@ -189,9 +204,9 @@ def write_rates_of(
     angle, rate, _ = motion
     found = 0.0
     for k in range(springs.count):
-        one = EACH * k
+        one = _spring(tail, k)
         if int(springs.slips) & (1 << k):
-            found += tail[one] * _bent(tail, one, angle) * rate
+            found += one.stiffness * _bent(one, angle) * rate
     rates[x] = found
 
 
@@ -200,9 +215,9 @@ def stored(springs: MaxwellSlip, tail: Floats, angle: float) -> float:
     """Energy stored [J]."""
     found = 0.0
     for k in range(springs.count):
-        one = EACH * k
-        z = _bent(tail, one, angle)
-        found += 0.5 * tail[one] * z * z
+        one = _spring(tail, k)
+        z = _bent(one, angle)
+        found += 0.5 * one.stiffness * z * z
     return found
 
 
@@ -214,8 +229,8 @@ def kink(springs: MaxwellSlip, tail: Floats, t: float, angle: float, rate: float
     """
     found = 1.0
     for k in range(springs.count):
-        one = EACH * k
-        found *= 1.0 - abs(angle - tail[one + 2]) / tail[one + 1]
+        one = _spring(tail, k)
+        found *= 1.0 - abs(angle - one.anchor) / one.reach
     return found
 
 
@@ -226,8 +241,8 @@ def switch(springs: MaxwellSlip, tail: Floats, k: int, motion: Loaded) -> tuple[
     way = 1.0 if springs.mode == UP else -1.0
     left, slope, slips, more = 1.0, 0.0, False, 1.0
     for i in range(springs.count):
-        one = EACH * i
-        bent, reach = angle - tail[one + 2], tail[one + 1]
+        one = _spring(tail, i)
+        bent, reach = angle - one.anchor, one.reach
         if springs.mode == HELD:
             back = -1.0 if bent > 0.0 else 1.0
         else:

@@ -1,7 +1,7 @@
 """Central differences of two orders whose step is made finer while the orders disagree, compiled.
 
-Who wants the derivative of something along one direction begins with :func:`clear`, adds what it is on the
-spot and at each neighbour (:func:`add`, in the order of :func:`place_at`), and has its parts settled
+:func:`differentiated` makes the loop of a function: it begins with :func:`clear`, adds the values on the spot
+and at each neighbour (:func:`add`, in the order of :func:`place_at`), and settles parts of these
 (:func:`settle`). A trial has a row for each kind of differences, the finest order first, one for how the
 function bends, and one for what it is on the spot. Where the farthest neighbours on both sides are that to
 the bit nothing changes, and the others need not be examined.
@@ -14,10 +14,13 @@ counts, as in :mod:`antenna_pin.base.calculus`, and the second order is kept off
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
 from antenna_pin.base.records import Floats
-from antenna_pin.compiled.decorators import inlined
+from antenna_pin.compiled.decorators import composed, inlined
 
 #: How often a step is made finer at most, and by how much; and with what a part begins to be settled.
 OFTEN, FINER, BEGIN = 8, 8.0, (-1.0, -1.0, True)
@@ -148,3 +151,43 @@ def settle(
     least = off if least < 0.0 else min(off, least)
     near = own <= _NO_BETTER * share or off <= _NO_BETTER * least
     return share, least, share > _GOOD and near
+
+
+def differentiated(evaluate: Callable[..., None]) -> Any:
+    """Return the loop that differentiates a function, to be compiled into a kernel.
+
+    Its arguments are the first step, the bounds of three parts of the values that are settled by themselves,
+    arrays of values, weights and trial, that to write to, (kinds, values), and those of the function.
+
+    Args:
+        evaluate: Compiled function of displacement and further arguments, which writes the values.
+    """
+
+    @composed
+    def differentiate(
+        step: float,
+        parts: tuple[int, int, int, int],
+        arrays: tuple[Floats, Floats, Floats],
+        out: Floats,
+        *arguments: Any,
+    ) -> None:
+        values, weights, trial = arrays
+        points, count = weights.shape[1], parts[3]
+        first, second, third = BEGIN, BEGIN, BEGIN
+        for _ in range(OFTEN):
+            clear(trial, count)
+            moves = False
+            for turn in range(2 * points + 1):
+                place = place_at(turn, points)
+                evaluate(place * step, *arguments)
+                moves = add(values, count, place, weights, trial) or moves
+                if rests(turn, moves, count, trial):
+                    break
+            first = settle(trial, values, step, (parts[0], parts[1]), first, out)
+            second = settle(trial, values, step, (parts[1], parts[2]), second, out)
+            third = settle(trial, values, step, (parts[2], parts[3]), third, out)
+            if not (first[2] or second[2] or third[2]):
+                break
+            step /= FINER
+
+    return differentiate

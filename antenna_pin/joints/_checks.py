@@ -8,32 +8,25 @@ from typing import Any
 from antenna_pin.base.arguments import check_takes
 from antenna_pin.compiled.decorators import record
 from antenna_pin.contact.friction import check_at_rest
-from antenna_pin.contact.kernels import DISSIPATION_RECORDS, ELASTIC_RECORDS
 from antenna_pin.contact.normal import CompiledNormalLaw, normal_questions
-from antenna_pin.contact.records import NORMAL_LAW
+from antenna_pin.contact.records import NORMAL_LAW, number_of
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.joints.geometry import ClearanceGeometry
 
 __all__ = ["check_asked", "check_friction", "check_load"]
 
+_ROOM = "antenna_pin.contact."
 
-def _check_kinds(place: str, law: Any) -> None:
-    """Refuse a law with a code that kernels do not support.
 
-    Args:
-        place: The joint, for the message.
-        law: A normal law with code.
-    """
-    code = law.code()
-    for what, known in (("elastic", ELASTIC_RECORDS), ("dissipation", DISSIPATION_RECORDS)):
-        kind = record(code, NORMAL_LAW)[what]
-        if kind not in known:
+def _check_kinds(place: str, law: CompiledNormalLaw) -> None:
+    """Refuse a law with a code that kernels do not support."""
+    kinds = record(law.code(), NORMAL_LAW)
+    for what, part in (("elastic", law.parts.elastic), ("dissipation", law.parts.dissipation)):
+        own = getattr(part, "kernel", None)
+        if own is None or not own.__module__.startswith(_ROOM) or kinds[what] != number_of(own):
+            rule = "that of a kernel of antenna_pin.contact; or give it no code()"
             raise InvalidParameterError(
-                f"{place}: {type(law).__name__}",
-                f"{what} kind",
-                f"one of {', '.join(f'{k:g}' for k in known)}, the codes of the kernels; or give it no "
-                f"code()",
-                float(kind),
+                f"{place}: {type(law).__name__}", f"{what} kind", rule, float(kinds[what])
             )
 
 

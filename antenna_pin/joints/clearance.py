@@ -17,7 +17,7 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.base.records import CONTACT, MEMORY, POSE
 from antenna_pin.compiled.decorators import in_python
 from antenna_pin.contact import CompiledNormalLaw, FrictionLaw, NoFriction, NormalLaw
-from antenna_pin.contact.kernels import NORMAL_SIZE, takes_mass_of_contact
+from antenna_pin.contact.records import NORMAL_SIZE
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.joints import kernels
 from antenna_pin.joints import layout_kernels as _layout
@@ -145,8 +145,10 @@ class ClearanceJoint:
     @property
     def takes_mass(self) -> tuple[bool, ...]:
         """Return of each contact whether its law depends on the remembered effective mass."""
-        laws = (law.code() if isinstance(law, CompiledNormalLaw) else None for law in self.normal_laws)
-        return tuple(code is not None and takes_mass_of_contact(code) for code in laws)
+        return tuple(
+            isinstance(law, CompiledNormalLaw) and law.parts.dissipation.takes_mass
+            for law in self.normal_laws
+        )
 
     def python_path(
         self, block: Array, memory: NDArray[Any], table: NDArray[Any], nq: int

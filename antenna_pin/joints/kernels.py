@@ -13,8 +13,8 @@ from __future__ import annotations
 
 from antenna_pin.base.records import Contact, Floats, Memory, Pose, Records
 from antenna_pin.compiled.decorators import inlined, kernel, record
-from antenna_pin.contact.friction_kernels import FRICTION_SIZE
 from antenna_pin.contact.kernels import NORMAL_SIZE, elastic_energy
+from antenna_pin.contact.records import FRICTION_SIZE
 from antenna_pin.joints.geometry.kernels import FLANGE, candidate_contact
 from antenna_pin.joints.layout_kernels import (
     BRISTLES,

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from antenna_pin.base.records import Floats, Matrix3, Record, Vector3, layout, words_of
 from antenna_pin.compiled.decorators import inlined, record
-from antenna_pin.contact.friction_kernels import FRICTION_SIZE
 from antenna_pin.contact.kernels import NORMAL_SIZE
+from antenna_pin.contact.records import FRICTION_SIZE
 from antenna_pin.joints.geometry.kernels import CANDIDATE
 from antenna_pin.joints.geometry.revolute_kernels import REVOLUTE, Revolute
 

@@ -16,7 +16,7 @@ import math
 
 from antenna_pin.base.records import Contact, Floats, Pose, Records, Six, Triple
 from antenna_pin.compiled.decorators import inlined, kernel, record
-from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
+from antenna_pin.integrate.difference_kernels import clear, differentiated
 from antenna_pin.integrate.manifold_kernels import space_of
 from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.geometry.kernels import CANDIDATE, FLANGE, candidate_contact
@@ -199,8 +199,8 @@ def _size(p: Floats, b: int, way: Floats, room: JointRoom) -> float:
 
 
 @inlined
-def _displace(at: Floats, h: float, room: JointRoom) -> None:
-    """Write pose and dimensions displaced by h times their changes."""
+def _look_displaced(h: float, at: Floats, row: Contact, room: JointRoom) -> None:
+    """Write gap, normal and point with pose and dimensions displaced by h times their changes."""
     pose, way, moved = room.poses[0], room.poses[1], room.poses[2]
     for i in range(3):
         moved.centre[i] = pose.centre[i] + h * way.centre[i]
@@ -212,37 +212,26 @@ def _displace(at: Floats, h: float, room: JointRoom) -> None:
     shape[0] = at[0]  # the primitive
     for i in range(1, CANDIDATE):
         shape[i] = at[i] + h * change[i]
+    candidate_contact(shape, 0, moved, row)
+    room.looked[GAP] = row.gap
+    for i in range(3):
+        room.looked[NORMAL + i], room.looked[POINT + i] = row.normal[i], row.point[i]
+
+
+_differences = differentiated(_look_displaced)
 
 
 @kernel
 def _differentiate_contact(p: Floats, b: int, k: int, way: Floats, room: JointRoom) -> None:
     """Write the differences of gap, normal and point with pose and dimensions."""
-    out, first, trial = room.change, candidate_at(b, k), room.trial
-    row, size = room.numbers.table[joint_at(p, b).row + k], _size(p, b, way, room)
-    gap, normal, at = BEGIN, BEGIN, BEGIN
+    first, size = candidate_at(b, k), _size(p, b, way, room)
+    row = room.numbers.table[joint_at(p, b).row + k]
     if size == 0.0:
-        clear(out, CHANGED)
+        clear(room.change, CHANGED)
         return
-    step, points = _WAY / size, room.weights.shape[1]
-    for _ in range(OFTEN):
-        clear(trial, CHANGED)
-        moves = False
-        for turn in range(2 * points + 1):
-            place = place_at(turn, points)
-            _displace(p[first : first + CANDIDATE], place * step, room)
-            candidate_contact(room.shapes[1], 0, room.poses[2], row)
-            room.looked[GAP] = row.gap
-            for i in range(3):
-                room.looked[NORMAL + i], room.looked[POINT + i] = row.normal[i], row.point[i]
-            moves = add(room.looked, CHANGED, place, room.weights, trial) or moves
-            if rests(turn, moves, CHANGED, trial):
-                break
-        gap = settle(trial, room.looked, step, (GAP, NORMAL), gap, out)
-        normal = settle(trial, room.looked, step, (NORMAL, POINT), normal, out)
-        at = settle(trial, room.looked, step, (POINT, CHANGED), at, out)
-        if not (gap[2] or normal[2] or at[2]):
-            break
-        step /= FINER
+    arrays = room.looked, room.weights, room.trial
+    words = p[first : first + CANDIDATE]
+    _differences(_WAY / size, (GAP, NORMAL, POINT, CHANGED), arrays, room.change, words, row, room)
 
 
 @inlined

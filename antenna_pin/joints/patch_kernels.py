@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from antenna_pin.base.records import Contact, Floats, Memory, Pose, Records, words_of
 from antenna_pin.compiled.decorators import inlined, kernel
-from antenna_pin.contact.friction_kernels import FRICTION_SIZE
 from antenna_pin.contact.kernels import NORMAL_SIZE, elastic_energy, elastic_force
+from antenna_pin.contact.records import FRICTION_SIZE
 from antenna_pin.joints.geometry.patch_kernels import NODE, sector_contacts, strip_contacts
 from antenna_pin.joints.layout_kernels import (
     friction_at,

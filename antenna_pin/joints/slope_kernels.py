@@ -10,10 +10,10 @@ import math
 
 from antenna_pin.base.records import Contact, Floats
 from antenna_pin.compiled.decorators import inlined, kernel
-from antenna_pin.contact.bristle_kernels import bristle_force
-from antenna_pin.contact.friction_kernels import FRICTION_SIZE
+from antenna_pin.contact.bristle import bristle_force
 from antenna_pin.contact.kernels import NORMAL_SIZE
-from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
+from antenna_pin.contact.records import FRICTION_SIZE
+from antenna_pin.integrate.difference_kernels import clear, differentiated
 from antenna_pin.integrate.manifold_kernels import factor_of, factor_size, move_factor
 from antenna_pin.joints.layout_kernels import BRISTLES, friction_at, joint_at, normal_at
 from antenna_pin.joints.row_kernels import row_forces
@@ -119,6 +119,26 @@ def said_by(p: Floats, b: int) -> int:
     return V_BRISTLE + states if states > 0 else V_FRICTION + 1
 
 
+@inlined
+def _say_displaced(
+    h: float, p: Floats, b: int, k: int, about: tuple[int, int], was: tuple[float, float], room: JointRoom
+) -> None:
+    """Write the laws' results with one number displaced."""
+    i, word = about
+    if h == 0.0:
+        for n in range(said_by(p, b)):
+            room.said[n] = room.middle[n]
+        return
+    if i < 0:
+        p[word] = was[1] + h
+    else:
+        room.asked[i] = was[0] + h
+    _say(p, b, k, room)
+
+
+_differences = differentiated(_say_displaced)
+
+
 @kernel
 def _differentiate(
     p: Floats, b: int, k: int, about: tuple[int, int], step: float, room: JointRoom, out: Floats
@@ -128,35 +148,13 @@ def _differentiate(
     ``about``: index of the argument, or of the program's number if none (-1).
     """
     i, word = about
-    asked, values, trial, said = room.asked, room.said, room.trial, said_by(p, b)
-    here, points, one, other = asked[max(i, 0)], room.weights.shape[1], BEGIN, BEGIN
-    was, forces = p[max(word, 0)], min(said, V_BRISTLE)
-    for _ in range(OFTEN):
-        clear(trial, said)
-        moves = False
-        for turn in range(2 * points + 1):
-            place = place_at(turn, points)
-            if turn == 0:
-                for n in range(said):
-                    values[n] = room.middle[n]
-            else:
-                if i < 0:
-                    p[word] = was + place * step
-                else:
-                    asked[i] = here + place * step
-                _say(p, b, k, room)
-            moves = add(values, said, place, room.weights, trial) or moves
-            if rests(turn, moves, said, trial):
-                break
-        one = settle(trial, values, step, (0, forces), one, out)
-        other = settle(trial, values, step, (forces, said), other, out)
-        if not (one[2] or other[2]):
-            break
-        step /= FINER
+    said, was = said_by(p, b), (room.asked[max(i, 0)], p[max(word, 0)])
+    parts, arrays = (0, min(said, V_BRISTLE), said, said), (room.said, room.weights, room.trial)
+    _differences(step, parts, arrays, out, p, b, k, about, was, room)
     if i < 0:
-        p[word] = was
+        p[word] = was[1]
     else:
-        asked[i] = here
+        room.asked[i] = was[0]
 
 
 @inlined

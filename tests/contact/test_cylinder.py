@@ -30,7 +30,7 @@ from antenna_pin.contact import (
     Pereira,
     Persson,
     Radzimovsky,
-    cylinder_kernels,
+    cylinder,
     effective_modulus,
     is_elastic,
     kernels,
@@ -54,7 +54,7 @@ by_name = pytest.mark.parametrize("law", LOGARITHMIC, ids=lambda law: type(law).
 @given(st.floats(1e-300, 0.3678))
 def test_the_larger_root_is_lamberts_function(ratio):
     """w exp(-w) = ratio: w = -W_{-1}(-ratio)."""
-    w = cylinder_kernels.log_ratio(ratio)
+    w = cylinder.log_ratio(ratio)
     # The root is as ill-conditioned as a square root near 1/e; SciPy's loses digits there too.
     assert w == pytest.approx(float(-lambertw(-ratio, -1).real), rel=1e-13, abs=0.0)
 
@@ -65,15 +65,13 @@ def test_the_larger_root_near_its_end(power):
     """w - 1 = sqrt(2 u) + 2 u / 3 + O(u^1.5), u = -1 - ln(ratio)."""
     ratio = (1.0 - 10.0**power) / math.e
     u = -1.0 - math.log(ratio)
-    w = cylinder_kernels.log_ratio(ratio)
+    w = cylinder.log_ratio(ratio)
     assert w - 1.0 == pytest.approx(math.sqrt(2.0 * u) + 2.0 * u / 3.0, abs=u**1.5 + 3e-16)
 
 
 def test_beyond_the_turn_over_the_root_stays_there():
     for ratio in (1.0 / math.e, 0.37, 1.0, 1e300):
-        assert cylinder_kernels.log_ratio(ratio) == pytest.approx(
-            1.0, abs=2e-8
-        )  # square root of the round-off
+        assert cylinder.log_ratio(ratio) == pytest.approx(1.0, abs=2e-8)  # square root of the round-off
 
 
 @by_name

@@ -24,7 +24,7 @@ from antenna_pin.contact import (
     Threlfall,
     VelocityBased,
 )
-from antenna_pin.contact import friction_kernels as kernels
+from antenna_pin.contact import friction as kernels
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints.geometry import PlanarClearance
 

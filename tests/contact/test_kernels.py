@@ -11,29 +11,31 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from antenna_pin.base.records import Record
 from antenna_pin.compiled.decorators import record
 from antenna_pin.contact import (
+    DISSIPATIONS,
+    FRICTION_LAWS,
     NORMAL_LAWS,
+    CustomFriction,
     Hertz,
     Johnson,
     KelvinVoigt,
     LiuPinJoint,
     Persson,
-    bristle_kernels,
-    friction_kernels,
+    bristle,
+    friction,
     kernels,
+    normal,
 )
-from antenna_pin.contact.called_kernels import (
-    CALLED,
-    CALLED_FRICTION,
-    CALLED_FRICTION_LAW,
-    CALLED_LAW,
-    CALLED_WHOLE,
-    CALLED_WHOLE_LAW,
+from antenna_pin.contact.records import (
+    FRICTION_LAW,
+    FRICTION_SIZE,
+    NORMAL_LAW,
+    dissipation_record,
+    elastic_record,
+    friction_record,
+    number_of,
 )
-from antenna_pin.contact.normal import elastic_code
-from antenna_pin.contact.records import FRICTION_LAW, NORMAL_LAW, dissipation_record
 
 from .conftest import DIMENSIONS, combinations, instances
 
@@ -52,12 +54,15 @@ def python(kernel):
 
 @contextmanager
 def interpreted():
-    """All contact kernels as plain Python, also where they call one another."""
+    """All contact kernels as plain Python, also where they call one another, and in chains of kinds."""
+    modules = [vars(sys.modules[name]) for name in sys.modules if name.startswith("antenna_pin.contact.")]
     with pytest.MonkeyPatch.context() as patch:
-        for module in [sys.modules[name] for name in sys.modules if name.endswith("kernels")]:
-            for name, function in list(vars(module).items()):
+        for names in modules:
+            for name, function in list(names.items()):
                 if hasattr(function, "py_func"):
-                    patch.setattr(module, name, function.py_func)
+                    if function.py_func.__globals__ is not names and name.startswith("_"):
+                        modules.append(function.py_func.__globals__)  # of a chain
+                    patch.setitem(names, name, function.py_func)
         yield
 
 
@@ -104,63 +109,77 @@ def test_every_kind_that_is_declared_is_known_to_the_kernels_and_no_other():
     kept = [ctypes.CFUNCTYPE(*[ctypes.c_double] * (count + 1))(lambda *_: 1.0) for count in (1, 3)]
     one, three = (float(ctypes.cast(function, ctypes.c_void_p).value) for function in kept)
 
-    def normal(elastic, dissipation):
+    def of_normal(elastic, dissipation):
         code = np.ones(kernels.NORMAL_SIZE)
         record(code, NORMAL_LAW).elastic, record(code, NORMAL_LAW).dissipation = elastic, dissipation
-        if elastic == CALLED:
-            record(code, CALLED_LAW).address = one
-        if dissipation == CALLED_WHOLE:
-            record(code, CALLED_WHOLE_LAW).whole = three
+        if elastic == number_of(kernels.called_force):
+            record(code, elastic_record(kernels.called_force)).address = one
+        if dissipation == number_of(kernels.called_whole):
+            record(code, dissipation_record(kernels.called_whole)).whole = three
         return kernels.normal_force(code, 0.01, 0.1, 1.0, 1.0)
 
-    def friction(kind):
-        code, rates = np.ones(friction_kernels.FRICTION_SIZE), np.zeros(4)
-        record(code, FRICTION_LAW).kind = kind
-        if kind == CALLED_FRICTION:
-            record(code, CALLED_FRICTION_LAW).address = one
-        if kind < friction_kernels.BRISTLE:
-            return friction_kernels.friction_ratio(code, 0.1, 1.0)
-        state = np.full(4, 0.1)
-        slip, normal = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
-        return bristle_kernels.bristle_force(code, 1.0, slip, normal, state, rates)[0]
+    def of_friction(law):
+        code, rates = np.ones(FRICTION_SIZE), np.zeros(4)
+        record(code, FRICTION_LAW).kind = kind = number_of(law.kernel) if law else 10.0
+        if law is CustomFriction:
+            record(code, friction_record(law.kernel)).address = one
+        if law is None or not hasattr(law, "steady"):
+            assert math.isnan(friction.friction_ratio(code, 0.1, 1.0)) == (law is None), kind
+        if law is None or hasattr(law, "steady"):
+            state = np.full(4, 0.1)
+            slip, across = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+            force = bristle.bristle_force(code, 1.0, slip, across, state, rates)[0]
+            assert math.isnan(force) == (law is None), kind
 
-    # One past all of them is none.
-    for kind in (*kernels.ELASTIC_RECORDS, 7.0):
-        assert math.isnan(normal(kind, 0.0)) == (kind == 7.0), kind
-    for kind in (*kernels.DISSIPATION_RECORDS, 9.0):
-        assert math.isnan(normal(1.0, kind)) == (kind == 9.0), kind
-    for kind in (*friction_kernels.FRICTION_RECORDS, 10.0, 103.0):
-        assert math.isnan(friction(kind)) == (kind in (10.0, 103.0)), kind
+    laws = [law for law in NORMAL_LAWS.values() if hasattr(law, "kernel")]
+    elastic = {number_of(one) for one in (*(law.kernel for law in laws), kernels.called_force)}
+    damped = {
+        number_of(one) for one in (*(law.kernel for law in DISSIPATIONS.values()), kernels.called_whole)
+    }
+    assert len(elastic) == 7 and len(damped) == 10  # no digest stands for two
+    power, free = number_of(Hertz.kernel), number_of(normal.NoDissipation.kernel)
+    for kind in (*elastic, 7.0):
+        assert math.isnan(of_normal(kind, free)) == (kind == 7.0), kind
+    for kind in (*damped, 9.0):
+        assert math.isnan(of_normal(power, kind)) == (kind == 9.0), kind
+    for law in (*FRICTION_LAWS.values(), CustomFriction, None):
+        of_friction(law)
 
 
-def _kind(*names):
-    return type("Kind", (Record,), {"__annotations__": dict.fromkeys(names, float)})
+def _kernel(*names):
+    law = type("Law", (), {"__annotations__": dict.fromkeys(names, float)})
+
+    def force(law, depth):
+        return 0.0
+
+    force.__annotations__ = {"law": law}
+    return force
 
 
 def test_a_law_is_written_by_the_names_of_its_record():
-    """One that is missing, or is not the law's, is refused; there is no place that nobody names."""
-    with pytest.raises(ValueError, match="takes stiffness, exponent, got stiffness"):
-        elastic_code(1.0, stiffness=1.0)
-    with pytest.raises(ValueError, match="takes factor, clearance, got factor, play"):
-        elastic_code(3.0, factor=1.0, play=1.0)
-    with pytest.raises(KeyError):
-        elastic_code(7.0)
+    """They are those of the class that a kernel's first argument is annotated with."""
+    assert elastic_record(_kernel("a", "b")).names == ("a", "b")
     with pytest.raises(ValueError, match="there is room for 6"):
-        dissipation_record(_kind(*"abcdefg"))
+        dissipation_record(_kernel(*"abcdefg"))
     with pytest.raises(ValueError, match="numpy.void, got shape"):
-        dissipation_record(_kind("shape"))
+        dissipation_record(_kernel("shape"))
+    assert Hertz.kernel is not Johnson.kernel and elastic_record(Johnson.kernel).names == (
+        "clearance",
+        "force_scale",
+        "depth_scale",
+    )
 
 
 def test_friction_kernels_equal_their_python(friction_law):
     code, rng = friction_law.code(), np.random.default_rng(2)
-    assert code.shape == (friction_kernels.FRICTION_SIZE,)
+    assert code.shape == (FRICTION_SIZE,)
     for _ in range(100):
         slip = (rng.normal(size=3) * 10.0 ** rng.uniform(-6, 1)).tolist()
         speed = math.sqrt(sum(s * s for s in slip))
-        kernel = friction_kernels.friction_ratio
+        kernel = friction.friction_ratio
         # The ramp's (speed - v_0) cancels near its lower end; it does so alike in both.
         assert kernel(code, speed, 3.0) == pytest.approx(python(kernel)(code, speed, 3.0), rel=1e-14, abs=0.0)
-        kernel = friction_kernels.friction_force
+        kernel = friction.friction_force
         assert kernel(code, 12.0, *slip) == pytest.approx(
             python(kernel)(code, 12.0, *slip), rel=1e-12, abs=0.0
         )
@@ -168,8 +187,8 @@ def test_friction_kernels_equal_their_python(friction_law):
 
 def test_bristle_kernels_equal_their_python(bristle_law):
     code, rng = bristle_law.code(), np.random.default_rng(3)
-    assert code.shape == (friction_kernels.FRICTION_SIZE,)
-    kernel = bristle_kernels.bristle_force
+    assert code.shape == (FRICTION_SIZE,)
+    kernel = bristle.bristle_force
     scales = np.array(bristle_law.state_scales)
     for _ in range(100):
         normal = rng.normal(size=3)
@@ -190,14 +209,14 @@ def test_integer_powers_continue_analytically_below_zero_depth(exponent):
     """So that a trial step across the end of a contact keeps the integrator's order."""
     for depth in (-1e-3, -1e-6, 1e-6, 1e-3):
         expected = depth ** int(exponent)
-        assert kernels.power(depth, exponent) == pytest.approx(expected, rel=1e-15, abs=0.0)  # round-off
+        assert normal.power(depth, exponent) == pytest.approx(expected, rel=1e-15, abs=0.0)  # round-off
 
 
 @pytest.mark.parametrize("exponent", [10 / 9, 1.5, 2.5])
 def test_other_powers_vanish_below_zero_depth(exponent):
-    assert kernels.power(-1e-6, exponent) == 0.0
-    assert kernels.power(0.0, exponent) == 0.0
-    assert kernels.power(1e-6, exponent) == pytest.approx(1e-6**exponent, rel=1e-15, abs=0.0)  # round-off
+    assert normal.power(-1e-6, exponent) == 0.0
+    assert normal.power(0.0, exponent) == 0.0
+    assert normal.power(1e-6, exponent) == pytest.approx(1e-6**exponent, rel=1e-15, abs=0.0)  # round-off
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from antenna_pin.compiled.decorators import record
 from antenna_pin.contact import (
     CustomNormal,
     DampedContact,
@@ -23,27 +22,27 @@ from antenna_pin.contact import (
     NormalLaw,
     Pereira,
     Persson,
-    damping_kernels,
+    cylinder,
+    damping,
     kernels,
+    pin_joint,
 )
-from antenna_pin.contact.records import LOGARITHMIC, NORMAL_LAW, PERSSON, PIN_JOINT, POWER
 
 from .conftest import DIMENSIONS
 
 DEPTHS = np.geomspace(1e-9, 5e-5, 25)
 
 # At the onset, where there is no depth yet, these push with D v_0: their named discontinuity.
-DISCONTINUOUS = {damping_kernels.VISCOUS}
-MASS_LAWS = {damping_kernels.SECANT, damping_kernels.SECANT_LOADING}
+DISCONTINUOUS = {damping.viscous}
+MASS_LAWS = {damping.secant, damping.secant_loading}
 
 
 def is_discontinuous(law):
     """A damper over the square root of the secant stiffness is as constant as that is."""
-    code = law.code()
-    kinds = record(code, NORMAL_LAW)
-    linear = kinds.elastic in (LOGARITHMIC, PERSSON, PIN_JOINT)
-    linear |= kinds.elastic == POWER and record(code, kernels.POWER_LAW).exponent == 1.0
-    return kinds.dissipation in DISCONTINUOUS or (kinds.dissipation in MASS_LAWS and linear)
+    spring, kernel = law.parts.elastic, law.parts.dissipation.kernel
+    linear = spring.kernel in (cylinder.logarithmic_force, cylinder.persson_force, pin_joint.pin_joint_force)
+    linear |= spring.kernel is Hertz.kernel and spring.exponent == 1.0
+    return kernel in DISCONTINUOUS or (kernel in MASS_LAWS and linear)
 
 
 def test_is_a_normal_law(normal_law):

@@ -23,6 +23,7 @@ from antenna_pin.contact import (
 )
 from antenna_pin.contact.kernels import normal_force
 from antenna_pin.contact.normal import ElasticLaw
+from antenna_pin.contact.records import number_of
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.integrate import Manifold
 from antenna_pin.joints import ClearanceJoint, JointContacts
@@ -398,7 +399,9 @@ def test_a_planar_joint_needs_no_axial_law():
 class Unknown(ElasticLaw):
     """A law whose kind no kernel knows, elastic or dissipation."""
 
-    elastic: float = 1.0
+    kernel = Hertz.kernel
+
+    elastic: float = number_of(Hertz.kernel)
     dissipation: float = 0.0
 
     def code(self):
@@ -415,7 +418,7 @@ def test_a_law_of_an_unknown_kind_is_refused_and_no_number(joint_maker, kind, pa
     law = Unknown(**kind)
     assert np.isnan(normal_force(law.code(), 1e-6, 0.01, 0.01, 1.0))
     with pytest.raises(
-        InvalidParameterError, match=f"Unknown: {part} kind must be one of .* got {kind[part]}"
+        InvalidParameterError, match=f"Unknown: {part} kind must be that of a kernel.* got {kind[part]}"
     ):
         dataclasses.replace(joint_maker("planar"), radial=law)
 

@@ -20,24 +20,25 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import check_number, takes
-from antenna_pin.compiled.decorators import record
 from antenna_pin.contact import (
     DISSIPATIONS,
     CompiledNormalLaw,
     DampedContact,
+    Dissipation,
     Hertz,
+    JankowskiDamping,
+    KelvinVoigtDamping,
+    MarhefkaOrinDamping,
+    NoDissipation,
     NormalLaw,
+    TsujiDamping,
     delivered_restitution,
     law_parameters,
 )
-from antenna_pin.contact import damping_kernels as _damping
-from antenna_pin.contact.hysteresis import stored_share
+from antenna_pin.contact.hysteresis import HysteresisDamping, stored_share
 from antenna_pin.contact.kernels import normal_force
-from antenna_pin.contact.power_kernels import POWER_LAW
-from antenna_pin.contact.records import NORMAL_LAW, POWER
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -223,43 +224,38 @@ class RestitutionRow:
     depth_on_wall: float  # largest depth of the impact on the wall [m]; NaN if none was made
 
 
-def _hysteresis(code: NDArray[np.float64], speed: float) -> float | None:
+def _hysteresis(dissipation: Dissipation, speed: float) -> float | None:
     """Return chi of a law with hysteresis damping, 0 without damping, or None."""
-    kind = record(code, NORMAL_LAW).dissipation
-    if kind == _damping.CONSERVATIVE:
-        return 0.0
-    if kind in (_damping.HYSTERETIC, _damping.HYSTERETIC_LOADING):
-        return float(record(code, _damping.HYSTERETIC_LAW).hysteresis)
-    if kind == _damping.PROPORTIONAL:
-        return float(record(code, _damping.PROPORTIONAL_LAW).hysteresis_over_speed) * speed
-    return None
+    if isinstance(dissipation, HysteresisDamping):
+        return dissipation.hysteresis
+    if isinstance(dissipation, MarhefkaOrinDamping):
+        return dissipation.hysteresis_over_speed * speed
+    return 0.0 if isinstance(dissipation, NoDissipation) else None
 
 
-def _damping_ratio(code: NDArray[np.float64], mass: float) -> float | None:
+def _damping_ratio(parts: DampedContact, mass: float) -> float | None:
     """Return zeta of a law equivalent to a linear oscillator, or None."""
-    kinds = record(code, NORMAL_LAW)
-    if kinds.elastic != POWER:
+    spring: Any = parts.elastic
+    if spring.kernel is not Hertz.kernel:
         return None
-    spring = record(code, POWER_LAW)
-    if kinds.dissipation in (_damping.SECANT, _damping.SECANT_LOADING):
-        secant = record(code, _damping.SECANT_LAW)
+    if isinstance(parts.dissipation, TsujiDamping | JankowskiDamping):
+        secant = parts.dissipation.beside(spring)
         # Without a mass of its own it takes that of the impact.
         share = secant.mass / mass if secant.mass > 0.0 else 1.0
         return float(secant.damping * math.sqrt(share) / math.sqrt(2.0 * (spring.exponent + 1.0)))
-    if kinds.dissipation == _damping.VISCOUS and spring.exponent == 1.0:
-        damper = record(code, _damping.DAMPER_LAW)
-        return float(damper.damping / (2.0 * math.sqrt(spring.stiffness * mass)))
+    if isinstance(parts.dissipation, KelvinVoigtDamping) and spring.exponent == 1.0:
+        return float(parts.dissipation.damping / (2.0 * math.sqrt(spring.stiffness * mass)))
     return None
 
 
 def _damping_of(
     place: str, law: CompiledNormalLaw, mass: float, speed: float
-) -> tuple[NDArray[np.float64], float | None, float | None]:
-    """Return a law's numbers with chi or zeta, if any."""
+) -> tuple[DampedContact, float | None, float | None]:
+    """Return a law's parts with chi or zeta, if any."""
     _check_impact(place, mass, speed)
-    code = law.code()
-    chi = _hysteresis(code, speed)
-    return code, chi, None if chi is not None else _damping_ratio(code, mass)
+    parts = law.parts
+    chi = _hysteresis(parts.dissipation, speed)
+    return parts, chi, None if chi is not None else _damping_ratio(parts, mass)
 
 
 def _decay(zeta: float) -> float:
@@ -280,24 +276,24 @@ def closed_form_restitution(law: CompiledNormalLaw, *, mass: float, speed: float
         mass: Effective mass of the bodies [kg]: 1/m = 1/m_1 + 1/m_2.
         speed: Approach speed [m/s].
     """
-    code, chi, zeta = _damping_of("closed_form_restitution", law, mass, speed)
-    kind = record(code, NORMAL_LAW).dissipation
+    parts, chi, zeta = _damping_of("closed_form_restitution", law, mass, speed)
     if chi is not None:
-        return delivered_restitution(chi, approach_only=bool(kind == _damping.HYSTERETIC_LOADING))
+        return delivered_restitution(chi, approach_only=getattr(parts.dissipation, "approach_only", False))
     if zeta is None:
         return None
-    return math.exp(-_decay(zeta) if kind == _damping.SECANT_LOADING else -2.0 * _decay(zeta))
+    one_way = isinstance(parts.dissipation, JankowskiDamping)
+    return math.exp(-_decay(zeta) if one_way else -2.0 * _decay(zeta))
 
 
 @takes(mass="kg", speed="m/s")
 def closed_form_peak_depth(law: CompiledNormalLaw, *, mass: float, speed: float) -> float | None:
     """Return the largest depth of a free impact [m]; arguments as of :func:`closed_form_restitution`."""
-    code, chi, zeta = _damping_of("closed_form_peak_depth", law, mass, speed)
+    parts, chi, zeta = _damping_of("closed_form_peak_depth", law, mass, speed)
     if chi is not None:
         return _depth_of_energy(law, mass * speed**2 * stored_share(chi))
     if zeta is None:
         return None
-    spring = record(code, POWER_LAW)
+    spring: Any = parts.elastic
     half = 0.5 * (spring.exponent + 1.0)
     peak = half * speed / math.sqrt(half * spring.stiffness / mass) * math.exp(-_decay(zeta))
     return float(peak ** (1.0 / half))
