@@ -201,6 +201,116 @@ def test_a_law_has_its_certificate_and_its_runs(copy):
     assert chi * (1.0 + c) == pytest.approx(np.log((1.0 + chi) / (1.0 - chi * c)), rel=1e-7)
 
 
+ROOT_FRICTION = '''
+"""Friction that grows with the root of the slip speed."""
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar
+
+from antenna_pin.base.parameters import parameter
+from antenna_pin.base.records import packed
+from antenna_pin.compiled.decorators import inlined
+from antenna_pin.contact.friction import CompiledFrictionLaw
+
+
+@inlined
+def root_ratio(law: "RootFriction", speed: float, force: float) -> float:
+    return law.scale / math.sqrt(speed + law.least)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RootFriction(CompiledFrictionLaw):
+    """mu = f sqrt(v / v_1).
+
+    Attributes:
+        level: f, the coefficient at v_1 [-].
+        speed: v_1 [m/s].
+    """
+
+    kernel = staticmethod(root_ratio)
+    unpacked: ClassVar[tuple[str, ...]] = ("level", "speed")
+
+    level: float = parameter(rule="from 0 to 1")
+    speed: float = parameter("m/s", rule="positive")
+    least: float = parameter("m/s", rule="positive", default=1e-12)
+
+    @packed
+    def scale(self) -> float:
+        return self.level / math.sqrt(self.speed)
+
+
+'''
+
+LINE = '''
+"""A line that is stiffer beyond a depth."""
+
+from dataclasses import dataclass
+
+from antenna_pin.base.parameters import parameter
+from antenna_pin.compiled.decorators import inlined
+from antenna_pin.contact.normal import ElasticLaw
+
+
+@inlined
+def kinked_force(law: "Kinked", depth: float) -> float:
+    return law.stiffness * (depth + max(depth - law.knee, 0.0))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Kinked(ElasticLaw):
+    """f = K [d + max(d - d_k, 0)].
+
+    Attributes:
+        stiffness: K [N/m].
+        knee: d_k [m].
+    """
+
+    kernel = staticmethod(kinked_force)
+
+    stiffness: float = parameter("N/m", rule="positive")
+    knee: float = parameter("m", rule="positive")
+'''
+
+
+def test_laws_with_kernels_of_their_own_are_a_file_and_a_line_each(copy):
+    """Kernel, record, parameters, table and commands follow from the class; its energy is integrated."""
+    add(
+        copy,
+        "contact/root_friction.py",
+        ROOT_FRICTION,
+        "contact/registry.py",
+        before='"coulomb":',
+        entry='"root": "root_friction.RootFriction",',
+    )
+    add(
+        copy,
+        "contact/kinked.py",
+        LINE,
+        "contact/registry.py",
+        before='"hertz-line":',
+        entry='"kinked": "kinked.Kinked",',
+    )
+    said = run(
+        copy,
+        code="from antenna_pin.contact import FRICTION_LAWS, make_normal_law;"
+        "law = make_normal_law('kinked', {'stiffness': 1e6, 'knee': 1e-5, 'restitution': 0.5}, 'flores');"
+        "root = FRICTION_LAWS['root'](level=0.2, speed=0.25);"
+        "print(law.elastic_force(3e-5), law.elastic_energy(3e-5), law.force(3e-5, 0.1, 0.1),"
+        " root.coefficient(0.01))",
+    )
+    force, energy, whole, coefficient = map(float, said.split())
+    assert force == pytest.approx(50.0, rel=1e-12) and whole == pytest.approx(force * 2.6, rel=1e-12)
+    assert energy == pytest.approx(1e6 * (4.5e-10 + 2e-10), rel=1e-3)  # by quadrature across the kink
+    assert coefficient == pytest.approx(0.2 * 0.2, rel=1e-9)
+    law = "{law='kinked', dissipation='flores', restitution=0.9, stiffness='1e9 N/m', knee='1 um'}"
+    run(
+        copy, "run", "impact_pair", "--set", f"clearance.bore.normal={law}",
+        "--set", "clearance.bore.friction={law='root', level=0.2, speed='0.25 m/s'}",
+        "--duration", "2.5 ms", "--geometry", "closed-form", "--out", "pair.nc", "--quiet",
+    )  # fmt: skip
+
+
 # --- a figure, a variable of the result, an event ---
 
 BASE_ENERGY = '''

@@ -79,6 +79,7 @@ def test_compiled_code_knows_numpy_numba_and_records():
         "antenna_pin.compiled.lanes",
         "antenna_pin.base.records",
         "antenna_pin.contact.records",
+        "antenna_pin.contact.registry",  # from which the chains of kinds are made
         "antenna_pin.elements.element",  # of which the records of elements are derived
         "antenna_pin.elements.registry",  # from which the chain of kinds is made
         "numba",

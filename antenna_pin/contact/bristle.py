@@ -33,41 +33,40 @@ import numpy as np
 
 from antenna_pin.base.parameters import parameter
 from antenna_pin.base.records import Floats, Triple, packed
-from antenna_pin.compiled.decorators import composed, inlined, kernel, record
-from antenna_pin.contact import registry
+from antenna_pin.compiled.decorators import inlined, kernel, record
 from antenna_pin.contact.friction import CompiledFrictionLaw, check_static, no_ratio
-from antenna_pin.contact.records import FRICTION_LAW, chain, friction_record, number_of
+from antenna_pin.contact.kernels import DEFLECTION_SIZE, Rates, steady_coefficient
+from antenna_pin.contact.records import friction_record, number_of
 
-__all__ = [
-    "GONTHIER",
-    "BristleLaw",
-    "Dahl",
-    "GonthierBristle",
-    "LuGre",
-    "bristle",
-    "bristle_force",
-    "gonthier_kink",
-]
+__all__ = ["GONTHIER", "BristleLaw", "Dahl", "GonthierBristle", "LuGre", "gonthier_kink"]
 
-DEFLECTION_SIZE = 3
-DWELL = DEFLECTION_SIZE  # where in a state its dwell stands
 
-#: Friction [N], and the rates of deflection [m/s] and dwell [1/s].
-Rates = tuple[float, float, float, float, float, float, float]
+@inlined
+def no_dwell(law: BristleLaw) -> bool:
+    """Return that the state of a law is a deflection alone."""
+    return False
+
+
+@inlined
+def has_dwell(law: GonthierBristle) -> bool:
+    """Return that the state of a law has a dwell behind the deflection."""
+    return True
 
 
 class BristleLaw(CompiledFrictionLaw):
     """Base of the laws with a deflection per contact.
 
     Attributes:
-        kernel: With the arguments of :func:`bristle`, the law being its record.
+        kernel: With the arguments of :func:`antenna_pin.contact.kernels.bristle`, the law being its record.
         steady: Of record and slip speed [m/s]: the coefficient in steady sliding [-].
+        dwells: Of the record: whether its state has a dwell.
     """
 
     __slots__ = ()
 
     ratio = staticmethod(no_ratio)
     steady: ClassVar[Any]
+    dwells = staticmethod(no_dwell)
 
     def coefficient(self, speed: float, normal_force: float = np.inf) -> float:
         """Return the friction coefficient in steady sliding [-].
@@ -173,7 +172,7 @@ def _bent(
     Args:
         law: The law, or one with its numbers.
         pull: Normal force [N], follow [-], fade [1/s], largest friction coefficient [-].
-        slip: Of :func:`bristle`.
+        slip: As of the law.
         whole: Likewise.
         along: Likewise.
         dwelling: Rate of the dwell [1/s].
@@ -347,6 +346,7 @@ class GonthierBristle(BristleLaw):
 
     kernel = staticmethod(gonthier)
     steady = staticmethod(steady_gonthier)
+    dwells = staticmethod(has_dwell)
 
     static: float = parameter()
     dynamic: float = parameter(rule="positive")
@@ -373,82 +373,5 @@ class GonthierBristle(BristleLaw):
         return self.direction_speed if self.direction_speed > 0.0 else 0.01 * self.stribeck_speed
 
 
-#: Kind of Gonthier's law, whose states end with a dwell; its record.
+#: Kind of Gonthier's law; its record.
 GONTHIER, GONTHIER_LAW = number_of(gonthier), friction_record(gonthier)
-
-# --- by kind ------------------------------------------------------------------------------------------------
-
-
-def _laws() -> list[Any]:
-    return [law for law in registry.FRICTION_LAWS.values() if issubclass(law, BristleLaw)]
-
-
-@composed
-def _unknown(
-    law: Floats, kind: float, force: float, slip: Triple, whole: Triple, along: Triple, dwell: float
-) -> Rates:
-    return math.nan, math.nan, math.nan, math.nan, math.nan, math.nan, math.nan
-
-
-@composed
-def _no_coefficient(law: Floats, kind: float, speed: float) -> float:
-    return math.nan
-
-
-_bristle = chain(_laws, "bristle", friction_record, _unknown)
-_steady = chain(_laws, "steady", friction_record, _no_coefficient)
-
-
-@kernel
-def steady_coefficient(law: Floats, speed: float) -> float:
-    """Friction coefficient of a bristle law in steady sliding [-]."""
-    return float(_steady(law, record(law, FRICTION_LAW).kind, speed))
-
-
-@kernel
-def bristle(law: Floats, force: float, slip: Triple, whole: Triple, along: Triple, dwell: float) -> Rates:
-    """Return the friction of a bristle law [N], and the rates of deflection and dwell.
-
-    With torques in the place of coefficients, one for the normal force and rates of a joint for slip, it is
-    the friction of that joint.
-
-    Args:
-        law: Packed parameters, (FRICTION_SIZE,).
-        force: Normal force [N].
-        slip: Velocity of the journal's material point over the bearing's, three numbers [m/s].
-        whole: The deflection, three numbers [m].
-        along: The part of it that carries force, likewise.
-        dwell: What a law with a dwell remembers of it [-].
-    """
-    return _bristle(law, record(law, FRICTION_LAW).kind, force, slip, whole, along, dwell)
-
-
-@kernel
-def bristle_force(
-    law: Floats, force: float, slip: Triple, normal: Triple, state: Floats, rates: Floats
-) -> Triple:
-    """Return the friction of a bristle law on the journal [N]; write its state rates.
-
-    Args:
-        law: Packed parameters, (FRICTION_SIZE,).
-        force: Normal force [N].
-        slip: Velocity of the journal's material point over the bearing's, (3,) [m/s].
-        normal: Of the contact, unit, (3,).
-        state: What the law remembers; its deflection comes first.
-        rates: To write to, of that.
-    """
-    nx, ny, nz = normal
-    zx, zy, zz = state[0], state[1], state[2]
-    # What has turned out of the tangent plane, as the contact moved round the bore, carries no force; the law
-    # lets it fade like the rest.
-    out = zx * nx + zy * ny + zz * nz
-    along = zx - out * nx, zy - out * ny, zz - out * nz
-    dwells = record(law, FRICTION_LAW).kind == GONTHIER
-    dwell = state[DWELL] if dwells else 0.0
-    fx, fy, fz, rx, ry, rz, rate = bristle(law, force, slip, (zx, zy, zz), along, dwell)
-    rates[0] = rx
-    rates[1] = ry
-    rates[2] = rz
-    if dwells:
-        rates[DWELL] = rate
-    return fx, fy, fz

@@ -25,8 +25,7 @@ from typing import Any, ClassVar
 from antenna_pin.base.parameters import parameter
 from antenna_pin.base.records import packed
 from antenna_pin.compiled.decorators import inlined
-from antenna_pin.contact.normal import Dissipation, ElasticLaw
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.contact.normal import STOPS_NOTHING, Dissipation, ElasticLaw
 
 __all__ = [
     "AdamsDamping",
@@ -63,7 +62,7 @@ class _OfRestitution(Dissipation):
     adds_force: ClassVar[bool] = True
     unpacked: ClassVar[tuple[str, ...]] = ("restitution",)
 
-    restitution: float = parameter()
+    restitution: float = parameter(rule=STOPS_NOTHING)
     effective_mass: float | None = parameter("kg", rule="positive", default=None, from_joint=True)
 
     @property
@@ -80,14 +79,6 @@ class _OfRestitution(Dissipation):
     def damping(self) -> float:
         """Alpha or 2 xi, over the root of mass times secant stiffness [-]."""
         raise NotImplementedError
-
-    @classmethod
-    def check_rules(cls, law: Any) -> None:
-        """Refuse a restitution for which there is no damping."""
-        if not 0.0 < law.restitution <= 1.0:
-            raise InvalidParameterError(
-                law, "restitution", "in (0, 1] (no finite damping of this form stops a body dead)"
-            )
 
 
 @inlined

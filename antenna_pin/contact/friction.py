@@ -18,13 +18,13 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import check_takes, takes
 from antenna_pin.base.parameters import parameter
-from antenna_pin.base.records import Floats, Triple, packed
+from antenna_pin.base.records import packed
 from antenna_pin.compiled.calls import call_1
-from antenna_pin.compiled.decorators import composed, inlined, kernel, record
+from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.compiled.given_functions import address_of, callable_of, is_compiled
-from antenna_pin.contact import registry
+from antenna_pin.contact.kernels import friction_ratio
 from antenna_pin.contact.normal import Law
-from antenna_pin.contact.records import FRICTION_LAW, chain, friction_code, friction_record
+from antenna_pin.contact.records import friction_code
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -41,8 +41,6 @@ __all__ = [
     "Tanh",
     "Threlfall",
     "VelocityBased",
-    "friction_force",
-    "friction_ratio",
 ]
 
 
@@ -557,41 +555,3 @@ class BrownMcPhee(CompiledFrictionLaw):
     def check_rules(cls, law: Any) -> None:
         """Refuse a static coefficient below the dynamic one."""
         check_static(law)
-
-
-# --- by kind ------------------------------------------------------------------------------------------------
-
-
-def _laws(frequent: bool) -> list[Any]:
-    return [law for law in (*registry.FRICTION_LAWS.values(), CustomFriction) if law.frequent == frequent]
-
-
-@composed
-def _unknown(law: Floats, kind: float, speed: float, force: float) -> float:
-    return math.nan
-
-
-_rare_ratio = chain(lambda: _laws(frequent=False), "ratio", friction_record, _unknown)
-
-
-@kernel
-def _other_ratio(law: Floats, kind: float, speed: float, force: float) -> float:
-    """Friction coefficient over slip speed [s/m] of the rarer laws."""
-    return float(_rare_ratio(law, kind, speed, force))
-
-
-_ratio = chain(lambda: _laws(frequent=True), "ratio", friction_record, _other_ratio)
-
-
-@inlined
-def friction_ratio(law: Floats, speed: float, force: float) -> float:
-    """Friction coefficient over slip speed [s/m]; zero of bristles, NaN of unknown kinds."""
-    return float(_ratio(law, record(law, FRICTION_LAW).kind, speed, force))
-
-
-@inlined
-def friction_force(law: Floats, force: float, slip_x: float, slip_y: float, slip_z: float) -> Triple:
-    """Return the friction on the journal by a law of the slip speed [N], at a force [N] and a slip [m/s]."""
-    speed = math.sqrt(slip_x * slip_x + slip_y * slip_y + slip_z * slip_z)
-    factor = -force * friction_ratio(law, speed, force)
-    return factor * slip_x, factor * slip_y, factor * slip_z

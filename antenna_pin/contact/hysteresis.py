@@ -33,8 +33,7 @@ from antenna_pin.base.parameters import parameter
 from antenna_pin.base.records import packed
 from antenna_pin.base.rules import NotNegative, NumberRule
 from antenna_pin.compiled.decorators import inlined
-from antenna_pin.contact.normal import Dissipation
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.contact.normal import STOPS_NOTHING, Dissipation
 
 __all__ = [
     "CarvalhoMartinsDamping",
@@ -79,20 +78,10 @@ class HysteresisDamping(Dissipation):
     unpacked: ClassVar[tuple[str, ...]] = ("restitution",)
     factor: ClassVar[Any]  # c_r -> chi
 
-    # At a restitution of zero the factor is infinite.
-    positive_restitution: ClassVar[bool] = False
     # It damps while the bodies approach; the way back is elastic.
     approach_only: ClassVar[bool] = False
 
     restitution: float = parameter(rule="in [0, 1]")
-
-    @classmethod
-    def check_rules(cls, law: Any) -> None:
-        """Refuse a restitution for which there is no factor."""
-        if cls.positive_restitution and law.restitution == 0.0:
-            raise InvalidParameterError(
-                law, "restitution", "above 0 (no finite damping of this form stops a body dead)"
-            )
 
     @packed
     def hysteresis(self) -> float:
@@ -112,7 +101,7 @@ class ExactDamping(HysteresisDamping):
         (2004) give it implicitly. Derived here; the tests check it against integrated impacts.
     """
 
-    positive_restitution: ClassVar[bool] = True
+    restitution: float = parameter(rule=STOPS_NOTHING)
 
     @packed
     def hysteresis(self) -> float:
@@ -185,7 +174,7 @@ class GonthierDamping(HysteresisDamping):
         Gonthier, McPhee, Lange and Piedboeuf (2004), Multibody Syst. Dyn. 11, 209-233.
     """
 
-    positive_restitution: ClassVar[bool] = True
+    restitution: float = parameter(rule=STOPS_NOTHING)
 
     factor = staticmethod(lambda c: (1.0 - c**2) / c)
 
@@ -215,7 +204,7 @@ class YeDamping(HysteresisDamping):
         Ye, Li and Zhu (2009), on the pounding of structures.
     """
 
-    positive_restitution: ClassVar[bool] = True
+    restitution: float = parameter(rule=STOPS_NOTHING)
 
     factor = staticmethod(lambda c: 1.5 * (1.0 - c) / c)
 
@@ -230,7 +219,7 @@ class FloresDamping(HysteresisDamping):
         Flores, Machado, Silva and Martins (2011), Multibody Syst. Dyn. 25, 357-375.
     """
 
-    positive_restitution: ClassVar[bool] = True
+    restitution: float = parameter(rule=STOPS_NOTHING)
 
     factor = staticmethod(lambda c: 8.0 * (1.0 - c) / (5.0 * c))
 
@@ -246,7 +235,7 @@ class GharibHurmuzluDamping(HysteresisDamping):
         is the limit of the exact relation for c_r -> 0.
     """
 
-    positive_restitution: ClassVar[bool] = True
+    restitution: float = parameter(rule=STOPS_NOTHING)
 
     factor = staticmethod(lambda c: 1.0 / c)
 
@@ -263,7 +252,7 @@ class HuGuoDamping(HysteresisDamping):
         the slope of the exact relation at c_r = 1.
     """
 
-    positive_restitution: ClassVar[bool] = True
+    restitution: float = parameter(rule=STOPS_NOTHING)
 
     factor = staticmethod(lambda c: 1.5 * (1.0 - c) / c)
 
@@ -307,7 +296,7 @@ class PantWijeyewickremaDamping(HysteresisDamping):
     """
 
     kernel = staticmethod(hysteretic_loading)
-    positive_restitution: ClassVar[bool] = True
+    restitution: float = parameter(rule=STOPS_NOTHING)
     approach_only: ClassVar[bool] = True
 
     factor = staticmethod(lambda c: 1.5 * (1.0 - c * c) / (c * c))

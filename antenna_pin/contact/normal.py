@@ -226,6 +226,10 @@ class ElasticLaw(CompiledNormalLaw):
         return math.inf
 
 
+#: Rule of a restitution where that of zero would take an infinite damping.
+STOPS_NOTHING = "in (0, 1]; no finite damping of this form stops a body dead"
+
+
 class Dissipation(Law):
     """Protocol of the dissipation of a normal law, independent of the elastic law.
 
@@ -353,13 +357,7 @@ class Hertz(ElasticLaw):
     frequent: ClassVar[bool] = True
 
     stiffness: float = parameter("N/m**exponent", rule="positive", from_joint=True)
-    exponent: float = parameter(default=1.5)
-
-    @classmethod
-    def check_rules(cls, law: Any) -> None:
-        """Refuse an exponent out of range."""
-        if not 1.0 <= law.exponent <= 4.0:
-            raise InvalidParameterError(law, "exponent", "in [1, 4]")
+    exponent: float = parameter(rule="in [1, 4]", default=1.5)
 
 
 @takes()

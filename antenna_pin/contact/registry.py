@@ -13,6 +13,7 @@ from antenna_pin.base.lazy import Classes
 __all__ = [
     "Alias",
     "ALIASES",
+    "CUSTOM_FRICTION",
     "DISSIPATIONS",
     "FRICTION_LAWS",
     "NORMAL_LAWS",
@@ -132,3 +133,6 @@ FRICTION_LAWS: Classes = Classes(
         "gonthier-bristle": "bristle.GonthierBristle",
     },
 )
+
+CUSTOM_FRICTION = Classes(_ROOM, {"custom": "friction.CustomFriction"})
+"""Friction of a user's function, which no scenario names."""

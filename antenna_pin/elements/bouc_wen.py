@@ -58,7 +58,7 @@ class BoucWen(Element):
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS, _Z)
     states: ClassVar[tuple[Integral, ...]] = (_Z,)
 
-    alpha: float = parameter(rule="zero or more")
+    alpha: float = parameter(rule="from 0 to 1")
     stiffness: float = parameter("N*m/rad", sliding="N/m", rule="positive")
     yield_angle: float = parameter("rad", sliding="m", rule="positive")
     slope: float = parameter(rule="positive", default=1.0)
@@ -72,8 +72,6 @@ class BoucWen(Element):
     def __post_init__(self) -> None:
         """Check the parameters together."""
         Element.__post_init__(self)
-        if not self.alpha <= 1.0:
-            raise InvalidParameterError(self, "alpha", "at most 1", self.alpha)
         if not abs(self.gamma) <= self.beta:
             rule = f"at most beta = {self.beta:g} in size, or small cycles would make energy; raise beta"
             raise InvalidParameterError(self, "gamma", rule, self.gamma)

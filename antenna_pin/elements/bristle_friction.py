@@ -14,7 +14,8 @@ from typing import Any, ClassVar
 from antenna_pin.base.parameters import parameter
 from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined
-from antenna_pin.contact.bristle import GONTHIER, bristle, gonthier_kink
+from antenna_pin.contact.bristle import GONTHIER, gonthier_kink
+from antenna_pin.contact.kernels import bristle
 from antenna_pin.contact.records import FRICTION_SIZE
 from antenna_pin.elements.element import LOSS, Element, Integral, packed
 from antenna_pin.elements.hook_kernels import Motion, Own, Powered

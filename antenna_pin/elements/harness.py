@@ -50,7 +50,7 @@ class HarnessSpring(TableSpring):
 
     torque_back: tuple[float, ...] = parameter("N*m", sliding="N", sizes=(0,), repr=False)
     reversal: float = parameter("rad", sliding="m", rule="positive")
-    start: float = parameter(default=0.0)
+    start: float = parameter(rule="from -1 to 1", default=0.0)
 
     def __post_init__(self) -> None:
         """Check tables and start."""
@@ -59,8 +59,6 @@ class HarnessSpring(TableSpring):
             if back < up:
                 rule = f"at least torque there, {up!r}, or each cycle would make energy; exchange the two"
                 raise InvalidParameterError(self, f"torque_back[{k}]", rule, back)
-        if not abs(self.start) <= 1.0:
-            raise InvalidParameterError(self, "start", "from -1 to 1", self.start)
 
     @property
     def has_kinks(self) -> bool:

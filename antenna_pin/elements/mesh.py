@@ -95,8 +95,8 @@ class Gear(Teeth):
     play: float = parameter("rad", rule="zero or more", default=0.0)
     side: Literal["output", "input"] = "output"
     offset: float = parameter("rad", default=0.0)
-    efficiency: float = parameter("1", rule="positive", default=1.0)
-    efficiency_back: float = parameter("1", rule="zero or more", default=1.0)
+    efficiency: float = parameter("1", rule="in (0, 1]", default=1.0)
+    efficiency_back: float = parameter("1", rule="from 0 to 1", default=1.0)
     slow_rate: float = parameter("rad/s", rule="positive", default=1e-3)
     error_angle: tuple[float, ...] | None = parameter("rad", sizes=(0,), default=None, repr=False)
     error: tuple[float, ...] | None = parameter("rad", sizes=(0,), default=None, repr=False)
@@ -107,9 +107,6 @@ class Gear(Teeth):
         Teeth.__post_init__(self)
         if abs(self.ratio) < LEAST:
             raise InvalidParameterError(self, "ratio", "other than zero", self.ratio)
-        for name in ("efficiency", "efficiency_back"):
-            if getattr(self, name) > 1.0:
-                raise InvalidParameterError(self, name, "at most 1", getattr(self, name))
         self._check_error()
 
     def _check_error(self) -> None:

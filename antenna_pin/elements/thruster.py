@@ -56,7 +56,7 @@ class Thruster(AtPoint):
     thrust: float = parameter("N", rule="positive")
     starts: tuple[float, ...] = parameter("s", rule="zero or more", sizes=(0,), default=())
     durations: tuple[float, ...] = parameter("s", rule="positive", sizes=(0,), default=())
-    throttle: float = parameter("1", rule="zero or more", default=0.0)
+    throttle: float = parameter("1", rule="from 0 to 1, the whole thrust", default=0.0)
     minimum_on_time: float = parameter("s", rule="zero or more", default=0.0)
     minimum_impulse: float = parameter("N*s", rule="zero or more", default=0.0)
     short_pulses: Literal["refuse", "lengthen"] = "refuse"
@@ -70,8 +70,6 @@ class Thruster(AtPoint):
     def __post_init__(self) -> None:
         """Check the parameters and the pulses."""
         AtPoint.__post_init__(self)
-        if self.throttle > 1.0:
-            raise InvalidParameterError(self, "throttle", "at most 1, the whole thrust")
         if (self.rise_time > 0.0) != (self.fall_time > 0.0):
             missing = "fall_time" if self.rise_time > 0.0 else "rise_time"
             raise InvalidParameterError(self, missing, "above zero, as the other time constant is")

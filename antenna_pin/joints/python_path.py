@@ -15,8 +15,7 @@ from antenna_pin.base.records import POSE
 from antenna_pin.compiled import decorators
 from antenna_pin.compiled.given_functions import callable_of
 from antenna_pin.contact import FrictionLaw, NormalLaw
-from antenna_pin.contact.friction import friction_force
-from antenna_pin.contact.kernels import elastic_energy, elastic_force, normal_force
+from antenna_pin.contact.kernels import elastic_energy, elastic_force, friction_force, normal_force
 from antenna_pin.contact.normal import normal_questions
 from antenna_pin.joints import kernels
 from antenna_pin.joints.geometry import Distances

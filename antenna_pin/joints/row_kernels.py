@@ -6,9 +6,7 @@ import math
 
 from antenna_pin.base.records import Contact, Floats, Memory, Pose, Records, Six
 from antenna_pin.compiled.decorators import inlined, kernel
-from antenna_pin.contact.bristle import bristle_force
-from antenna_pin.contact.friction import friction_force
-from antenna_pin.contact.kernels import damped_force, elastic_force
+from antenna_pin.contact.kernels import bristle_force, damped_force, elastic_force, friction_force
 from antenna_pin.contact.records import FRICTION_SIZE
 from antenna_pin.joints.geometry.revolute_kernels import Revolute
 from antenna_pin.joints.layout_kernels import BRISTLES, friction_at, joint_at

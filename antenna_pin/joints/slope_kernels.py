@@ -10,8 +10,7 @@ import math
 
 from antenna_pin.base.records import Contact, Floats
 from antenna_pin.compiled.decorators import inlined, kernel
-from antenna_pin.contact.bristle import bristle_force
-from antenna_pin.contact.kernels import NORMAL_SIZE
+from antenna_pin.contact.kernels import NORMAL_SIZE, bristle_force
 from antenna_pin.contact.records import FRICTION_SIZE
 from antenna_pin.integrate.difference_kernels import clear, differentiated
 from antenna_pin.integrate.manifold_kernels import factor_of, factor_size, move_factor

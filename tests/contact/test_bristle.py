@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from antenna_pin.contact import Dahl, GonthierBristle, LuGre
-from antenna_pin.contact import bristle as kernels
+from antenna_pin.contact import Dahl, GonthierBristle, LuGre, kernels
 
 LUGRE = LuGre(static=0.3, dynamic=0.2, stribeck_speed=1e-3, bristle_stiffness=1e5, bristle_damping=30.0)
 GONTHIER = GonthierBristle(

@@ -23,8 +23,8 @@ from antenna_pin.contact import (
     Tanh,
     Threlfall,
     VelocityBased,
+    kernels,
 )
-from antenna_pin.contact import friction as kernels
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints.geometry import PlanarClearance
 

@@ -253,7 +253,7 @@ def test_zero_restitution_is_refused_where_the_factor_is_infinite(name):
     if name in finite:
         assert 0.0 < FACTORS[name](restitution=0.0).hysteresis < 10.0 or name == "carvalho-martins"
         return
-    message = r"restitution must be above 0 \(no finite damping of this form stops a body dead\), got 0\.0$"
+    message = r"restitution must be in \(0, 1\]; no finite damping of this form stops a body dead, got 0\.0$"
     with pytest.raises(ValueError, match=message):
         FACTORS[name](restitution=0.0)
 

@@ -22,8 +22,6 @@ from antenna_pin.contact import (
     KelvinVoigt,
     LiuPinJoint,
     Persson,
-    bristle,
-    friction,
     kernels,
     normal,
 )
@@ -124,11 +122,11 @@ def test_every_kind_that_is_declared_is_known_to_the_kernels_and_no_other():
         if law is CustomFriction:
             record(code, friction_record(law.kernel)).address = one
         if law is None or not hasattr(law, "steady"):
-            assert math.isnan(friction.friction_ratio(code, 0.1, 1.0)) == (law is None), kind
+            assert math.isnan(kernels.friction_ratio(code, 0.1, 1.0)) == (law is None), kind
         if law is None or hasattr(law, "steady"):
             state = np.full(4, 0.1)
             slip, across = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
-            force = bristle.bristle_force(code, 1.0, slip, across, state, rates)[0]
+            force = kernels.bristle_force(code, 1.0, slip, across, state, rates)[0]
             assert math.isnan(force) == (law is None), kind
 
     laws = [law for law in NORMAL_LAWS.values() if hasattr(law, "kernel")]
@@ -176,10 +174,10 @@ def test_friction_kernels_equal_their_python(friction_law):
     for _ in range(100):
         slip = (rng.normal(size=3) * 10.0 ** rng.uniform(-6, 1)).tolist()
         speed = math.sqrt(sum(s * s for s in slip))
-        kernel = friction.friction_ratio
+        kernel = kernels.friction_ratio
         # The ramp's (speed - v_0) cancels near its lower end; it does so alike in both.
         assert kernel(code, speed, 3.0) == pytest.approx(python(kernel)(code, speed, 3.0), rel=1e-14, abs=0.0)
-        kernel = friction.friction_force
+        kernel = kernels.friction_force
         assert kernel(code, 12.0, *slip) == pytest.approx(
             python(kernel)(code, 12.0, *slip), rel=1e-12, abs=0.0
         )
@@ -188,7 +186,7 @@ def test_friction_kernels_equal_their_python(friction_law):
 def test_bristle_kernels_equal_their_python(bristle_law):
     code, rng = bristle_law.code(), np.random.default_rng(3)
     assert code.shape == (FRICTION_SIZE,)
-    kernel = bristle.bristle_force
+    kernel = kernels.bristle_force
     scales = np.array(bristle_law.state_scales)
     for _ in range(100):
         normal = rng.normal(size=3)

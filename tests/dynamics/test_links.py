@@ -264,7 +264,7 @@ def test_forces_that_can_do_nothing_are_refused():
             lambda: thruster("a", starts=(0.1, 0.2), durations=(0.2,)),
             r"starts\[1\] must be at 0.3 s or later",
         ),
-        (lambda: thruster("a", throttle=1.5), "throttle must be at most 1, the whole thrust, got 1.5"),
+        (lambda: thruster("a", throttle=1.5), "throttle must be from 0 to 1, the whole thrust, got 1.5"),
         (lambda: thruster("a", rise_time=0.1), "fall_time must be above zero"),
         (lambda: thruster("a", seed=3, azimuth=1.0), "azimuth must be omitted if a seed is given"),
         (

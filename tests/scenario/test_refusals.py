@@ -198,8 +198,8 @@ REFUSALS = [
     ),
     (
         {H + "normal": {"law": "hertz", "dissipation": "flores", "restitution": 0}, H + "axial": DELETED},
-        "clearance.hinge.normal.restitution must be above 0 (no finite damping of this form stops a body "
-        "dead), got 0.0",
+        "clearance.hinge.normal.restitution must be in (0, 1]; no finite damping of this form stops a body "
+        "dead, got 0.0",
     ),
     (
         {H + "normal": {"law": "hertz", "dissipation": "tsuji", "restitution": 1, "effective_mas": 1}},

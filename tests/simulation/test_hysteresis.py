@@ -229,7 +229,7 @@ def test_a_tape_unrolls():
     [
         (
             lambda: BoucWen(joint="a", alpha=1.5, stiffness=1.0, yield_angle=1.0),
-            "alpha must be at most 1, got 1.5",
+            "alpha must be from 0 to 1, got 1.5",
         ),
         (
             lambda: BoucWen(joint="a", alpha=0.5, stiffness=1.0, yield_angle=1.0, gamma=0.9),

@@ -88,7 +88,7 @@ class Petals(FlexibleKind):
         replaces: Visual shapes of the link that are the dish, and are not drawn any more.
     """
 
-    petals: int = parameter("1", rule="1 or more")
+    petals: int = parameter("1", rule=f"from 2 to {_MOST}")
     mass: float = parameter("kg", rule="positive")
     rim_radius: float = parameter("m", rule="positive")
     hub_radius: float = parameter("m", rule="positive")
@@ -105,8 +105,6 @@ class Petals(FlexibleKind):
     def __post_init__(self) -> None:
         """Refuse what is no dish."""
         check(self)
-        if not 2 <= self.petals <= _MOST:
-            raise InvalidParameterError(self, "petals", f"from 2 to {_MOST}")
         if not self.hub_radius < self.rim_radius:
             rule = f"below rim_radius = {self.rim_radius:g} m"
             raise InvalidParameterError(self, "hub_radius", rule)
