@@ -303,7 +303,7 @@ def test_laws_with_kernels_of_their_own_are_a_file_and_a_line_each(copy):
     assert force == pytest.approx(50.0, rel=1e-12) and whole == pytest.approx(force * 2.6, rel=1e-12)
     assert energy == pytest.approx(1e6 * (4.5e-10 + 2e-10), rel=1e-3)  # by quadrature across the kink
     assert coefficient == pytest.approx(0.2 * 0.2, rel=1e-9)
-    law = "{law='kinked', dissipation='flores', restitution=0.9, stiffness='1e9 N/m', knee='1 um'}"
+    law = "{law='kinked', dissipation='flores', restitution=0.9, stiffness='1e9 N/m', knee='1 mm'}"
     run(
         copy, "run", "impact_pair", "--set", f"clearance.bore.normal={law}",
         "--set", "clearance.bore.friction={law='root', level=0.2, speed='0.25 m/s'}",

@@ -1,7 +1,3 @@
-from antenna_pin.contact.ball_rating import ISO76_PRESSURE as ISO76_PRESSURE
-from antenna_pin.contact.ball_rating import ball_load_limit as ball_load_limit
-from antenna_pin.contact.ball_rating import raceway_ellipse as raceway_ellipse
-from antenna_pin.contact.ball_rating import static_rating as static_rating
 from antenna_pin.contact.bristle import Dahl as Dahl
 from antenna_pin.contact.bristle import GonthierBristle as GonthierBristle
 from antenna_pin.contact.bristle import LuGre as LuGre
@@ -96,10 +92,12 @@ from antenna_pin.contact.point_laws import PantWijeyewickrema as PantWijeyewickr
 from antenna_pin.contact.point_laws import Tsuji as Tsuji
 from antenna_pin.contact.point_laws import Ye as Ye
 from antenna_pin.contact.point_laws import ZhiyingQishao as ZhiyingQishao
+from antenna_pin.contact.pressure import ISO76_PRESSURE as ISO76_PRESSURE
 from antenna_pin.contact.pressure import LARGEST_HALF_ANGLE as LARGEST_HALF_ANGLE
 from antenna_pin.contact.pressure import Ellipse as Ellipse
 from antenna_pin.contact.pressure import LinePressure as LinePressure
 from antenna_pin.contact.pressure import PointPressure as PointPressure
+from antenna_pin.contact.pressure import ball_load_limit as ball_load_limit
 from antenna_pin.contact.pressure import hertz_ellipse as hertz_ellipse
 from antenna_pin.contact.pressure import hertz_line as hertz_line
 from antenna_pin.contact.pressure import hertz_point as hertz_point
@@ -108,6 +106,8 @@ from antenna_pin.contact.pressure import persson_line as persson_line
 from antenna_pin.contact.pressure import persson_load as persson_load
 from antenna_pin.contact.pressure import persson_pressure as persson_pressure
 from antenna_pin.contact.pressure import point_shear as point_shear
+from antenna_pin.contact.pressure import raceway_ellipse as raceway_ellipse
+from antenna_pin.contact.pressure import static_rating as static_rating
 from antenna_pin.contact.registry import DISSIPATIONS as DISSIPATIONS
 from antenna_pin.contact.registry import FRICTION_LAWS as FRICTION_LAWS
 from antenna_pin.contact.registry import NORMAL_LAWS as NORMAL_LAWS

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from antenna_pin.base.records import CONTACT, POSE
 from antenna_pin.dynamics import (
     audit_kernels,
-    held_sample_kernels,
     link_kernels,
     point_kernels,
     sample_kernels,
@@ -54,13 +53,13 @@ def held_samples(
     assert constraints is not None
     plan, n, nv = constraints.plan, len(samples.times), system.model.nv
     own, holds = len(plan.motions) + len(plan.couplings), plan.holds
-    out = held_sample_kernels.Holding(
+    out = sample_kernels.Holding(
         rates=np.zeros((n, nv + system.manifold.nx)),
         closures=np.zeros((n, len(plan.closures), 2, 3)),
         joints=np.zeros((n, own + len(holds))),
         residuals=np.zeros((n, 4)),
     )
-    held = held_sample_kernels.ConstraintArrays(
+    held = sample_kernels.ConstraintArrays(
         plan=plan.words,
         work=constraints.work,
         mass=np.zeros((nv, nv)),
@@ -80,7 +79,7 @@ def held_samples(
             for part in out:
                 part[first] = np.nan
             continue
-        held_sample_kernels.observe_held(first, last, samples, whole, held, sights.forces, out)
+        sample_kernels.observe_held(first, last, samples, whole, held, sights.forces, out)
     names = plan.motions
     drives = list(system.drives)
     efforts: NDArray[Any] = sights.efforts

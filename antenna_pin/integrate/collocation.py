@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from antenna_pin.integrate.collocation_kernels import propagate
+from antenna_pin.integrate.linear_kernels import propagate
 
 __all__ = ["NODES", "Propagated", "Propagator"]
 

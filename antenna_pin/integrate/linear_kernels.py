@@ -59,3 +59,52 @@ def solve(matrix: RealOrComplex, pivots: Ints, right: RealOrComplex) -> None:
         for j in range(i + 1, n):
             value -= matrix[i, j] * right[j]
         right[i] = value / matrix[i, i]
+
+
+# --- by collocation -----------------------------------------------------------------------------------------
+
+
+@kernel
+def propagate(
+    stages: Floats,
+    weights: Floats,
+    size: float,
+    matrices: Floats,
+    room: tuple[Floats, Ints, Floats],
+    out: Floats,
+) -> bool:
+    """Write the propagator of ``W' = A W`` over a step; return whether it exists.
+
+    Args:
+        stages: Weights of the stages, (s, s).
+        weights: Of the step, (s,).
+        size: Of the step.
+        matrices: A at the nodes, (s, n, n).
+        room: To write to, one after another: scratch, (s n, s n) and (s n,), and ``W'`` at the nodes by
+            columns of the identity, (n, s n).
+        out: To write to, (n, n).
+    """
+    whole, pivots, rates = room
+    s, n = matrices.shape[0], matrices.shape[1]
+    for i in range(s):
+        for j in range(s):
+            factor = size * stages[i, j]
+            for a in range(n):
+                for b in range(n):
+                    whole[i * n + a, j * n + b] = -factor * matrices[i, a, b]
+    for k in range(s * n):
+        whole[k, k] += 1.0
+    if not decompose(whole, pivots):
+        return False
+    for b in range(n):
+        for i in range(s):
+            for a in range(n):
+                rates[b, i * n + a] = matrices[i, a, b]
+        solve(whole, pivots, rates[b])
+        for a in range(n):
+            total = 0.0
+            for i in range(s):
+                total += weights[i] * rates[b, i * n + a]
+            out[a, b] = size * total
+        out[b, b] += 1.0
+    return True

@@ -1,4 +1,4 @@
 from antenna_pin.joints.clearance import ClearanceJoint as ClearanceJoint
-from antenna_pin.joints.contacts import JointContacts as JointContacts
+from antenna_pin.joints.clearance import JointContacts as JointContacts
 from antenna_pin.joints.python_path import LawInRun as LawInRun
 from antenna_pin.joints.python_path import PythonPath as PythonPath

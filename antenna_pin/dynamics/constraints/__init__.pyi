@@ -18,8 +18,8 @@ from antenna_pin.dynamics.constraints.closure import Holds as Holds
 from antenna_pin.dynamics.constraints.coupling import Coupling as Coupling
 from antenna_pin.dynamics.constraints.coupling import check_order as check_order
 from antenna_pin.dynamics.constraints.coupling import spread as spread
-from antenna_pin.dynamics.constraints.plan import ConstraintPlan as ConstraintPlan
-from antenna_pin.dynamics.constraints.plan import DrivenJoint as DrivenJoint
-from antenna_pin.dynamics.constraints.plan import make_plan as make_plan
-from antenna_pin.dynamics.constraints.plan import on_body as on_body
+from antenna_pin.dynamics.constraints.solver import ConstraintPlan as ConstraintPlan
 from antenna_pin.dynamics.constraints.solver import Constraints as Constraints
+from antenna_pin.dynamics.constraints.solver import DrivenJoint as DrivenJoint
+from antenna_pin.dynamics.constraints.solver import make_plan as make_plan
+from antenna_pin.dynamics.constraints.solver import on_body as on_body

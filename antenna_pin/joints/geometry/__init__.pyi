@@ -4,9 +4,9 @@ from antenna_pin.joints.geometry.planar import PlanarClearance as PlanarClearanc
 from antenna_pin.joints.geometry.prismatic import PrismaticClearance as PrismaticClearance
 from antenna_pin.joints.geometry.registry import LOOKS as LOOKS
 from antenna_pin.joints.geometry.revolute import HARDEST as HARDEST
+from antenna_pin.joints.geometry.revolute import AxialScenario as AxialScenario
+from antenna_pin.joints.geometry.revolute import RadialScenario as RadialScenario
 from antenna_pin.joints.geometry.revolute import RevoluteClearance as RevoluteClearance
-from antenna_pin.joints.geometry.scenarios import AxialScenario as AxialScenario
-from antenna_pin.joints.geometry.scenarios import RadialScenario as RadialScenario
 from antenna_pin.joints.geometry.shape import ClearanceGeometry as ClearanceGeometry
 from antenna_pin.joints.geometry.shape import ContactPlace as ContactPlace
 from antenna_pin.joints.geometry.shape import ContactPoint as ContactPoint

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from enum import IntEnum
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -15,7 +16,6 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.joints.geometry import kernels
 from antenna_pin.joints.geometry.look import Across, Array, Look, Sizes, circle, length, radial_words
 from antenna_pin.joints.geometry.revolute_kernels import REVOLUTE, scenario_in
-from antenna_pin.joints.geometry.scenarios import AxialScenario, RadialScenario
 from antenna_pin.joints.geometry.shape import (
     ContactPlace,
     Motion,
@@ -29,12 +29,7 @@ from antenna_pin.joints.geometry.shape import (
 if TYPE_CHECKING:
     from antenna_pin.joints.geometry.coal_revolute import CoalRevolute
 
-__all__ = [
-    "AxialScenario",
-    "HARDEST",
-    "RadialScenario",
-    "RevoluteClearance",
-]
+__all__ = ["AxialScenario", "HARDEST", "RadialScenario", "RevoluteClearance"]
 
 # --- readings of results ------------------------------------------------------------------------------------
 
@@ -250,3 +245,24 @@ def revolute_scenario(dimensions: NDArray[Any], pose: NDArray[Any]) -> tuple[int
     """
     radial, axial = scenario_in(dimensions, pose, np.zeros(5, CONTACT))
     return int(radial), int(axial)
+
+
+# --- contact scenarios --------------------------------------------------------------------------------------
+
+
+class RadialScenario(IntEnum):
+    """Scenario of radial contact, in the bore; numbers as in the kernels."""
+
+    NONE = 0
+    ONE_POINT = 1
+    TWO_POINTS = 2
+    LINE = 3
+
+
+class AxialScenario(IntEnum):
+    """Scenario of axial contact, at the flanges; numbers as in the kernels."""
+
+    NONE = 0
+    ONE_POINT = 1
+    TWO_POINTS = 2
+    SURFACE = 3
