@@ -445,7 +445,7 @@ from antenna_pin.joints.geometry import kernels
 from antenna_pin.joints.geometry.look import radial_words
 from antenna_pin.joints.geometry.planar import PlanarClearance
 from antenna_pin.joints.geometry.shape import ContactPlace, RoundShape, flat, require_lengths
-from antenna_pin.joints.geometry.coal_round import CoalPlanar
+from antenna_pin.joints.geometry.coal_pairs import CoalPlanar
 from antenna_pin.joints.geometry.round_kernels import ROUND
 
 

@@ -24,7 +24,7 @@ from antenna_pin.dynamics.kernels import (
 )
 from antenna_pin.joints.layout_kernels import JointRecord, joint_at
 from antenna_pin.joints.pose_kernels import axis_of_parent, journal_centre
-from antenna_pin.mechanism.twist_kernels import twist_slopes
+from antenna_pin.mechanism.spatial_kernels import twist_slopes
 
 #: Rows written for a joint, each over its freedoms: g and Dg . v, n and Dn . v, then Dn along each
 #: of the freedoms.

@@ -11,9 +11,13 @@ from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.link_kernels import add_forces
 from antenna_pin.dynamics.tangent_room_kernels import TangentRoom
-from antenna_pin.integrate.difference_kernels import differentiated
+from antenna_pin.integrate.difference_kernels import (
+    differentiated,
+    displace_words,
+    note_words,
+    put_back_words,
+)
 from antenna_pin.integrate.manifold_kernels import move_by_velocity, space_of
-from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.slope_kernels import is_moved
 
 

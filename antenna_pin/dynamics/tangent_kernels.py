@@ -28,9 +28,13 @@ from antenna_pin.dynamics.kernels import (
     element_forces,
 )
 from antenna_pin.dynamics.tangent_room_kernels import TangentRoom
-from antenna_pin.integrate.difference_kernels import differentiated
+from antenna_pin.integrate.difference_kernels import (
+    differentiated,
+    displace_words,
+    note_words,
+    put_back_words,
+)
 from antenna_pin.integrate.manifold_kernels import factor_of, space_of
-from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.slope_kernels import TIMES, displace_joint, is_moved
 from antenna_pin.joints.tangent_room_kernels import Part
 

@@ -11,7 +11,7 @@ from antenna_pin.compiled.by_address import by_address
 from antenna_pin.dynamics.constraints.layout_kernels import ClosureRecord, Coupled
 from antenna_pin.dynamics.constraints.tangent_kernels import Tie
 from antenna_pin.dynamics.numbers_kernels import Numbers
-from antenna_pin.integrate.word_kernels import Words
+from antenna_pin.integrate.difference_kernels import Words
 from antenna_pin.joints.tangent_room_kernels import LawWords, Part
 from antenna_pin.mechanism.room_kernels import BodyRoom
 from antenna_pin.mechanism.spatial_kernels import BodyChange
@@ -22,7 +22,7 @@ from antenna_pin.mechanism.tree_kernels import Body, Place
 class Shifts(NamedTuple):
     """Derivatives of system numbers over parameters and over stored numbers of elements."""
 
-    program: Words  # changed words of the program, :class:`antenna_pin.integrate.word_kernels.Words`
+    program: Words  # changed words of the program, :class:`antenna_pin.integrate.difference_kernels.Words`
     tree: Words  # changed words of the bodies
     flat: Floats  # the tree's own bodies, flat
     bodies: NDArray[Body]  # changes of bodies, BODY, (numbers, bodies)

@@ -15,11 +15,12 @@ counts, as in :mod:`antenna_pin.base.calculus`, and the second order is kept off
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from antenna_pin.base.records import Floats
+from antenna_pin.base.records import Floats, Ints
+from antenna_pin.compiled.by_address import by_address
 from antenna_pin.compiled.decorators import composed, inlined
 
 #: How often a step is made finer at most, and by how much; and with what a part begins to be settled.
@@ -191,3 +192,37 @@ def differentiated(evaluate: Callable[..., None]) -> Any:
             step /= FINER
 
     return differentiate
+
+
+# --- numbers of a flat array that depend on parameters ------------------------------------------------------
+
+
+@by_address
+class Words(NamedTuple):
+    """Numbers of an array that go with parameters."""
+
+    first: Ints  # where those of each parameter begin, and the end, (parameters + 1,)
+    at: Ints  # where they stand in the array, (words,)
+    slopes: Floats  # by how much they change, (words,)
+    was: Floats  # what they are undisplaced, scratch, (words,)
+
+
+@inlined
+def note_words(array: Floats, words: Words, m: int) -> None:
+    """Note what the numbers of parameter m are before they are displaced."""
+    for i in range(words.first[m], words.first[m + 1]):
+        words.was[i] = array[words.at[i]]
+
+
+@inlined
+def displace_words(array: Floats, words: Words, m: int, h: float) -> None:
+    """Displace them by h times their change, from what was noted."""
+    for i in range(words.first[m], words.first[m + 1]):
+        array[words.at[i]] = words.was[i] + h * words.slopes[i]
+
+
+@inlined
+def put_back_words(array: Floats, words: Words, m: int) -> None:
+    """Put them back as they were noted."""
+    for i in range(words.first[m], words.first[m + 1]):
+        array[words.at[i]] = words.was[i]

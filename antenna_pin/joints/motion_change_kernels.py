@@ -16,9 +16,14 @@ import math
 
 from antenna_pin.base.records import Contact, Floats, Pose, Records, Six, Triple
 from antenna_pin.compiled.decorators import inlined, kernel, record
-from antenna_pin.integrate.difference_kernels import clear, differentiated
+from antenna_pin.integrate.difference_kernels import (
+    clear,
+    differentiated,
+    displace_words,
+    note_words,
+    put_back_words,
+)
 from antenna_pin.integrate.manifold_kernels import space_of
-from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
 from antenna_pin.joints.geometry.kernels import CANDIDATE, FLANGE, candidate_contact
 from antenna_pin.joints.geometry.revolute_kernels import REVOLUTE, Revolute
 from antenna_pin.joints.geometry.tangent_kernels import (

@@ -14,8 +14,8 @@ import math
 from antenna_pin.base.records import Floats, Pose, Records, Six, Triple
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.joints.layout_kernels import JointRecord, joint_at
+from antenna_pin.mechanism.spatial_kernels import twist_angle
 from antenna_pin.mechanism.tree_kernels import unwrapped
-from antenna_pin.mechanism.twist_kernels import twist_angle
 
 
 @inlined

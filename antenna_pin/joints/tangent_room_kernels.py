@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 
 from antenna_pin.base.records import Contact, Floats, Indices2, Ints, Memory, Pose, Record, Records, layout
 from antenna_pin.compiled.by_address import by_address
-from antenna_pin.integrate.word_kernels import Words
+from antenna_pin.integrate.difference_kernels import Words
 
 
 class Part(Record):

@@ -294,9 +294,9 @@ _ROOM = "antenna_pin.scenario"
 COUPLING_SPECS = Classes(
     _ROOM,
     {
-        "ratio": "couplings.CouplingSpec",
-        "differential": "couplings.DifferentialSpec",
-        "planetary": "couplings.PlanetarySpec",
+        "ratio": "closures.CouplingSpec",
+        "differential": "closures.DifferentialSpec",
+        "planetary": "closures.PlanetarySpec",
     },
 )
 """Tables of couplings by their kind; the first is that of a table that does not say."""

@@ -52,8 +52,8 @@ from antenna_pin.scenario.tolerances import ChainSpec
 
 if TYPE_CHECKING:
     from antenna_pin.contact import Material
+    from antenna_pin.scenario.closures import AnyCoupling
     from antenna_pin.scenario.controllers import ControllerSpec
-    from antenna_pin.scenario.couplings import AnyCoupling
     from antenna_pin.scenario.events import EventSpec
     from antenna_pin.scenario.flexible import FlexibleSpec
 else:  # their classes are made when one is met

@@ -14,7 +14,7 @@ from antenna_pin.integrate import Manifold
 from antenna_pin.joints.layout_kernels import JOINT
 from antenna_pin.joints.pose_kernels import wrapped_angle
 from antenna_pin.mechanism import frame_aligning_z
-from antenna_pin.mechanism.twist_kernels import twist_slopes
+from antenna_pin.mechanism.spatial_kernels import twist_slopes
 
 AXES = frame_aligning_z(np.array([0.6, -0.48, 0.64]))
 

@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from antenna_pin.mechanism.twist_kernels import twist_angle, twist_slopes
+from antenna_pin.mechanism.spatial_kernels import twist_angle, twist_slopes
 
 ANGLE, SLOPES = (getattr(one, "py_func", one) for one in (twist_angle, twist_slopes))
 

@@ -12,8 +12,8 @@ from antenna_pin.errors import ScenarioError
 from antenna_pin.scenario import FAMILY_SPECS, REFERENCE_SPECS, Scenario, load_scenario
 from antenna_pin.scenario._class_tables import CONTROLLER_SPECS, COUPLING_SPECS, EVENT_SPECS, FLEXIBLE_SPECS
 from antenna_pin.scenario.clearance import CLEARANCES, ClearanceSpec
+from antenna_pin.scenario.closures import AnyCoupling
 from antenna_pin.scenario.controllers import ControllerSpec
-from antenna_pin.scenario.couplings import AnyCoupling
 from antenna_pin.scenario.events import EventSpec
 from antenna_pin.scenario.flexible import FlexibleSpec
 

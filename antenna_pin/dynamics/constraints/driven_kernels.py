@@ -1,6 +1,6 @@
 """Rows of motions of joints with more freedom than one axis, compiled.
 
-The motion angle is the twist about the axis (:mod:`antenna_pin.mechanism.twist_kernels`), the row its
+The motion angle is the twist about the axis (:mod:`antenna_pin.mechanism.spatial_kernels`), the row its
 gradient; the multiplier is a couple that acts on both sides, along the axis where these are parallel. Its
 change along a displacement is a difference of the gradient and of the bias alone: over angles, they are
 smooth on the scale of one.
@@ -13,8 +13,8 @@ import math
 from antenna_pin.base.records import PLANE, Floats, Triple
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.dynamics.constraints.layout_kernels import Driven, driven_at, plan_of
+from antenna_pin.mechanism.spatial_kernels import twist_angle, twist_bias
 from antenna_pin.mechanism.tree_kernels import unwrapped
-from antenna_pin.mechanism.twist_kernels import twist_angle, twist_bias
 
 # Step of differences over angles [rad]; of sixth order their error is 1e-19 for functions that are smooth on
 # the scale of one, and their round-off 1e-13.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import coal
@@ -10,11 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.compiled.native import NOT_TURNED, PLANE_GIVEN, SECOND_TURNED, ShapePair
+from antenna_pin.joints.geometry import kernels
 from antenna_pin.joints.geometry.coal_backend import CoalBackend
 from antenna_pin.joints.geometry.coal_kernels import PAIRS, SHAPE_AT
 from antenna_pin.joints.geometry.coal_pair_kernels import PAIR, ROW_WORDS
+from antenna_pin.joints.geometry.corner_kernels import CORNER
+from antenna_pin.joints.geometry.guide_kernels import EDGE
+from antenna_pin.joints.geometry.revolute_kernels import REVOLUTE
+from antenna_pin.joints.geometry.round_kernels import ROUND
 
-__all__ = ["CoalPairs", "Partners"]
+__all__ = ["CoalPairs", "CoalPlanar", "CoalPrismatic", "CoalSpherical", "Partners"]
 
 
 class Partners(NamedTuple):
@@ -105,3 +110,102 @@ class CoalPairs(CoalBackend):
             numbers["point"] = result.getNearestPoint1()
 
         return ask
+
+
+# --- a round part in a round hollow -------------------------------------------------------------------------
+
+
+class _CoalRound(CoalPairs):
+    """A point of the hollow against the solid inside.
+
+    Args:
+        primitive: Primitive of the closed form that gives the point.
+        bearing_radius: Radius of the hollow [m].
+        journal_radius: Radius of the solid [m].
+        solid: The solid as coal's shape.
+    """
+
+    def __init__(self, primitive: int, bearing_radius: float, journal_radius: float, solid: Any) -> None:
+        """Build the shapes once."""
+        numbers = np.array([(primitive, bearing_radius, journal_radius, (0.0,) * 6)], dtype=ROUND)
+        super().__init__(numbers.view(np.float64).reshape(1, -1), [[Partners(coal.Sphere(0.0), solid)]])
+
+
+class CoalPlanar(_CoalRound):
+    """A point of the bore against the journal as a cylinder.
+
+    Args:
+        bearing_radius: [m].
+        journal_radius: [m].
+    """
+
+    def __init__(self, bearing_radius: float, journal_radius: float) -> None:
+        """Make the journal long: its end faces must not count."""
+        cylinder = coal.Cylinder(journal_radius, 10.0 * bearing_radius)
+        super().__init__(kernels.CIRCLE_IN_CIRCLE, bearing_radius, journal_radius, cylinder)
+
+
+class CoalSpherical(_CoalRound):
+    """A point of the socket against the ball.
+
+    Args:
+        bearing_radius: Of the socket [m].
+        journal_radius: Of the ball [m].
+    """
+
+    def __init__(self, bearing_radius: float, journal_radius: float) -> None:
+        """Make the ball."""
+        super().__init__(kernels.BALL, bearing_radius, journal_radius, coal.Sphere(journal_radius))
+
+
+# --- sliders in guides --------------------------------------------------------------------------------------
+
+
+_LONG = 10.0  # length over the bearing's radius of a cylinder whose ends must not count
+
+
+class CoalPrismatic(CoalPairs):
+    """Distances of a slider in a guide by coal.
+
+    Args:
+        candidates: Candidates of the joint as in kernels, (contacts, CANDIDATE).
+    """
+
+    def __init__(self, candidates: NDArray[np.float64]) -> None:
+        """Build the shapes once."""
+        super().__init__(
+            candidates, [_PARTNERS[int(words.view(CORNER)["primitive"][0])](words) for words in candidates]
+        )
+
+
+def _corner_on_wall(words: NDArray[np.float64]) -> Sequence[Partners]:
+    """Return the ball of a corner's rounding, and the material behind a wall.
+
+    A half-space is {x : n.x <= d}; the wall's normal points into the hollow.
+    """
+    shape = words.view(CORNER)[0]
+    wall = coal.Halfspace(np.array(shape["wall"]), -float(shape["distance"]))
+    return [Partners(coal.Sphere(float(shape["radius"])), wall)]
+
+
+def _edge_in_guide(words: NDArray[np.float64]) -> Sequence[Partners]:
+    """Return the ball of a corner or edge, and a plane, given with each pose."""
+    ball = coal.Sphere(float(words.view(EDGE)["radius"][0]))
+    return [Partners(ball, coal.Halfspace(np.array([0.0, 0.0, 1.0]), 0.0), PLANE_GIVEN)]
+
+
+def _rod_in_guide(words: NDArray[np.float64]) -> Sequence[Partners]:
+    """Return the rim's point and the guide, and the mouth's point and slider."""
+    shape = words.view(REVOLUTE)[0]
+    long = _LONG * (shape["bearing_radius"] + 2.0 * shape["half_distance"])
+    return [
+        Partners(coal.Sphere(0.0), coal.Cylinder(float(shape["bearing_radius"]), long)),
+        Partners(coal.Sphere(0.0), coal.Cylinder(float(shape["journal_radius"]), long), SECOND_TURNED),
+    ]
+
+
+_PARTNERS: Mapping[int, Callable[[Any], Sequence[Partners]]] = {
+    kernels.CORNER_ON_WALL: _corner_on_wall,
+    kernels.EDGE_IN_GUIDE: _edge_in_guide,
+    kernels.ROD_IN_GUIDE: _rod_in_guide,
+}

@@ -33,7 +33,7 @@ from antenna_pin.joints.geometry.shape import (
 )
 
 if TYPE_CHECKING:
-    from antenna_pin.joints.geometry.coal_prismatic import CoalPrismatic
+    from antenna_pin.joints.geometry.coal_pairs import CoalPrismatic
 
 __all__ = ["CylindricalClearance"]
 
@@ -192,6 +192,6 @@ class CylindricalClearance(RoundShape):
 
     def coal(self, axes: ArrayLike) -> CoalPrismatic:
         """Return the queries of coal for the same distances."""
-        from antenna_pin.joints.geometry.coal_prismatic import CoalPrismatic
+        from antenna_pin.joints.geometry.coal_pairs import CoalPrismatic
 
         return CoalPrismatic(self.candidates(axes))

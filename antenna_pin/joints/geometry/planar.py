@@ -22,7 +22,7 @@ from antenna_pin.joints.geometry.shape import (
 )
 
 if TYPE_CHECKING:
-    from antenna_pin.joints.geometry.coal_round import CoalPlanar
+    from antenna_pin.joints.geometry.coal_pairs import CoalPlanar
 
 __all__ = ["PlanarClearance"]
 
@@ -86,6 +86,6 @@ class PlanarClearance(RoundShape):
 
     def coal(self, axes: ArrayLike) -> CoalPlanar:
         """Return the query of coal for the same distance."""
-        from antenna_pin.joints.geometry.coal_round import CoalPlanar
+        from antenna_pin.joints.geometry.coal_pairs import CoalPlanar
 
         return CoalPlanar(self.bearing_radius, self.journal_radius)

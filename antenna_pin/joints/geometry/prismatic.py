@@ -29,7 +29,7 @@ from antenna_pin.joints.geometry.shape import (
 )
 
 if TYPE_CHECKING:
-    from antenna_pin.joints.geometry.coal_prismatic import CoalPrismatic
+    from antenna_pin.joints.geometry.coal_pairs import CoalPrismatic
 
 __all__ = [
     "check_guide_length",
@@ -308,6 +308,6 @@ class PrismaticClearance(Shape):
 
     def coal(self, axes: ArrayLike) -> CoalPrismatic:
         """Return the queries of coal for the same distances."""
-        from antenna_pin.joints.geometry.coal_prismatic import CoalPrismatic
+        from antenna_pin.joints.geometry.coal_pairs import CoalPrismatic
 
         return CoalPrismatic(self.candidates(axes))

@@ -22,7 +22,7 @@ from antenna_pin.joints.geometry.shape import (
 )
 
 if TYPE_CHECKING:
-    from antenna_pin.joints.geometry.coal_round import CoalSpherical
+    from antenna_pin.joints.geometry.coal_pairs import CoalSpherical
 
 __all__ = ["SphericalClearance"]
 
@@ -102,6 +102,6 @@ class SphericalClearance(RoundShape):
 
     def coal(self, axes: ArrayLike) -> CoalSpherical:
         """Return the query of coal for the same distance."""
-        from antenna_pin.joints.geometry.coal_round import CoalSpherical
+        from antenna_pin.joints.geometry.coal_pairs import CoalSpherical
 
         return CoalSpherical(self.bearing_radius, self.journal_radius)

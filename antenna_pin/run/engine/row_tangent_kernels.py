@@ -31,8 +31,19 @@ from antenna_pin.dynamics.constraints.tangent_kernels import (
 from antenna_pin.dynamics.tangent_room_kernels import TangentRoom
 from antenna_pin.elements import kernels as elements
 from antenna_pin.elements.ledger_kernels import write_work_change
-from antenna_pin.integrate.difference_kernels import BEGIN, FINER, OFTEN, add, clear, place_at, rests, settle
-from antenna_pin.integrate.word_kernels import displace_words, note_words, put_back_words
+from antenna_pin.integrate.difference_kernels import (
+    BEGIN,
+    FINER,
+    OFTEN,
+    add,
+    clear,
+    displace_words,
+    note_words,
+    place_at,
+    put_back_words,
+    rests,
+    settle,
+)
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.tangent_kernels import read_bodies
 

@@ -13,7 +13,7 @@ from antenna_pin.dynamics import System, kernels
 from antenna_pin.dynamics.constraints import layout_kernels as layout_of_rows
 from antenna_pin.dynamics.tangent_kernels import FRAMES, ITSELF
 from antenna_pin.dynamics.tangent_room_kernels import Shifts
-from antenna_pin.integrate.word_kernels import Words
+from antenna_pin.integrate.difference_kernels import Words
 from antenna_pin.joints import layout_kernels, motion_change_kernels
 from antenna_pin.joints.geometry.kernels import CANDIDATE
 from antenna_pin.joints.tangent_room_kernels import LawWords
