@@ -3,12 +3,12 @@
 import importlib
 import re
 from pathlib import Path
-from typing import get_args
 
 import pytest
 
 from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, law_parameters
-from antenna_pin.scenario import FAMILY_SPECS, ClearanceSpec, Scenario
+from antenna_pin.scenario import FAMILY_SPECS, Scenario
+from antenna_pin.scenario.clearance import CLEARANCES
 from antenna_pin.scenario.laws import law_spec, laws, missing_parameters
 
 SCRIPTS = Path(__file__).parents[1] / "scripts" / "pages"
@@ -93,4 +93,4 @@ def test_the_tables_miss_no_part_of_a_scenario(reference):
         for kind, cls in specs.items():
             for key in cls.model_fields:
                 assert f"`{key}`" in pages, f"{key} of {kind} of {family}"
-    assert len({frozenset(cls.model_fields) for cls in get_args(ClearanceSpec)}) == 1
+    assert len({frozenset(cls.model_fields) for cls in CLEARANCES.values()}) == 1

@@ -132,10 +132,7 @@ _SEVERAL = 4
 
 
 def brief(self: object) -> str:
-    """Return a dataclass, or a scenario's table, on one line.
-
-    For use as ``__repr__ = brief`` in the class.
-    """
+    """Return a dataclass, or a scenario's table, on one line, for ``__repr__ = brief``."""
     if dataclasses.is_dataclass(self):
         names = [item.name for item in dataclasses.fields(self) if item.repr]
     else:

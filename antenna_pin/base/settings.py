@@ -166,10 +166,7 @@ class RunSettings:
             object.__setattr__(self, name, chosen)
 
     def shortest_at(self, time: float) -> float:
-        """Return the shortest span that steps can make from a time on [s].
-
-        A shorter run would consist of one least step, or of round-off.
-        """
+        """Return the shortest span of more than one least step from a time on [s]."""
         return max(_FLOORS * self.min_step, _ULPS * math.ulp(time))
 
     def check_long_enough(self, place: object, name: str, span: float, time: float) -> None:

@@ -80,7 +80,7 @@ class BristleLaw(CompiledFrictionLaw):
 
 @kernel
 def dahl(law: Dahl, force: float, slip: Triple, whole: Triple, along: Triple, dwell: float) -> Rates:
-    """Return friction and rates: of the deflection ``|v| w |w|^(i - 1)``, w = v / |v| - sigma_0 z / mu."""
+    """Return friction and rates, with w = v / |v| - sigma_0 z / mu."""
     vx, vy, vz = slip
     zx, zy, zz = whole
     tx, ty, tz = along
@@ -167,7 +167,7 @@ def _bent(
     along: Triple,
     dwelling: float,
 ) -> Rates:
-    """Return friction and rates of bristles, that of the deflection being follow v - fade z.
+    """Return friction and rates, of the deflection follow v - fade z.
 
     Args:
         law: The law, or one with its numbers.
@@ -247,7 +247,7 @@ class LuGre(BristleLaw):
 
 @inlined
 def _sticking(law: GonthierBristle, speed: float) -> Triple:
-    """Return stick s, and the factors of v and -z in the rate of the deflection.
+    """Return stick s, and factors of v and -z in the deflection's rate.
 
     The bristle sticks (rate v) as far as s says, and slides (bristle force mu_d) as far as 1 - s.
     """

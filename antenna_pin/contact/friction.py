@@ -360,7 +360,7 @@ class CustomFriction:
 
 @inlined
 def adams_ratio(law: VelocityBased, speed: float, force: float) -> float:
-    """Friction coefficient over slip speed [s/m]: cubic STEP 0 -> mu_s at v_s -> mu_d at v_d."""
+    """Friction coefficient over slip speed [s/m]."""
     mu_s, mu_d, v_s, v_d = law.static, law.dynamic, law.static_speed, law.dynamic_speed
     if speed < v_s:
         y = speed / v_s

@@ -160,10 +160,7 @@ _energy = chain(lambda: _elastic(frequent=True), "energy", elastic_record, _othe
 
 @kernel
 def elastic_energy(law: Floats, depth: float) -> float:
-    """Return the energy stored by the elastic part [J].
-
-    It is the integral of the force from 0 to ``depth``.
-    """
+    """Return the elastic energy [J], the integral of the elastic force up to ``depth``."""
     if depth <= 0.0:
         return 0.0
     return float(_energy(law, record(law, NORMAL_LAW).elastic, depth))
@@ -251,7 +248,7 @@ def friction_ratio(law: Floats, speed: float, force: float) -> float:
 
 @inlined
 def friction_force(law: Floats, force: float, slip_x: float, slip_y: float, slip_z: float) -> Triple:
-    """Return the friction on the journal by a law of the slip speed [N], at a force [N] and a slip [m/s]."""
+    """Return the friction on the journal by a law of the slip speed [N]."""
     speed = math.sqrt(slip_x * slip_x + slip_y * slip_y + slip_z * slip_z)
     factor = -force * friction_ratio(law, speed, force)
     return factor * slip_x, factor * slip_y, factor * slip_z

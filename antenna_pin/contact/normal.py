@@ -77,10 +77,7 @@ class Law:
 
     @classmethod
     def check_rules(cls, law: Any) -> None:
-        """Refuse parameters that break a rule of this class.
-
-        They are its own, or those of a law that has them all.
-        """
+        """Refuse parameters of a law that break a rule of this class."""
 
 
 # --- normal laws --------------------------------------------------------------------------------------------
@@ -162,10 +159,7 @@ class CompiledNormalLaw(Law):
         return float(kernels.elastic_force(code, depth)) if depth > 0.0 else 0.0
 
     def elastic_energy(self, depth: float) -> float:
-        """Return the energy stored [J], the integral of the elastic force from 0.
-
-        Depths are up to ``depth_limit``.
-        """
+        """Return the energy stored [J], the integral of the elastic force, up to ``depth_limit``."""
         return float(kernels.elastic_energy(_code_within(self, depth), depth))
 
 

@@ -112,10 +112,7 @@ class _PinJoint(LineLaw):
 
     @property
     def depth_limit(self) -> float:
-        """Depth at which the contact is as wide as the pin [m].
-
-        It is sqrt(R_i^2 - R_j^2) - dR, over the share.
-        """
+        """Depth of a contact as wide as the pin [m]."""
         sum_of_radii = self.bearing_radius + self.journal_radius
         return (math.sqrt(sum_of_radii * self.clearance) - self.clearance) / self.share
 

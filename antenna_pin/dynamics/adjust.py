@@ -71,10 +71,7 @@ def acting_in(system: System) -> Iterator[Acting]:
 
 
 def actuators_of(system: System) -> Mapping[str, str]:
-    """Return the places that take commands, ``drives.motor.value``, by all names that they have.
-
-    The names are ``motor``, if unique, ``drives.motor`` and the place itself.
-    """
+    """Return places that take commands by name: the place, ``drives.motor``, ``motor`` if unique."""
     found: dict[str, str] = {}
     twice = set()
     for one in acting_in(system):

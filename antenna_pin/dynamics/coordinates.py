@@ -37,10 +37,7 @@ def coordinate_names(mechanism: Mechanism) -> tuple[tuple[str, ...], tuple[str, 
 
 
 def reach_of(mechanism: Mechanism, length: float) -> NDArray[np.float64]:
-    """Return the equivalent of a 1 rad turn in each generalized direction, (nv,).
-
-    A turn of 1 rad is equivalent to a displacement by ``length`` [m].
-    """
+    """Return what equals a 1 rad turn in each direction, (nv,): ``length`` [m], or 1."""
     reach = np.ones(mechanism.model.nv)
     if mechanism.base == "free":
         reach[:3] = length

@@ -270,10 +270,7 @@ def reduced_inertia(workspace: Workspace, t: float, y: Array, block: int) -> flo
 def _held_rows(
     workspace: Workspace, t: float, y: Array, free: Collection[int] = ()
 ) -> tuple[list[Array], list[float], int]:
-    """Return the active rows, their rate residuals, and the number of element rows.
-
-    Those of ``free``, numbers of elements' holds, are inactive.
-    """
+    """Return rows active without ``free`` holds, rate residuals, number of element rows."""
     constraints = workspace.constraints
     if constraints is None:
         return [], [], 0

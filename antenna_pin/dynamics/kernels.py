@@ -146,10 +146,7 @@ def own_motion(p: Floats, b: int, y: Floats, nq: int) -> tuple[float, float, flo
 
 @kernel
 def element_state(p: Floats, b: int, t: float, y: Floats, nq: int) -> Triple:
-    """Return torque [N m] or force [N] of the element at b, with its input.
-
-    Reference and error are NaN if the element follows none.
-    """
+    """Return the element's effort at b, its reference and error, NaN without."""
     angle, rate, _, _ = joint_motion(p, b, y, nq)
     e = element_at(p, b)
     wanted, _ = elements.reference(e.kind, p, b + PARAMETERS, t)
@@ -266,10 +263,7 @@ def efforts_between(
 def _push(
     j: JointRecord, e: ElementHead, effort: float, slope: tuple[float, float], y: Floats, nq: int, tau: Floats
 ) -> float:
-    """Add an effort at a free joint with play to tau; return its working rate.
-
-    ``slope`` is (gx, gy) of the motion angle.
-    """
+    """Add an effort with a ``slope`` (gx, gy) to tau; return its working rate."""
     gx, gy = slope
     nx, ny, nz = j.axes[0, 2], j.axes[1, 2], j.axes[2, 2]
     if e.about == ABOUT_MOTION and j.slides == 0:

@@ -109,10 +109,7 @@ def written_by(program: Array, block: int) -> tuple[float, ...]:
 
 
 def desk_in(program: Array, block: int | None) -> tuple[Any, Any, Any, Any]:
-    """Return a desk, views of it: whole, links, joints, states.
-
-    Without a block the desk stands first.
-    """
+    """Return a desk's views: whole, links, joints, states; without a block it stands first."""
     first = 0
     if block is not None:
         head = program[block : block + kernels.PARAMETERS].view(kernels.ELEMENT)[0]
@@ -132,10 +129,7 @@ def desk_in(program: Array, block: int | None) -> tuple[Any, Any, Any, Any]:
 
 
 def acting_on_links(system: Any, program: Array) -> Iterator[tuple[str, Array]]:
-    """Yield the last actions of elements on links: link, force and moment, (6,).
-
-    In the world's axes, the moment about its origin.
-    """
+    """Yield last actions: link, force and moment about the world's origin, (6,)."""
     places = iter(system.force_places)
     for at in system.element_blocks.get("forces", {}).values():
         for one, place in zip(desk_in(program, at)[1], places, strict=False):

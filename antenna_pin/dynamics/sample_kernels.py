@@ -291,10 +291,7 @@ def look_at_elements(
 
 @kernel
 def turned_angles(states: Floats, at: int, angle: int, out: Floats) -> None:
-    """Write the angle of a continuous joint, with its whole turns, at every sample.
-
-    Its cosine is at ``at`` in a state, its turned angle at ``angle``.
-    """
+    """Write a continuous joint's angle with turns at samples; its cosine is at ``at``."""
     for i in range(states.shape[0]):
         out[i] = unwrapped(math.atan2(states[i, at + 1], states[i, at]), states[i, angle])
 

@@ -29,10 +29,7 @@ TURN = layout(TurnedAngle)
 
 @kernel
 def turn_on(program: Floats, turns: Records[TurnedAngle], y: Floats) -> float:
-    """Update the turned angles in a state's x; return the fastest rate [rad/s].
-
-    ``turns`` has a record ``TURN`` per angle.
-    """
+    """Update the turned angles (``TURN``, each) in a state's x; return the fastest rate [rad/s]."""
     head = head_of(program)
     x0 = head.nq + head.nv
     fastest = 0.0

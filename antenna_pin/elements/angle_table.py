@@ -108,10 +108,7 @@ class TableSpring(Element):
 
 @inlined
 def torque_at(words: Floats, at: int, shape: tuple[int, bool], angle: float) -> tuple[float, float]:
-    """Return torque and slope at an angle, of the curve at words[at:].
-
-    ``shape`` has the number of points, and whether the curve continues.
-    """
+    """Return torque and slope of the curve at words[at:]; ``shape``: points, whether it continues."""
     points, goes_on = shape
     inside = min(max(angle, words[at]), words[at + points - 1])
     value, slope = curve(words, at, points, inside)

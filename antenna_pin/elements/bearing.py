@@ -322,10 +322,7 @@ def _elongation(ball: Ball, q: tuple[float, float, float, float, float]) -> tupl
 
 @kernel
 def press(b: Bearing, tail: Floats, pose: Pose) -> float:
-    """Write force and moment on the journal into its pose; return the loss [W].
-
-    The moment is about the journal's centre.
-    """
+    """Write force and moment about its centre into the journal's pose; return the loss [W]."""
     s = b.offset
     ax, ay, az = pose.axis[0], pose.axis[1], pose.axis[2]
     q = _coordinates(s, (pose.centre[0], pose.centre[1], pose.centre[2], ax, ay, az))

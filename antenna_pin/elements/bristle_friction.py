@@ -339,10 +339,7 @@ def stored_of(friction: BristleFriction, angle: float, own: Own) -> float:
 
 @inlined
 def kink_of(friction: BristleFriction, tail: Floats, k: int, motion: Motion, own: Own) -> float:
-    """Return the rate, or of Gonthier's law its functions k, zero at kinks.
-
-    Where the joint turns back the rate of the bristles changes.
-    """
+    """Return the rate, or of Gonthier's law its functions k, zero at kinks."""
     law = tail[:FRICTION_SIZE]
     _, _, rate = motion
     if law[0] != GONTHIER:

@@ -95,10 +95,7 @@ class Capture(ModalElement):
         return self._capture(met, "") if self.captures(met) else Change(INSIDE, memory=side)
 
     def passed(self, k: int, met: Met) -> Change | None:
-        """Return the change at the window, at the rate, or of a release.
-
-        These are k = 0, 1 and 2.
-        """
+        """Return the change at the window (0), the rate (1), or of a release (2)."""
         if self.mode == HELD:
             return self.lets_go_with(met) if k == _HOLDING else None
         if k == _RATES:  # slow enough now, but for round-off

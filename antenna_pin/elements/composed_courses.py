@@ -33,10 +33,7 @@ def curve_term(
 
 
 def going_on(time: Sequence[float]) -> tuple[float, ...]:
-    """Return the times of a table whose last piece has no end.
-
-    The end of a step may lie an ulp behind it.
-    """
+    """Return the times of a table whose last piece has no end."""
     return (*time[:-1], math.inf)
 
 

@@ -22,10 +22,7 @@ def _piece(words: Floats, at: int, points: int, t: float) -> int:
 
 @inlined
 def curve(words: Floats, at: int, points: int, t: float) -> tuple[float, float]:
-    """Return value and slope at time t of the curve at words[at:].
-
-    There stand the times of the points, then the cubics between them.
-    """
+    """Return value and slope at t of the curve at words[at:], times then cubics."""
     low = _piece(words, at, points, t)
     s = t - words[at + low]
     c = at + points + 4 * low
@@ -36,10 +33,7 @@ def curve(words: Floats, at: int, points: int, t: float) -> tuple[float, float]:
 
 @inlined
 def area(words: Floats, at: int, points: int, t: float) -> float:
-    """Return the integral up to t of the curve at words[at:].
-
-    Behind the curve stands its integral up to each of its points.
-    """
+    """Return the integral up to t of the curve at words[at:]."""
     low = _piece(words, at, points, t)
     s = t - words[at + low]
     c = at + points + 4 * low

@@ -243,10 +243,7 @@ class Flanks(Modal, Sprung, BetweenJoints):
 
 @inlined
 def _pushes(mesh: Flanks, depth: float, rate: float) -> tuple[float, float]:
-    """Return the forces of spring and damper on one side.
-
-    Arguments are its compression and the rate of that.
-    """
+    """Return the forces of spring and damper on one side, from compression and rate."""
     if depth <= 0.0:
         return 0.0, 0.0
     elastic = mesh.stiffness * depth
@@ -324,10 +321,7 @@ def stored(mesh: Flanks, angle: float) -> float:
 
 @kernel
 def switch(mesh: Flanks, k: int, motion: Loaded) -> tuple[float, float]:
-    """Return function k with its rate: 0, 1 gap of a side, 2 closing rate.
-
-    Side 0 is plus, 1 minus; in contact the gap is the depth.
-    """
+    """Return function k with its rate: 0, 1 gap of plus, minus; 2 closing rate."""
     x, rate = motion[1], motion[2]
     if mesh.springs == BOTH_WAYS or (k == 1 and mesh.springs != TWO):
         return 1.0, 0.0

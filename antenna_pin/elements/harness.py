@@ -83,10 +83,7 @@ class HarnessSpring(TableSpring):
 
 @inlined
 def _half(table: HarnessSpring, tail: Floats, angle: float) -> tuple[float, float]:
-    """Return half the difference of the tables, H, and its slope.
-
-    Both stay constant beyond the tables.
-    """
+    """Return half the difference of the tables, H, and its slope; constant beyond them."""
     return torque_at(tail, 6 * table.points - 4, (table.points, False), angle)
 
 

@@ -117,10 +117,7 @@ class Hooks(Protocol[_Record]):
         """Return the friction torque on the input [N m] ([N]), by torque and rate."""
 
     def press(self, element: _Record, pose: Pose) -> float:
-        """Write the force and moment on the journal into its pose; return the loss [W].
-
-        The moment is about the journal's centre.
-        """
+        """Write force, and moment about its centre, into the journal's pose; return loss [W]."""
 
     def journal_energy(self, element: _Record, place: JournalPlace) -> float:
         """Return the energy stored [J] of a kind that acts on a journal's whole pose."""
@@ -128,16 +125,10 @@ class Hooks(Protocol[_Record]):
     def coordinates(
         self, element: _Record, place: JournalPlace
     ) -> tuple[float, float, float, float, float, float]:
-        """Return displacement [m] and tilts of a journal; then its reference point [m].
-
-        Tilts are about x and y.
-        """
+        """Return a journal's displacement [m], tilts about x and y, reference point [m]."""
 
     def tension(self, element: _Record, length: float, rate: float) -> float:
-        """Return the force that draws two points together [N].
-
-        Arguments are their distance [m] and its rate [m/s].
-        """
+        """Return the force that draws points together [N], of distance [m] and rate [m/s]."""
 
     def loss(self, element: _Record, rate: float) -> float:
         """Return the power lost between two points [W]."""

@@ -52,10 +52,7 @@ class Latch(Capture):
     flank: float = field(default=0.0, repr=False)
 
     def flank_at(self, angle: float, rate: float) -> float:
-        """Return the flank that a held joint is pressed to; 0 for none.
-
-        Arguments are in [rad] and [rad/s] ([m] and [m/s]).
-        """
+        """Return the flank that a held joint is pressed to; 0 for none."""
         way = 1.0 if angle > self.angle else -1.0
         bent, outward = way * (angle - self.angle) - 0.5 * self.play, way * rate
         pressed = self.stiffness * bent + self.damping * outward
@@ -143,10 +140,7 @@ def stored(latch: Latch, angle: float) -> float:
 
 @inlined
 def _flanks(latch: Latch, angle: float, rate: float) -> tuple[float, float]:
-    """Return the pressure of a flank, or the distance to one.
-
-    The distance counts also while the flank would pull.
-    """
+    """Return the pressure of a flank, or the distance to one that would pull."""
     if latch.mode != HELD or latch.half_play == 0.0:
         return 1.0, 0.0
     if latch.flank != 0.0:

@@ -87,10 +87,7 @@ class Limits(ModalElement):
         return {name: float(limit) for name, limit in both.items() if limit is not None}
 
     def side_at(self, angle: float, rate: float) -> int:
-        """Return the side that a joint is on; 0 if on none.
-
-        It is beyond the side, or at it and not on its way off.
-        """
+        """Return the side that a joint is beyond, or at without leaving; 0 if none."""
         if angle < self.lowest or (angle == self.lowest and rate <= 0.0):
             return LOWER
         return UPPER if angle > self.highest or (angle == self.highest and rate >= 0.0) else FREE
@@ -98,10 +95,7 @@ class Limits(ModalElement):
 
 @inlined
 def beyond(lower: float, upper: float, mode: int, k: int, angle: float, rate: float) -> tuple[float, float]:
-    """Return the gap to side k, or the depth in it, and its rate.
-
-    Side 0 is the lower one, 1 the upper one.
-    """
+    """Return gap to, or depth in, side k (0 lower, 1 upper), and its rate."""
     side = LOWER if k == 0 else UPPER
     gap = angle - lower if k == 0 else upper - angle
     if math.isinf(gap) or (mode != FREE and mode != side):

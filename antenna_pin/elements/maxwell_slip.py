@@ -223,10 +223,7 @@ def stored(springs: MaxwellSlip, tail: Floats, angle: float) -> float:
 
 @inlined
 def kink(springs: MaxwellSlip, tail: Floats, t: float, angle: float, rate: float) -> float:
-    """Return the product of the margins to slip, as shares.
-
-    One spring begins to slip where it passes zero.
-    """
+    """Return the product of margins to slip, zero where a spring begins to."""
     found = 1.0
     for k in range(springs.count):
         one = _spring(tail, k)

@@ -64,10 +64,7 @@ class PointSpring(BetweenPoints):
 
 @inlined
 def tension(spring: PointSpring, length: float, rate: float) -> float:
-    """Return the force that draws the points together [N].
-
-    Arguments are the distance [m] and its rate [m/s].
-    """
+    """Return the force that draws the points together [N], of distance [m] and rate [m/s]."""
     return float(spring.stiffness * (length - spring.free_length) + spring.damping * rate)
 
 

@@ -161,10 +161,7 @@ class _Swept(Shake):
         return tuple(sorted({*(piece.start for piece in self.pieces()[1:]), *self.faded}))
 
     def sines(self, time: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return frequency [Hz] and continuous phase [rad] at times [s], (n,) each.
-
-        The displacement is the amplitude times the sine of the phase.
-        """
+        """Return frequency [Hz] and phase [rad] of the sine at times [s], (n,) each."""
         return sines_of(self.pieces(), time)
 
     def said_amplitudes(self) -> str:

@@ -60,10 +60,7 @@ class JointSpring(Element):
 
 @inlined
 def deflection(spring: JointSpring, angle: float) -> float:
-    """Return the angle of the joint from rest.
-
-    It is the shorter way round if the spring has that option.
-    """
+    """Return the angle of the joint from rest, the shorter way round with that option."""
     turned = float(angle - spring.rest_angle)
     if spring.shorter_way:
         return turned + 2.0 * math.pi * math.floor(0.5 - turned / (2.0 * math.pi))

@@ -222,10 +222,7 @@ def _fade(law: StickingFriction, rate: float) -> float:
 
 @inlined
 def effort(law: StickingFriction, t: float, angle: float, rate: float) -> float:
-    """Return the torque [N m] ([N]) that no load adds to.
-
-    It is zero while the joint sticks, for then a row carries it.
-    """
+    """Return the torque without load [N m] ([N]); zero in sticking, by a row."""
     dry = law.coulomb + (law.holding - law.coulomb) * _fade(law, rate)
     return float(-_direction(law.mode) * dry - law.viscous * rate)
 

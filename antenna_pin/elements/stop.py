@@ -284,10 +284,7 @@ def effort(stop: EndStop, tail: Floats, t: float, angle: float, rate: float) -> 
 def write_rates(
     stop: EndStop, tail: Floats, angle: float, rate: float, power: float, rates: Floats, x: int
 ) -> None:
-    """Write the power lost [W], and the size of the torque.
-
-    Lost is the power put in, less the rate of the elastic energy.
-    """
+    """Write the power lost [W], and the size of the torque."""
     rates[x] = rates[x + 1] = 0.0
     if stop.mode != FREE:
         first = law_at(stop)

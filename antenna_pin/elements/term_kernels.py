@@ -100,10 +100,7 @@ def _swing(size: float, angle: float, omega: float) -> tuple[float, float, float
 
 @inlined
 def _turned(p: SweptPieceRecord, s: float) -> tuple[float, float, float, float]:
-    """Return phase, angular frequency and its two derivatives, s after the start.
-
-    The phase counts from the piece's start.
-    """
+    """Return phase since the piece's start, angular frequency and its two derivatives, after s."""
     if p.octaves == 0 or p.growth == 0.0:
         return (p.begin + 0.5 * p.growth * s) * s, p.begin + p.growth * s, p.growth, 0.0
     # (exp(g s) - 1) / g by expm1: right where g s is small.

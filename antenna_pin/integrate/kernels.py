@@ -72,10 +72,7 @@ def store(i: int, stages: int, layout: Ints, work: Floats) -> None:
 
 @kernel
 def stage(i: int, h: float, weights: Floats, layout: Ints, work: Floats, keep: bool) -> None:
-    """Store the derivative of stage i - 1 and write the state of stage i.
-
-    The derivative is stored only if ``keep``.
-    """
+    """Store stage i - 1's derivative, if ``keep``, and write stage i's state."""
     space = space_of(layout)
     nq, nv, nx = space.nq, space.nv, space.nx
     stages = weights.shape[0]
@@ -246,10 +243,7 @@ def dense_coefficients(h: float, polynomials: Floats, n: int, work: Floats, dens
 
 @kernel
 def bend(layout: Ints, before: Floats, after: Floats, dense: Floats) -> None:
-    """Adjust the dense output to a step's end that a small correction has moved.
-
-    The move comes in as 3 theta^2 - 2 theta^3: the slopes at both ends stay.
-    """
+    """Move the dense output to a corrected end by 3 theta^2 - 2 theta^3."""
     space = space_of(layout)
     nq, nv = space.nq, space.nv
     for f in range(space.factors):

@@ -164,20 +164,14 @@ def factor_size(factor: Factor) -> int:
 
 @kernel
 def move_by_velocity(layout: Ints, rows: Floats, r: int, step: Floats) -> None:
-    """Move the configuration rows[r], in place, by a tangent step in body axes.
-
-    It is of first order, as for corrections: along a straight line, then turned.
-    """
+    """Move the configuration rows[r], in place, by a first-order tangent step in body axes."""
     for f in range(space_of(layout).factors):
         move_factor(factor_of(layout, f), rows, r, step)
 
 
 @inlined
 def _unwind(vector: Triple, spin: Triple, out: Floats, r: int, j: int) -> None:
-    """Write the rate of a rotation vector for a body angular velocity.
-
-    It is the velocity times the inverse right Jacobian of SO(3).
-    """
+    """Write the rate of a rotation vector, J_r^-1 of SO(3) times a body angular velocity."""
     x, y, z = vector
     wx, wy, wz = spin
     cx = y * wz - z * wy

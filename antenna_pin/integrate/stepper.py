@@ -229,10 +229,7 @@ class Stepper:
         return self._rates.copy()
 
     def attempt(self, h: float) -> float:
-        """Try a step of size h [s]; return its scaled error, 0 if fixed.
-
-        One whose equations Newton's method does not solve has an error of 10.
-        """
+        """Try a step [s]; return its scaled error, 0 if fixed, 10 if unsolved."""
         self.h, self.has_dense = h, False
         layout, work, scales, rtol = self.manifold.layout, self.work, self.scales, self.rtol
         newton, stages, tableau = self.newton, self.method.stages, self.tableau

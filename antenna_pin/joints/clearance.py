@@ -174,10 +174,7 @@ class ClearanceJoint:
 
     @property
     def depth_limits(self) -> tuple[float, ...]:
-        """Depth of each contact at which a run ends [m].
-
-        It is the least of ``maximum_depth`` and the law's own limit.
-        """
+        """Depth of each contact at which a run ends [m], by joint and law."""
         assert self.maximum_depth is not None
         return tuple(min(self.maximum_depth, range_of(law)) for law in self.normal_laws)
 

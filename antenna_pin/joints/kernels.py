@@ -66,10 +66,7 @@ def contact_geometry(p: Floats, b: int, pose: Pose, table: Records[Contact]) -> 
 def touching_geometry(
     p: Floats, b: int, pose: Pose, memory: Records[Memory], table: Records[Contact]
 ) -> None:
-    """Fill gap, normal and point of the contacts that touch.
-
-    The others have no force, whatever their gap.
-    """
+    """Fill gap, normal and point of the contacts that touch; the others have no force."""
     j = joint_at(p, b)
     if j.distributed != 0:
         bore = memory[j.row].touching != 0.0 or memory[j.row + 1].touching != 0.0
@@ -108,10 +105,7 @@ def _rates_of(p: Floats, b: int, k: int, pose: Pose, table: Records[Contact]) ->
 
 @inlined
 def touching_rates(p: Floats, b: int, pose: Pose, memory: Records[Memory], table: Records[Contact]) -> None:
-    """Fill depth rate and slip of the contacts that touch.
-
-    Of strips, and with a backend, all are filled.
-    """
+    """Fill depth rate and slip of touching contacts, strips, or all with a backend."""
     j = joint_at(p, b)
     if j.distributed != 0 or j.mode == GEOMETRY_GIVEN:
         contact_rates(p, b, pose, table)
@@ -137,10 +131,7 @@ def apart_motion(p: Floats, b: int, pose: Pose, memory: Records[Memory], table: 
 
 @inlined
 def contact_motion(p: Floats, b: int, k: int, pose: Pose, table: Records[Contact]) -> None:
-    """Fill the geometry and rates of contact k of a joint with point loads.
-
-    These are gap, normal, point, depth rate and slip.
-    """
+    """Fill gap, normal, point, depth rate and slip of contact k under point load."""
     candidate_contact(p, candidate_at(b, k), pose, table[joint_at(p, b).row + k])
     _rates_of(p, b, k, pose, table)
 
@@ -168,10 +159,7 @@ def contact_forces(
     rates: Floats,
     r0: int,
 ) -> None:
-    """Fill the forces of a joint's rows from its laws; zero without touch.
-
-    x starts at y[x0] and its rates at rates[r0].
-    """
+    """Fill a joint's row forces by its laws; x is at y[x0], rates at rates[r0]."""
     j = joint_at(p, b)
     for k in range(j.contacts):
         out = table[j.row + k]
@@ -197,10 +185,7 @@ def contact_forces(
 def contact_wrench(
     p: Floats, b: int, pose: Pose, table: Records[Contact], tau: Floats, rates: Floats, r0: int
 ) -> None:
-    """Add a joint's row forces to tau, and write the rates of integrals.
-
-    tau is in the child's own axes.
-    """
+    """Add a joint's row forces to tau, in child axes; write rates of integrals."""
     j = joint_at(p, b)
     distributed = j.distributed != 0
     no_wrench(pose)
@@ -235,10 +220,7 @@ def contact_wrench(
 def unit_normal_force(
     p: Floats, b: int, poses: Records[Pose], table: Records[Contact], r: int, tau: Floats
 ) -> None:
-    """Add to tau the generalized force of 1 N along the normal of row r.
-
-    ``poses`` is POSE, (1,).
-    """
+    """Add the generalized force of 1 N along row r's normal to tau."""
     out, pose = table[r], poses[0]
     nx, ny, nz = out.normal[0], out.normal[1], out.normal[2]
     rx = out.point[0] - pose.centre[0]
@@ -325,18 +307,12 @@ def alone(
 def geometry_alone(
     p: Floats, b: int, y: Floats, nq: int, table: Records[Contact], pose: Records[Pose]
 ) -> None:
-    """Fill gap, normal and point of a joint's rows, for calls from outside.
-
-    ``pose`` is POSE, (1,).
-    """
+    """Fill gap, normal and point of a joint's rows, for calls with a POSE, (1,)."""
     journal_state(joint_at(p, b), y, nq, pose[0])
     contact_geometry(p, b, pose[0], table)
 
 
 @kernel
 def rates_alone(p: Floats, b: int, table: Records[Contact], pose: Records[Pose]) -> None:
-    """Fill depth rates and slips of a joint's rows, for calls from outside.
-
-    ``pose`` is POSE, (1,).
-    """
+    """Fill depth rates and slips of a joint's rows, for calls with a POSE, (1,)."""
     contact_rates(p, b, pose[0], table)

@@ -50,10 +50,7 @@ _WAY = 1e-3
 
 @inlined
 def _twist(j: JointRecord, pose: Pose, x: Floats, k: int) -> Six:
-    """Return velocity and spin of the journal's centre for x[k:] as joint velocity.
-
-    It is the transpose of :func:`antenna_pin.joints.pose_kernels.onto_joint`.
-    """
+    """Return the journal's velocity and spin for x[k:] as joint velocity, transpose of ``onto_joint``."""
     r, o = pose.rotation, pose.centre
     if j.planar != 0:
         w = x[k + 2]

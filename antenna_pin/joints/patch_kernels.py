@@ -50,10 +50,7 @@ def loaded_rates(p: Floats, b: int, pose: Pose, table: Records[Contact]) -> None
 
 @inlined
 def patch_rows(p: Floats, b: int, k: int) -> tuple[int, int]:
-    """Return the range of table rows of patch k.
-
-    Patches are bore at +z, bore at -z, flange at +z, flange at -z.
-    """
+    """Return patch k's range of table rows: bore at +z, -z, flange at +z, -z."""
     patches = patches_at(p, b)
     half = patches.strips // 2
     if k == 0:

@@ -150,10 +150,7 @@ def place_journal(program: Floats, block: int, y: Floats, nq: int, pose: Records
 
 @inlined
 def onto_joint(j: JointRecord, pose: Pose, force: Triple, moment: Triple, tau: Floats) -> None:
-    """Add force and torque on the journal to tau, in the child's own axes.
-
-    Both are about its centre, in bearing axes.
-    """
+    """Add force and torque about the journal's centre, in bearing axes, to tau."""
     if j.on_child != 0:
         onto_bearing(j, pose, force, moment, tau)
         return

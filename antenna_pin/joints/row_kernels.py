@@ -219,10 +219,7 @@ def arm_power(pose: Pose, out: Contact) -> float:
 
 @inlined
 def arm_rate(pose: Pose, out: Contact) -> float:
-    """Return the rate of distance of both points along the normal [m/s].
-
-    It follows from the spin of the journal.
-    """
+    """Return the rate of both points' distance along the normal by spin [m/s]."""
     ax, ay, az = out.arm[0], out.arm[1], out.arm[2]
     vx = pose.spin[1] * az - pose.spin[2] * ay
     vy = pose.spin[2] * ax - pose.spin[0] * az

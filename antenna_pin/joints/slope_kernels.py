@@ -43,10 +43,7 @@ def is_moved(ways: Floats, i: int) -> bool:
 
 @kernel
 def displace_joint(f: int, y: Floats, h: float, way: Floats, room: JointRoom) -> None:
-    """Write the configuration of factor f, displaced by h, to ``room.state``.
-
-    The displacement is h times a direction, (factor's nv,).
-    """
+    """Write the configuration of factor f, displaced by h along a way (nv,), to ``room.state``."""
     factor = factor_of(room.layout, f)
     for k in range(factor.q, factor.q + factor_size(factor)):
         room.state[0, k] = y[k]

@@ -79,10 +79,7 @@ def _answer(p: Floats, b: int, k: int, way: Floats, kind: int, room: JointRoom) 
 
 @inlined
 def _along_slip(row: Contact, change: Floats) -> float:
-    """Return the change of the size of slip; zero at rest.
-
-    At rest friction changes with the whole change of slip.
-    """
+    """Return the change of the size of slip; zero at rest."""
     speed, total = slip_speed(row), 0.0
     for i in range(3):
         total += row.slip[i] * change[SLIP + i]

@@ -70,7 +70,7 @@ class IdealClearance(Clearance):
 class TouchingSpec(Clearance):
     """Base of the models whose journal touches the bearing.
 
-    A kind of joint with play is one class below, which says its sizes, and its place in ``ClearanceSpec``.
+    A kind of joint with play is one class below, which says its sizes.
     """
 
     # The kind of its shape, by which results and readers know it (:data:`antenna_pin.joints.geometry.LOOKS`).
@@ -176,40 +176,6 @@ class TouchingSpec(Clearance):
             refuse(error.reason, error.parameter)
 
 
-class PlanarClearance(TouchingSpec):
-    """Planar joint with radial play: contact at the bore only."""
-
-    kind = "planar"
-    kinds: ClassVar[tuple[Kind, ...]] = ("radial",)
-    variant = "planar"
-
-    model: Literal["planar"]
-    bearing_radius: PositiveLength
-
-    def sizes(self) -> dict[str, float]:
-        """Return the radii."""
-        return {
-            "bearing_radius": self.bearing_radius,
-            "journal_radius": self.bearing_radius - self.radial_play,
-        }
-
-
-class SphericalClearance(TouchingSpec):
-    """A ball in a socket: ``bearing_radius`` is the socket's, ``journal_radius`` the ball's."""
-
-    kind = "spherical"
-    kinds: ClassVar[tuple[Kind, ...]] = ("radial",)
-    no_line = "a ball in a socket"
-    urdf_types = ("revolute", "continuous", "floating")
-
-    model: Literal["spherical"]
-    bearing_radius: PositiveLength
-
-    def sizes(self) -> dict[str, float]:
-        """Return the radii."""
-        return {"socket_radius": self.bearing_radius, "ball_radius": self.bearing_radius - self.radial_play}
-
-
 class ContactClearance(TouchingSpec):
     """A joint held together by contact alone: bore and flanges, six degrees of freedom."""
 
@@ -277,6 +243,40 @@ class ContactClearance(TouchingSpec):
         if self.axial_play < -deepest * (1.0 + 1e-9):
             rule = f"must be at least {least}, or for a hard preload less by at most {ends * deepest:g} m"
             refuse(f"{rule}, got {value:g} m", key, value=value)
+
+
+class PlanarClearance(TouchingSpec):
+    """Planar joint with radial play: contact at the bore only."""
+
+    kind = "planar"
+    kinds: ClassVar[tuple[Kind, ...]] = ("radial",)
+    variant = "planar"
+
+    model: Literal["planar"]
+    bearing_radius: PositiveLength
+
+    def sizes(self) -> dict[str, float]:
+        """Return the radii."""
+        return {
+            "bearing_radius": self.bearing_radius,
+            "journal_radius": self.bearing_radius - self.radial_play,
+        }
+
+
+class SphericalClearance(TouchingSpec):
+    """A ball in a socket: ``bearing_radius`` is the socket's, ``journal_radius`` the ball's."""
+
+    kind = "spherical"
+    kinds: ClassVar[tuple[Kind, ...]] = ("radial",)
+    no_line = "a ball in a socket"
+    urdf_types = ("revolute", "continuous", "floating")
+
+    model: Literal["spherical"]
+    bearing_radius: PositiveLength
+
+    def sizes(self) -> dict[str, float]:
+        """Return the radii."""
+        return {"socket_radius": self.bearing_radius, "ball_radius": self.bearing_radius - self.radial_play}
 
 
 class PrismaticClearance(TouchingSpec):
@@ -356,18 +356,13 @@ class CylindricalClearance(TouchingSpec):
         self._check_slider()
 
 
-ClearanceSpec = (
-    ContactClearance
-    | PlanarClearance
-    | SphericalClearance
-    | PrismaticClearance
-    | CylindricalClearance
-    | IdealClearance
-)
+ClearanceSpec = TouchingSpec | IdealClearance
 """A joint with play; ``model`` says which class it is."""
 
-_MODELS = {
-    model: cls for cls in get_args(ClearanceSpec) for model in get_args(cls.model_fields["model"].annotation)
+_MODELS: dict[str, type[Clearance]] = {
+    model: cls
+    for cls in (*TouchingSpec.__subclasses__(), IdealClearance)
+    for model in get_args(cls.model_fields["model"].annotation)
 }
 
 CLEARANCES = Tables(_MODELS, _MODELS.__getitem__)

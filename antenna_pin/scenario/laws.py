@@ -238,10 +238,7 @@ def needs_materials(law: LawSpec) -> str | None:
 
 
 def check_values(law: LawSpec, family: Family) -> tuple[str, str] | None:
-    """Return the first parameter that the law refuses, and the rule; None if valid.
-
-    The parameters must be complete except for what comes from the joint.
-    """
+    """Return the first parameter refused by a law, and the rule; else None."""
     from antenna_pin import contact
 
     known = laws(family)

@@ -137,10 +137,7 @@ def _below(name: str, cases: Mapping[str, _Case], label: str) -> tuple[tuple[str
 
 
 def _check_case(source: Source, overrides: Mapping[str, Any]) -> None:
-    """Refuse faults of a case that is not run; its files are not read.
-
-    A file that overrides have to complete is no fault of the case.
-    """
+    """Refuse faults of a case that is not run and no override completes."""
     problem = _problem_of_case(source, source.merged())
     if problem is not None and _problem_of_case(source, merge(source.merged(), overrides)) is not None:
         raise problem

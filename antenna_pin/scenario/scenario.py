@@ -179,10 +179,7 @@ class Scenario(FamilyTables):
         return [*found[:at], *others, *found[at:]]
 
     def lasting(self, duration: float) -> Scenario:
-        """Return the scenario with another duration [s], positive, as :meth:`with_overrides` would.
-
-        Nothing is read or checked again, which saves time in a study's short runs.
-        """
+        """Return the scenario with another duration [s], positive, without checks of the rest."""
         _, record = read_layer({"duration": duration})
         return self.model_copy(update={"duration": duration, "overrides": (*self.overrides, *record)})
 

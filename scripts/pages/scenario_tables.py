@@ -24,7 +24,6 @@ from antenna_pin.scenario import (
     AngleEvent,
     ChainSpec,
     ChangeEvent,
-    ClearanceSpec,
     ClosureSpec,
     ContactClearance,
     ControllerSpec,
@@ -60,6 +59,7 @@ from antenna_pin.scenario import (
     ThermalBearing,
     TimeEvent,
 )
+from antenna_pin.scenario.clearance import CLEARANCES
 from antenna_pin.scenario.parameters import ParameterSpec
 from antenna_pin.scenario.requirements import RequirementSpec
 
@@ -170,7 +170,7 @@ _CONTROLLERS = {
 
 def _clearance_rows() -> list[Row]:
     """Return the rows of a joint with play: what is required depends on the model."""
-    classes = get_args(ClearanceSpec)
+    classes = dict.fromkeys(CLEARANCES.values())
     found = []
     for name in ContactClearance.model_fields:
         if name in ("model", "normal", "radial", "axial", "friction"):
@@ -185,7 +185,7 @@ def _clearance_models() -> dict[str, str]:
     """Return what each model of a joint is."""
     return {
         "` or `".join(get_args(cls.model_fields["model"].annotation)): first_line(cls)
-        for cls in get_args(ClearanceSpec)
+        for cls in dict.fromkeys(CLEARANCES.values())
     }
 
 

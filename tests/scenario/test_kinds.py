@@ -11,7 +11,6 @@ import pytest
 from antenna_pin.errors import ScenarioError
 from antenna_pin.scenario import FAMILY_SPECS, REFERENCE_SPECS, Scenario, load_scenario
 from antenna_pin.scenario._class_tables import CONTROLLER_SPECS, COUPLING_SPECS, EVENT_SPECS, FLEXIBLE_SPECS
-from antenna_pin.scenario.clearance import CLEARANCES, ClearanceSpec
 from antenna_pin.scenario.closures import AnyCoupling
 from antenna_pin.scenario.controllers import ControllerSpec
 from antenna_pin.scenario.events import EventSpec
@@ -21,13 +20,12 @@ from antenna_pin.scenario.flexible import FlexibleSpec
 @pytest.mark.parametrize(
     ("tables", "classes", "key"),
     [
-        (CLEARANCES, ClearanceSpec, "model"),
         (CONTROLLER_SPECS, ControllerSpec, "kind"),
         (COUPLING_SPECS, AnyCoupling, "kind"),
         (EVENT_SPECS, EventSpec, "kind"),
         (FLEXIBLE_SPECS, FlexibleSpec, "kind"),
     ],
-    ids=["clearance", "controllers", "couplings", "events", "flexible"],
+    ids=["controllers", "couplings", "events", "flexible"],
 )
 def test_the_kinds_are_those_of_the_classes(tables, classes, key):
     said = {kind: cls for cls in get_args(classes) for kind in get_args(cls.model_fields[key].annotation)}

@@ -141,10 +141,7 @@ def factorize(plan: Floats, work: Floats, mass: Floats) -> None:
 
 @inlined
 def _reduce(plan: Floats, work: Floats, left: Floats, squares: Floats, weights: Floats) -> None:
-    """Write L^-1 J^T, the squares of its rows' lengths, and their scale factors.
-
-    A row of round-off becomes zero.
-    """
+    """Write L^-1 J^T, its rows' squared lengths, and their scales; rows of round-off are zero."""
     head = plan_of(plan)
     nv, width = head.nv, head.width
     root = work[head.root : head.root + nv * nv]

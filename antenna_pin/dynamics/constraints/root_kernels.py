@@ -10,10 +10,7 @@ from antenna_pin.compiled.decorators import inlined
 
 @inlined
 def write_root(mass: Floats, nv: int, root: Floats, starts: Floats) -> None:
-    """Write L of M = L L^T, (nv nv,), and each row's first column.
-
-    The diagonal has inverses.
-    """
+    """Write L of L L^T, (nv nv,), its diagonal inverted, and rows' first columns."""
     for i in range(nv):
         row = i * nv
         begin = 0

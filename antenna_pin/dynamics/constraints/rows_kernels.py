@@ -154,10 +154,7 @@ def _motion_row(t: float, y: Floats, program: Floats, plan: Floats, work: Floats
 
 @kernel
 def _hold_row(y: Floats, program: Floats, plan: Floats, work: Floats, own: Driven) -> None:
-    """Write the row of an element that may hold its joint; zeros otherwise.
-
-    Rows of zeros are dropped when rows are factorized.
-    """
+    """Write the row of an element that may hold its joint; zeros, dropped later, otherwise."""
     head = plan_of(plan)
     held, where = elements.hold(own.kind, program, own.words)
     turns = own.slides == 0
@@ -277,10 +274,7 @@ def _closure_rows(plan: Floats, work: Floats, closure: ClosureRecord) -> None:
 
 @inlined
 def _rotation_vector(a: Place, b: Place, attitude: int, angle: Floats) -> None:
-    """Write the rotation vector of B in A, in axes of A.
-
-    If the attitude is not held, it is that of the third axis.
-    """
+    """Write the rotation vector, in A, of B or of its held third axis."""
     p, q = a.rotation, b.rotation
     zx = p[0, 0] * q[0, 2] + p[1, 0] * q[1, 2] + p[2, 0] * q[2, 2]
     zy = p[0, 1] * q[0, 2] + p[1, 1] * q[1, 2] + p[2, 1] * q[2, 2]

@@ -202,10 +202,7 @@ def _place_discs(at: PlacementRecord, shape: Revolute, discs: Discs) -> None:
 
 @kernel
 def coal_start(work: Floats, k: int, side: float, pose: Records[Pose]) -> bool:
-    """Start the search on a circle; return whether END k needs queries.
-
-    The circle is at ``side`` times half the length.
-    """
+    """Start the search on the circle at ``side``; return whether END k needs queries."""
     # Towards the side of the bore nearest to the journal axis, where it cuts the circle's plane.
     ox, oy, oz = pose[0].centre[0], pose[0].centre[1], pose[0].centre[2]
     zx, zy, zz = pose[0].axis[0], pose[0].axis[1], pose[0].axis[2]
@@ -275,10 +272,7 @@ def _newton(shape: Revolute, at: PlacementRecord, end: End, normal: Triple, gap:
 
 @inlined
 def _approach(shape: Revolute, at: PlacementRecord, end: End) -> None:
-    """Place the point of an END at the closed form's least gap.
-
-    Then coal is queried once.
-    """
+    """Place the point of an END at the closed form's least gap."""
     for _ in range(_APPROACH):
         x, y = end.in_journal[0], end.in_journal[1]
         distance = math.sqrt(x * x + y * y)
@@ -328,10 +322,7 @@ def coal_turn(work: Floats, k: int) -> bool:
 
 @kernel
 def coal_take_in(work: Floats, pose: Records[Pose], table: Records[Contact], row: int) -> bool:
-    """Convert coal's results into the requested rows, in H; return whether they are final.
-
-    If not, coal must be queried again.
-    """
+    """Convert coal's results into the requested rows, in H; return whether they suffice."""
     query = query_in(work)
     query.asked &= ~FLANGES
     for k in range(2):

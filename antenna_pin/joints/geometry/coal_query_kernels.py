@@ -30,10 +30,7 @@ def most_words(contacts: int, strips: int, sectors: int) -> int:
 
 @inlined
 def set_out(work: Floats, pose: Records[Pose], table: Records[Contact], row: int, wanted: int) -> None:
-    """Write the queries of the wanted contacts of a joint, given as bits.
-
-    With distributed load all contacts are queried.
-    """
+    """Write the queries of wanted contacts (bits) of a joint; of all under distributed load."""
     if query_in(work).kind == FLANGED:
         coal_set_out(work, pose, wanted)
     elif query_in(work).kind == PATCHED:

@@ -131,10 +131,7 @@ class CoalRevolute(CoalBackend):
             question()
 
     def _end(self, k: int) -> _Question:
-        """Return the query of coal for the point of END k.
-
-        Its inputs are read once; coal's normal is read in place.
-        """
+        """Return the query of coal for the point of END k."""
         point, answers, direction = (
             self._ends["in_journal"][k],
             self._ends["answer"],

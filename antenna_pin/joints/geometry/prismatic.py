@@ -100,10 +100,7 @@ def clamped(p: Array, z: Array, half: float, guide: float) -> Array:
 
 
 def mouths(half: float, outer: float, inner: float) -> float:
-    """Return the tilt at which a centred slider touches both mouths [rad].
-
-    It solves outer cos - half sin = inner.
-    """
+    """Return the tilt at both mouths, of outer cos - half sin = inner [rad]."""
     play = outer - inner
     return 2.0 * math.atan2(play, half + math.sqrt(half * half + (outer + inner) * play))
 
@@ -115,10 +112,7 @@ def guide_words(size: Sizes) -> list[str]:
 
 
 def touches(a: float, b: float, c: float) -> float:
-    """Return the least root of a cos + b sin = c [rad].
-
-    For c > a; NaN if there is none.
-    """
+    """Return the least root of a cos + b sin = c [rad]; else NaN."""
     left = b * b + a * a - c * c
     return math.nan if left < 0.0 else 2.0 * math.atan2(c - a, b + math.sqrt(left))
 

@@ -3,29 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from antenna_pin.joints.geometry.cylindrical import CylindricalClearance
-from antenna_pin.joints.geometry.look import Look
-from antenna_pin.joints.geometry.planar import PlanarClearance
-from antenna_pin.joints.geometry.prismatic import PrismaticClearance
-from antenna_pin.joints.geometry.revolute import RevoluteClearance
-from antenna_pin.joints.geometry.spherical import SphericalClearance
+from antenna_pin.base.lazy import Classes
+
+if TYPE_CHECKING:
+    from antenna_pin.joints.geometry.look import Look
+
+    LOOKS: Mapping[str, Look]
 
 __all__ = ["LOOKS", "SHAPES"]
 
-SHAPES: Mapping[str, type[Any]] = MappingProxyType(
+SHAPES = Classes(
+    "antenna_pin.joints.geometry",
     {
-        shape.kind: shape
-        for shape in (
-            # Of several kinds in a figure forces are drawn as of the first: those without an axis first.
-            SphericalClearance,
-            PrismaticClearance,
-            CylindricalClearance,
-            RevoluteClearance,
-            PlanarClearance,
-        )
-    }
+        # Of several kinds in a figure forces are drawn as of the first: those without an axis first.
+        "spherical": "spherical.SphericalClearance",
+        "prismatic": "prismatic.PrismaticClearance",
+        "cylindrical": "cylindrical.CylindricalClearance",
+        "revolute": "revolute.RevoluteClearance",
+        "planar": "planar.PlanarClearance",
+    },
 )
-LOOKS: Mapping[str, Look] = MappingProxyType({kind: shape.look for kind, shape in SHAPES.items()})
+
+
+def __getattr__(name: str) -> Any:
+    """Return ``LOOKS``, the descriptions of all kinds."""
+    if name == "LOOKS":
+        return globals().setdefault(name, {kind: shape.look for kind, shape in SHAPES.items()})
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -163,10 +163,7 @@ class RevoluteClearance(RoundShape):
         bearing_outer_radius: float,
         flange_radius: float,
     ) -> RevoluteClearance:
-        """Return the shape by its clearances [m].
-
-        The journal radius is R_i - C_r, the flange distance L_i + 2 C_a.
-        """
+        """Return the shape by its clearances C_r and C_a [m]."""
         return cls(
             bearing_radius=bearing_radius,
             journal_radius=bearing_radius - radial_clearance,

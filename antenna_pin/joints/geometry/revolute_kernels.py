@@ -260,10 +260,7 @@ def contact_scenario(
 def scenario_in(
     dimensions: Records[Revolute], poses: Records[Pose], table: Records[Contact]
 ) -> tuple[int, int]:
-    """Return the contact scenario of poses[0], filling the five rows of a table.
-
-    Arguments are REVOLUTE and POSE, (1,).
-    """
+    """Return the contact scenario of poses[0], filling the five rows of a table."""
     shape, pose = dimensions[0], poses[0]
     revolute_contacts(shape, pose, table)
     return contact_scenario(shape, pose, table, 0, table[4])

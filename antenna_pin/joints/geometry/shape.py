@@ -97,10 +97,7 @@ class ClearanceGeometry(Protocol):
 
     @property
     def patch_radius(self) -> float | None:
-        """Radius of the circle of the sectors of a distributed flange load [m].
-
-        None for a shape whose load cannot be distributed.
-        """
+        """Radius of the circle of a distributed flange load's sectors [m], or None."""
 
     @property
     def planar(self) -> bool:

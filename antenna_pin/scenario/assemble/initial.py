@@ -83,10 +83,7 @@ def _angle(spec: Any) -> float:
 
 
 def guess_of(scenario: Scenario, system: System) -> tuple[Array, Array]:
-    """Return the scenario's first guess of pose, (nq,), and velocity, (nv,); loops open.
-
-    Joints that follow others are where these lead them.
-    """
+    """Return the first guess of pose, (nq,), and velocity, (nv,); followers where led, loops open."""
     q, v = given_state(scenario, system.mechanism)
     put_followers(system.mechanism, system.couplings.values(), q, _known_places(scenario, system))
     return q, v
