@@ -170,7 +170,7 @@ def differentiated(evaluate: Callable[..., None]) -> Any:
         parts: tuple[int, int, int, int],
         arrays: tuple[Floats, Floats, Floats],
         out: Floats,
-        *arguments: Any,
+        *arguments: object,
     ) -> None:
         values, weights, trial = arrays
         points, count = weights.shape[1], parts[3]
