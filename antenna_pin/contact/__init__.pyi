@@ -1,3 +1,4 @@
+from antenna_pin.base.parameters import Parameter as Parameter
 from antenna_pin.contact.bristle import Dahl as Dahl
 from antenna_pin.contact.bristle import GonthierBristle as GonthierBristle
 from antenna_pin.contact.bristle import LuGre as LuGre
@@ -63,7 +64,6 @@ from antenna_pin.contact.normal import ElasticLaw as ElasticLaw
 from antenna_pin.contact.normal import Hertz as Hertz
 from antenna_pin.contact.normal import NoDissipation as NoDissipation
 from antenna_pin.contact.normal import NormalLaw as NormalLaw
-from antenna_pin.contact.normal import Parameter as Parameter
 from antenna_pin.contact.normal import is_elastic as is_elastic
 from antenna_pin.contact.normal import law_parameters as law_parameters
 from antenna_pin.contact.normal import make_normal_law as make_normal_law

@@ -42,13 +42,13 @@ __all__ = ["GONTHIER", "BristleLaw", "Dahl", "GonthierBristle", "LuGre", "gonthi
 
 
 @inlined
-def no_dwell(law: BristleLaw) -> bool:
+def no_dwell(law: Any) -> bool:
     """Return that the state of a law is a deflection alone."""
     return False
 
 
 @inlined
-def has_dwell(law: GonthierBristle) -> bool:
+def has_dwell(law: Any) -> bool:
     """Return that the state of a law has a dwell behind the deflection."""
     return True
 
@@ -143,7 +143,7 @@ class Dahl(BristleLaw):
 
 
 @inlined
-def stribeck_level(law: LuGre, speed: float) -> float:
+def stribeck_level(law: LuGre | GonthierBristle, speed: float) -> float:
     """``mu_d + (mu_s - mu_d) exp(-(|v| / v_s)^2)`` [-]."""
     y = speed / law.stribeck_speed
     return float(law.dynamic + (law.static - law.dynamic) * math.exp(-y * y))
@@ -160,7 +160,7 @@ def lugre(law: LuGre, force: float, slip: Triple, whole: Triple, along: Triple, 
 
 @inlined
 def _bent(
-    law: LuGre,
+    law: LuGre | GonthierBristle,
     pull: tuple[float, float, float, float],
     slip: Triple,
     whole: Triple,

@@ -313,7 +313,9 @@ def bristle(law: Floats, force: float, slip: Triple, whole: Triple, along: Tripl
         along: The part of it that carries force, likewise.
         dwell: What a law with a dwell remembers of it [-].
     """
-    return _friction(law, record(law, FRICTION_LAW).kind, force, slip, whole, along, dwell)
+    return _friction(  # type: ignore[no-any-return]
+        law, record(law, FRICTION_LAW).kind, force, slip, whole, along, dwell
+    )
 
 
 @kernel

@@ -450,9 +450,6 @@ def check_load(
 # --- contacts in one state ----------------------------------------------------------------------------------
 
 
-Array = NDArray[np.float64]
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class JointContacts:
     """Contacts of a clearance joint in one state; arrays per contact are in bearing axes.

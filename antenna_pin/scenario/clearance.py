@@ -73,6 +73,9 @@ class TouchingSpec(Clearance):
     A kind of joint with play is one class below, which says its sizes.
     """
 
+    if TYPE_CHECKING:
+        model: str
+
     # The kind of its shape, by which results and readers know it (:data:`antenna_pin.joints.geometry.LOOKS`).
     kind: ClassVar[str]
     # Why no law along a line can be its law, if none can; how many contacts share a line along the bearing.
@@ -359,11 +362,8 @@ class CylindricalClearance(TouchingSpec):
 ClearanceSpec = TouchingSpec | IdealClearance
 """A joint with play; ``model`` says which class it is."""
 
-_MODELS: dict[str, type[Clearance]] = {
-    model: cls
-    for cls in (*TouchingSpec.__subclasses__(), IdealClearance)
-    for model in get_args(cls.model_fields["model"].annotation)
-}
+_CLASSES: tuple[type[Clearance], ...] = (*TouchingSpec.__subclasses__(), IdealClearance)
+_MODELS = {model: cls for cls in _CLASSES for model in get_args(cls.model_fields["model"].annotation)}
 
 CLEARANCES = Tables(_MODELS, _MODELS.__getitem__)
 """Joints with play by their ``model``."""

@@ -203,8 +203,6 @@ class Constraints:
 # --- plan ---------------------------------------------------------------------------------------------------
 
 
-Array = NDArray[np.float64]
-
 # Ratio of the least to the largest moment of a body below which it is a rod.
 _THIN = 1e-9
 # Joints with more freedoms than their axis.
