@@ -9,7 +9,6 @@ from contextlib import contextmanager
 from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.base.interruption import FunctionInterrupted
@@ -22,6 +21,7 @@ from antenna_pin.dynamics.blocks import InPython
 from antenna_pin.elements import Motion
 from antenna_pin.errors import FunctionError, LongRunWarning, StiffRunWarning
 from antenna_pin.integrate import Method, Stepper
+from antenna_pin.mechanism.inertia import mass_matrix
 from antenna_pin.run.simulation.constraints import CourseChecks
 from antenna_pin.run.simulation.events import Event
 from antenna_pin.run.simulation.function_checks import RepeatabilityCheck, failure_in, functions_in_kernels
@@ -325,8 +325,7 @@ class Stiffness:
         if not apart.max() < _AT_REST:
             return complex(values[largest]), nothing[1]
         mode = vectors[nv : 2 * nv, largest]
-        mass = np.array(pin.crba(workspace.model, workspace.data, y[:nq]))
-        mass = np.triu(mass) + np.triu(mass, 1).T
+        mass = mass_matrix(workspace.model, workspace.data, y[:nq])
         return complex(values[largest]), np.abs(np.real(np.conj(mode) * (mass @ mode)))
 
     def _what(self, place: _StiffState, share: Array, rate: float) -> str:
