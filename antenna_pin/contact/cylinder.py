@@ -29,7 +29,6 @@ from antenna_pin.base.parameters import parameter
 from antenna_pin.base.records import packed
 from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.contact.normal import ElasticLaw, power, power_energy, power_force
-from antenna_pin.contact.pressure import LARGEST_SQUARE
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -437,6 +436,17 @@ class BaiZhaoElastic(LineLaw):
         return math.pi / 8.0 * math.sqrt(2.0) * self.modulus * self.length
 
 
+def _largest_square() -> float:
+    """Return b^2 of Persson's infinite load, the root of 2 - ln(1 + b^2) - 2 b^4, by Newton's method."""
+    square = 0.8
+    for _ in range(20):
+        capacity = 2.0 - math.log1p(square) - 2.0 * square * square
+        square += capacity / (1.0 / (1.0 + square) + 4.0 * square)
+    return square
+
+
+#: b^2 of an infinite load [-].
+LARGEST_SQUARE = _largest_square()
 # b^2 that Persson's law is evaluated at, at most.
 _LARGEST = 0.99 * LARGEST_SQUARE
 # Gauss-Legendre on [-1, 1].

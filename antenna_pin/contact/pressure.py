@@ -29,13 +29,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.rules import NumberRule, PositiveOrInfinite
+from antenna_pin.contact.cylinder import LARGEST_SQUARE
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
     "Ellipse",
     "ISO76_PRESSURE",
     "LARGEST_HALF_ANGLE",
-    "LARGEST_SQUARE",
     "LinePressure",
     "PointPressure",
     "ball_load_limit",
@@ -119,21 +119,6 @@ def hertz_line(load: ArrayLike, curvature: PositiveOrInfinite, modulus: Positive
 # R is the radius of the hole or of the disc, which differ by the play that the theory takes as small.
 
 
-def _capacity(square: float) -> float:
-    """Return 2 - ln(1 + b^2) - 2 b^4, which vanishes at an infinite load."""
-    return 2.0 - math.log1p(square) - 2.0 * square * square
-
-
-def _largest_square() -> float:
-    """Return b^2 of an infinite load by Newton's method."""
-    square = 0.8
-    for _ in range(20):
-        square += _capacity(square) / (1.0 / (1.0 + square) + 4.0 * square)
-    return square
-
-
-#: b^2 of an infinite load [-].
-LARGEST_SQUARE = _largest_square()
 #: Half-angle of the arc of contact under an infinite load, or without play [rad]: 84.5 deg.
 LARGEST_HALF_ANGLE = 2.0 * math.atan(math.sqrt(LARGEST_SQUARE))
 
