@@ -93,7 +93,7 @@ def call_alone() -> None:
 
     from antenna_pin import build_system, load_scenario, simulate
     from antenna_pin.base.records import POSE
-    from antenna_pin.compiled.deferred import require_all
+    from antenna_pin.compiled.slots import fill_all
     from antenna_pin.contact import Dahl
     from antenna_pin.dynamics import Workspace
     from antenna_pin.dynamics.mode_kernels import grip_of, is_held, mode_of
@@ -102,7 +102,7 @@ def call_alone() -> None:
     for model, case, changes in JOBS:
         scenario = load_scenario(model, case=case, overrides=list(changes))
         simulate(scenario, duration=min(DURATION, scenario.duration))
-        require_all()
+        fill_all()
     system = build_system(load_scenario("bai2020", case="case3"))
     workspace = Workspace(system)
     backend: Any = workspace._backends[0]

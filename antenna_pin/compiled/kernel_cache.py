@@ -51,7 +51,7 @@ except ImportError:  # internal to Numba
 
 __all__ = ["FORMAT", "KernelCacheWarning", "keep", "remembered", "stored_code"]
 
-FORMAT = 8  # of what is kept
+FORMAT = 9  # of what is kept
 
 _DIGEST = hashlib.sha256().digest_size
 

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from antenna_pin.base.records import Floats, Record
-from antenna_pin.compiled.decorators import Layout, inlined, kernel, record
+from antenna_pin.compiled.decorators import Layout, deferred, inlined, kernel, record
 from antenna_pin.contact.called_kernels import CALLED_WHOLE, CALLED_WHOLE_LAW, called_whole
 from antenna_pin.contact.records import NORMAL_LAW, dissipation_record
 
@@ -81,7 +81,7 @@ DISSIPATION_RECORDS: dict[float, Layout[Any]] = {
 }
 
 
-@kernel
+@deferred
 def _additive_force(
     law: Floats, kind: float, elastic: float, depth: float, rate: float, mass: float
 ) -> float:

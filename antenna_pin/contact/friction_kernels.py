@@ -13,7 +13,7 @@ import math
 from typing import Any
 
 from antenna_pin.base.records import Floats, Record, Triple
-from antenna_pin.compiled.decorators import Layout, inlined, kernel, record
+from antenna_pin.compiled.decorators import Layout, deferred, inlined, kernel, record
 from antenna_pin.contact.called_kernels import CALLED_FRICTION, CALLED_FRICTION_LAW, called_ratio
 from antenna_pin.contact.records import FRICTION_LAW, FRICTION_SIZE, friction_record
 
@@ -238,7 +238,7 @@ def _brown_mcphee_ratio(law: BrownMcPheeLaw, speed: float, force: float) -> floa
     return float(dry / law.transition_speed + wet)
 
 
-@kernel
+@deferred
 def _other_friction_ratio(law: Floats, kind: float, speed: float, force: float) -> float:
     """Friction coefficient over slip speed [s/m] of the rarer laws."""
     if kind == COULOMB:

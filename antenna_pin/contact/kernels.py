@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from antenna_pin.base.records import Floats
-from antenna_pin.compiled.decorators import Layout, inlined, kernel, record
+from antenna_pin.compiled.decorators import Layout, deferred, inlined, kernel, record
 from antenna_pin.contact.called_kernels import CALLED, CALLED_LAW, called_energy, called_force
 from antenna_pin.contact.conformal_kernels import (
     BAI_ZHAO_LAW,
@@ -69,7 +69,7 @@ ELASTIC_RECORDS: dict[float, Layout[Any]] = {
 DEPTH_NODES, DEPTH_WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
-@kernel
+@deferred
 def _other_force(law: Floats, kind: float, depth: float) -> float:
     """Elastic force [N] of the rarer kinds."""
     if kind == LOGARITHMIC:
@@ -119,7 +119,7 @@ def _quadrature(law: Floats, kind: float, depth: float) -> float:
     return total
 
 
-@kernel
+@deferred
 def _other_energy(law: Floats, kind: float, depth: float) -> float:
     """Energy stored [J] by the kinds that are no power of the depth."""
     if kind == FOUNDATION:

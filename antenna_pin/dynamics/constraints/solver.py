@@ -9,7 +9,6 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from antenna_pin.compiled.deferred import require
 from antenna_pin.dynamics.constraints import (
     factor_kernels,
     force_kernels,
@@ -18,7 +17,6 @@ from antenna_pin.dynamics.constraints import (
     solve_kernels,
 )
 from antenna_pin.dynamics.constraints import layout_kernels as _layout
-from antenna_pin.dynamics.constraints.layout_kernels import CONSTRAINTS
 from antenna_pin.dynamics.constraints.plan import ConstraintPlan
 from antenna_pin.dynamics.constraints.solve_kernels import CLOSED, NEAR, OPEN, ROUNDS
 from antenna_pin.mechanism.inertia import mass_matrix
@@ -51,7 +49,6 @@ class Constraints:
 
     def __init__(self, plan: ConstraintPlan, model: Any, data: Any) -> None:
         """Allocate everything once."""
-        require(CONSTRAINTS)
         self.plan = plan
         self.model = model
         self.data = data
