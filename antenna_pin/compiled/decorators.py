@@ -246,6 +246,7 @@ class ByKind:
         self.at = functools.cache(of_kind)
 
     def __call__(self, kind: int, *arguments: Any) -> Any:
+        """Call the kernel of a kind; the last one by numbers beyond."""
         return self.at(int(kind) if 0 <= kind < KINDS else KINDS - 1)(*arguments)
 
     @functools.cached_property

@@ -34,7 +34,6 @@ compare_settings_fast()
 _ROOMS_OF_KINDS = ("elements", "contact", "joints")  # kernels are in the modules of classes
 # markers of files with kernels, or with fields of elements' records
 _MARKS = (b"antenna_pin.compiled.decorators import", b"antenna_pin.elements.element import")
-_REGISTRY = "elements/registry.py"  # names the files that are compiled into the chains of kinds
 
 
 def stamped_files() -> tuple[Path, ...]:
@@ -47,12 +46,12 @@ def stamped_files() -> tuple[Path, ...]:
         "compiled/address_intrinsics.py",
         "compiled/by_address.py",
         "compiled/calls.py",
+        "compiled/deferred.py",
         "compiled/intrinsics.py",
         "compiled/lanes.py",
         "compiled/numba_pipeline.py",
         "compiled/record.py",
         "compiled/slots.py",
-        _REGISTRY,
     )
     kinds = (path for room in _ROOMS_OF_KINDS for path in (folder / room).glob("*.py"))
     found = {path for name in names for path in folder.glob(name)}
@@ -90,7 +89,7 @@ def _digests(own: bytes, texts: Mapping[Path, bytes]) -> list[str]:
     """Return the stamps of files, then the stamp of all, from their texts."""
     room = Path(__file__).parent
     codes = {path: code_of(text, with_methods=path.parent == room) for path, text in texts.items()}
-    imports = {path: _imports(path, text, codes) for path, text in texts.items()}
+    imports = {path: _imports(text, codes) for path, text in texts.items()}
     base = f"{numba.__version__} {FORMAT} {code_of(own)}"
 
     def digest(paths: Iterable[Path]) -> str:
@@ -110,11 +109,9 @@ def _digests(own: bytes, texts: Mapping[Path, bytes]) -> list[str]:
     return [*stamps, digest(codes)]
 
 
-def _imports(path: Path, text: bytes, stamped: Collection[Path]) -> set[Path]:
-    """Return the stamped files imported by a file; by the registry, its whole room."""
+def _imports(text: bytes, stamped: Collection[Path]) -> set[Path]:
+    """Return the stamped files imported by a file."""
     folder = Path(__file__).parents[1]
-    if path == folder / _REGISTRY:
-        return {one for one in stamped if one.parent == path.parent}
     found = set()
     for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(folder.name):

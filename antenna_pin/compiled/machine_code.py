@@ -118,7 +118,7 @@ def kept_of(needs: set[Any], deferred: set[DeferredCall], reduced: tuple[Any, ..
     if form != "object" or objectmode or reload_init:
         return None
     machine_code, bitcode = code
-    code_of_llvm, environments = zlib.compress(bitcode), (environment, *others)
+    code_of_llvm, environments = zlib.compress(bitcode, 1), (environment, *others)
     return Kept(needs, machine_code, code_of_llvm, description, environments, signature, frozenset(deferred))
 
 

@@ -102,15 +102,14 @@ def declare(call: DeferredCall) -> None:
         _rows_at[ctypes.addressof(row.addresses)] = row
 
 
-def fill_all() -> None:
-    """Fill all slots of loaded kernels, and of those that these call, for a shared library."""
-    filled = 0
-    while filled < len(_rows):
-        for row in list(_rows.values())[filled:]:
-            for number, address in enumerate(row.addresses):
-                if not address:
-                    row.fill(number)
-            filled += 1
+def fill_all(backwards: bool = False) -> None:
+    """Fill all slots of loaded kernels, and of those that these call.
+
+    Of two processes one may begin at the end.
+    """
+    while empty := [(row, k) for row in _rows.values() for k, one in enumerate(row.addresses) if not one]:
+        for row, number in reversed(empty) if backwards else empty:
+            row.fill(number)
 
 
 class _Deferred(types.Callable, types.Dummy):  # type: ignore[misc]

@@ -8,6 +8,7 @@ not-a-number, never a silent zero.
 
 from __future__ import annotations
 
+import functools
 import inspect
 import math
 import sys
@@ -38,48 +39,46 @@ def _row(name: str, last: str, default: _Default = lambda element: None, plain: 
 
     Args:
         name: Name of the hook.
-        last: Statement for kinds without one, and numbers that are no kind's; or its result.
-        default: Statement for a kind without one.
+        last: Statement for kinds without one, and numbers that are no kind's.
+        default: Statement for a kind without one; None for ``last``.
         plain: Name and arguments of the hook that kinds without states have in its place.
     """
     like = getattr(Hooks, name, _mode)
     parameters = [one for one in inspect.signature(like).parameters if one not in ("self", "element")]
+    head = f"def {name}({', '.join(['words', 'at', *parameters])}):\n    "
 
     def of_kind(number: int) -> Any:
         element = registry.element_of(number)
-        if element is not None:
-            for one in (f"{name}({', '.join(parameters)})", plain):
-                hook, _, given = one.rstrip(")").partition("(")
-                if hook and element.hook(hook) is not None:
-                    return _call(name, parameters, element, element.hook(hook), given)
-            if (statement := default(element)) is not None:
-                return _kernel(name, parameters, element, statement)
-        return _kernel(name, parameters, None, last if "=" in last else f"return {last}")
+        if element is None:
+            return _kernel(name, head + last)
+        namer = next(base for base in element.__mro__ if "kernels" in vars(base))
+        for one in (f"{name}({', '.join(parameters)})", plain):
+            hook = element.hook(called := one.partition("(")[0])
+            if hook is not None:
+                tail = f"words[at + {words_of(element.layout())} :], " if takes_tail(hook) else ""
+                call = one.replace(f"{called}(", f"hook({_own(element)}, {tail}")
+                cast = "float" if in_python(hook).__annotations__["return"] == "float" else ""
+                return _kernel(name, f"{head}return {cast}({call})", namer, hook)
+        if (statement := default(element)) is not None:
+            return _kernel(name, head + statement, element)
+        return _kernel(name, head + last)
 
     return ByKind(f"{__name__}:{name}", like, of_kind)
 
 
-def _call(name: str, parameters: list[str], element: _Kind, hook: Any, given: str) -> Any:
-    """Return the kernel that calls a kind's own hook."""
-    tail = f"words[at + {words_of(element.layout())} :], " if takes_tail(hook) else ""
-    call = f"hook({_own(element)}, {tail}{given})"
-    cast = "float" if in_python(hook).__annotations__["return"] == "float" else ""
-    return _kernel(name, parameters, element, f"return {cast}({call})", hook)
-
-
 def _own(element: _Kind) -> str:
+    """Return the expression of an element's record."""
     return f"record(words[at : at + {words_of(element.layout())}], layout)"
 
 
-def _kernel(name: str, parameters: list[str], element: _Kind | None, statement: str, hook: Any = None) -> Any:
-    """Return a kernel of a statement, stored with the file of the class that names the kind's hooks."""
+@functools.cache
+def _kernel(name: str, text: str, owner: _Kind | None = None, hook: Callable[..., Any] | None = None) -> Any:
+    """Return the kernel of a text, stored with the file of the class that owns it."""
     names = {"record": record, "write_work": write_work, "nan": math.nan, "hook": hook, "__name__": __name__}
     path, own = __file__, ""
-    if element is not None:
-        namer = next(base for base in element.__mro__ if "kernels" in vars(base))
-        path, own = str(sys.modules[namer.__module__].__file__), f".{namer.__name__}"
-        names["layout"] = element.layout()
-    text = f"def {name}({', '.join(['words', 'at', *parameters])}):\n    {statement}"
+    if owner is not None:
+        path, own = str(sys.modules[owner.__module__].__file__), f".{owner.__name__}"
+        names |= {"layout": owner.layout(), "__name__": owner.__module__}
     exec(compile(text, path, "exec"), names)  # noqa: S102 - a kernel has a fixed number of arguments
     names[name].__qualname__ += own
     return kernel(names[name])
@@ -116,36 +115,36 @@ def _bearing(element: _Kind) -> str | None:
 
 # --- all of them --------------------------------------------------------------------------------------------
 
-effort = _row("effort", "nan", _no_effort)
+effort = _row("effort", "return nan", _no_effort)
 # Of all, those with states of their own among them.
-effort_of = _row("effort_of", "nan", _no_effort, "effort(motion[0], motion[1], motion[2])")
+effort_of = _row("effort_of", "return nan", _no_effort, "effort(motion[0], motion[1], motion[2])")
 write_rates_of = _row(
-    "write_rates_of", "None", _rates, "write_rates(motion[0], motion[1], motion[2], rates, x)"
+    "write_rates_of", "return None", _rates, "write_rates(motion[0], motion[1], motion[2], rates, x)"
 )
-stored = _row("stored", "0.0")
-stored_of = _row("stored_of", "0.0", plain="stored(angle)")
-kink_of = _row("kink_of", "nan", plain="kink(motion[0], motion[1], motion[2])")
-reference = _row("reference", "nan, nan")
-motion = _row("motion", "nan, nan, nan")
+stored = _row("stored", "return 0.0")
+stored_of = _row("stored_of", "return 0.0", plain="stored(angle)")
+kink_of = _row("kink_of", "return nan", plain="kink(motion[0], motion[1], motion[2])")
+reference = _row("reference", "return nan, nan")
+motion = _row("motion", "return nan, nan, nan")
 # Of those with modes.
-switch = _row("switch", "1.0, 0.0")
-hold = _row("hold", "False, 0.0")
-mode = _row("mode", "0", _mode_of)
+switch = _row("switch", "return 1.0, 0.0")
+hold = _row("hold", "return False, 0.0")
+mode = _row("mode", "return 0", _mode_of)
 # Of dry friction.
-grip = _row("grip", "0.0")
-bearing = _row("bearing", "0.0, 0.0, 0.0, 0.0", _bearing)
-rub = _row("rub", "0.0")
-bear = _row("bear", "None")
+grip = _row("grip", "return 0.0")
+bearing = _row("bearing", "return 0.0, 0.0, 0.0, 0.0", _bearing)
+rub = _row("rub", "return 0.0")
+bear = _row("bear", "return None")
 # Of those between two joints.
-between = _row("between", "nan, nan, nan, nan")
-dissipation = _row("dissipation", "nan")
-drag = _row("drag", "0.0")
+between = _row("between", "return nan, nan, nan, nan")
+dissipation = _row("dissipation", "return nan")
+drag = _row("drag", "return 0.0")
 # Of those that act on a journal's whole pose.
-press = _row("press", "nan")
-journal_energy = _row("journal_energy", "nan")
-coordinates = _row("coordinates", "nan, nan, nan, nan, nan, nan")
+press = _row("press", "return nan")
+journal_energy = _row("journal_energy", "return nan")
+coordinates = _row("coordinates", "return nan, nan, nan, nan, nan, nan")
 # Of those between points.
-tension = _row("tension", "nan")
-loss = _row("loss", "nan")
+tension = _row("tension", "return nan")
+loss = _row("loss", "return nan")
 # Of those on links.
 act = _row("act", "desk[1][0].force[0] = nan")
