@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Compile the kernels once, on all cores, so that no run and no test waits for them.
 
-They are kept beside the sources. What is compiled is what these runs call: all that shipped scenarios, laws
-and elements do (``tests/compiled/test_compiled_once.py``). Of processes that come to the same kernel one
-makes it and the others wait; so each begins with runs that have little in common with those of the others.
+They are stored beside the sources. Compiled is what these runs call or, but for ``--demo``, might call: all
+that shipped scenarios, laws and elements need (``tests/compiled/test_compiled_once.py``). Of processes that
+come to the same kernel one compiles it and the others wait; so each begins with runs that have little in
+common with those of the others.
 """
 
 from __future__ import annotations
@@ -58,6 +59,7 @@ def make(job: Job, derivatives: bool = False, more: bool = True) -> None:
 
     from antenna_pin import build_system, load_scenario, simulate
     from antenna_pin.compiled.compile_time import told_of_compiling
+    from antenna_pin.compiled.slots import fill_all
     from antenna_pin.dynamics import Workspace
     from antenna_pin.mechanism import TreeDynamics
     from antenna_pin.scenario.assemble import initial_state
@@ -74,6 +76,7 @@ def make(job: Job, derivatives: bool = False, more: bool = True) -> None:
 
             flow, start = flow_of(scenario)
             flow.tangent(start, MOMENT)
+            fill_all()
             return
         simulate(scenario, duration=min(DURATION, scenario.duration))
         if not more:
@@ -82,27 +85,21 @@ def make(job: Job, derivatives: bool = False, more: bool = True) -> None:
         TreeDynamics(system.mechanism)
         y = system.state(*initial_state(scenario, system))
         Workspace(system).derivative(0.0, y, np.zeros(system.model.nv + system.manifold.nx))
+        fill_all(backwards=JOBS.index(job) % 2 == 1)
 
 
 def call_alone() -> None:
-    """Call the kernels that Python calls and no run above: a joint alone, bristles, modes, linear steps.
-
-    Those that only some runs need are made for all callers, as a shared library needs them.
-    """
+    """Call the kernels that Python calls and no run above: a joint alone, bristles, modes, linear steps."""
     import numpy as np
 
-    from antenna_pin import build_system, load_scenario, simulate
+    from antenna_pin import build_system, load_scenario
     from antenna_pin.base.records import POSE
-    from antenna_pin.compiled.deferred import require_all
+    from antenna_pin.compiled.slots import fill_all
     from antenna_pin.contact import Dahl
     from antenna_pin.dynamics import Workspace
     from antenna_pin.dynamics.mode_kernels import grip_of, is_held, mode_of
     from antenna_pin.integrate.collocation import NODES, Propagator
 
-    for model, case, changes in JOBS:
-        scenario = load_scenario(model, case=case, overrides=list(changes))
-        simulate(scenario, duration=min(DURATION, scenario.duration))
-        require_all()
     system = build_system(load_scenario("bai2020", case="case3"))
     workspace = Workspace(system)
     backend: Any = workspace._backends[0]
@@ -122,6 +119,7 @@ def call_alone() -> None:
     for one in (grip_of, is_held, mode_of):
         one(-1, np.zeros(1), 0)
     Propagator(2).step(1.0, np.zeros((len(NODES), 2, 2)))
+    fill_all()
 
 
 def show(text: str, last: bool = False) -> None:

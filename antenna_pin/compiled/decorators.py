@@ -15,13 +15,12 @@ import types
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from antenna_pin.compiled.deferred import note_group, require
+from antenna_pin.compiled.deferred import KINDS, raise_failure
 from antenna_pin.compiled.record import Layout, record
 
 __all__ = [
+    "ByKind",
     "Layout",
-    "composed",
-    "composed_later",
     "deferred",
     "in_python",
     "inlined",
@@ -43,18 +42,13 @@ def kernel(function: _Function) -> _Function:
     return _later(function, cached=True, alone=True, forceinline=False)
 
 
-def deferred(group: str) -> Callable[[_Function], _Function]:
-    """Compile as a kernel a function that only some runs need.
+def deferred(function: _Function) -> _Function:
+    """Compile as a kernel a function that only some runs need, when one calls it.
 
-    These require its group (``deferred.py``). Its callers are compiled without it. It returns None, int,
-    float or bool, as annotated.
+    Its callers are compiled without it (``slots.py``). It returns nothing, int, float, bool or a tuple of
+    these, as annotated.
     """
-    note_group(group)
-
-    def decorate(function: _Function) -> _Function:
-        return function if _plain() else _DeferredKernel(function, group)  # type: ignore[return-value]
-
-    return decorate
+    return function if _plain() else _DeferredKernel(function)  # type: ignore[return-value]
 
 
 def released(function: _Function) -> _Function:
@@ -65,25 +59,6 @@ def released(function: _Function) -> _Function:
 def inlined(function: _Function) -> _Function:
     """Compile a small function that is always inlined into its callers."""
     return _later(function, cached=True, forceinline=True)
-
-
-def composed(function: _Function) -> _Function:
-    """Compile a function composed of kernels at import, inlined into its callers.
-
-    It has no machine code of its own: its callers contain it, and its parts belong to their stamp.
-    """
-    return _later(function, cached=False, forceinline=True)
-
-
-def composed_later(make: Callable[[], Any]) -> Any:
-    """Return the composition by ``make``, delayed until its first call or compilation.
-
-    A process that finds its callers compiled neither composes it nor loads its parts.
-    """
-    if _plain():
-        made = functools.cache(make)
-        return lambda *arguments: made()(*arguments)
-    return _Composed(make)
 
 
 def in_python(function: _Function) -> _Function:
@@ -191,7 +166,11 @@ class _LazyKernel:
         self._options = options
 
     def __call__(self, *arguments: Any) -> Any:
-        return self._called(*arguments)
+        try:
+            return self._called(*arguments)
+        except SystemError:  # of machine code, without a reason
+            raise_failure()
+            raise
 
     def __getattr__(self, name: str) -> Any:
         # Tools that inspect any object request such names; one of Numba's begins with a single underscore.
@@ -209,7 +188,7 @@ class _LazyKernel:
 
     def _compiled(self, entry: bool) -> Any:
         """Return the function as Numba compiles it, for Python or for kernels."""
-        _load_numba(self._name())
+        _load_numba(self.name)
         from antenna_pin.compiled.jit import dispatcher
 
         sys.setrecursionlimit(max(sys.getrecursionlimit(), _DEEP))
@@ -219,45 +198,63 @@ class _LazyKernel:
             compiled.__class__ = _for_kernels(kind)
         return compiled
 
-    def _name(self) -> str:
+    @property
+    def name(self) -> str:
+        """Module and name."""
         return f"{self.__wrapped__.__module__}:{self.__wrapped__.__qualname__}"
 
     def _shipped(self) -> Callable[..., Any] | None:
         from antenna_pin.compiled.shipped_code import shipped
 
-        return shipped(self._name(), self._options.get("nogil", False), lambda: self._entry)
+        return shipped(self.name, self._options.get("nogil", False), lambda: self._entry)
 
     def __reduce__(self) -> str:
         return self.__wrapped__.__qualname__  # pickled by name, like a function
 
 
 class _DeferredKernel(_LazyKernel):
-    """Kernel of a group; other kernels call it through a slot."""
+    """Kernel that other kernels call through a slot."""
 
-    def __init__(self, function: Callable[..., Any], group: str) -> None:
+    places = 1  # slots of a call
+
+    def __init__(self, function: Callable[..., Any]) -> None:
         super().__init__(function, {"cached": True, "alone": True, "forceinline": False})
-        self._group = group
+
+    def at(self, number: int) -> _DeferredKernel:
+        """Return the kernel of a slot."""
+        return self
 
     @functools.cached_property
     def _numba_type_(self) -> Any:
-        from antenna_pin.compiled.slots import call_type
-
-        returned = self.__wrapped__.__annotations__["return"]
-        return call_type(self._name(), self._group, getattr(returned, "__name__", str(returned)))
-
-    def __call__(self, *arguments: Any) -> Any:
-        require(self._group)
-        return super().__call__(*arguments)
+        return _call_type(self)
 
 
-class _Composed(_LazyKernel):
-    """Function that is composed at its first use."""
+class ByKind:
+    """Kernels of many kinds, called by the number of the kind, each compiled when first called."""
 
-    def __init__(self, make: Callable[[], _LazyKernel]) -> None:
-        self._make = make
+    places = KINDS
 
-    def _compiled(self, entry: bool) -> Any:
-        return self._make()._entry if entry else self._make()._made
+    def __init__(self, name: str, like: Callable[..., Any], of_kind: Callable[[int], _Function]) -> None:
+        """Make no kernel yet.
 
-    def _shipped(self) -> None:
-        """Return nothing: it is a part of other kernels only."""
+        Args:
+            name: Module and name of these kernels.
+            like: Function that returns what they return, as annotated.
+            of_kind: Returns a kernel by the number of the kind, 0 to ``KINDS`` - 1.
+        """
+        self.name, self.__wrapped__ = name, like
+        self.at = functools.cache(of_kind)
+
+    def __call__(self, kind: int, *arguments: Any) -> Any:
+        """Call the kernel of a kind; the last one by numbers beyond."""
+        return self.at(int(kind) if 0 <= kind < KINDS else KINDS - 1)(*arguments)
+
+    @functools.cached_property
+    def _numba_type_(self) -> Any:
+        return _call_type(self)
+
+
+def _call_type(kernel: Any) -> Any:
+    from antenna_pin.compiled.slots import call_type
+
+    return call_type(kernel)

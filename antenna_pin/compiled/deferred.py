@@ -1,36 +1,22 @@
-"""Groups of kernels that only some runs need, called through slots (``slots.py``)."""
+"""Errors of kernels compiled at their first call (``slots.py``), for the caller of machine code.
+
+Machine code that calls such a kernel cannot pass on what Python raises while compiling it.
+"""
 
 from __future__ import annotations
 
-import sys
+__all__ = ["KINDS", "failures", "raise_failure"]
 
-__all__ = ["is_required", "note_group", "require", "require_all"]
+#: Slots of a row of kinds; the last is that of numbers that are no kind's.
+KINDS = 128
 
-_known: set[str] = set()
-_required: set[str] = set()
-
-
-def note_group(group: str) -> None:
-    """Register a group of kernels."""
-    _known.add(group)
+#: What compilation raised under machine code; its callers return an error at once.
+failures: list[BaseException] = []
 
 
-def is_required(group: str) -> bool:
-    """Return whether something in this process needs a group."""
-    return group in _required
-
-
-def require(group: str) -> None:
-    """Have the kernels of a group compiled or loaded before whoever calls them runs."""
-    if group in _required:
-        return
-    _required.add(group)
-    slots = sys.modules.get("antenna_pin.compiled.slots")
-    if slots is not None:
-        slots.fill(group)
-
-
-def require_all() -> None:
-    """Require all groups of loaded modules, for a shared library of all kernels."""
-    for group in sorted(_known):
-        require(group)
+def raise_failure() -> None:
+    """Raise what compilation under machine code has raised, if anything."""
+    if failures:
+        found = failures[0]
+        failures.clear()
+        raise found

@@ -34,8 +34,7 @@ compare_settings_fast()
 _ROOMS_OF_KINDS = ("elements", "contact", "joints")  # kernels are in the modules of classes
 # markers of files with kernels, or with fields of elements' records
 _MARKS = (b"antenna_pin.compiled.decorators import", b"antenna_pin.elements.element import")
-# name the files that are compiled into the chains of kinds
-_REGISTRIES = ("contact/registry.py", "elements/registry.py")
+_REGISTRY = "contact/registry.py"  # names the files that are compiled into the chains of laws
 
 
 def stamped_files() -> tuple[Path, ...]:
@@ -48,12 +47,13 @@ def stamped_files() -> tuple[Path, ...]:
         "compiled/address_intrinsics.py",
         "compiled/by_address.py",
         "compiled/calls.py",
+        "compiled/deferred.py",
         "compiled/intrinsics.py",
         "compiled/lanes.py",
         "compiled/numba_pipeline.py",
         "compiled/record.py",
         "compiled/slots.py",
-        *_REGISTRIES,
+        _REGISTRY,
     )
     kinds = (path for room in _ROOMS_OF_KINDS for path in (folder / room).glob("*.py"))
     found = {path for name in names for path in folder.glob(name)}
@@ -114,7 +114,7 @@ def _digests(own: bytes, texts: Mapping[Path, bytes]) -> list[str]:
 def _imports(path: Path, text: bytes, stamped: Collection[Path]) -> set[Path]:
     """Return the stamped files imported by a file; by the registry, its whole room."""
     folder = Path(__file__).parents[1]
-    if path in [folder / registry for registry in _REGISTRIES]:
+    if path == folder / _REGISTRY:
         return {one for one in stamped if one.parent == path.parent}
     found = set()
     for node in ast.walk(ast.parse(text)):

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import gc
 import hashlib
 import io
 import itertools
@@ -51,7 +52,7 @@ except ImportError:  # internal to Numba
 
 __all__ = ["FORMAT", "KernelCacheWarning", "keep", "remembered", "stored_code"]
 
-FORMAT = 8  # of what is kept
+FORMAT = 9  # of what is kept
 
 _DIGEST = hashlib.sha256().digest_size
 
@@ -75,11 +76,15 @@ def keep(dispatcher: Any, stamp: str, entry: bool = False) -> None:
 
     def compiled(signature: Any) -> Any:
         _nested.depth += 1
+        collects = gc.isenabled()
+        gc.disable()  # of what Numba makes little is garbage before it is done
         try:
             entry = compile_or_load(signature)
         finally:
             _nested.depth -= 1
             cache.turn.end()
+            if collects:
+                gc.enable()
         if _nested.depth == 0:
             cache.pack()
         return entry

@@ -35,15 +35,13 @@ __all__ = [
 
 
 class DeferredCall(NamedTuple):
-    """Call of a kernel that only some runs need.
+    """Call of a kernel that is compiled when first called, or of those of all kinds.
 
     Attributes:
-        group: Group of kernels that such runs require.
         kernel: Module and name.
         types: Pickled types of the arguments.
     """
 
-    group: str
     kernel: str
     types: bytes
 
@@ -58,7 +56,7 @@ class Kept(NamedTuple):
         description: Numba's.
         environments: What it needs of Python, its own first.
         signature: Types of its arguments and of what it returns.
-        deferred: Calls of kernels that only some runs need.
+        deferred: Calls of kernels through slots.
     """
 
     needs: set[Any]
@@ -79,7 +77,7 @@ class KernelCode(NamedTuple):
         needs: Symbols of kernels that it calls.
         object: Its object file.
         environments: What it needs of Python.
-        deferred: Calls of kernels that only some runs need.
+        deferred: Calls of kernels through slots.
     """
 
     symbol: str
@@ -120,7 +118,7 @@ def kept_of(needs: set[Any], deferred: set[DeferredCall], reduced: tuple[Any, ..
     if form != "object" or objectmode or reload_init:
         return None
     machine_code, bitcode = code
-    code_of_llvm, environments = zlib.compress(bitcode), (environment, *others)
+    code_of_llvm, environments = zlib.compress(bitcode, 1), (environment, *others)
     return Kept(needs, machine_code, code_of_llvm, description, environments, signature, frozenset(deferred))
 
 

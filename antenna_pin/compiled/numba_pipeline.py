@@ -91,13 +91,9 @@ class KernelCompiler(CompilerBase):  # type: ignore[misc]
             state.library.enable_object_caching()
         whole = DefaultPassBuilder.define_nopython_pipeline(self.state)
         kept = PassManager("kernel")
-        prunes = sum(made.__name__ == "DeadBranchPrune" for made, _ in whole.passes)
-        for made, text in whole.passes:
-            if made.__name__ == "DeadBranchPrune":
-                prunes -= 1
-                if prunes:
-                    continue
-            if made.__name__ not in _NOT_NEEDED:
+        for number, (made, text) in enumerate(whole.passes):
+            comes_again = any(made is later for later, _ in whole.passes[number + 1 :])
+            if made.__name__ not in _NOT_NEEDED and not comes_again:
                 kept.add_pass(made, text)
         kept.finalize()
         return [kept]

@@ -38,7 +38,7 @@ from antenna_pin.compiled.shipped_code import (
     dtype_text,
     key_of,
 )
-from antenna_pin.compiled.slots import SLOT, symbol_of_call
+from antenna_pin.compiled.slots import FILL, symbols_of_call
 from antenna_pin.compiled.stand_alone import symbol_of, symbols_of
 from antenna_pin.compiled.target import BASELINE
 
@@ -139,18 +139,21 @@ def _all_kernels(package: Path) -> dict[str, tuple[str, Kept]]:
 
 
 def _called_by(kernel: Kept) -> set[str]:
-    """Return the symbols of kernels that a kernel calls, those of some runs only included."""
-    return {*symbols_of(kernel), *map(symbol_of_call, kernel.deferred)}
+    """Return the symbols of kernels that a kernel calls, those through slots included."""
+    return {*symbols_of(kernel), *(one for call in kernel.deferred for one in symbols_of_call(call)[1])}
 
 
 def _fill_slots(module: Any, kernels: dict[str, tuple[str, Kept]]) -> None:
-    """Define the slots of kernels that only some runs need, filled."""
-    for symbol in sorted(
-        {symbol_of_call(call) for _, kernel in kernels.values() for call in kernel.deferred}
-    ):
-        function = module.globals.get(symbol) or ir.Function(module, ir.FunctionType(_WORD, []), symbol)
-        slot = ir.GlobalVariable(module, _ADDRESS, SLOT + symbol)
-        slot.initializer = function.bitcast(_ADDRESS)
+    """Define all slots, filled, and the function that would fill one."""
+    calls = {call for _, kernel in kernels.values() for call in kernel.deferred}
+    for name, symbols in dict(sorted(map(symbols_of_call, calls))).items():
+        functions = [
+            module.globals.get(one) or ir.Function(module, ir.FunctionType(_WORD, []), one) for one in symbols
+        ]
+        slots = ir.GlobalVariable(module, ir.ArrayType(_ADDRESS, len(symbols)), name)
+        slots.initializer = slots.value_type([function.bitcast(_ADDRESS) for function in functions])
+    fill = ir.Function(module, ir.FunctionType(_ADDRESS, [_ADDRESS, _WORD]), FILL)
+    ir.IRBuilder(fill.append_basic_block()).ret(_ADDRESS(None))
 
 
 def _object(machine: Any, kernel: Kept, symbol: str) -> bytes:

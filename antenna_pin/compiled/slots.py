@@ -1,16 +1,16 @@
 """Calls of deferred kernels (``decorators.deferred``) through slots, as Numba compiles them.
 
 A slot is a place in memory for a kernel's address, under a name that holds in every process. Callers are
-compiled with the types of the call alone. Where the kernel's group is required, the kernel is compiled or
-loaded and its slot filled before they run; elsewhere the slot stays empty, for they do not come to the call.
+compiled with the types of the call alone. A call that finds its slot empty has Python compile or load the
+kernel and fill it. Kernels of many kinds have a row of slots, by the number of the kind.
 """
 
 from __future__ import annotations
 
 import ctypes
 import pickle
-import sys
-from typing import Any
+from functools import cache
+from typing import Any, get_args, get_origin
 
 from llvmlite import ir
 from llvmlite.binding import add_symbol
@@ -22,78 +22,106 @@ from numba.core.registry import cpu_target
 from numba.core.typing import signature
 from numba.extending import models, register_model
 
-from antenna_pin.compiled.deferred import is_required
+from antenna_pin.compiled.deferred import KINDS, failures
 from antenna_pin.compiled.machine_code import DeferredCall, address_of
 from antenna_pin.compiled.stand_alone import deferred_calls_of, kernel_named, symbol_of
 
-__all__ = ["SLOT", "call_type", "declare", "fill", "symbol_of_call"]
+__all__ = ["FILL", "SLOT", "call_type", "declare", "fill_all", "symbols_of_call"]
 
 #: What the name of a slot begins with, before the symbol of its kernel.
 SLOT = "slot:"
+#: Name of the function that fills a slot: of the address of a row and a number in it, the kernel's address.
+FILL = "fill a slot"
 
-_RETURNED = {"None": types.none, "int": types.int64, "float": types.float64, "bool": types.boolean}
+_ADDRESS, _WORD = ir.IntType(8).as_pointer(), ir.IntType(64)
+_RETURNED = {None: types.none, int: types.int64, float: types.float64, bool: types.boolean}
 
 
 @ctypes.PYFUNCTYPE(ctypes.c_int32)
-def _missing() -> int:
-    """Fail as a kernel called without its group; Python raises ``SystemError``."""
-    sys.stderr.write("a deferred kernel is called, but nothing has required its group\n")
+def _failing() -> int:
+    """Fail as a kernel does."""
     return -1  # Numba's status of an exception
 
 
-class _Slot:
-    """Place of a deferred kernel's address; ``_missing`` until its group is required."""
+class _Row:
+    """Slots of a call: one, or one for each kind; zero until the kernel is called."""
 
-    def __init__(self, call: DeferredCall, symbol: str) -> None:
-        """Define the slot's name for loaded code."""
-        self.call, self._symbol, self._is_filled = call, symbol, False
-        self._address = ctypes.cast(_missing, ctypes.c_void_p)
-        add_symbol(SLOT + symbol, ctypes.addressof(self._address))
+    def __init__(self, call: DeferredCall) -> None:
+        """Define the row's name for loaded code."""
+        self._kernel, self._types = kernel_named(call.kernel), _arguments(call)
+        self.addresses = (ctypes.c_void_p * self._kernel.places)()
+        add_symbol(_name(call), ctypes.addressof(self.addresses))
 
-    def fill(self) -> None:
-        """Compile or load the kernel and write its address."""
-        if not self._is_filled:
-            kernel_named(self.call.kernel).compile(_arguments(self.call))
-            self._address.value = address_of(self._symbol)
-            self._is_filled = True
+    def fill(self, number: int) -> int:
+        """Compile or load a kernel, write its address, and return that."""
+        kernel = self._kernel.at(number)
+        kernel.compile(self._types)
+        returned, declared = kernel.overloads[self._types].signature.return_type, returned_by(self._kernel)
+        found = types.unliteral(returned)
+        if found != declared:
+            raise TypeError(f"{kernel.name} is declared to return {declared}, not {found}")
+        self.addresses[number] = address_of(symbol_of(kernel.name, self._types))
+        return int(self.addresses[number] or 0)
 
 
-_slots: dict[DeferredCall, _Slot] = {}
+_rows: dict[DeferredCall, _Row] = {}
+_rows_at: dict[int, _Row] = {}
+
+
+@ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)
+def _fill(place: int, number: int) -> int | None:
+    """Fill a slot for machine code; with a function that fails if Python raises an error."""
+    try:
+        return _rows_at[place].fill(number)
+    except BaseException as error:  # of a user who interrupts, too
+        failures.append(error)
+        return ctypes.cast(_failing, ctypes.c_void_p).value
+
+
+add_symbol(FILL, ctypes.cast(_fill, ctypes.c_void_p).value)
 
 
 def _arguments(call: DeferredCall) -> tuple[Any, ...]:
     return tuple(pickle.loads(call.types))  # noqa: S301 - of this process, or from a sealed file
 
 
-def symbol_of_call(call: DeferredCall) -> str:
-    """Return the symbol of the kernel that a call means."""
-    return symbol_of(call.kernel, _arguments(call))
+def _name(call: DeferredCall) -> str:
+    return SLOT + symbol_of(call.kernel, _arguments(call))
+
+
+def symbols_of_call(call: DeferredCall) -> tuple[str, list[str]]:
+    """Return the name of a call's row of slots, and the symbols of the kernels in it."""
+    kernel, kinds = kernel_named(call.kernel), _arguments(call)
+    return _name(call), [symbol_of(kernel.at(number).name, kinds) for number in range(kernel.places)]
 
 
 def declare(call: DeferredCall) -> None:
-    """Make the slot of a call, and fill it if its group is required already."""
-    if call not in _slots:
-        _slots[call] = _Slot(call, symbol_of_call(call))
-    if is_required(call.group):
-        _slots[call].fill()
+    """Make the slots of a call."""
+    if call not in _rows:
+        row = _rows[call] = _Row(call)
+        _rows_at[ctypes.addressof(row.addresses)] = row
 
 
-def fill(group: str) -> None:
-    """Fill the slots of a group."""
-    for call in [one for one in _slots if one.group == group]:
-        _slots[call].fill()
+def fill_all(backwards: bool = False) -> None:
+    """Fill all slots of loaded kernels, and of those that these call.
+
+    Of two processes one may begin at the end.
+    """
+    while empty := [(row, k) for row in _rows.values() for k, one in enumerate(row.addresses) if not one]:
+        for row, number in reversed(empty) if backwards else empty:
+            row.fill(number)
 
 
 class _Deferred(types.Callable, types.Dummy):  # type: ignore[misc]
-    """Type of a deferred kernel."""
+    """Type of a deferred kernel, or of a row of them."""
 
-    def __init__(self, kernel: str, group: str, returned: Any) -> None:
+    def __init__(self, kernel: str, is_row: bool, returned: Any) -> None:
         """Name the kernel and what it returns."""
-        self._kernel, self._group, self._returned = kernel, group, returned
+        self._kernel, self._is_row, self._returned = kernel, is_row, returned
         super().__init__(f"deferred({kernel})")
 
     def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
-        """Return the signature of a call, whose slot is declared."""
+        """Return the signature of a call, whose slots are declared."""
         if kws:
             raise TypeError(f"{self._kernel} is deferred and takes no arguments by name")
         arguments = tuple(map(types.unliteral, args))
@@ -113,18 +141,38 @@ class _Deferred(types.Callable, types.Dummy):  # type: ignore[misc]
         return name
 
     def _call(self, arguments: tuple[Any, ...]) -> DeferredCall:
-        return DeferredCall(self._group, self._kernel, pickle.dumps(arguments))
+        return DeferredCall(self._kernel, pickle.dumps(arguments[self._is_row :]))
 
     def _lowered(self, context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        """Call the kernel at the address in its slot."""
-        deferred_calls_of(context.active_code_library).add(self._call(sig.args))
-        convention, name = context.call_conv, SLOT + symbol_of(self._kernel, sig.args)
-        kind = convention.get_function_type(sig.return_type, sig.args).as_pointer()
-        slot = builder.module.globals.get(name) or ir.GlobalVariable(builder.module, kind, name)
-        status, value = convention.call_function(builder, builder.load(slot), sig.return_type, sig.args, args)
+        """Call the kernel at the address in its slot, filled first if it is empty."""
+        call = self._call(sig.args)
+        deferred_calls_of(context.active_code_library).add(call)
+        convention, given = context.call_conv, sig.args[self._is_row :]
+        kind = convention.get_function_type(sig.return_type, given).as_pointer()
+        slots = _global(builder.module, _name(call), ir.ArrayType(_ADDRESS, KINDS if self._is_row else 1))
+        number = _WORD(0)
+        if self._is_row:
+            number = builder.sext(args[0], _WORD) if args[0].type.width < _WORD.width else args[0]
+            is_known = builder.icmp_unsigned("<", number, _WORD(KINDS - 1))
+            number = builder.select(is_known, number, _WORD(KINDS - 1))
+        slot = builder.gep(slots, [_WORD(0), number])
+        address = cgutils.alloca_once_value(builder, builder.load(slot))
+        with cgutils.if_unlikely(builder, cgutils.is_null(builder, builder.load(address))):
+            fill = cgutils.get_or_insert_function(
+                builder.module, ir.FunctionType(_ADDRESS, [_ADDRESS, _WORD]), FILL
+            )
+            builder.store(builder.call(fill, [builder.bitcast(slots, _ADDRESS), number]), address)
+        kernel = builder.bitcast(builder.load(address), kind)
+        status, value = convention.call_function(
+            builder, kernel, sig.return_type, given, args[self._is_row :]
+        )
         with cgutils.if_unlikely(builder, status.is_error):
             convention.return_status_propagate(builder, status)
         return value
+
+
+def _global(module: Any, name: str, kind: Any) -> Any:
+    return module.globals.get(name) or ir.GlobalVariable(module, kind, name)
 
 
 @register_model(_Deferred)
@@ -137,12 +185,22 @@ def _constant(context: Any, builder: Any, kind: Any, value: Any) -> Any:
     return context.get_dummy_value()
 
 
-def call_type(kernel: str, group: str, returned: str) -> Any:
-    """Return Numba's type of a deferred kernel.
+@cache
+def returned_by(kernel: Any) -> Any:
+    """Return Numba's type of what a deferred kernel returns, as annotated."""
+    function = kernel.__wrapped__
+    annotation = function.__annotations__["return"]
+    if isinstance(annotation, str):
+        annotation = eval(annotation, function.__globals__)  # noqa: S307 - a kernel's own source
+    return _type_of(annotation)
 
-    Args:
-        kernel: Module and name.
-        group: Group that a run requires.
-        returned: Annotation of what it returns: None, int, float or bool.
-    """
-    return _Deferred(kernel, group, _RETURNED[returned])
+
+def _type_of(annotation: Any) -> Any:
+    if get_origin(annotation) is tuple:
+        return types.Tuple(tuple(map(_type_of, get_args(annotation))))
+    return _RETURNED[annotation]
+
+
+def call_type(kernel: Any) -> Any:
+    """Return Numba's type of a deferred kernel, or of those of all kinds."""
+    return _Deferred(kernel.name, kernel.places > 1, returned_by(kernel))

@@ -94,7 +94,7 @@ def needs_of(library: Any) -> set[Any]:
 
 
 def deferred_calls_of(library: Any) -> set[DeferredCall]:
-    """Return the calls in machine code of kernels that only some runs need."""
+    """Return the calls in machine code through slots."""
     if "deferred" not in vars(library):
         library.deferred = set()
     deferred: set[DeferredCall] = library.deferred

@@ -13,7 +13,7 @@ import numpy as np
 
 from antenna_pin.base.records import Floats, Triple
 from antenna_pin.compiled.calls import call_1, call_3
-from antenna_pin.compiled.decorators import composed, inlined, kernel, record
+from antenna_pin.compiled.decorators import composed, deferred, inlined, kernel, record
 from antenna_pin.contact import registry
 from antenna_pin.contact.records import (
     FRICTION_LAW,
@@ -104,7 +104,7 @@ def _called_force(law: Floats, kind: float, depth: float) -> float:
 _rare_force = chain(lambda: _elastic(frequent=False), "kernel", elastic_record, _called_force)
 
 
-@kernel
+@deferred
 def _other_force(law: Floats, kind: float, depth: float) -> float:
     """Elastic force [N] of the rarer kinds."""
     return float(_rare_force(law, kind, depth))
@@ -146,7 +146,7 @@ def _no_energy(law: Floats, kind: float, depth: float) -> float:
 _rare_energy = chain(lambda: _elastic(frequent=False), "energy", elastic_record, _no_energy)
 
 
-@kernel
+@deferred
 def _other_energy(law: Floats, kind: float, depth: float) -> float:
     """Energy stored [J] by the rarer kinds."""
     if kind == _CALLED:
@@ -185,7 +185,7 @@ def _called_whole(
 _rare_damped = chain(lambda: _dissipations(frequent=False), "kernel", dissipation_record, _called_whole)
 
 
-@kernel
+@deferred
 def _other_damped(
     law: Floats, kind: float, elastic: float, depth: float, rate: float, approach_speed: float, mass: float
 ) -> float:
@@ -231,7 +231,7 @@ def _no_ratio(law: Floats, kind: float, speed: float, force: float) -> float:
 _rare_ratio = chain(lambda: _frictions(frequent=False), "ratio", friction_record, _no_ratio)
 
 
-@kernel
+@deferred
 def _other_ratio(law: Floats, kind: float, speed: float, force: float) -> float:
     """Friction coefficient over slip speed [s/m] of the rarer laws."""
     return float(_rare_ratio(law, kind, speed, force))

@@ -37,7 +37,7 @@ from antenna_pin.base.records import (
     layout,
     words_of,
 )
-from antenna_pin.compiled.decorators import inlined, kernel, record
+from antenna_pin.compiled.decorators import deferred, inlined, kernel, record
 from antenna_pin.elements import kernels as elements
 from antenna_pin.joints.kernels import clearance_joint, joint_energy
 from antenna_pin.joints.layout_kernels import CLEARANCE, FORCES_GIVEN, JointRecord, joint_at
@@ -232,7 +232,7 @@ def act_at(
     return float(_push(j, e, effort, slope, y, nq, tau))
 
 
-@kernel
+@deferred
 def _between(p: Floats, b: int, t: float, y: Floats, head: Program, tau: Floats, rates: Floats) -> None:
     """Add the generalized force of a two-joint element; write its loss and impulse rates."""
     e, nq = element_at(p, b), head.nq

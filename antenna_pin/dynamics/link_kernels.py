@@ -12,7 +12,7 @@ from antenna_pin.base.records import Floats, Record, Records, Triple, Vector3, l
 from antenna_pin.compiled.decorators import deferred, inlined, kernel, record
 from antenna_pin.dynamics.audit_kernels import mass_centre
 from antenna_pin.dynamics.kernels import PARAMETERS, act_at, element_at, head_of, own_motion
-from antenna_pin.dynamics.point_kernels import LINKS, add_pull, add_wrench, draw, push, stored_between
+from antenna_pin.dynamics.point_kernels import add_pull, add_wrench, draw, push, stored_between
 from antenna_pin.elements import kernels as elements
 from antenna_pin.elements.desk_kernels import (
     BOOK,
@@ -193,7 +193,7 @@ def _book(book: LinksBook, force: Triple, torque: Triple, place: Triple, centre:
     book.central_impulse[2] += mz + cx * fy - cy * fx
 
 
-@deferred(LINKS)
+@deferred
 def add_forces(
     t: float,
     y: Floats,
@@ -229,7 +229,7 @@ def add_forces(
         b += element_at(program, b).length
 
 
-@deferred(LINKS)
+@deferred
 def write_wrenches(program: Floats, places: Records[Place], out: Floats) -> None:
     """Write the last wrenches of all elements on bodies: world axes, (6 bodies,).
 
@@ -267,7 +267,7 @@ def kept_on_links(y: Floats, program: Floats, b: int, places: Records[Place]) ->
     return float(whole[0].energy)
 
 
-@deferred(LINKS)
+@deferred
 def stored(y: Floats, program: Floats, places: Records[Place]) -> float:
     """Return the energy stored in all elements on links [J]."""
     total = 0.0
@@ -281,7 +281,7 @@ def stored(y: Floats, program: Floats, places: Records[Place]) -> float:
     return total
 
 
-@deferred(LINKS)
+@deferred
 def kink_on_links(
     t: float, y: Floats, program: Floats, b: int, tree: Records[Body], places: Records[Place]
 ) -> float:
@@ -293,7 +293,7 @@ def kink_on_links(
     return float(whole[0].kink)
 
 
-@deferred(LINKS)
+@deferred
 def look_at_links(program: Floats, applied: Records[Applied], energies: Floats) -> None:
     """Write what stands on all desks: ``APPLIED`` of each place, (places,), energies stored, (elements,)."""
     k = n = 0

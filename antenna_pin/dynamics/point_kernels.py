@@ -51,8 +51,6 @@ class Stretched(Record):
 
 
 STRETCH = layout(Stretched)
-#: Group of the kernels that only systems with elements on links need (``compiled/deferred.py``).
-LINKS = "links"
 
 # Distance of coincident points, relative to their distances from the world's origin: round-off.
 COINCIDE = 1e-15
@@ -206,7 +204,7 @@ def stored_between(program: Floats, b: int, places: Records[Place]) -> float:
     return float(e.on * elements.stored(e.kind, program, b + PARAMETERS, length))
 
 
-@deferred(LINKS)
+@deferred
 def look_at(program: Floats, places: Records[Place], stretches: Records[Stretched]) -> None:
     """Write what there is to see of all springs between points: ``STRETCH`` of each, (springs,)."""
     k = 0

@@ -26,8 +26,6 @@ class Queried(Record):
 
 QUERIED = layout(Queried)
 HEAD = words_of(QUERIED)
-#: Groups of the kernels for coal's distances by machine code, and by Python (``compiled/deferred.py``).
-BY_ADDRESS, BY_PYTHON = "coal by address", "coal by Python"
 
 
 @inlined
@@ -42,7 +40,7 @@ def has_queries(program: Floats, work: Floats) -> bool:
     return bool(_first_piece(head_of(program)) < work.shape[0])
 
 
-@deferred(BY_PYTHON)
+@deferred
 def set_out_queries(y: Floats, program: Floats, work: Floats) -> None:
     """Write the queries to coal at the state y: gaps of touching contacts."""
     head = head_of(program)
@@ -63,7 +61,7 @@ def set_out_queries(y: Floats, program: Floats, work: Floats) -> None:
         at += queried.words
 
 
-@deferred(BY_PYTHON)
+@deferred
 def take_in_queries(y: Floats, program: Floats, work: Floats) -> bool:
     """Write coal's results into the contact table; return whether they are final."""
     head = head_of(program)
@@ -82,7 +80,7 @@ def take_in_queries(y: Floats, program: Floats, work: Floats) -> bool:
     return final
 
 
-@deferred(BY_ADDRESS)
+@deferred
 def answer_queries(y: Floats, program: Floats, work: Floats, everything: bool) -> int:
     """Measure the gaps of touching contacts, or of all, by coal's machine code.
 

@@ -12,7 +12,6 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.records import CONTACT, MEMORY, PLANE, POSE, memory_records, words_of
-from antenna_pin.compiled.deferred import require
 from antenna_pin.contact.onset import approach_speed_in_contact
 from antenna_pin.dynamics import kernels, link_kernels, point_kernels, query_kernels, trial_kernels
 from antenna_pin.dynamics.constraints import Constraints
@@ -100,8 +99,6 @@ class Workspace:
         backends = [path.queried for path in self.paths if path.queried is not None]
         #: Whether machine code evaluates coal's distances: of all joints that can be asked so, or of none.
         self.is_queried = bool(backends) and all(one.evaluator is not None for one in backends)
-        if backends:
-            require(query_kernels.BY_ADDRESS if self.is_queried else query_kernels.BY_PYTHON)
         self._backends = backends
         #: Those of the paths that are Python's to go.
         self.python_paths = [path for path in self.paths if path.queried is None or not self.is_queried]
@@ -122,7 +119,6 @@ class Workspace:
         #: The bodies, and room for where they are, if elements on links ask for that.
         self._bodies: tuple[NDArray[Any], NDArray[Any]] | None = None
         if system.point_springs or system.forces:
-            require(point_kernels.LINKS)
             tree = body_tree(system.mechanism)
             self._bodies = tree, np.zeros(len(tree) + 1, PLACE)
         #: What is held besides the tree; None if nothing is.

@@ -1,187 +1,150 @@
-"""All kinds of force elements, compiled: dispatch by the number of the kind.
+"""Hooks of all kinds of force elements, called by the number of the kind.
 
-The chain ``if kind == ...`` is made from the registry when a caller is compiled, and compiled into it: who
-finds its kernels compiled loads the elements that it has, not all. It makes of ``words`` and ``at``, the
-program and the place of an element's numbers in it, the record that a kind's kernel takes, and the numbers
-behind that. A number that no kind has gives not-a-number, never a silent zero.
+A call goes through a row of slots, one for each kind; the kernel of a kind is made and compiled when a run
+first calls it. It makes of ``words`` and ``at``, the program and the place of an element's numbers in it, the
+record that the kind's own hook takes, and the numbers behind that. A number that no kind has gives
+not-a-number, never a silent zero.
 """
 
 from __future__ import annotations
 
 import functools
+import inspect
 import math
+import sys
 from collections.abc import Callable
 from typing import Any
 
-from antenna_pin.base.records import Floats, place_of, words_of
-from antenna_pin.compiled.decorators import composed, composed_later, record
+from antenna_pin.base.records import place_of, words_of
+from antenna_pin.compiled.decorators import ByKind, in_python, kernel, record
 from antenna_pin.elements import registry
-from antenna_pin.elements.desk_kernels import Desk
 from antenna_pin.elements.element import LOSS, Drive, Element, ForceElement, takes_tail
-from antenna_pin.elements.hook_kernels import Motion, Own, Powered
+from antenna_pin.elements.hook_kernels import Hooks
 from antenna_pin.elements.ledger_kernels import write_work
 
 _Kind = type[ForceElement]
+#: Value of a kind without a hook, as a statement of a kernel; None: that of numbers that are no kind's.
+_Default = Callable[[_Kind], str | None]
+
+
+def _mode(element: object) -> int:
+    """Return the mode of an element, 0 without any."""
+    raise NotImplementedError  # only its annotation is used
+
+
+def _row(name: str, last: str, default: _Default = lambda element: None, plain: str = "") -> ByKind:
+    """Return the kernels of all kinds that call the kind's own ``name``.
+
+    Their arguments are a kind's number, program and place in it, and those of the hook behind the element.
+
+    Args:
+        name: Name of the hook.
+        last: Statement for kinds without one, and numbers that are no kind's.
+        default: Statement for a kind without one; None for ``last``.
+        plain: Name and arguments of the hook that kinds without states have in its place.
+    """
+    like = getattr(Hooks, name, _mode)
+    parameters = [one for one in inspect.signature(like).parameters if one not in ("self", "element")]
+    head = f"def {name}({', '.join(['words', 'at', *parameters])}):\n    "
+
+    def of_kind(number: int) -> Any:
+        element = registry.element_of(number)
+        if element is None:
+            return _kernel(name, head + last)
+        namer = next(base for base in element.__mro__ if "kernels" in vars(base))
+        for one in (f"{name}({', '.join(parameters)})", plain):
+            hook = element.hook(called := one.partition("(")[0])
+            if hook is not None:
+                tail = f"words[at + {words_of(element.layout())} :], " if takes_tail(hook) else ""
+                call = one.replace(f"{called}(", f"hook({_own(element)}, {tail}")
+                cast = "float" if in_python(hook).__annotations__["return"] == "float" else ""
+                return _kernel(name, f"{head}return {cast}({call})", namer, hook)
+        if (statement := default(element)) is not None:
+            return _kernel(name, head + statement, element)
+        return _kernel(name, head + last)
+
+    return ByKind(f"{__name__}:{name}", like, of_kind)
+
+
+def _own(element: _Kind) -> str:
+    """Return the expression of an element's record."""
+    return f"record(words[at : at + {words_of(element.layout())}], layout)"
 
 
 @functools.cache
-def _kinds() -> list[tuple[int, _Kind]]:
-    return [(registry.kind_of(element), element) for element in registry.ELEMENTS]
+def _kernel(name: str, text: str, owner: _Kind | None = None, hook: Callable[..., Any] | None = None) -> Any:
+    """Return the kernel of a text, stored with the file of the class that owns it."""
+    names = {"record": record, "write_work": write_work, "nan": math.nan, "hook": hook, "__name__": __name__}
+    path, own = __file__, ""
+    if owner is not None:
+        path, own = str(sys.modules[owner.__module__].__file__), f".{owner.__name__}"
+        names |= {"layout": owner.layout(), "__name__": owner.__module__}
+    exec(compile(text, path, "exec"), names)  # noqa: S102 - a kernel has a fixed number of arguments
+    names[name].__qualname__ += own
+    return kernel(names[name])
 
 
-def _chain(
-    name: str, last: Callable[..., Any], otherwise: Callable[[_Kind], Any] = lambda element: None
-) -> Any:
-    """Return a function that dispatches to the kind's own ``name``.
-
-    Its arguments are a kind's number, program and place in it, and the further ones of the kernel.
-
-    Args:
-        name: Of the kernel.
-        last: For kinds without one, and numbers that are no kind's; takes all arguments.
-        otherwise: Function of program, place and these for a kind without one; None for ``last``.
-    """
-
-    def dispatcher() -> Any:
-        lines = [f"def {name}(kind, words, at, *arguments):"]
-        names: dict[str, Any] = {"__name__": __name__, "record": record}
-        for kind, element in _kinds():
-            own = element.hook(name)
-            if own is not None:
-                size = words_of(element.layout())
-                tail = f"words[at + {size} :], " if takes_tail(own) else ""
-                call = f"(record(words[at : at + {size}], layout_{kind}), {tail}*arguments)"
-                names[f"layout_{kind}"] = element.layout()
-            elif (plain := otherwise(element)) is not None:
-                own, call = composed(plain), "(words, at, *arguments)"
-            else:
-                continue
-            names[f"own_{kind}"] = own
-            lines += [f"    if kind == {kind}:", f"        return own_{kind}{call}"]
-        names["last"] = composed(last)
-        lines.append("    return last(kind, words, at, *arguments)")
-        exec("\n".join(lines), names)  # noqa: S102 - a chain of functions is compiled in twice the time
-        return composed(names[name])
-
-    return composed_later(dispatcher)
+# --- kinds without a hook -----------------------------------------------------------------------------------
 
 
-def _always(value: Any) -> Callable[..., Any]:
-    """Return a function of a kind's number, program and place that returns a constant."""
-    return lambda kind, *arguments: value
-
-
-def _no_rates(kind: int, *arguments: Any) -> None:
-    return None
-
-
-def _no_action(kind: int, words: Floats, at: int, t: float, desk: Desk) -> None:
-    desk[1][0].force[0] = math.nan
-
-
-# --- kernels that kinds need not have -----------------------------------------------------------------------
-
-
-def _effort_of_kind(element: _Kind) -> Any:
+def _no_effort(element: _Kind) -> str | None:
     """Return no effort of a kind at a joint that has none of its own."""
-    if not issubclass(element, Element) or element.hook("effort_of"):
-        return None
-    return lambda words, at, t, angle, rate: 0.0
+    return "return 0.0" if issubclass(element, Element) and not element.hook("effort_of") else None
 
 
-def _work(words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int) -> None:
-    write_work(power, rates, x)
-
-
-def _no_loss(words: Floats, at: int, angle: float, rate: float, power: float, rates: Floats, x: int) -> None:
-    rates[x] = 0.0
-
-
-def _rates_of_kind(element: _Kind) -> Any:
+def _rates(element: _Kind) -> str | None:
     """Return the work that a drive at a joint puts in, or no loss."""
-    if not issubclass(element, Element) or element.hook("write_rates_of") or element.hook("press"):
+    if not issubclass(element, Element) or element.hook("press"):
         return None
-    return {Drive.integrals: _work, (LOSS,): _no_loss}.get(element.integrals)
+    works = "write_work(motion[2], rates, x)"
+    return {Drive.integrals: works, (LOSS,): "rates[x] = 0.0"}.get(element.integrals)
 
 
-def _mode_of_kind(element: _Kind) -> Any:
+def _mode_of(element: _Kind) -> str | None:
     """Return the mode of a kind whose record has one."""
-    layout = element.layout()
-    if "mode" not in (layout.names or ()):
-        return None
-    size = words_of(layout)
-    return lambda words, at: int(record(words[at : at + size], layout).mode)
+    return f"return int({_own(element)}.mode)" if "mode" in (element.layout().names or ()) else None
 
 
-def _bearing_of_kind(element: _Kind) -> Any:
+def _bearing(element: _Kind) -> str | None:
     """Return the ``load_numbers`` of a kind whose record has them."""
-    layout = element.layout()
-    if "load_numbers" not in (layout.names or ()):
+    if "load_numbers" not in (element.layout().names or ()):
         return None
-    first = place_of(layout, "load_numbers")
-    return lambda words, at: (
-        words[at + first],
-        words[at + first + 1],
-        words[at + first + 2],
-        words[at + first + 3],
-    )
+    first = place_of(element.layout(), "load_numbers")
+    return f"return {', '.join(f'words[at + {first + k}]' for k in range(4))}"
 
 
 # --- all of them --------------------------------------------------------------------------------------------
 
-effort = _chain("effort", _always(math.nan), _effort_of_kind)
-write_rates = _chain("write_rates", _no_rates, _rates_of_kind)
-stored = _chain("stored", _always(0.0))
-
-
-def _effort(kind: int, words: Floats, at: int, motion: Motion, own: Own) -> float:
-    t, angle, rate = motion
-    return float(effort(kind, words, at, t, angle, rate))
-
-
-def _write_rates(kind: int, words: Floats, at: int, motion: Powered, own: Own, rates: Floats, x: int) -> None:
-    angle, rate, power = motion
-    write_rates(kind, words, at, angle, rate, power, rates, x)
-
-
-def _stored(kind: int, words: Floats, at: int, angle: float, own: Own) -> float:
-    return float(stored(kind, words, at, angle))
-
-
+effort = _row("effort", "return nan", _no_effort)
 # Of all, those with states of their own among them.
-effort_of = _chain("effort_of", _effort)
-write_rates_of = _chain("write_rates_of", _write_rates)
-stored_of = _chain("stored_of", _stored)
-kink = _chain("kink", _always(math.nan))
-
-
-def _kink(kind: int, words: Floats, at: int, k: int, motion: Motion, own: Own) -> float:
-    t, angle, rate = motion
-    return float(kink(kind, words, at, t, angle, rate))
-
-
-kink_of = _chain("kink_of", _kink)
-reference = _chain("reference", _always((math.nan,) * 2))
-motion = _chain("motion", _always((math.nan,) * 3))
+effort_of = _row("effort_of", "return nan", _no_effort, "effort(motion[0], motion[1], motion[2])")
+write_rates_of = _row(
+    "write_rates_of", "return None", _rates, "write_rates(motion[0], motion[1], motion[2], rates, x)"
+)
+stored = _row("stored", "return 0.0")
+stored_of = _row("stored_of", "return 0.0", plain="stored(angle)")
+kink_of = _row("kink_of", "return nan", plain="kink(motion[0], motion[1], motion[2])")
+reference = _row("reference", "return nan, nan")
+motion = _row("motion", "return nan, nan, nan")
 # Of those with modes.
-switch = _chain("switch", _always((1.0, 0.0)))
-hold = _chain("hold", _always((False, 0.0)))
-mode = _chain("mode", _always(0), _mode_of_kind)
+switch = _row("switch", "return 1.0, 0.0")
+hold = _row("hold", "return False, 0.0")
+mode = _row("mode", "return 0", _mode_of)
 # Of dry friction.
-grip = _chain("grip", _always(0.0))
-bearing = _chain("bearing", _always((0.0,) * 4), _bearing_of_kind)
-rub = _chain("rub", _always(0.0))
-bear = _chain("bear", _no_rates)
+grip = _row("grip", "return 0.0")
+bearing = _row("bearing", "return 0.0, 0.0, 0.0, 0.0", _bearing)
+rub = _row("rub", "return 0.0")
+bear = _row("bear", "return None")
 # Of those between two joints.
-between = _chain("between", _always((math.nan,) * 4))
-dissipation = _chain("dissipation", _always(math.nan))
-drag = _chain("drag", _always(0.0))
+between = _row("between", "return nan, nan, nan, nan")
+dissipation = _row("dissipation", "return nan")
+drag = _row("drag", "return 0.0")
 # Of those that act on a journal's whole pose.
-press = _chain("press", _always(math.nan))
-journal_energy = _chain("journal_energy", _always(math.nan))
-coordinates = _chain("coordinates", _always((math.nan,) * 6))
+press = _row("press", "return nan")
+journal_energy = _row("journal_energy", "return nan")
+coordinates = _row("coordinates", "return nan, nan, nan, nan, nan, nan")
 # Of those between points.
-tension = _chain("tension", _always(math.nan))
-loss = _chain("loss", _always(math.nan))
+tension = _row("tension", "return nan")
+loss = _row("loss", "return nan")
 # Of those on links.
-act = _chain("act", _no_action)
+act = _row("act", "desk[1][0].force[0] = nan")

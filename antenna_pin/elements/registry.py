@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     ELEMENTS: tuple[type[ForceElement], ...]
 
-__all__ = ["DRIVES", "ELEMENTS", "FAMILIES", "GEARS", "SHAKES", "SPRINGS", "Family", "kind_of"]
+__all__ = ["DRIVES", "ELEMENTS", "FAMILIES", "GEARS", "SHAKES", "SPRINGS", "Family", "element_of", "kind_of"]
 
 _ROOM = "antenna_pin.elements"
 
@@ -184,3 +184,9 @@ def kind_of(element: type[ForceElement]) -> int:
         known = [name.rpartition(".")[2] for name in _NUMBERS]
         raise UnknownNameError("System", "kind of element", element.__name__, known)
     return _NUMBERS[_name_of(element)]
+
+
+def element_of(kind: int) -> type[ForceElement] | None:
+    """Return the element of a number in programs; None if no kind has the number."""
+    places = [(one, name) for one in _ALL for name in one]
+    return places[kind - 10][0][places[kind - 10][1]] if 0 <= kind - 10 < len(places) else None

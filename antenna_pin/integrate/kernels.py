@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from antenna_pin.base.records import PLANE, RIGID, ROTATION, VECTOR, Floats, Ints
-from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.compiled.decorators import deferred, inlined, kernel
 from antenna_pin.compiled.lanes import LANES, lane_of_row, put_lane_of_row, same_lane
 from antenna_pin.integrate.manifold_kernels import (
     Factor,
@@ -241,7 +241,7 @@ def dense_coefficients(h: float, polynomials: Floats, n: int, work: Floats, dens
             k += 1
 
 
-@kernel
+@deferred
 def bend(layout: Ints, before: Floats, after: Floats, dense: Floats) -> None:
     """Move the dense output to a corrected end by 3 theta^2 - 2 theta^3."""
     space = space_of(layout)

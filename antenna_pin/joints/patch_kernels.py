@@ -7,7 +7,7 @@ which follow after the contacts of all joints.
 from __future__ import annotations
 
 from antenna_pin.base.records import Contact, Floats, Memory, Pose, Records, words_of
-from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.compiled.decorators import deferred, inlined, kernel
 from antenna_pin.contact.kernels import NORMAL_SIZE, elastic_energy, elastic_force
 from antenna_pin.contact.records import FRICTION_SIZE
 from antenna_pin.joints.geometry.patch_kernels import NODE, sector_contacts, strip_contacts
@@ -24,7 +24,7 @@ from antenna_pin.joints.row_kernels import add_wrench, friction_power, no_wrench
 NODE_WORDS = words_of(NODE)
 
 
-@kernel
+@deferred
 def patch_geometry(p: Floats, b: int, pose: Pose, table: Records[Contact], bore: bool, flanges: bool) -> None:
     """Fill strips, sectors and patches under distributed load, or one kind only."""
     row = joint_at(p, b).row
@@ -39,7 +39,7 @@ def patch_geometry(p: Floats, b: int, pose: Pose, table: Records[Contact], bore:
         sector_contacts(shape, nodes, patches.radius, pose, table, row + 2, first)
 
 
-@kernel
+@deferred
 def loaded_rates(p: Floats, b: int, pose: Pose, table: Records[Contact]) -> None:
     """Fill depth rate and slip of the loaded strips and sectors."""
     patches = patches_at(p, b)
@@ -105,7 +105,7 @@ def _tune_sectors(
     return asked * (b4 - b2) / determinant, asked * (b0 - b2) / determinant
 
 
-@kernel
+@deferred
 def patch_forces(p: Floats, b: int, k: int, remembered: Memory, table: Records[Contact]) -> None:
     """Fill the forces of the loaded parts of patch k, and their sums.
 
@@ -145,7 +145,7 @@ def patch_forces(p: Floats, b: int, k: int, remembered: Memory, table: Records[C
         patch.lost_friction += friction_power(part)
 
 
-@kernel
+@deferred
 def patch_energy(p: Floats, b: int, k: int, table: Records[Contact]) -> float:
     """Return the energy of the loaded parts of patch k, by table gaps [J]."""
     first, last = patch_rows(p, b, k)
@@ -158,7 +158,7 @@ def patch_energy(p: Floats, b: int, k: int, table: Records[Contact]) -> float:
     return energy
 
 
-@kernel
+@deferred
 def patch_wrench(p: Floats, b: int, pose: Pose, table: Records[Contact]) -> None:
     """Write force and torque of all loaded strips and sectors into the pose."""
     no_wrench(pose)

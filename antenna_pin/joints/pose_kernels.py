@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from antenna_pin.base.records import Floats, Pose, Records, Six, Triple
-from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.compiled.decorators import deferred, inlined, kernel
 from antenna_pin.joints.layout_kernels import JointRecord, joint_at
 from antenna_pin.mechanism.spatial_kernels import twist_angle
 from antenna_pin.mechanism.tree_kernels import unwrapped
@@ -73,7 +73,7 @@ def journal_state(j: JointRecord, y: Floats, nq: int, pose: Pose) -> None:
     pose.sine = math.sqrt(pose.axis[0] * pose.axis[0] + pose.axis[1] * pose.axis[1])
 
 
-@kernel
+@deferred
 def journal_on_parent(j: JointRecord, y: Floats, nq: int, pose: Pose) -> None:
     """:func:`journal_state` of a joint whose bearing is on its child."""
     k = nq + j.v
@@ -180,7 +180,7 @@ def onto_joint(j: JointRecord, pose: Pose, force: Triple, moment: Triple, tau: F
     )
 
 
-@kernel
+@deferred
 def onto_bearing(j: JointRecord, pose: Pose, force: Triple, moment: Triple, tau: Floats) -> None:
     """:func:`onto_joint` of a joint whose bearing is on its child, which has the reaction."""
     fx, fy, fz = force

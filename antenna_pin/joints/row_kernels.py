@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from antenna_pin.base.records import Contact, Floats, Memory, Pose, Records, Six
-from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.compiled.decorators import deferred, inlined, kernel
 from antenna_pin.contact.kernels import bristle_force, damped_force, elastic_force, friction_force
 from antenna_pin.contact.records import FRICTION_SIZE
 from antenna_pin.joints.geometry.revolute_kernels import Revolute
@@ -115,7 +115,7 @@ def no_wrench(pose: Pose) -> None:
         pose.moment[i] = 0.0
 
 
-@kernel
+@deferred
 def bristles(
     p: Floats,
     b: int,

@@ -24,11 +24,8 @@ from antenna_pin.mechanism.room_kernels import (
 )
 from antenna_pin.mechanism.tree_kernels import Body
 
-#: Group of the kernels for a tree whose accelerations are not Pinocchio's (``compiled/deferred.py``).
-TREE = "tree"
 
-
-@deferred(TREE)
+@deferred
 def aba(
     y: Floats,
     nq: int,

@@ -25,7 +25,7 @@ PACKAGE = Path(antenna_pin.__path__[0])
 def is_compiled(node: ast.stmt) -> bool:
     """Return whether a statement defines a compiled function."""
     return isinstance(node, ast.FunctionDef) and any(
-        getattr(one, "id", "") in ("kernel", "inlined", "released", "composed") for one in node.decorator_list
+        getattr(one, "id", "") in ("kernel", "inlined", "released", "deferred") for one in node.decorator_list
     )
 
 
@@ -62,11 +62,8 @@ def main() -> int:
         for module, name in called_in(ast.parse(path.read_text())):
             function = getattr(importlib.import_module(module), name)
             if isinstance(function, _LazyKernel):
-                # A composition has no name of its own, and no entry.
-                about = vars(function).get("__wrapped__")
-                own = f"{about.__module__}:{about.__qualname__}" if about else f"{module}:{name}"
-                if own not in entries:
-                    lacking.add(own)
+                if function.name not in entries:
+                    lacking.add(function.name)
     print("\n".join(sorted(lacking)) or f"none of {len(files)} files")
     return int(bool(lacking))
 

@@ -1,4 +1,4 @@
-"""Kernels that only some runs need are compiled when one needs them, also under callers compiled before."""
+"""Deferred kernels are compiled at their first call, also under callers compiled before."""
 
 import subprocess
 import sys
@@ -9,44 +9,77 @@ import pytest
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
 
 _KERNELS = """\
-from antenna_pin.compiled.decorators import deferred, inlined, kernel
+from antenna_pin.compiled.decorators import ByKind, deferred, inlined, kernel
 
 @kernel
 def square(x: float) -> float:
     return x * x
 
-@deferred("pairs")
-def pair(x: float, n: int) -> float:
-    return square(x) + n
+@deferred
+def pair(x: float, n: int) -> tuple[float, int]:
+    return square(x) + n, n
+
+@deferred
+def declared(x: float) -> int:
+    return x
+
+def of_kind(number):
+    @kernel
+    def member(x):
+        return x + offset
+    offset = float(number)
+    member.__wrapped__.__qualname__ = f"member.{number}"
+    return member
+
+members = ByKind("kernels_of_pairs:members", square.__wrapped__, of_kind)
 
 @inlined
 def inner(x, n, is_paired):
-    return pair(x, n) if is_paired else x
+    return pair(x, n)[0] if is_paired else x
 
 @kernel
 def outer(x, n, is_paired):
     return 2.0 * inner(x, n, is_paired)
+
+@kernel
+def of_members(x, kind):
+    return members(kind, x)
+
+@kernel
+def wrong(x):
+    return declared(x)
 """
 
 _ASKED = """\
 import sys
 sys.path.insert(0, sys.argv[1])
-from antenna_pin.compiled.compile_time import told_of_compiling
-from antenna_pin.compiled.deferred import require
+from antenna_pin.compiled import compile_time
 import kernels_of_pairs as kernels
 
+def interrupt():
+    raise KeyboardInterrupt
+
 made = []
-with told_of_compiling(lambda: made.append(1)):
+with compile_time.told_of_compiling(lambda: made.append(1)):
     for word in sys.argv[2].split():
-        if word == "require":
-            require("pairs")
-        elif word == "direct":
-            print(kernels.pair(3.0, 1), end=" ")
-        else:
+        if word == "direct":
+            print(kernels.pair(3.0, 1)[0], end=" ")
+        elif word.startswith("kind"):
+            print(kernels.of_members(0.5, int(word[4:])), end=" ")
+        elif word == "wrong":
             try:
-                print(kernels.outer(3.0, 1, word == "paired"), end=" ")
-            except SystemError:
-                print("error", end=" ")
+                kernels.wrong(1.0)
+            except TypeError as error:
+                print(error, end=" ")
+        elif word == "interrupted":
+            kernels.outer(3.0, 1, False)
+            with compile_time.told_of_compiling(interrupt):
+                try:
+                    kernels.outer(3.0, 1, True)
+                except KeyboardInterrupt:
+                    print("interrupted", end=" ")
+        else:
+            print(kernels.outer(3.0, 1, word == "paired"), end=" ")
 print(len(made))
 """
 
@@ -64,24 +97,26 @@ def answer(tmp_path, monkeypatch):
     return ask
 
 
-def test_what_is_not_required_is_not_compiled_and_is_found_when_it_is(answer):
+def test_it_is_compiled_when_it_is_called_and_found_stored(answer):
     """Outer, with what is inlined; then pair and square. Later processes find them stored."""
     assert answer("alone alone") == "6.0 6.0 2"
-    assert answer("alone require paired") == "6.0 20.0 2"
-    assert answer("require paired") == "20.0 0"
-    assert answer("alone require paired alone") == "6.0 20.0 6.0 0"
+    assert answer("alone paired") == "6.0 20.0 2"
+    assert answer("paired alone") == "20.0 6.0 0"
 
 
-def test_what_is_required_first_is_compiled_with_its_caller(answer):
-    assert answer("require paired alone") == "20.0 6.0 4"
-    assert answer("alone") == "6.0 0"
+def test_of_many_kinds_those_called_are_compiled(answer):
+    """The caller and two kinds; numbers outside 0 to 127 are the last's."""
+    assert answer("kind3 kind5 kind3") == "3.5 5.5 3.5 3"
+    assert answer("kind5 kind127 kind-1 kind1000") == "5.5 127.5 127.5 127.5 1"
 
 
-def test_a_call_that_nothing_has_required_is_an_error_and_no_crash(answer):
-    assert answer("paired alone") == "error 6.0 2"
-    assert answer("paired require paired") == "error 20.0 2"
+def test_an_interrupted_compilation_is_raised_and_done_again(answer):
+    assert answer("interrupted paired") == "interrupted 20.0 5"
+
+
+def test_another_type_than_declared_is_an_error_and_no_crash(answer):
+    assert "kernels_of_pairs:declared is declared to return int64, not float64" in answer("wrong")
 
 
 def test_python_calls_it_as_any_kernel(answer):
-    """Which requires its group."""
     assert answer("direct paired").startswith("10.0 20.0")

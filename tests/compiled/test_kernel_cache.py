@@ -339,15 +339,15 @@ def test_words_and_places_are_not_what_code_is_tied_to(source):
 
 
 def test_a_kernel_is_tied_to_what_its_file_imports_and_no_more(tmp_path, monkeypatch):
-    """Of a kind's file only to its kernels and fields, and through the registry to all files of its room."""
+    """Of a kind's file only to its kernels and fields; callers of kinds by their numbers to none of them."""
     compiled_room, kinds = tmp_path / "compiled", tmp_path / "elements"
     texts = {
         compiled_room / "jit.py": "",
         compiled_room / "lanes.py": "width = 4\n",
-        kinds / "registry.py": "kinds = {'spring': 'spring.Spring'}\n",
         kinds
         / "spring.py": "class Spring:\n    k: float = parameter('N/m')\ndef force(x):\n    return 2 * x\n",
         kinds / "kernels.py": f"from {tmp_path.name}.elements import registry\n",
+        kinds / "gear.py": f"from {tmp_path.name}.elements import spring\n",
         tmp_path / "step_kernels.py": f"from {tmp_path.name}.elements.kernels import chain\n",
         tmp_path / "other_kernels.py": "one = 1\n",
     }
@@ -365,7 +365,7 @@ def test_a_kernel_is_tied_to_what_its_file_imports_and_no_more(tmp_path, monkeyp
     before = stamps()
     assert differ(tmp_path / "other_kernels.py", "1", "2") == {"other_kernels.py", "all"}
     kept = differ(kinds / "spring.py", "2 * x", "3 * x")
-    assert kept == {"spring.py", "registry.py", "kernels.py", "step_kernels.py", "all"}
+    assert kept == {"spring.py", "gear.py", "all"}
     assert kept == differ(kinds / "spring.py", "k: float", "c: float")
     assert differ(kinds / "spring.py", "'N/m'", "'N/mm'") == set()
     assert differ(compiled_room / "lanes.py", "4", "8") == set(before)

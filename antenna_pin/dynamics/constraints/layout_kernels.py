@@ -49,8 +49,6 @@ class PlanRecord(Record):
 
 
 PLAN = layout(PlanRecord)
-#: Group of the kernels that only systems with constraints need (``compiled/deferred.py``).
-CONSTRAINTS = "constraints"
 PLAN_WORDS = words_of(PLAN)
 
 

@@ -20,7 +20,7 @@ from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import deferred, inlined, kernel
 from antenna_pin.dynamics.constraints.carried_kernels import write_carried
 from antenna_pin.dynamics.constraints.factor_kernels import factorize
-from antenna_pin.dynamics.constraints.layout_kernels import CONSTRAINTS, Driven, PlanRecord, hold_at, plan_of
+from antenna_pin.dynamics.constraints.layout_kernels import Driven, PlanRecord, hold_at, plan_of
 from antenna_pin.dynamics.constraints.rows_kernels import write_rows
 from antenna_pin.dynamics.constraints.solve_kernels import solve_rows
 from antenna_pin.elements import kernels as elements
@@ -61,7 +61,7 @@ def accelerate(
     solve(y, program, plan, work, effort, bias, rates)
 
 
-@deferred(CONSTRAINTS)
+@deferred
 def solve(
     y: Floats, program: Floats, plan: Floats, work: Floats, effort: Floats, bias: Floats, rates: Floats
 ) -> None:

@@ -35,7 +35,6 @@ from antenna_pin.compiled.decorators import deferred, inlined, kernel
 from antenna_pin.dynamics.constraints.driven_kernels import driven_rate, twist_row
 from antenna_pin.dynamics.constraints.layout_kernels import (
     BODY_WORDS,
-    CONSTRAINTS,
     PLACE_WORDS,
     PLAN_WORDS,
     ClosureRecord,
@@ -66,7 +65,7 @@ from antenna_pin.mechanism.tree_kernels import (
 _ROUND_OFF = 4.0 * 2.220446049250313e-16
 
 
-@deferred(CONSTRAINTS)
+@deferred
 def write_rows(t: float, y: Floats, program: Floats, plan: Floats, work: Floats) -> None:
     """Write the rows of all constraints at time t [s] and state y, with residuals."""
     _write(t, y, program, plan, work, True)

@@ -11,7 +11,6 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from antenna_pin.base.records import PLANE, RIGID, words_of
-from antenna_pin.compiled.deferred import require
 from antenna_pin.compiled.lanes import LANES
 from antenna_pin.dynamics.constraints import (
     factor_kernels,
@@ -24,7 +23,6 @@ from antenna_pin.dynamics.constraints import layout_kernels as _layout
 from antenna_pin.dynamics.constraints.carried_kernels import room_for
 from antenna_pin.dynamics.constraints.closure import Anchor, Closure
 from antenna_pin.dynamics.constraints.coupling import Coupling
-from antenna_pin.dynamics.constraints.layout_kernels import CONSTRAINTS
 from antenna_pin.dynamics.constraints.solve_kernels import CLOSED, NEAR, OPEN, ROUNDS
 from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.mechanism import WORLD, Mechanism, body_tree, frame_aligning_z
@@ -58,7 +56,6 @@ class Constraints:
 
     def __init__(self, plan: ConstraintPlan, model: Any, data: Any) -> None:
         """Allocate everything once."""
-        require(CONSTRAINTS)
         self.plan = plan
         self.model = model
         self.data = data

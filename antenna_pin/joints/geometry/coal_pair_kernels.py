@@ -23,7 +23,7 @@ from antenna_pin.base.records import (
     layout,
     words_of,
 )
-from antenna_pin.compiled.decorators import inlined, kernel, record
+from antenna_pin.compiled.decorators import deferred, inlined, record
 from antenna_pin.joints.geometry.coal_kernels import SHAPE_AT, query_in
 from antenna_pin.joints.geometry.corner_kernels import CORNER, Corner
 from antenna_pin.joints.geometry.guide_kernels import EDGE, GuideCorner
@@ -62,7 +62,7 @@ def _pair_in(work: Floats, k: int) -> PairQuery:
     return record(work[at : at + PAIR_WORDS], PAIR)
 
 
-@kernel
+@deferred
 def pairs_set_out(work: Floats, pose: Records[Pose], table: Records[Contact], row: int, wanted: int) -> None:
     """Place the shapes of the wanted contacts, and request their distances.
 
@@ -159,7 +159,7 @@ def _write_smallest_rotation(pose: Pose, pair: PairQuery) -> None:
     pair.turn[2, 2] = z if upright else -1.0
 
 
-@kernel
+@deferred
 def pairs_take_in(work: Floats, table: Records[Contact], row: int) -> bool:
     """Write measured gaps, normals and points into the requested rows; return that they are final."""
     query = query_in(work)

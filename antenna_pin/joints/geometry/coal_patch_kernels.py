@@ -11,7 +11,7 @@ POINT).
 from __future__ import annotations
 
 from antenna_pin.base.records import Contact, Floats, Pose, Record, Records, Vector3, layout, words_of
-from antenna_pin.compiled.decorators import inlined, kernel, record
+from antenna_pin.compiled.decorators import deferred, inlined, record
 from antenna_pin.joints.geometry.coal_kernels import (
     END_WORDS,
     ENDS_AT,
@@ -105,7 +105,7 @@ def _row_of(patches: PatchQuery, row: int, k: int) -> int:
     return int(row + patches.first + patches.strips + flange * patches.sectors + sector - 1)
 
 
-@kernel
+@deferred
 def patches_set_out(work: Floats, pose: Records[Pose], table: Records[Contact], row: int) -> None:
     """Fill the rows in closed form; request strips and sectors near contact."""
     coal_set_out(work, pose, 0)
@@ -139,7 +139,7 @@ def _place(frame: PlacementRecord, out: Contact, point: PointQuery) -> None:
         point.place[i] = r[i, 0] * p[0] + r[i, 1] * p[1] + r[i, 2] * p[2] + frame.origin[i]
 
 
-@kernel
+@deferred
 def patches_take_in(work: Floats, table: Records[Contact], row: int) -> bool:
     """Convert coal's results into the rows, in H; return whether they are final."""
     query, patches, frame = query_in(work), _patches_in(work), frame_in(work)

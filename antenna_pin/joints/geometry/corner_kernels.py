@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from antenna_pin.base.records import Contact, Pose, Record, Vector3, layout
-from antenna_pin.compiled.decorators import kernel
+from antenna_pin.compiled.decorators import deferred
 
 
 class Corner(Record):
@@ -19,7 +19,7 @@ class Corner(Record):
 CORNER = layout(Corner)
 
 
-@kernel
+@deferred
 def corner_contact(shape: Corner, pose: Pose, out: Contact) -> None:
     """Write the candidate of a corner's rounding, a ball, against a wall's plane.
 

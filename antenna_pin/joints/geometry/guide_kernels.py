@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 
 from antenna_pin.base.records import Contact, Pose, Record, Vector2, Vector3, layout
-from antenna_pin.compiled.decorators import kernel
+from antenna_pin.compiled.decorators import deferred, kernel
 from antenna_pin.joints.geometry.revolute_kernels import Revolute, bore_contact
 
 
@@ -37,7 +37,7 @@ EDGE = layout(GuideCorner)
 _MAX_ITERATIONS = 60
 
 
-@kernel
+@deferred
 def edge_contact(shape: GuideCorner, pose: Pose, out: Contact) -> None:
     """Write the candidate at one end of a long edge: its corner, or the mouth.
 
@@ -140,7 +140,7 @@ def farthest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple
     return -math.copysign(major * u / scale, x), -math.copysign(minor * w / scale, y)
 
 
-@kernel
+@deferred
 def rod_contact(shape: Revolute, pose: Pose, out: Contact) -> None:
     """Write the candidate at one end of a round slider: its rim, or the mouth.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from antenna_pin.base.records import Contact, Pose, Record, Vector6, layout
-from antenna_pin.compiled.decorators import kernel
+from antenna_pin.compiled.decorators import deferred
 
 
 class Round(Record):
@@ -20,7 +20,7 @@ class Round(Record):
 ROUND = layout(Round)
 
 
-@kernel
+@deferred
 def circle_contact(shape: Round, pose: Pose, out: Contact) -> None:
     """Candidate of a circle in a circle, in the plane of the bearing."""
     ox, oy = pose.centre[0], pose.centre[1]
@@ -40,7 +40,7 @@ def circle_contact(shape: Round, pose: Pose, out: Contact) -> None:
     out.point[2] = 0.0
 
 
-@kernel
+@deferred
 def ball_contact(shape: Round, pose: Pose, out: Contact) -> None:
     """Candidate of a ball in a socket, on the line of the two centres."""
     ox, oy, oz = pose.centre[0], pose.centre[1], pose.centre[2]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from antenna_pin.compiled.decorators import kernel
+from antenna_pin.compiled.decorators import deferred, kernel
 from antenna_pin.dynamics.inspect_kernels import fill_nodes
 from antenna_pin.dynamics.outside_kernels import ask, has_failed
 from antenna_pin.dynamics.peak_kernels import track_peaks
@@ -111,7 +111,7 @@ def change(loop: Loop) -> int:
     return GOES_ON
 
 
-@kernel
+@deferred
 def graze(loop: Loop) -> int:
     """Let a contact that has just changed here change back at once, this once more."""
     c = loop.stretch[0].contact

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from antenna_pin.base.records import POSE
 from antenna_pin.base.settings import Engine
 from antenna_pin.compiled.calls import CALLED_BACK
-from antenna_pin.compiled.deferred import require
 from antenna_pin.compiled.native import Evaluator
 from antenna_pin.dynamics import System, Workspace
 from antenna_pin.dynamics import outside_kernels as kernels
@@ -21,7 +20,6 @@ from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.errors import FunctionError, MechanismError
 from antenna_pin.integrate import Method, Stepper
 from antenna_pin.mechanism import PLACE, ROOM, TreeDynamics, body_tree
-from antenna_pin.mechanism.dynamics_kernels import TREE
 from antenna_pin.run.engine.implicit_kernels import attempt_implicit
 from antenna_pin.run.engine.step_kernels import attempt, derivative, prepare_dense
 
@@ -199,8 +197,6 @@ class Compiled:
             tree = TreeDynamics(system.mechanism).tree
         elif tree is None:
             tree = body_tree(system.mechanism)
-        if engine == "compiled" and system.plan is None:
-            require(TREE)
         plan, nq, nv, size = system.plan, model.nq, model.nv, system.manifold.size
         self.answers = Answers(size, nv)
         mass, bias, table = np.zeros((nv, nv)), np.zeros(nv), np.zeros_like(workspace.table)

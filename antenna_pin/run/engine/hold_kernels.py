@@ -10,7 +10,7 @@ from antenna_pin.base.records import Floats, Ints
 from antenna_pin.compiled.decorators import deferred, inlined, kernel
 from antenna_pin.dynamics.audit_kernels import energy_of
 from antenna_pin.dynamics.constraints.factor_kernels import factorize
-from antenna_pin.dynamics.constraints.layout_kernels import CONSTRAINTS, PLACE_WORDS, found_in, plan_of
+from antenna_pin.dynamics.constraints.layout_kernels import PLACE_WORDS, found_in, plan_of
 from antenna_pin.dynamics.constraints.rows_kernels import write_residuals, write_rows
 from antenna_pin.dynamics.constraints.solve_kernels import CLOSED, NEAR, OPEN, ROUNDS, correction
 from antenna_pin.dynamics.kernels import head_of, stored_energy
@@ -40,7 +40,7 @@ def _in_motion(plan: Floats, work: Floats) -> bool:
     return bool(found.speed <= CLOSED * plan_of(plan).length and found.spin <= CLOSED)
 
 
-@deferred(CONSTRAINTS)
+@deferred
 def factorize_rows(t: float, y: Floats, numbers: Numbers) -> None:
     """Factorize fresh rows with the mass matrix of the same state; write ``bias``."""
     plan, work, terms = numbers.plan, numbers.held, numbers.outside.asked[0].terms
@@ -60,7 +60,7 @@ def set_motions(t: float, y: Floats, numbers: Numbers) -> None:
         ask_at(numbers.outside, motions, t, y)
 
 
-@deferred(CONSTRAINTS)
+@deferred
 def close(t: float, rows: Floats, r: int, layout: Ints, numbers: Numbers) -> bool:
     """Bring the state rows[r] onto the constraints, in place; return whether it is closed."""
     set_motions(t, rows[r], numbers)
@@ -114,7 +114,7 @@ def _energy(t: float, y: Floats, numbers: Numbers) -> float:
     return float(energy_of(numbers.tree, places, numbers.gravity) + contacts + springs)
 
 
-@deferred(CONSTRAINTS)
+@deferred
 def project(t: float, rows: Floats, r: int, layout: Ints, numbers: Numbers) -> int:
     """Project rows[r], a step's end, onto the constraints; book its energy; return status.
 

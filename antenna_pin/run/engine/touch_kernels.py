@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Annotated
 
 from antenna_pin.base.records import Floats, Record, Records, layout
-from antenna_pin.compiled.decorators import kernel
+from antenna_pin.compiled.decorators import deferred, kernel
 from antenna_pin.dynamics.kernels import PARAMETERS, element_at, element_state, head_of
 from antenna_pin.dynamics.numbers_kernels import Numbers
 from antenna_pin.elements import kernels as elements
@@ -59,7 +59,7 @@ def keep_efforts(
             own.time = t + theta * h
 
 
-@kernel
+@deferred
 def _largest(
     top: int, t: float, h: float, own: TouchRecord, step: DenseStep, program: Floats
 ) -> tuple[float, float]:
@@ -95,7 +95,7 @@ def _largest(
     return middle, most
 
 
-@kernel
+@deferred
 def _effort(t: float, h: float, theta: float, block: int, step: DenseStep, program: Floats) -> float:
     """Return the size of an element's effort within a step [N m] ([N])."""
     space, dense, work, start, out = step

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from antenna_pin.base.records import Floats, Ints, Record, Records, layout
 from antenna_pin.compiled.by_address import by_address
-from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.compiled.decorators import deferred, inlined, kernel
 from antenna_pin.dynamics.constraints.layout_kernels import hold_at, plan_of
 from antenna_pin.dynamics.kernels import element_kink, element_switch, evaluate, head_of, joint_motion
 from antenna_pin.dynamics.link_kernels import kink_on_links
@@ -153,7 +153,7 @@ def _may_dip(t: float, h: float, w: Watch, step: DenseStep, numbers: Numbers, wa
     return False
 
 
-@kernel
+@deferred
 def may_happen(
     t: float,
     h: float,
