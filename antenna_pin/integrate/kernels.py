@@ -291,22 +291,22 @@ def _bend(dense: Floats, k: int, way: float) -> None:
 
 
 @inlined
-def _put_terms(theta: float, dense: Floats, first: int, n: int, out: Floats, row: int, at: int) -> None:
-    """Write n components of z(theta) - z(0) from ``first`` on into out[row, at:], by Horner's rule."""
+def _put_terms(theta: float, dense: Floats, column: int, n: int, out: Floats, row: int, at: int) -> None:
+    """Write n components of z(theta) - z(0) into out[row, at:], by Horner's rule."""
     degree = dense.shape[0]
     k = 0
     while k < n:
         if n >= LANES:
             k = min(k, n - LANES)
-            lanes = lane_of_row(dense, degree - 1, first + k)
+            lanes = lane_of_row(dense, degree - 1, column + k)
             for p in range(degree - 2, -1, -1):
-                lanes = lanes * theta + lane_of_row(dense, p, first + k)
+                lanes = lanes * theta + lane_of_row(dense, p, column + k)
             put_lane_of_row(out, row, at + k, lanes * theta)
             k += LANES
             continue
-        value = dense[degree - 1, first + k]
+        value = dense[degree - 1, column + k]
         for p in range(degree - 2, -1, -1):
-            value = value * theta + dense[p, first + k]
+            value = value * theta + dense[p, column + k]
         out[row, at + k] = value * theta
         k += 1
 

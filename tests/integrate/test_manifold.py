@@ -216,7 +216,7 @@ def test_dense_output_that_is_bent_leads_to_the_moved_end(kind):
 
 @pytest.mark.parametrize(("freedoms", "plain"), [(1, 0), (1, 3), (2, 3), (3, 2), (4, 0), (5, 7)])
 def test_sums_over_stages_are_plain_sums_to_the_last_bit(freedoms, plain):
-    """For any number of components: of fewer than a block, of whole blocks, and with a last block overlapping."""
+    """Fewer components than a block, whole blocks, and a last block that overlaps."""
     rng, manifold, stages, h = np.random.default_rng(6), Manifold(("vector",) * freedoms, plain), 5, 0.3
     n, nv, start = 2 * freedoms + plain, freedoms, stages + kernels.START
     work = rng.normal(size=(stages + kernels.EXTRA_ROWS, manifold.size))
