@@ -52,7 +52,7 @@ def machine_code_of(
 ) -> tuple[Evaluator, int, int] | None:
     """Return the evaluator of a tree in machine code, and its functions' addresses.
 
-    None without a shim, or if it does not give Pinocchio's acceleration of the neutral state to the last bit,
+    None without a shim, or if it does not give Pinocchio's acceleration of a first state to the last bit,
     for example with another library than that of the bindings.
 
     Args:
@@ -68,7 +68,8 @@ def machine_code_of(
     if shim is None or tree is None:
         return None
     nq, nv = model.nq, model.nv
-    y[:nq], y[nq : nq + nv], effort[:] = pin.neutral(model), np.arange(1.0, nv + 1.0), 1.0
+    way = np.sin(np.arange(1.0, nv + 1.0))  # without zeros, so that all terms count
+    y[:nq], y[nq : nq + nv], effort[:] = pin.integrate(model, pin.neutral(model), way), way[::-1], 1.0
     expected = pin.aba(model, model.createData(), y[:nq], y[nq : nq + nv], effort)
     failed = shim.evaluate(shim.acceleration, tree)
     y[:], effort[:] = 0.0, 0.0

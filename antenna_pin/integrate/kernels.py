@@ -44,6 +44,8 @@ EXTRA_ROWS = 5
 STATE_ROW: Any = np.int64(0)
 CHART_ROW: Any = np.int64(1)
 FIRST_STAGE: Any = np.int64(0)
+# Components summed at a time, in two lanes.
+_BLOCK: Any = np.int64(2 * LANES)
 
 #: A step with dense output: layout of states, coefficients, work rows, row of the start, rows to write to.
 DenseStep = tuple[Ints, Floats, Floats, int, Floats]
@@ -82,9 +84,9 @@ def stage(i: int, h: float, weights: Floats, layout: Ints, work: Floats, keep: b
     total = stages + TOTAL
     k = 0
     while k < n:
-        if k + 2 * LANES <= n:
-            _sum_lanes(i, h, weights, work, total, k)
-            k += 2 * LANES
+        if n >= _BLOCK:
+            _sum_lanes(i, h, weights, work, total, min(k, n - _BLOCK))
+            k += _BLOCK
             continue
         last = 0.0
         for j in range(i):
@@ -105,7 +107,7 @@ def _sum_lanes(i: int, h: float, weights: Floats, work: Floats, total: int, k: i
     """Write the weighted sum of stages before stage i, for lanes from k on.
 
     The sums stay in the processor's registers, where those of whole rows would be read and written for each
-    stage.
+    stage. The last block overlaps the one before: its sums are the same.
     """
     one, other = same_lane(0.0), same_lane(0.0)
     for j in range(i):
@@ -223,14 +225,17 @@ def dense_coefficients(h: float, polynomials: Floats, n: int, work: Floats, dens
     for p in range(polynomials.shape[1]):
         k = 0
         while k < n:
-            if k + LANES <= n:
-                lanes = same_lane(0.0)
+            if n >= _BLOCK:
+                at = min(k, n - _BLOCK)
+                one, other = same_lane(0.0), same_lane(0.0)
                 for j in range(polynomials.shape[0]):
                     w = h * polynomials[j, p]
                     if w != 0.0:
-                        lanes = lanes + w * lane_of_row(work, j, k)
-                put_lane_of_row(dense, p, k, lanes)
-                k += LANES
+                        one = one + w * lane_of_row(work, j, at)
+                        other = other + w * lane_of_row(work, j, at + LANES)
+                put_lane_of_row(dense, p, at, one)
+                put_lane_of_row(dense, p, at + LANES, other)
+                k += _BLOCK
                 continue
             last = 0.0
             for j in range(polynomials.shape[0]):
@@ -280,12 +285,24 @@ def _bend(dense: Floats, k: int, way: float) -> None:
 
 
 @inlined
-def _term(theta: float, degree: int, dense: Floats, k: int) -> float:
-    """Component k of z(theta) - z(0), by Horner's rule."""
-    value = dense[degree - 1, k]
-    for p in range(degree - 2, -1, -1):
-        value = value * theta + dense[p, k]
-    return float(value * theta)
+def _put_terms(theta: float, dense: Floats, column: int, n: int, out: Floats, row: int, at: int) -> None:
+    """Write n components of z(theta) - z(0) into out[row, at:], by Horner's rule."""
+    degree = dense.shape[0]
+    k = 0
+    while k < n:
+        if n >= LANES:
+            k = min(k, n - LANES)
+            lanes = lane_of_row(dense, degree - 1, column + k)
+            for p in range(degree - 2, -1, -1):
+                lanes = lanes * theta + lane_of_row(dense, p, column + k)
+            put_lane_of_row(out, row, at + k, lanes * theta)
+            k += LANES
+            continue
+        value = dense[degree - 1, column + k]
+        for p in range(degree - 2, -1, -1):
+            value = value * theta + dense[p, column + k]
+        out[row, at + k] = value * theta
+        k += 1
 
 
 @kernel
@@ -293,11 +310,10 @@ def dense_state(theta: float, layout: Ints, dense: Floats, work: Floats, start: 
     """Write the state at fraction theta of the step from work[start] into out[0]."""
     space = space_of(layout)
     nq, nv, nx = space.nq, space.nv, space.nx
-    degree = dense.shape[0]
-    for k in range(nv):
-        out[CHART_ROW, k] = _term(theta, degree, dense, k)
-    for k in range(nv, nv + nv + nx):
-        out[STATE_ROW, nq - nv + k] = work[start, nq - nv + k] + _term(theta, degree, dense, k)
+    _put_terms(theta, dense, 0, nv, out, CHART_ROW, 0)
+    _put_terms(theta, dense, nv, nv + nx, out, STATE_ROW, nq)
+    for k in range(nq, nq + nv + nx):
+        out[STATE_ROW, k] += work[start, k]
     retract(layout, work, start, out, CHART_ROW, out, STATE_ROW)
 
 
@@ -306,8 +322,9 @@ def dense_joint(
     theta: float, factor: Factor, nq: int, nv: int, dense: Floats, work: Floats, start: int, out: Floats
 ) -> None:
     """Write only the part of a state that is one joint's."""
-    degree = dense.shape[0]
-    for k in range(factor.v, factor.v + factor.nv):
-        out[CHART_ROW, k] = _term(theta, degree, dense, k)
-        out[STATE_ROW, nq + k] = work[start, nq + k] + _term(theta, degree, dense, nv + k)
+    j, n = factor.v, factor.nv
+    _put_terms(theta, dense, j, n, out, CHART_ROW, j)
+    _put_terms(theta, dense, nv + j, n, out, STATE_ROW, nq + j)
+    for k in range(nq + j, nq + j + n):
+        out[STATE_ROW, k] += work[start, k]
     retract_factor(factor, work, start, out, CHART_ROW, out, STATE_ROW)

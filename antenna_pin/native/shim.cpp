@@ -52,12 +52,62 @@ struct Evaluator {
   }
 };
 
+/// Joints for which forward dynamics are compiled here.
+template <class... Joints>
+struct Compiled {
+  static bool takes(const pinocchio::JointModel &joint) {
+    return (boost::get<Joints>(&joint.toVariant()) || ...);
+  }
+
+  template <class Function>
+  static void visit(const pinocchio::JointModel &joint, pinocchio::JointData &own, const Function &function) {
+    const auto called = [&](const auto *one) {
+      using Own = typename std::decay_t<decltype(*one)>::JointDataDerived;
+      if (one) function(*one, boost::get<Own>(own.toVariant()));
+      return one != nullptr;
+    };
+    (void)(called(boost::get<Joints>(&joint.toVariant())) || ...);
+  }
+};
+using Common = Compiled<pinocchio::JointModelRZ, pinocchio::JointModelFreeFlyer, pinocchio::JointModelRX,
+                        pinocchio::JointModelRY, pinocchio::JointModelRUBX, pinocchio::JointModelRUBY,
+                        pinocchio::JointModelRUBZ, pinocchio::JointModelRevoluteUnaligned>;
+
+/// pinocchio::aba with its own passes in one piece, less the forces between bodies, which are not read: the
+/// accelerations are the same to the last bit.
+__attribute__((flatten)) void forward_dynamics(const pinocchio::Model &model, pinocchio::Data &data, const Given &q,
+                                               const Given &v, const Numbers &effort) {
+  namespace passes = pinocchio::impl;
+  using Outward = passes::AbaLocalConventionForwardStep1<double, 0, pinocchio::JointCollectionDefaultTpl, Given, Given>;
+  using Inward = passes::AbaLocalConventionBackwardStep<double, 0, pinocchio::JointCollectionDefaultTpl>;
+  const auto count = static_cast<pinocchio::JointIndex>(model.njoints);
+  data.v[0].setZero();
+  data.a_gf[0] = -model.gravity;
+  data.u = effort;
+  for (pinocchio::JointIndex i = 1; i < count; ++i)
+    Common::visit(model.joints[i], data.joints[i],
+                  [&](const auto &joint, auto &own) { Outward::algo(joint, own, model, data, q, v); });
+  for (pinocchio::JointIndex i = count - 1; i > 0; --i)
+    Common::visit(model.joints[i], data.joints[i],
+                  [&](const auto &joint, auto &own) { Inward::algo(joint, own, model, data); });
+  for (pinocchio::JointIndex i = 1; i < count; ++i)
+    Common::visit(model.joints[i], data.joints[i], [&](const auto &joint, auto &own) {
+      data.a_gf[i] += data.liMi[i].actInv(data.a_gf[model.parents[i]]);
+      joint.jointVelocitySelector(data.ddq).noalias() =
+          own.Dinv * joint.jointVelocitySelector(data.u) - own.UDinv.transpose() * data.a_gf[i].toVector();
+      data.a_gf[i] += own.S * joint.jointVelocitySelector(data.ddq);
+    });
+}
+
 struct Tree final : Evaluator {
   const pinocchio::Model &model;
   pinocchio::Data data;
   ApinTreeArrays at;
+  bool common = true;
 
-  Tree(const pinocchio::Model &model_, const ApinTreeArrays &arrays) : model(model_), data(model_), at(arrays) {}
+  Tree(const pinocchio::Model &model_, const ApinTreeArrays &arrays) : model(model_), data(model_), at(arrays) {
+    for (pinocchio::JointIndex i = 1; i < model.joints.size(); ++i) common = common && Common::takes(model.joints[i]);
+  }
 
   Numbers q() const { return Numbers(at.state, model.nq); }
   Numbers v() const { return Numbers(at.state + model.nq, model.nv); }
@@ -129,7 +179,10 @@ int64_t apin_acceleration(double, void *evaluator) {
   Tree &tree = *tree_of(evaluator);
   return tree.guarded([&] {
     const Numbers effort(tree.at.effort, tree.model.nv);
-    pinocchio::aba(tree.model, tree.data, Given(tree.q()), Given(tree.v()), Given(effort));
+    if (tree.common)
+      forward_dynamics(tree.model, tree.data, Given(tree.q()), Given(tree.v()), effort);
+    else
+      pinocchio::aba(tree.model, tree.data, Given(tree.q()), Given(tree.v()), Given(effort));
     std::memcpy(tree.at.acceleration, tree.data.ddq.data(), sizeof(double) * tree.model.nv);
   });
 }

@@ -12,7 +12,7 @@
  *
  * Every function that computes returns a status. An exception of C++ ends there: its text is stored in the
  * evaluator. The results are bit for bit those of the bindings, since the same functions of the same libraries
- * compute them.
+ * compute them; forward dynamics of common joints by passes that are compiled here from the library's headers.
  */
 #ifndef ANTENNA_PIN_SHIM_H
 #define ANTENNA_PIN_SHIM_H
@@ -65,7 +65,7 @@ APIN_API void apin_tree_sizes(const void *tree, int64_t *nq, int64_t *nv, double
 
 /* The time t [s] is without meaning: compiled code calls all functions alike. */
 
-/* acceleration = pinocchio::aba(q, v, effort). */
+/* acceleration = pinocchio::aba(q, v, effort); nothing else of its results. */
 APIN_API int64_t apin_acceleration(double t, void *tree);
 
 /* mass = pinocchio::crba(q), both triangles; bias = pinocchio::nonLinearEffects(q, v). */

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The compiled engine against Pinocchio's: case 3 of the antenna by accuracy, method and tolerance; loops.
 
-All in closed form; wall time is from the scenario to the result, recording at 1 kHz included. Errors are
+All in closed form; processor time is from the scenario to the result, recording at 1 kHz included. Errors are
 those over the first 0.2 s, against a run at a tolerance of 1e-12: the largest deviation of the elevation
 angle, over the largest angle, and that of what each contact has passed on in all (a graze more or less does
 not count), over the largest of these. Ratios are to one ``pin.aba`` of the same model called from Python, per
@@ -61,6 +61,7 @@ def ratio(run: Trajectory, aba: Callable[[], float]) -> tuple[float, float]:
 
 def main() -> int:
     """Time both engines."""
+    time.perf_counter = time.process_time  # the clock of a run's wall time as well
     report = Report("engine", __doc__ or "")
     quick = report.parse().quick
     repeats, span = (1, 0.1) if quick else (5, 1.0)
@@ -81,7 +82,7 @@ def main() -> int:
         name = ", ".join(one.partition("integrator.")[2] for one in changes) or "defaults"
         angle, impulse = errors(simulate(cases["compiled"], duration=BEGINNING), fine)
         ours, theirs = (float(np.median(taken[1:])) for taken in walls.values())
-        report.add(f"{name}: wall time per simulated time", ours / span, "s/s")
+        report.add(f"{name}: processor time per simulated time", ours / span, "s/s")
         report.add(f"{name}: time of Pinocchio's engine over it", theirs / ours)
         report.add(f"{name}: evaluations", evaluations)
         report.add(f"{name}: per evaluation, over pin.aba", float(np.median(ratios[1:])), limit=1.3)
@@ -97,8 +98,8 @@ def main() -> int:
         each, over = np.min([ratio(run, aba) for run in runs], axis=0)
         report.add(f"{model}: per evaluation", 1e6 * each, "us")
         report.add(f"{model}: per evaluation, over pin.aba", over)
-        wall = min(run.counts.wall_seconds for run in runs)
-        report.add(f"{model}: wall time per simulated time", wall / runs[0].data.attrs["end_time"], "s/s")
+        pace = min(run.counts.wall_seconds for run in runs) / runs[0].data.attrs["end_time"]
+        report.add(f"{model}: processor time per simulated time", pace, "s/s")
     return report.finish()
 
 

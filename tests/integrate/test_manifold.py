@@ -212,3 +212,27 @@ def test_dense_output_that_is_bent_leads_to_the_moved_end(kind):
     assert bent[2] == pytest.approx(moved, abs=1e-9)
     assert bent[1] - straight[1] == pytest.approx(0.5 * (moved - straight[2]), abs=1e-9)
     assert np.array_equal(bent[0], straight[0])
+
+
+@pytest.mark.parametrize(("freedoms", "plain"), [(1, 0), (1, 3), (2, 3), (3, 2), (4, 0), (5, 7)])
+def test_sums_over_stages_are_plain_sums_to_the_last_bit(freedoms, plain):
+    """Fewer components than a block, whole blocks, and a last block that overlaps."""
+    rng, manifold, stages, h = np.random.default_rng(6), Manifold(("vector",) * freedoms, plain), 5, 0.3
+    n, nv, start = 2 * freedoms + plain, freedoms, stages + kernels.START
+    work = rng.normal(size=(stages + kernels.EXTRA_ROWS, manifold.size))
+    weights, polynomials = rng.normal(size=(2, stages, stages))
+    weights[4, 1] = polynomials[2, 0] = 0.0
+    kernels.stage(4, h, weights, manifold.layout, work, False)
+    total = sum(h * weights[4, j] * work[j] for j in range(4))
+    assert np.array_equal(work[stages + kernels.TOTAL, :n], total[:n])
+    assert np.array_equal(work[stages + kernels.STATE], work[start] + total)
+    dense, out = np.zeros((stages, manifold.size)), np.zeros((2, manifold.size))
+    kernels.dense_coefficients(h, polynomials, n, work, dense)
+    for p in range(stages):
+        assert np.array_equal(dense[p, :n], sum(h * polynomials[j, p] * work[j] for j in range(stages))[:n])
+    kernels.dense_state(0.7, manifold.layout, dense, work, start, out)
+    value = np.zeros(manifold.size)
+    for row in dense[::-1]:
+        value = value * 0.7 + row
+    assert np.array_equal(out[kernels.STATE_ROW], work[start] + value * 0.7)
+    assert np.array_equal(out[kernels.CHART_ROW, :nv], (value * 0.7)[:nv])

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 from antenna_pin.base.records import Contact, Pose, Record, Records, layout
-from antenna_pin.compiled.decorators import kernel
+from antenna_pin.compiled.decorators import inlined, kernel
 
 
 class Revolute(Record):
@@ -38,7 +38,7 @@ TWO_POINTS = 2
 EXTENDED = 3  # line in the bore, surface at a flange
 
 
-@kernel
+@inlined
 def nearest_on_ellipse(major: float, minor: float, x: float, y: float) -> tuple[float, float]:
     """Return the point of an ellipse nearest to (x, y).
 

@@ -225,26 +225,26 @@ class Samples:
             kept = ~early & (times == np.round(times * self.rate) / self.rate)
             times, states, memories, early = times[kept], states[kept], memories[kept], early[kept]
         own = memories.view(np.uint8).reshape(len(times), self._memories.shape[1])
-        if not early.any():
-            self._append(times, states, own)
-            return
-        ordered = ~early
-        self._append(times[ordered], states[ordered], own[ordered])
-        self._insert(times[early], states[early], own[early])
+        self._append(np.flatnonzero(~early), times, states, own)
+        if early.any():
+            self._insert(times[early], states[early], own[early])
 
-    def _append(self, times: Array, states: Array, memories: NDArray[np.uint8]) -> None:
-        """Append samples in order of time; of coincident samples the last counts."""
-        kept = times >= self.begin
-        kept[:-1] &= times[1:] > times[:-1]
-        times, states, memories = times[kept], states[kept], memories[kept]
-        count = len(times)
+    def _append(
+        self, chosen: NDArray[np.intp], times: Array, states: Array, memories: NDArray[np.uint8]
+    ) -> None:
+        """Append chosen samples, in order of time; of coincident samples the last counts."""
+        own = times[chosen]
+        kept = own >= self.begin
+        kept[:-1] &= own[1:] > own[:-1]
+        chosen = chosen[kept]
+        count = len(chosen)
         if not count:
             return
-        place = self._count - 1 if times[0] <= self.last else self._count
+        place = self._count - 1 if times[chosen[0]] <= self.last else self._count
         self._open(self._count, count - (self._count - place))
-        self._times[place : place + count] = times
-        self._states[place : place + count] = states
-        self._memories[place : place + count] = memories
+        self._times[place : place + count] = times[chosen]
+        self._states[place : place + count] = states[chosen]
+        self._memories[place : place + count] = memories[chosen]
         self.programs[place : place + count] = [self.program] * count
 
     def hold(self, t: float, y: Array, program: Array) -> None:

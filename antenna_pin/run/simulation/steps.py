@@ -226,7 +226,7 @@ class LoggedStep(NamedTuple):
 # larger ones the number falls with the square. A trial step that calls Python may take as long as the
 # called function. Expensive steps are at most a part of those before: errors appear at the beginning.
 _BUDGET, _FREEDOMS, _ASKED, _PART = 1024, 24, 32, 4
-_CAPACITY = 256  # samples
+_CAPACITY = 512  # samples
 _LOGGED = 64  # steps of a log
 _COUNTS = ("accepted", "rejected", "relocated")
 
