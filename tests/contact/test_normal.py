@@ -96,7 +96,7 @@ def test_never_adhesive(normal_laws):
 
 
 def test_what_is_not_elastic_takes_energy(normal_laws):
-    """(force - elastic force) rate is never negative: also where the force is cut off; at rest they are one."""
+    """(force - elastic force) rate is never negative, also where the force is cut off; zero at rest."""
     for law, depth in itertools.product(normal_laws, DEPTHS):
         elastic = law.elastic_force(depth)
         assert law.force(depth, 0.0, 0.1) == elastic, (law, depth)
