@@ -23,7 +23,7 @@ ROOT = Path(antenna_pin.__file__).parent
 @pytest.fixture
 def copy(tmp_path):
     """A copy of the package beside the shipped models, which is found before the installed one."""
-    shutil.copytree(ROOT, tmp_path / "antenna_pin", ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copytree(ROOT, tmp_path / "antenna_pin", ignore=shutil.ignore_patterns("*.nb[ic]"))
     (tmp_path / "models").symlink_to(ROOT.parent / "models")
     return tmp_path
 

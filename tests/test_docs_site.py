@@ -79,9 +79,10 @@ def test_every_public_name_has_one_entry(monkeypatch):
         r"^\.\. (?:autoclass|autofunction|py:data):: (\S+)$", "\n".join(made.values()), re.MULTILINE
     )
     assert len(entered) == len(set(entered))
-    for room, module in pages.public_rooms().items():
+    rooms = pages.public_rooms()
+    for room, module in rooms.items():
         for name in module.__all__:
-            home = pages.home_of(name, getattr(module, name), room, pages.public_rooms())
+            home = pages.home_of(name, getattr(module, name), room, rooms)
             assert f"antenna_pin.{home}.{name}" in entered
     for name in antenna_pin.__all__:
         assert f"`antenna_pin.{name} <" in made["index"] or name in made

@@ -4,7 +4,7 @@ from urllib.parse import quote
 
 import pytest
 
-from antenna_pin import Trajectory
+from antenna_pin import Trajectory, load_scenario, simulate
 from antenna_pin.show.plot import figure_energy
 
 # Letters that the font of figures lacks, and dollars that enclose no formula.
@@ -86,6 +86,13 @@ def crane(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
+def result(crane, tmp_path_factory):
+    """The file of its run, under a name with spaces."""
+    scenario = load_scenario(crane, case="关节 with play")
+    return simulate(scenario).save(tmp_path_factory.mktemp("run") / "关节 with play.nc")
+
+
+@pytest.fixture(scope="module")
 def drawn(crane, tmp_path_factory):
     """What ``antenna-pin figures`` makes of it, and the folder."""
     from antenna_pin.apps.cli import app
@@ -115,16 +122,14 @@ def test_the_index_links_to_results_whose_names_have_spaces(drawn):
     assert f"](runs/{quote(result.name)})" in (drawn / "index.md").read_text(encoding="utf-8")
 
 
-def test_energy_of_gravity_is_drawn_from_its_start(drawn):
+def test_energy_of_gravity_is_drawn_from_its_start(result):
     # 5 kg at 0.2 m and 2 kg at 0.4 m from a base at the origin: joules, far above the motion's.
-    (result,) = (drawn / "runs").glob("*.nc")
     panels = figure_energy(Trajectory.load(result)).axes
     (line,) = (line for axes in panels for line in axes.lines if "gravity" in str(line.get_label()))
     assert line.get_ydata()[0] == 0.0
 
 
-def test_every_reader_takes_it(drawn, cli):
-    (result,) = (drawn / "runs").glob("*.nc")
+def test_every_reader_takes_it(result, cli):
     for command in (
         ("info", result),
         ("analyse", result),
@@ -138,15 +143,13 @@ def test_every_reader_takes_it(drawn, cli):
     assert "package://kran/haken.stl" in cli("record", result, "--out", "m.html").out
 
 
-def test_a_run_with_contacts_is_no_ideal_one(drawn, cli):
-    (result,) = (drawn / "runs").glob("*.nc")
+def test_a_run_with_contacts_is_no_ideal_one(result, cli):
     said = cli("analyse", result, "--ideal", result)
     assert said.code == 2
     assert f"with play in Kugel, {JOINT}" in said.err.replace("\\\\", "\\")
 
 
-def test_a_report_takes_a_window_with_and_without_a_unit(drawn, cli):
-    (result,) = (drawn / "runs").glob("*.nc")
+def test_a_report_takes_a_window_with_and_without_a_unit(result, cli):
     for window in ("0.01", "10 ms"):
         said = cli("report", result, "--out", "r.html", "--no-figures", "--no-recordings", "--window", window)
         assert (said.code, said.err) == (0, "")

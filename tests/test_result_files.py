@@ -19,6 +19,17 @@ def result(tmp_path_factory):
     return simulate(load_scenario("impact_pair", case="contact"), duration=2e-3).save(path)
 
 
+@pytest.fixture
+def data(loaded):
+    """What the file holds, for each test anew."""
+    return loaded.copy(deep=True)
+
+
+@pytest.fixture(scope="module")
+def loaded(result):
+    return xr.load_dataset(result)
+
+
 def _with(data: xr.Dataset, name: str, change) -> xr.Dataset:
     """Return data in one of whose variables numbers are changed, in place."""
     values = data[name].values.astype(float)
@@ -73,9 +84,9 @@ def _in_kilonewtons(data: xr.Dataset) -> xr.Dataset:
         (lambda data: data.assign_attrs(scenario="{}"), "'scenario' that cannot be read"),
     ],
 )
-def test_a_result_that_is_not_whole_is_refused(result, tmp_path, change, words):
+def test_a_result_that_is_not_whole_is_refused(data, tmp_path, change, words):
     path = tmp_path / "changed.nc"
-    change(xr.load_dataset(result)).to_netcdf(path, engine="h5netcdf")
+    change(data).to_netcdf(path, engine="h5netcdf")
     with pytest.raises(FileFormatError, match=words):
         Trajectory.load(path)
 
@@ -108,9 +119,9 @@ def test_every_column_is_held_to_its_rule(result):
         ("onset_time", lambda t: t.__setitem__(0, 1.0), "in 'onset_time' at episode 1, .*no less than"),
     ],
 )
-def test_what_a_hand_may_have_changed_is_told(result, tmp_path, name, change, words):
+def test_what_a_hand_may_have_changed_is_told(data, tmp_path, name, change, words):
     path = tmp_path / "sealed.nc"
-    write(_with(xr.load_dataset(result), name, change), path)
+    write(_with(data, name, change), path)
     with pytest.raises(FileFormatError, match=words):
         Trajectory.load(path)
 
@@ -132,15 +143,15 @@ def test_what_a_hand_may_have_changed_is_told(result, tmp_path, name, change, wo
         ),
     ],
 )
-def test_words_that_there_are_not_are_refused(result, tmp_path, change, words):
+def test_words_that_there_are_not_are_refused(data, tmp_path, change, words):
     path = tmp_path / "sealed.nc"
-    write(change(xr.load_dataset(result)), path)
+    write(change(data), path)
     with pytest.raises(FileFormatError, match=words):
         Trajectory.load(path)
 
 
-def test_a_run_that_ended_badly_may_have_numbers_that_are_none(result, tmp_path):
-    data = _with(xr.load_dataset(result), "a", lambda a: a[-1].fill(np.nan))
+def test_a_run_that_ended_badly_may_have_numbers_that_are_none(data, tmp_path):
+    data = _with(data, "a", lambda a: a[-1].fill(np.nan))
     path = tmp_path / "sealed.nc"
     write(data.assign_attrs(outcome="NOT_FINITE"), path)
     assert not Trajectory.load(path).completed
@@ -149,9 +160,9 @@ def test_a_run_that_ended_badly_may_have_numbers_that_are_none(result, tmp_path)
         Trajectory.load(path)
 
 
-def test_what_is_refused_is_one_line_of_a_command(result, tmp_path, cli):
+def test_what_is_refused_is_one_line_of_a_command(data, tmp_path, cli):
     path = tmp_path / "changed.nc"
-    xr.load_dataset(result).drop_vars("q").to_netcdf(path, engine="h5netcdf")
+    data.drop_vars("q").to_netcdf(path, engine="h5netcdf")
     said = cli("pointing", path)  # info does not read the scenario
     assert (said.code, said.out) == (2, "")
     assert len(said.err.splitlines()) == 1

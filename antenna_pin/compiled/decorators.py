@@ -21,6 +21,8 @@ from antenna_pin.compiled.record import Layout, record
 __all__ = [
     "ByKind",
     "Layout",
+    "composed",
+    "composed_later",
     "deferred",
     "in_python",
     "inlined",
@@ -59,6 +61,25 @@ def released(function: _Function) -> _Function:
 def inlined(function: _Function) -> _Function:
     """Compile a small function that is always inlined into its callers."""
     return _later(function, cached=True, forceinline=True)
+
+
+def composed(function: _Function) -> _Function:
+    """Compile a function composed of kernels at import, inlined into its callers.
+
+    It has no machine code of its own: its callers contain it, and its parts belong to their stamp.
+    """
+    return _later(function, cached=False, forceinline=True)
+
+
+def composed_later(make: Callable[[], Any]) -> Any:
+    """Return the composition by ``make``, delayed until its first call or compilation.
+
+    A process that finds its callers compiled neither composes it nor loads its parts.
+    """
+    if _plain():
+        made = functools.cache(make)
+        return lambda *arguments: made()(*arguments)
+    return _Composed(make)
 
 
 def in_python(function: _Function) -> _Function:
@@ -227,6 +248,19 @@ class _DeferredKernel(_LazyKernel):
     @functools.cached_property
     def _numba_type_(self) -> Any:
         return _call_type(self)
+
+
+class _Composed(_LazyKernel):
+    """Function that is composed at its first use."""
+
+    def __init__(self, make: Callable[[], _LazyKernel]) -> None:
+        self._make = make
+
+    def _compiled(self, entry: bool) -> Any:
+        return self._make()._entry if entry else self._make()._made
+
+    def _shipped(self) -> None:
+        """Return nothing: it is a part of other kernels only."""
 
 
 class ByKind:

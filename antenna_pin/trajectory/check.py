@@ -66,13 +66,13 @@ def _in_column(
     data: xr.Dataset, name: str, rule: ColumnRule, finite: bool, part: Any, title: str = ""
 ) -> Iterator[str]:
     """Yield the first breach in a variable, or in a part of its last dimension."""
-    variable, before = data[name].variable, None
+    variable, before = data.variables[name], None
     along = variable.dims[0] == "time"
     for first in range(0, max(variable.shape[0], 1) if along else 1, _ROWS):
         rows = slice(first, first + _ROWS) if along else slice(None)
         values = variable[rows].values if along else variable.values
         values = values[..., part] if not isinstance(part, slice) else values
-        other = data[rule.beside].variable[rows].values if rule.beside in data.variables else None
+        other = data.variables[rule.beside][rows].values if rule.beside in data.variables else None
         breach = rule.breach(
             values, before=before, other=other, slack=lambda: _slack(data, name), finite=finite
         )
@@ -92,7 +92,7 @@ def _place(data: xr.Dataset, name: str, start: int, breach: Breach, title: str) 
 
 def _slack(data: xr.Dataset, name: str) -> float:
     """Return the tolerance of a sum's bounds: round-off of it and its terms."""
-    units = data[name].attrs.get("units")
+    units = data.variables[name].attrs.get("units")
     columns = data.variables.items()
     alike = [
         one for one, column in columns if column.dtype.kind == "f" and column.attrs.get("units") == units
@@ -101,7 +101,7 @@ def _slack(data: xr.Dataset, name: str) -> float:
 
 
 def _largest(data: xr.Dataset, name: str) -> float:
-    values = np.abs(data[name].values)
+    values = np.abs(data.variables[name].values)
     return float(values.max(initial=0.0, where=np.isfinite(values)))
 
 
@@ -216,7 +216,7 @@ def _variables(data: xr.Dataset) -> Iterator[str]:
     for variable in variables_of({str(dim) for dim in data.sizes}, free_base=True):
         if variable.name not in data.variables:
             continue
-        found = data[variable.name]
+        found = data.variables[variable.name]
         if found.dims != variable.dims:
             yield f"{variable.name!r} along {shown(found.dims)}, not {shown(variable.dims)}"
         if found.dtype.kind not in "fiub":

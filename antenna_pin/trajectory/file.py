@@ -87,10 +87,10 @@ def _check(group: Any, at: str, addresses: set[int], where: str) -> None:
 
 def _check_stored(dataset: Any, name: str, where: str) -> None:
     """Refuse numbers that are not in the file."""
-    if bytes(dataset.attrs.get("NAME", b"")).startswith(_NO_NUMBERS):
-        return
     stored = dataset.id.get_storage_size()
     if dataset.nbytes > _DEFLATED * stored + _LITTLE:
+        if bytes(dataset.attrs.get("NAME", b"")).startswith(_NO_NUMBERS):
+            return
         got = f"{dataset.nbytes:.3g} bytes of which {stored} are in the file"
         raise FileFormatError(f"{where}: {name} must hold its own numbers, got {got}; get a complete copy")
 
@@ -343,10 +343,10 @@ def _dims_of(file: Any, stored: Any) -> tuple[str, ...]:
 
 
 def _attributes(stored: Any) -> dict[str, Any]:
-    attributes: Mapping[str, Any] = stored.attrs
+    attributes = stored.attrs
+    read = {name: attributes[name] for name in attributes if name not in _OWN}
     return {
         # Some programs write a number as a row of one.
         name: value.item() if isinstance(value, np.generic | np.ndarray) and value.size == 1 else value
-        for name, value in attributes.items()
-        if name not in _OWN
+        for name, value in read.items()
     }

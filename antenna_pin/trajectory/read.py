@@ -59,7 +59,7 @@ def json_in(text: object) -> object:
 
 def names_along(data: xr.Dataset, dimension: str) -> list[str]:
     """Return the labels along a dimension or of a coordinate; [] without it."""
-    return [str(name) for name in data[dimension].values] if dimension in data.coords else []
+    return [str(name) for name in data.variables[dimension].values] if dimension in data.coords else []
 
 
 def _along_contacts(data: xr.Dataset, name: str) -> dict[str, str]:

@@ -75,9 +75,14 @@ def combinations():
             yield pytest.param(law, id=f"{type(elastic).__name__}-{parameter.id}")
 
 
-@pytest.fixture(params=[*instances(NORMAL_LAWS), *combinations()])
-def normal_law(request):
-    return request.param
+def made(parameters):
+    """Laws of parameters: where a law costs less than its test, one test is of all."""
+    return [parameter.values[0] for parameter in parameters]
+
+
+@pytest.fixture(scope="session")
+def normal_laws():
+    return made([*instances(NORMAL_LAWS), *combinations()])
 
 
 @pytest.fixture(params=instances(ELASTIC))
@@ -85,23 +90,21 @@ def elastic_law(request):
     return request.param
 
 
-@pytest.fixture(params=instances(DISSIPATIONS))
-def dissipation(request):
-    return request.param
+@pytest.fixture(scope="session")
+def dissipations():
+    return made(instances(DISSIPATIONS))
 
 
-@pytest.fixture(params=instances(NORMAL_LAWS, lambda law: hasattr(law, "hysteresis")))
-def restitution_law(request):
+@pytest.fixture(scope="session")
+def restitution_laws():
     """Laws of the form f(depth) (1 + chi rate / approach speed)."""
-    return request.param
+    return made(instances(NORMAL_LAWS, lambda law: hasattr(law, "hysteresis")))
 
 
-@pytest.fixture(
-    params=instances(NORMAL_LAWS, lambda law: hasattr(law, "hysteresis") and hasattr(law, "stiffness"))
-)
-def power_law(request):
+@pytest.fixture(scope="session")
+def power_laws(restitution_laws):
     """Those of them whose f(depth) is K depth^n."""
-    return request.param
+    return [law for law in restitution_laws if hasattr(law, "stiffness")]
 
 
 @pytest.fixture(params=instances(FRICTION_LAWS, lambda law: law.states == 0))
@@ -111,15 +114,4 @@ def friction_law(request):
 
 @pytest.fixture(params=instances(FRICTION_LAWS, lambda law: law.states > 0))
 def bristle_law(request):
-    return request.param
-
-
-@pytest.fixture(params=instances(FRICTION_LAWS))
-def any_friction_law(request):
-    return request.param
-
-
-@pytest.fixture(params=instances(NORMAL_LAWS))
-def any_normal_law(request):
-    """Every law as a whole, without the combinations."""
     return request.param

@@ -1,5 +1,6 @@
 """Normal contact laws: what every law must be, whatever its elastic part and its dissipation."""
 
+import itertools
 import math
 import re
 
@@ -45,26 +46,25 @@ def is_discontinuous(law):
     return kernel in DISCONTINUOUS or (kernel in MASS_LAWS and linear)
 
 
-def test_is_a_normal_law(normal_law):
-    assert isinstance(normal_law, NormalLaw)
+def test_is_a_normal_law(normal_laws):
+    assert len(normal_laws) > 150 and all(isinstance(law, NormalLaw) for law in normal_laws)
 
 
-def test_no_force_and_no_energy_without_depth(normal_law):
-    for depth in (0.0, -0.0, -1e-12, -1e-3):
-        for rate in (-1.0, 0.0, 1.0):
-            assert normal_law.force(depth, rate, 0.1) == 0.0
-        assert normal_law.elastic_force(depth) == 0.0
-        assert normal_law.elastic_energy(depth) == 0.0
+def test_no_force_and_no_energy_without_depth(normal_laws):
+    for law, depth in itertools.product(normal_laws, (0.0, -0.0, -1e-12, -1e-3)):
+        assert [law.force(depth, rate, 0.1) for rate in (-1.0, 0.0, 1.0)] == [0.0] * 3, law
+        assert law.elastic_force(depth) == law.elastic_energy(depth) == 0.0, law
 
 
-def test_force_begins_at_zero_or_with_its_named_discontinuity(normal_law):
+def test_force_begins_at_zero_or_with_its_named_discontinuity(normal_laws):
     """Nothing at 1e-40 m, or what the damper has already there."""
-    small, large = (normal_law.force(depth, 0.1, 0.1) for depth in (1e-40, 1e-5))
-    if is_discontinuous(normal_law):
-        assert normal_law.code()[10] > 0.0 and small > 1e-4 * large
-    else:
-        # The slowest is Tsuji's damper on Hertz, with the fourth root of the depth: (1e-35)^(1/4).
-        assert small < 1e-8 * large
+    for law in normal_laws:
+        small, large = (law.force(depth, 0.1, 0.1) for depth in (1e-40, 1e-5))
+        if is_discontinuous(law):
+            assert law.code()[10] > 0.0 and small > 1e-4 * large, law
+        else:
+            # The slowest is Tsuji's damper on Hertz, with the fourth root of the depth: (1e-35)^(1/4).
+            assert small < 1e-8 * large, law
 
 
 @settings(deadline=None, derandomize=True, max_examples=200)  # the first call may compile
@@ -87,31 +87,26 @@ def test_a_contact_never_pulls(depth, rate, approach_speed, restitution, exponen
         assert law.force(min(depth, law.depth_limit), rate, approach_speed) >= 0.0
 
 
-def test_never_adhesive(normal_law):
-    for depth in (*DEPTHS, min(1e-3, normal_law.depth_limit), min(1e-1, normal_law.depth_limit)):
-        for rate in (-1e3, -1.0, -0.1, 0.0, 0.1):
-            force = normal_law.force(depth, rate, 0.1)
-            assert math.isfinite(force) and force >= 0.0
+def test_never_adhesive(normal_laws):
+    for law in normal_laws:
+        for depth in (*DEPTHS, min(1e-3, law.depth_limit), min(1e-1, law.depth_limit)):
+            for rate in (-1e3, -1.0, -0.1, 0.0, 0.1):
+                assert 0.0 <= law.force(depth, rate, 0.1) < math.inf, (law, depth, rate)
 
 
-def test_at_rest_the_force_is_elastic(normal_law):
-    for depth in DEPTHS:
-        assert normal_law.force(depth, 0.0, 0.1) == normal_law.elastic_force(depth)
-
-
-def test_what_is_not_elastic_takes_energy(normal_law):
-    """(force - elastic force) rate is never negative: also where the force is cut off."""
-    for depth in DEPTHS:
-        elastic = normal_law.elastic_force(depth)
+def test_what_is_not_elastic_takes_energy(normal_laws):
+    """(force - elastic force) rate is never negative, also where the force is cut off; zero at rest."""
+    for law, depth in itertools.product(normal_laws, DEPTHS):
+        elastic = law.elastic_force(depth)
+        assert law.force(depth, 0.0, 0.1) == elastic, (law, depth)
         for rate in (-1.0, -0.07, -1e-4, 1e-4, 0.1, 1.0):
-            assert (normal_law.force(depth, rate, 0.1) - elastic) * rate >= 0.0
+            assert (law.force(depth, rate, 0.1) - elastic) * rate >= 0.0, (law, depth, rate)
 
 
-def test_stiffens_with_depth_and_resists_closing(normal_law):
-    forces = np.array([normal_law.force(d, 0.0, 0.1) for d in DEPTHS])
-    assert (np.diff(forces) > 0.0).all()
-    closing = np.array([normal_law.force(d, 0.1, 0.1) for d in DEPTHS])
-    assert (closing >= forces).all()
+def test_stiffens_with_depth_and_resists_closing(normal_laws):
+    for law in normal_laws:
+        forces, closing = (np.array([law.force(d, rate, 0.1) for d in DEPTHS]) for rate in (0.0, 0.1))
+        assert (np.diff(forces) > 0.0).all() and (closing >= forces).all(), law
 
 
 def test_elastic_force_is_smooth_within_its_range(elastic_law):
@@ -158,25 +153,26 @@ def test_energy_in_the_kernel_goes_on_as_the_force_does_beyond_the_range(law):
     )
 
 
-def test_a_law_refuses_a_depth_beyond_its_range(any_normal_law):
+def test_a_law_refuses_a_depth_beyond_its_range(normal_laws):
     """Up to the limit itself it speaks, beyond it says so; the kernels go on for trial steps."""
-    limit = any_normal_law.depth_limit
-    if math.isinf(limit):
-        limit = 0.5
-        assert any_normal_law.elastic_force(2.0 * limit) > any_normal_law.elastic_force(limit) > 0.0
-        return
-    name = type(any_normal_law.parts.elastic).__name__
-    beyond = math.nextafter(limit, 1.0)
-    message = f"^{name}: depth must be at most depth_limit = {re.escape(f'{limit:g}')} m, got {beyond!r}$"
-    for law in (any_normal_law, DampedContact(elastic=any_normal_law, dissipation=NoDissipation())):
-        assert law.force(limit, 0.0, 0.1) == law.elastic_force(limit) > 0.0
-        assert law.elastic_energy(limit) > 0.0
-        for call in (lambda law=law: law.force(beyond, 0.0, 0.1), lambda law=law: law.elastic_force(beyond)):
+    for law in normal_laws:
+        limit = law.depth_limit
+        if math.isinf(limit):
+            assert law.elastic_force(1.0) > law.elastic_force(0.5) > 0.0, law
+            continue
+        name = type(law.parts.elastic).__name__
+        beyond = math.nextafter(limit, 1.0)
+        message = f"^{name}: depth must be at most depth_limit = {re.escape(f'{limit:g}')} m, got {beyond!r}$"
+        assert law.force(limit, 0.0, 0.1) == law.elastic_force(limit) > 0.0, law
+        assert law.elastic_energy(limit) > 0.0, law
+        for quantity, state in (
+            (law.force, (beyond, 0.0, 0.1)),
+            (law.elastic_force, (beyond,)),
+            (law.elastic_energy, (beyond,)),
+        ):
             with pytest.raises(ValueError, match=message):
-                call()
-        with pytest.raises(ValueError, match=message):
-            law.elastic_energy(beyond)
-    assert kernels.elastic_force(any_normal_law.code(), beyond) > 0.0
+                quantity(*state)
+        assert kernels.elastic_force(law.code(), beyond) > 0.0, law
 
 
 def test_energy_grows_by_the_force(elastic_law):
@@ -187,49 +183,48 @@ def test_energy_grows_by_the_force(elastic_law):
         assert slope == pytest.approx(elastic_law.elastic_force(depth), rel=1e-7, abs=0.0)  # truncation
 
 
-def test_parts_make_the_law_again(normal_law):
-    assert (normal_law.parts.code() == normal_law.code()).all()
-    assert normal_law.depth_limit == normal_law.parts.elastic.depth_limit
+def test_parts_make_the_law_again(normal_laws):
+    for law in normal_laws:
+        assert (law.parts.code() == law.code()).all(), law
+        assert law.depth_limit == law.parts.elastic.depth_limit, law
 
 
-def test_any_dissipation_joins_any_elastic_law(elastic_law, dissipation):
-    law = DampedContact(elastic=elastic_law, dissipation=dissipation)
+def test_any_dissipation_joins_any_elastic_law(elastic_law, dissipations):
     depth = 2e-6
-    assert law.elastic_force(depth) == elastic_law.elastic_force(depth)
-    assert law.elastic_energy(depth) == elastic_law.elastic_energy(depth)
-    if isinstance(dissipation, NoDissipation):
-        assert law.force(depth, -0.3, 0.1) == elastic_law.force(depth, -0.3, 0.1)
-    elif getattr(dissipation, "restitution", 0.0) < 1.0:
-        assert law.force(depth, 0.1, 0.1) > elastic_law.elastic_force(depth)
+    for dissipation in dissipations:
+        law = DampedContact(elastic=elastic_law, dissipation=dissipation)
+        assert law.elastic_force(depth) == elastic_law.elastic_force(depth), law
+        assert law.elastic_energy(depth) == elastic_law.elastic_energy(depth), law
+        if isinstance(dissipation, NoDissipation):
+            assert law.force(depth, -0.3, 0.1) == elastic_law.force(depth, -0.3, 0.1), law
+        elif getattr(dissipation, "restitution", 0.0) < 1.0:
+            assert law.force(depth, 0.1, 0.1) > elastic_law.elastic_force(depth), law
 
 
-def test_force_is_linear_in_the_rate_until_it_would_pull(restitution_law):
-    chi = restitution_law.hysteresis
-    both_ways = not restitution_law.dissipation.approach_only
-    for ratio in (-3.0, -0.7, 0.3, 1.0):
-        acting = chi if ratio > 0.0 or both_ways else 0.0
-        expected = restitution_law.elastic_force(1e-5) * max(0.0, 1.0 + acting * ratio)
-        assert restitution_law.force(1e-5, 0.02 * ratio, 0.02) == pytest.approx(
-            expected,
-            abs=5e-16 * (1.0 + chi) * restitution_law.elastic_force(1e-5),  # round-off
-        )
+def test_force_is_linear_in_the_rate_until_it_would_pull(restitution_laws):
+    for law, ratio in itertools.product(restitution_laws, (-3.0, -0.7, 0.3, 1.0)):
+        elastic = law.elastic_force(1e-5)
+        chi = law.hysteresis if ratio > 0.0 or not law.dissipation.approach_only else 0.0
+        round_off = 5e-16 * (1.0 + law.hysteresis) * elastic
+        expected = elastic * max(0.0, 1.0 + chi * ratio)
+        assert law.force(1e-5, 0.02 * ratio, 0.02) == pytest.approx(expected, abs=round_off), (law, ratio)
 
 
-def test_elastic_force_is_the_power_law(power_law):
-    for depth in DEPTHS:
-        expected = power_law.stiffness * depth**power_law.exponent
+def test_elastic_force_is_the_power_law(power_laws):
+    for law, depth in itertools.product(power_laws, DEPTHS):
+        expected = law.stiffness * depth**law.exponent
         # Round-off of the power.
-        assert power_law.elastic_force(depth) == pytest.approx(expected, rel=1e-15, abs=0.0)
+        assert law.elastic_force(depth) == pytest.approx(expected, rel=1e-15, abs=0.0), law
 
 
-def test_the_slope_is_continuous_at_touchdown_above_exponent_one(power_law):
+def test_the_slope_is_continuous_at_touchdown_above_exponent_one(power_laws):
     """f / depth -> 0: force and slope leave zero together."""
-    depths, n = (1e-6, 1e-9, 1e-12), power_law.exponent
-    slopes = [power_law.force(d, 0.1, 0.1) / d / power_law.stiffness for d in depths]
-    expected = [(1.0 + power_law.hysteresis) * d ** (n - 1.0) for d in depths]
-    assert slopes == pytest.approx(expected, rel=1e-14, abs=0.0)  # round-off
-    if n > 1.0:
-        assert slopes[2] < slopes[1] < slopes[0]
+    depths = (1e-6, 1e-9, 1e-12)
+    for law in power_laws:
+        slopes = [law.force(d, 0.1, 0.1) / d / law.stiffness for d in depths]
+        expected = [(1.0 + law.hysteresis) * d ** (law.exponent - 1.0) for d in depths]
+        assert slopes == pytest.approx(expected, rel=1e-14, abs=0.0), law  # round-off
+        assert law.exponent == 1.0 or slopes[2] < slopes[1] < slopes[0], law
 
 
 def test_docstring_formula_of_lankarani_nikravesh():

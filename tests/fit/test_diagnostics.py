@@ -94,8 +94,15 @@ def test_the_command_says_it_first_and_ends_with_a_code_of_its_own(cli, write, t
     assert "the model does not fit" in table.attrs["verdict"] and table.attrs["chance"] < 1e-6
 
 
-@pytest.mark.parametrize("angle", [np.full(201, 0.3), 57.3 * closed_form(TIME), -closed_form(TIME)])
-@pytest.mark.parametrize("noise", ["given", "correlated"])
+@pytest.mark.parametrize(
+    ("angle", "noise"),
+    [
+        (np.full(201, 0.3), "given"),
+        (57.3 * closed_form(TIME), "correlated"),
+        (-closed_form(TIME), "given"),
+        (-closed_form(TIME), "correlated"),
+    ],
+)
 def test_a_record_that_drives_the_only_parameter_to_its_bound_is_saved(write, tmp_path, angle, noise):
     plan = write(columns={"angle": angle}, more=f'noise = "{noise}"')
     fit = run_fit(plan, tmp_path / "a.nc")

@@ -244,23 +244,20 @@ def test_offset_moves_the_bearing_along_the_axis(axis, joint_maker, states):
 
 
 @pytest.mark.parametrize(
-    "normal",
+    ("normal", "friction"),
     [
-        Hertz(stiffness=1e11),
-        Hertz(stiffness=1e7, exponent=1.0),
-        LankaraniNikravesh(stiffness=1e11, restitution=0.6),
+        (
+            Hertz(stiffness=1e11),
+            VelocityBased(static=0.15, dynamic=0.1, static_speed=0.01, dynamic_speed=0.1),
+        ),
+        (Hertz(stiffness=1e7, exponent=1.0), Ambrosio(coefficient_of_friction=0.2)),
+        (
+            LankaraniNikravesh(stiffness=1e11, restitution=0.6),
+            Tanh(coefficient_of_friction=0.2, transition_speed=0.01),
+        ),
+        (LankaraniNikravesh(stiffness=1e11, restitution=0.6), NoFriction()),
     ],
-    ids=["hertz", "linear", "lankarani-nikravesh"],
-)
-@pytest.mark.parametrize(
-    "friction",
-    [
-        NoFriction(),
-        VelocityBased(static=0.15, dynamic=0.1, static_speed=0.01, dynamic_speed=0.1),
-        Ambrosio(coefficient_of_friction=0.2),
-        Tanh(coefficient_of_friction=0.2, transition_speed=0.01),
-    ],
-    ids=["none", "velocity-based", "ambrosio", "tanh"],
+    ids=["velocity-based", "linear-ambrosio", "hysteresis-tanh", "hysteresis-none"],
 )
 def test_a_law_in_python_gives_the_forces_of_the_compiled_law(normal, friction, joint, joint_maker, states):
     python = CustomNormal(

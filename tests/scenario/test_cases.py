@@ -61,6 +61,13 @@ def test_values_beside_the_case_are_told_by_their_place_in_the_case(folder):
     assert folder.refusal(changes, case="elastic") == wanted
 
 
+def test_a_fault_that_a_case_gets_after_it_was_loaded_is_found(folder):
+    assert folder.load(case="elastic").case == "elastic"
+    for _ in range(2):  # what is known of a sound file is not of another
+        assert "tight" in folder.refusal({"cases.tight.clearance.hinge.colour": "red"}, case="elastic")
+    assert folder.load(case="elastic").case == "elastic"
+
+
 @pytest.mark.parametrize("case", [None, "tight"])
 def test_a_case_that_is_not_run_needs_no_files(folder, case):
     changes = {"cases.other": {"drives": {"slow": {"file": "of_tomorrow.csv"}}}}
