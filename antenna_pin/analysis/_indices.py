@@ -11,20 +11,6 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "Absolute",
-    "Drift",
-    "extremes",
-    "Index",
-    "WindowMean",
-    "Period",
-    "Polygon",
-    "Quadratics",
-    "RangeMaximum",
-    "Relative",
-    "Reproducibility",
-]
-
 # --- polygons -----------------------------------------------------------------------------------------------
 #
 # Of a polygon the mean over a window is a quadratic function of the window's place, piece by piece: a piece

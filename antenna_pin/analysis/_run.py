@@ -14,22 +14,6 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.errors import FileFormatError, UnknownNameError
 from antenna_pin.trajectory import Trajectory, series
 
-__all__ = [
-    "AXES",
-    "Array",
-    "samples_around",
-    "blocks",
-    "choose",
-    "data_of",
-    "entries_in",
-    "label_of",
-    "LONG",
-    "ROWS",
-    "RunLike",
-    "sample_times",
-    "variable",
-]
-
 Array = NDArray[np.float64]
 #: Components of a vector.
 AXES = ("x", "y", "z")

@@ -27,8 +27,6 @@ from antenna_pin.analysis.bodies import body_poses, body_twists
 from antenna_pin.analysis.journal import clearance_shapes, journal_motion
 from antenna_pin.base.arguments import takes
 
-__all__ = ["between_samples"]
-
 _NEEDED = ("q", "v", "journal_position", "journal_attitude", "journal_tilt")
 _FORCES = ("joint_force", "normal_force", "depth")
 _QUARTERS = 4  # pieces of an interval at whose ends its bend is looked for

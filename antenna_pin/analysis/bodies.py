@@ -26,8 +26,6 @@ from antenna_pin.mechanism import (
 from antenna_pin.trajectory import series
 from antenna_pin.trajectory.quantities import dataset_of
 
-__all__ = ["body_poses", "body_twists", "joint_loads", "mechanism_of"]
-
 _UPRIGHT = (0.0, 0.0, 0.0, 1.0)  # quaternion of a placement that is a point
 
 

@@ -16,15 +16,6 @@ from antenna_pin.mechanism import link_motion, quaternions
 from antenna_pin.trajectory import names_along
 from antenna_pin.trajectory.quantities import TABLES, dataset_of
 
-__all__ = [
-    "base_motion",
-    "body_deviation",
-    "body_motion",
-    "interpolate_attitude",
-    "interpolation_error",
-    "moved_body",
-]
-
 # --- attitude between samples -------------------------------------------------------------------------------
 #
 # Within an interval the attitude is :math:`R(t) = R_k \exp([\varphi(t)]_\times)`, with the cubic

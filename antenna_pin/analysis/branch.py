@@ -12,8 +12,6 @@ import xarray as xr
 
 from antenna_pin.base.arguments import takes
 
-__all__ = ["StabilitySpan", "said_of_multiplier", "stability_spans", "unexplained_changes"]
-
 
 class StabilitySpan(NamedTuple):
     """Consecutive orbits of equal stability along a branch."""

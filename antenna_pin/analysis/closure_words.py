@@ -9,8 +9,6 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import GIVEN, number, readable
 from antenna_pin.scenario import Scenario
 
-__all__ = ["said_of_constraints", "said_of_coupling", "said_of_moving", "said_of_singular"]
-
 _MINUS = "\N{MINUS SIGN}"
 _NAMED = 5  # singular positions, and joints, that are said
 

@@ -13,17 +13,6 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import names_along
 from antenna_pin.trajectory.quantities import TABLES, slides_along, table
 
-__all__ = [
-    "closure_loads",
-    "closures_of",
-    "coupling_loads",
-    "couplings_of",
-    "drive_power",
-    "drive_loads",
-    "drives_of",
-    "effort_unit",
-]
-
 
 @takes()
 def closures_of(run: RunLike) -> dict[str, dict[str, Any]]:

@@ -32,8 +32,6 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.merge import key_parts
 from antenna_pin.trajectory import Trajectory, elements_of, is_lean, names_along
 
-__all__ = ["contact_stress"]
-
 
 @takes()
 def contact_stress(

@@ -27,17 +27,6 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import names_along
 
-__all__ = [
-    "Deviation",
-    "deviation",
-    "deviation_measures",
-    "deviation_over_time",
-    "DeviationMeasures",
-    "Growth",
-    "growth_of",
-    "growths_of",
-]
-
 # --- growth of a deviation ----------------------------------------------------------------------------------
 #
 # What is fitted is the envelope :math:`E(t) = \max_{s \le t} |d(s)|`, which never falls, so that zero

@@ -15,8 +15,6 @@ from antenna_pin.base.readable import number, readable
 from antenna_pin.trajectory import names_along
 from antenna_pin.trajectory.quantities import table
 
-__all__ = ["SPIN_WITHIN", "elastic_motion", "elastic_parts_of", "modal_energy", "said_of_spin"]
-
 #: Largest spin of a hub over a part's own angular frequency up to which its softening is small: 5 % [-].
 SPIN_WITHIN = 0.3
 

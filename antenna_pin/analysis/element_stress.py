@@ -19,8 +19,6 @@ from antenna_pin.elements import BallBearing
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import elements_of, is_lean, mesh_touches, touches
 
-__all__ = ["bearing_stress", "flank_stress", "stop_stress"]
-
 Array = NDArray[np.float64]
 
 

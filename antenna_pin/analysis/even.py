@@ -19,17 +19,6 @@ from antenna_pin.analysis._run import LONG, ROWS, Array
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = [
-    "EvenSignal",
-    "LEAST_SAMPLES",
-    "long_amplitudes",
-    "long_spectrogram",
-    "long_spectrum",
-    "Read",
-    "uniform",
-    "UniformSignal",
-]
-
 #: Returns the samples of a signal from one number up to, not including, another: (m,) or (m, k).
 Read = Callable[[int, int], Array]
 

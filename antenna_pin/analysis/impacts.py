@@ -14,13 +14,6 @@ from antenna_pin.trajectory import blow_counts, blow_numbers, contact_joints, co
 from antenna_pin.trajectory.quantities import TABLES
 from antenna_pin.trajectory.quantities import table as table_of
 
-__all__ = [
-    "blow_statistics",
-    "blows",
-    "impact_statistics",
-    "impacts",
-]
-
 
 @takes()
 def impacts(run: RunLike, joint: str | None = None) -> xr.Dataset:

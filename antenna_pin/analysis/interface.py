@@ -11,8 +11,6 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.mechanism import link_motion
 from antenna_pin.trajectory.quantities import dataset_of
 
-__all__ = ["interface_loads"]
-
 
 @takes()
 def interface_loads(run: RunLike) -> xr.Dataset:

@@ -25,8 +25,6 @@ from antenna_pin.errors import AntennaPinError
 from antenna_pin.trajectory import contact_ends, names_along
 from antenna_pin.trajectory.read import is_lean
 
-__all__ = ["bushing_load", "joint_surfaces"]
-
 Array = NDArray[np.float64]
 Samples = NDArray[np.int64]  # indices of samples
 

@@ -30,15 +30,6 @@ from antenna_pin.joints.geometry import LOOKS
 from antenna_pin.trajectory import contact_ends, contacts_of, names_along, series
 from antenna_pin.trajectory.quantities import dataset_of
 
-__all__ = [
-    "bearing_up",
-    "bore_load",
-    "clearance_shapes",
-    "journal_motion",
-    "STEADY",
-    "steady_up",
-]
-
 
 @takes()
 def clearance_shapes(run: RunLike) -> dict[str, dict[str, Any]]:

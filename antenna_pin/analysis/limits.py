@@ -11,8 +11,6 @@ from antenna_pin.base.readable import number
 from antenna_pin.scenario import joint_limits
 from antenna_pin.trajectory import elements_of, is_lean, names_along
 
-__all__ = ["said_of_limits"]
-
 # Dimension; variable over time, and at the end; unit.
 _KINDS = (
     ("joint", "motion_angle", "final_angle", "rad"),

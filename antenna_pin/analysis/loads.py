@@ -14,8 +14,6 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import contacts_of, names_along
 from antenna_pin.trajectory.quantities import TABLES, table
 
-__all__ = ["load_statistics"]
-
 
 @takes()
 def load_statistics(

@@ -28,8 +28,6 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import Trajectory
 
-__all__ = ["numbers_of"]
-
 _PEAKS = 3  # of a spectrum
 # Fields of a settling, in the order of a row.
 _SETTLING = (

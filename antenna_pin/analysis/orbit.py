@@ -19,14 +19,6 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario import OrbitSpec
 from antenna_pin.trajectory.quantities import dataset_of
 
-__all__ = [
-    "EARTH_MU",
-    "EARTH_RADIUS",
-    "Orbit",
-    "orbit_angles",
-    "orbit_of",
-]
-
 #: Gravitational parameter of the Earth [m^3/s^2] (WGS 84).
 EARTH_MU = 3.986004418e14
 #: Equatorial radius of the Earth [m] (WGS 84).

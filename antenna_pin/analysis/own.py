@@ -27,8 +27,6 @@ from antenna_pin.base.arguments import check_takes, number_in, takes, unknown_ty
 from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.trajectory import Trajectory
 
-__all__ = ["OwnNumber", "is_own", "own_number", "own_numbers", "own_series", "own_source"]
-
 _NAME = re.compile(r"(?:[^\[\]|]+\.py|[\w.]+):[^\W\d]\w*")
 
 

@@ -18,8 +18,6 @@ from antenna_pin.base.rules import NotNegative, Positive
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import Trajectory, open_table, table_attributes
 
-__all__ = ["Periods", "PhasePortrait", "open_portrait", "phase_portrait", "portrait_of", "portrait_table"]
-
 _JUDGED = 4096  # even samples that the judge sees
 
 

@@ -38,9 +38,6 @@ from antenna_pin.scenario import PointingSpec
 from antenna_pin.trajectory import Trajectory
 from antenna_pin.trajectory.quantities import dataset_of
 
-__all__ = ["Antenna", "Command", "boresight", "pointing_error", "pointing_spec"]
-
-
 # --- the attitude of a link in the ideal run, at the samples of another, of long runs part by part ---
 
 
@@ -193,11 +190,7 @@ def boresight(
         found |= _directions(orbit.axes(time).inv().apply(direction), "orbit_", "in orbit-fixed axes")
     return xr.Dataset(
         found,
-        coords={
-            "time": ("time", time, _about("s", "time")),
-            "axis": list(AXES),
-            "quaternion": [*AXES, "w"],
-        },
+        coords={"time": ("time", time, _about("s", "time")), "axis": list(AXES), "quaternion": [*AXES, "w"]},
         attrs={"body": antenna.body},
     )
 

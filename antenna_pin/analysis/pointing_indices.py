@@ -53,8 +53,6 @@ from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.base.rules import AtLeastOne, NumberRule
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["DEFINITIONS", "INTERPRETATIONS", "error_components", "pointing_indices"]
-
 Array = NDArray[np.float64]
 
 #: The indices and what they are, in one line each.

@@ -52,9 +52,6 @@ from antenna_pin.trajectory import names_along
 from antenna_pin.trajectory.quantities import slides_along
 from antenna_pin.trajectory.schema import VARIABLES
 
-__all__ = ["Quantity", "QuantityName", "quantities", "quantity"]
-
-
 # --- what follows from a result: motion of links and journals, loads of a shaken base ---
 #
 # The velocity of the journal's centre p_J in the bearing, whose centre p_B turns with it, is

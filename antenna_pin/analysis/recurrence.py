@@ -39,19 +39,6 @@ from antenna_pin.analysis.transients import scaled, settled
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = [
-    "Chaos",
-    "chaos_test",
-    "ChaosTest",
-    "diagram_verdicts",
-    "Recurrence",
-    "recurrence",
-    "RecurrenceKind",
-    "said_of_verdicts",
-    "section_lines",
-    "Verdict",
-]
-
 # --- 0-1 test for chaos -------------------------------------------------------------------------------------
 #
 # The series :math:`\varphi(j)`, its mean taken off, drives a walk in the plane for an angle c,
@@ -204,11 +191,7 @@ class Recurrence:
 
 @takes()
 def recurrence(
-    points: ArrayLike,
-    *,
-    scale: ArrayLike | None = None,
-    tolerance: float = 1e-4,
-    longest: int = 32,
+    points: ArrayLike, *, scale: ArrayLike | None = None, tolerance: float = 1e-4, longest: int = 32
 ) -> Recurrence:
     """Return the recurrence of section points.
 

@@ -21,8 +21,6 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import is_lean
 from antenna_pin.trajectory.columns import ROUND_OFF
 
-__all__ = ["ROUND_OFF", "ROUND_OFF_WORDS", "is_round_off", "round_off_scales"]
-
 ROUND_OFF_WORDS = f"≈ 0: zero to round-off, less than {ROUND_OFF:g} of the run's largest in its unit"
 
 # Each unit and that of the same quantity about an axis, which the length of the mechanism is between.

@@ -16,8 +16,6 @@ from antenna_pin.analysis._run import LONG, ROWS, Array
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["resampled", "time_mean", "time_percentiles", "time_rms"]
-
 _FEW = 33  # levels that all segments of a polygon are compared with
 
 

@@ -26,8 +26,6 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import contacts_of, names_along
 from antenna_pin.trajectory.quantities import dataset_of
 
-__all__ = ["Settling", "settling", "touching_intervals"]
-
 Kind = Literal["bore", "flanges", "any"]
 _LEAST_IMPACTS = 5
 _LEAST_R2 = 0.5  # of an exponential, for approach speeds to decay

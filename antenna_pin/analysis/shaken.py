@@ -15,16 +15,6 @@ from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import WORLD, link_motion
 from antenna_pin.trajectory.quantities import dataset_of
 
-__all__ = [
-    "base_loads",
-    "base_quantity",
-    "base_wrench",
-    "shaken_link",
-    "shaken_target",
-    "shakes_of",
-    "way_of",
-]
-
 
 @takes()
 def shakes_of(run: RunLike) -> dict[str, dict[str, Any]]:

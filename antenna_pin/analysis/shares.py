@@ -17,12 +17,6 @@ from antenna_pin.joints.geometry import AxialScenario, RadialScenario
 from antenna_pin.trajectory import contact_ends, contacts_of, names_along, series
 from antenna_pin.trajectory.schema import VARIABLES
 
-__all__ = [
-    "scenario_shares",
-    "scenario_spans",
-    "slider_scenarios",
-]
-
 # --- sliders in a guide -------------------------------------------------------------------------------------
 
 _NAMES = ("none", "one_point", "two_points", "line", "surface")

@@ -28,8 +28,6 @@ from antenna_pin.base.rules import NumberRule
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory.quantities import dataset_of
 
-__all__ = ["shock_spectrum"]
-
 _PER_OCTAVE = 12
 _LOOKS = 24  # in a period of the fastest oscillator: a peak is missed by (pi/24)^2/2, 0.9 % at most
 _MOST_LOOKS = 64  # in a step

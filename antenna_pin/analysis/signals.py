@@ -15,8 +15,6 @@ from antenna_pin.analysis.even import Read
 from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import names_along
 
-__all__ = ["RunSignal", "scales_of", "signals"]
-
 _BASE = {f"base {kind}acceleration {axis}" for kind in ("", "angular ") for axis in AXES}
 
 

@@ -27,14 +27,6 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory.quantities import dataset_of
 
-__all__ = [
-    "UniformSignal",
-    "dominant_frequencies",
-    "spectrogram",
-    "spectrum",
-    "uniform",
-]
-
 _ROUND_OFF = 1e-10  # of the size of a quantity: what it varies by without a cause
 _LEAST_SHARE = 1e-3  # of the strongest peak, for one to be named beside it
 

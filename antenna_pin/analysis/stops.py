@@ -11,16 +11,6 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import Touch, elements_of, latch_changes, mesh_spans, mesh_touches, touches
 from antenna_pin.trajectory.quantities import TABLES, table
 
-__all__ = [
-    "gear_contacts",
-    "gear_impacts",
-    "gears_of",
-    "latch_events",
-    "stop_impacts",
-    "stops_and_latches",
-    "touch_table",
-]
-
 
 @takes()
 def stop_impacts(run: RunLike) -> xr.Dataset:

@@ -12,8 +12,6 @@ from numpy.typing import NDArray
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import UnknownNameError
 
-__all__ = ["BearingRating", "BushingLoad", "ContactStress", "SurfaceStress", "numbers_of_row"]
-
 Array = NDArray[np.float64]
 
 

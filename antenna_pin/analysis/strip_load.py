@@ -32,8 +32,6 @@ from numpy.typing import NDArray
 
 from antenna_pin.contact.normal import CompiledNormalLaw
 
-__all__ = ["LawStrips", "LineLoad", "PlaneStrips", "StripLaw", "bore_depths", "line_load"]
-
 Array = NDArray[np.float64]
 
 # Below this share of the depth, a segment's difference of depths loses digits in the quotient of Phi, and

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from antenna_pin.analysis.stress_results import SurfaceStress
 from antenna_pin.contact import Material, effective_modulus
 
-__all__ = ["ForcePeak", "Pair", "StressCriteria", "Stresses", "surface_of"]
-
 Array = NDArray[np.float64]
 
 

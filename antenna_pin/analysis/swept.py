@@ -27,8 +27,6 @@ from antenna_pin.elements import SweptPiece, sines_of
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.trajectory.quantities import dataset_of
 
-__all__ = ["base_acceleration", "following", "swept_response"]
-
 _LEAST_SAMPLES = 12
 
 

@@ -26,8 +26,6 @@ from antenna_pin.analysis._run import Array
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["LEAST", "RULE", "Settled", "settled"]
-
 _BLOCKS = 8
 
 #: Points behind a start that a judgement takes at the least.

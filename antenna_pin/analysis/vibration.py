@@ -31,8 +31,6 @@ from antenna_pin.base.rules import BetweenZeroAndOne
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory.quantities import TABLES, dataset_of
 
-__all__ = ["band_rms", "power_density", "transfer"]
-
 _OVERLAP = 1.0 / 36.0  # squared correlation of neighbours, Hann windows that overlap by half
 _WINDOWS = 8  # on the length of a record, if none is given
 

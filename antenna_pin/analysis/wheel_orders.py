@@ -21,13 +21,11 @@ import xarray as xr
 
 from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
 from antenna_pin.analysis.interface import interface_loads
-from antenna_pin.analysis.round_off import ROUND_OFF
 from antenna_pin.analysis.spectrum import dominant_frequencies
 from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.trajectory import names_along
-
-__all__ = ["LOAD_AXES", "SpeedRecord", "speed_records", "wheel_orders"]
+from antenna_pin.trajectory.columns import ROUND_OFF
 
 LOAD_AXES = ("fx", "fy", "fz", "mx", "my", "mz")
 """Axes of a disturbance at the interface: forces and moments."""

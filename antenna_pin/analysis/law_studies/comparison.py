@@ -20,8 +20,6 @@ from antenna_pin.contact import (
 )
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["differing_factor", "elastic_laws_of_joint", "force_table", "force_within", "laws_left_out"]
-
 
 @takes()
 def elastic_laws_of_joint(

@@ -40,18 +40,6 @@ from antenna_pin.contact.power_kernels import POWER_LAW
 from antenna_pin.contact.records import NORMAL_LAW, POWER
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = [
-    "Impact",
-    "RestitutionRow",
-    "closed_form_peak_depth",
-    "closed_form_restitution",
-    "impact_of_pair",
-    "impact_on_wall",
-    "largest_errors",
-    "restitution_table",
-]
-
-
 # --- integrated impacts -------------------------------------------------------------------------------------
 
 

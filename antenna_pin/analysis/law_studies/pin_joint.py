@@ -26,23 +26,6 @@ from antenna_pin.analysis.law_studies.comparison import elastic_laws_of_joint, f
 from antenna_pin.base.arguments import takes
 from antenna_pin.contact import Material, effective_modulus
 
-__all__ = [
-    "ExperimentFindings",
-    "ExperimentFit",
-    "ExperimentPoint",
-    "LIU_2013",
-    "LIU_2013_PLAYS",
-    "LIU_2013_STEEL",
-    "LeastError",
-    "ReproducedTable",
-    "compare_with_experiment",
-    "experiment_findings",
-    "printed_columns",
-    "ranked",
-    "reproduce_table",
-]
-
-
 # --- measured loads -----------------------------------------------------------------------------------------
 
 

@@ -29,19 +29,6 @@ from antenna_pin.studies.fit.result import Fit
 from antenna_pin.studies.fit.uncertainty import ResidualFunctions, Sure, sure
 from antenna_pin.trajectory import open_table, table_attributes
 
-__all__ = [
-    "certain",
-    "experiments_table",
-    "identifiability_table",
-    "open_experiments",
-    "open_identifiability",
-    "profiles_of",
-    "sizes_of",
-    "slopes_at",
-    "tells",
-    "values_in",
-]
-
 Array = NDArray[np.float64]
 
 # --- bands and profiles of a fit ----------------------------------------------------------------------------

@@ -30,21 +30,6 @@ from antenna_pin.studies.fit.plan import FitPlan, Unknowns
 from antenna_pin.studies.fit.profile_likelihood import Profile
 from antenna_pin.studies.fit.uncertainty import Loss, Noise, ResidualFunctions, Residuals, Sure, cost, sure
 
-__all__ = [
-    "BEYOND_CHANCE",
-    "ParameterBands",
-    "CurveBands",
-    "DOUBT",
-    "WITHHELD",
-    "linear_bands",
-    "band_columns",
-    "parameter_bands",
-    "sampled_bands",
-    "draws",
-    "search_residuals",
-    "profile_columns",
-]
-
 Array = NDArray[np.float64]
 
 # --- bands of curves ----------------------------------------------------------------------------------------

@@ -15,8 +15,6 @@ from antenna_pin.studies.fit.problem import Problem
 from antenna_pin.studies.fit.runs import NoRunError
 from antenna_pin.studies.fit.uncertainty import autocorrelation, is_correlated
 
-__all__ = ["recommends_starts", "verdict"]
-
 Array = NDArray[np.float64]
 
 # --- verdict ------------------------------------------------------------------------------------------------

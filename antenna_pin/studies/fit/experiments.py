@@ -33,8 +33,6 @@ from antenna_pin.studies.fit.record_file import read_columns
 from antenna_pin.studies.fit.run_service import RunService
 from antenna_pin.studies.fit.specs import ColumnSpec, FitParameterSpec, LayoutSpec, names_in
 
-__all__ = ["Experiments", "Trial", "load_experiments", "eliminate"]
-
 Array = NDArray[np.float64]
 
 # Most samples of a synthetic record.

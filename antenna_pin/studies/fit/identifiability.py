@@ -35,16 +35,6 @@ from antenna_pin.base.rules import AtLeastOne, BetweenZeroAndOne
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.studies.fit.uncertainty import DOUBT, Rank, Residuals, rank_of, student_quantile
 
-__all__ = [
-    "Criterion",
-    "Design",
-    "Identifiable",
-    "Plan",
-    "design",
-    "identifiable",
-    "planned",
-]
-
 Array = NDArray[np.float64]
 
 # --- identifiability ----------------------------------------------------------------------------------------

@@ -31,8 +31,6 @@ from antenna_pin.studies.fit.runs import (
 from antenna_pin.studies.nonlinear import Chart
 from antenna_pin.studies.nonlinear.coordinates import configuration_difference
 
-__all__ = ["ColumnData", "ParameterEstimate", "RecordEstimate", "estimate_starts"]
-
 Array = NDArray[np.float64]
 
 # --- one piece of a record ----------------------------------------------------------------------------------

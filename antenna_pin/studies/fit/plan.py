@@ -30,16 +30,6 @@ from antenna_pin.studies.fit.specs import (
 )
 from antenna_pin.studies.fit.uncertainty import Loss, Noise
 
-__all__ = [
-    "FitPlan",
-    "RecordSpec",
-    "SurfaceSpec",
-    "Unknowns",
-    "load_fit",
-    "record_place",
-    "parameter_size",
-]
-
 Array = NDArray[np.float64]
 
 #: Numbers of a record: ``records.NAME.clock_shift``, ``records.NAME.columns.COLUMN.gain``.

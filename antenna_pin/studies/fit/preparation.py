@@ -34,11 +34,6 @@ from antenna_pin.studies.fit.sensors import (
 from antenna_pin.studies.fit.specs import ColumnSpec, evaluate
 from antenna_pin.studies.sweep.design import put_value
 
-__all__ = [
-    "PreparedRecords",
-    "prepare_records",
-]
-
 Array = NDArray[np.float64]
 
 # --- measured records ---------------------------------------------------------------------------------------

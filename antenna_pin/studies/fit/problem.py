@@ -21,8 +21,6 @@ from antenna_pin.studies.fit.residuals import ResidualRows
 from antenna_pin.studies.fit.run_service import RunService
 from antenna_pin.studies.fit.runs import NoRunError, Readings, RunRequest, scenario_with
 
-__all__ = ["Problem"]
-
 Array = NDArray[np.float64]
 
 # --- derivatives of residuals by unknowns -------------------------------------------------------------------

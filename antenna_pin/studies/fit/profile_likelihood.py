@@ -30,8 +30,6 @@ from antenna_pin.base.readable import number, prefixed
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.studies.fit.uncertainty import DOUBT, Loss, Residuals, Sure, cost
 
-__all__ = ["Profile", "interval_text", "profile_interval", "profile_lines", "profiles"]
-
 Array = NDArray[np.float64]
 
 _End = Literal["crossed", "bounded", "open", "stopped"]

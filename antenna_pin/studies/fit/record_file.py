@@ -31,8 +31,6 @@ from antenna_pin.errors import MissingToolError, ScenarioError, UnknownNameError
 from antenna_pin.studies.fit.specs import LayoutSpec
 from antenna_pin.trajectory.file import load_dataset, open_hdf5
 
-__all__ = ["read_columns"]
-
 Array = NDArray[np.float64]
 
 # --- text files ---------------------------------------------------------------------------------------------

@@ -14,8 +14,6 @@ from antenna_pin.studies.fit.preparation import PreparedRecords
 from antenna_pin.studies.fit.runs import NoRunError, Readings, RecordTest
 from antenna_pin.studies.fit.sensors import Target, compared_numbers, compared_slopes
 
-__all__ = ["ResidualRows"]
-
 Array = NDArray[np.float64]
 
 _Indices = NDArray[np.int_]

@@ -29,14 +29,6 @@ from antenna_pin.studies.fit.uncertainty import student_quantile
 from antenna_pin.studies.sweep import Executor
 from antenna_pin.trajectory import open_table, save_table, table_attributes
 
-__all__ = [
-    "Fit",
-    "Search",
-    "Validation",
-    "ValidationResult",
-    "open_fit",
-]
-
 Array = NDArray[np.float64]
 
 # --- validation ---------------------------------------------------------------------------------------------

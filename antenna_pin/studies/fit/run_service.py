@@ -50,11 +50,6 @@ from antenna_pin.studies.sweep.executor import Lost
 from antenna_pin.studies.sweep.journal import Journal, open_journal
 from antenna_pin.trajectory import library_versions
 
-__all__ = [
-    "RunService",
-    "RunStore",
-]
-
 Array = NDArray[np.float64]
 
 # --- derivatives by the variational equation ----------------------------------------------------------------

@@ -35,29 +35,6 @@ from antenna_pin.studies.nonlinear.coordinates import configuration_difference
 from antenna_pin.studies.sweep.design import put_value
 from antenna_pin.trajectory import ENDED_WELL
 
-__all__ = [
-    "RunRequest",
-    "PreparedScenario",
-    "NoRunError",
-    "RunSamples",
-    "Readings",
-    "RecordTest",
-    "ReadingSlopes",
-    "prepared_scenario",
-    "difference_from_origin",
-    "piece_times",
-    "make_runs",
-    "failed_readings",
-    "piece_start",
-    "failure_reason",
-    "piece_rows",
-    "scenario_with",
-    "sensor_readings",
-    "with_contacts",
-    "piece_end",
-    "start_size",
-]
-
 Array = NDArray[np.float64]
 
 # --- a scenario set up once ---------------------------------------------------------------------------------

@@ -51,8 +51,6 @@ from antenna_pin.studies.fit.runs import NoRunError
 from antenna_pin.studies.fit.uncertainty import cost, is_correlated
 from antenna_pin.studies.sweep import Executor
 
-__all__ = ["ResponseSurface", "fit_by_surface", "run_fit"]
-
 Array = NDArray[np.float64]
 
 # --- search by response surfaces ----------------------------------------------------------------------------

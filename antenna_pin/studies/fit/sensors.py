@@ -45,22 +45,6 @@ from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
 from antenna_pin.mechanism import link_motion
 from antenna_pin.studies.fit.specs import BlowsSpec, ColumnSpec, SpectrumSpec
 
-__all__ = [
-    "Target",
-    "si_amount",
-    "check_sensor",
-    "compared_numbers",
-    "filter_response",
-    "input_of_acceleration",
-    "input_of_values",
-    "sample_times",
-    "reading_noise",
-    "reading",
-    "compared_slopes",
-    "comparison_target",
-    "sensor_unit",
-]
-
 Array = NDArray[np.float64]
 
 # --- low-pass filters ---------------------------------------------------------------------------------------

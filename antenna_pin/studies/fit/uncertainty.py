@@ -33,25 +33,6 @@ from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.base.rules import BetweenZeroAndOne
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
-__all__ = [
-    "DOUBT",
-    "LOSSES",
-    "Loss",
-    "Noise",
-    "Rank",
-    "ResidualFunctions",
-    "Residuals",
-    "Sure",
-    "cost",
-    "curvature",
-    "is_correlated",
-    "influence",
-    "autocorrelation",
-    "rank_of",
-    "student_quantile",
-    "sure",
-]
-
 Array = NDArray[np.float64]
 
 # --- losses -------------------------------------------------------------------------------------------------

@@ -13,8 +13,6 @@ from scipy.optimize import linear_sum_assignment
 from antenna_pin.base.arguments import takes
 from antenna_pin.studies.linear.linearisation import Linearisation
 
-__all__ = ["Eigen", "Kind", "solve"]
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 

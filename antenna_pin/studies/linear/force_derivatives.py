@@ -18,11 +18,6 @@ from antenna_pin.dynamics.blocks import bearings_in
 from antenna_pin.joints.kernels import unit_normal_force
 from antenna_pin.joints.pose_kernels import place_journal
 
-__all__ = [
-    "ForceDerivatives",
-    "Forces",
-]
-
 Array = NDArray[np.float64]
 
 _Loads = Mapping[str, Array]

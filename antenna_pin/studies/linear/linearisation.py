@@ -21,12 +21,6 @@ from antenna_pin.mechanism.inertia import mass_matrix
 from antenna_pin.studies.linear.force_derivatives import ForceDerivatives, Forces
 from antenna_pin.studies.linear.operating_point import At
 
-__all__ = [
-    "Linearisation",
-    "linearise",
-    "rotors",
-]
-
 Array = NDArray[np.float64]
 
 # --- rotors on bearings, in axes that do not spin with them -------------------------------------------------

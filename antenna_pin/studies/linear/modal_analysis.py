@@ -30,14 +30,6 @@ from antenna_pin.studies.linear.linearisation import Linearisation, linearise, r
 from antenna_pin.studies.linear.operating_point import At, Play, prepared
 from antenna_pin.trajectory import Trajectory, is_lean
 
-__all__ = [
-    "COMPONENTS",
-    "Modes",
-    "bodies_of",
-    "modes",
-    "modes_at",
-]
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 

@@ -21,12 +21,6 @@ from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.mechanism import JointSlot
 from antenna_pin.studies.linear.force_derivatives import Forces
 
-__all__ = [
-    "At",
-    "Play",
-    "prepared",
-]
-
 Array = NDArray[np.float64]
 
 # --- a journal under load -----------------------------------------------------------------------------------

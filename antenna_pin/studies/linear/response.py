@@ -20,8 +20,6 @@ from antenna_pin.studies.linear.linearisation import Linearisation
 from antenna_pin.studies.linear.modal_analysis import COMPONENTS, Modes
 from antenna_pin.studies.linear.operating_point import At
 
-__all__ = ["BORESIGHT", "Plant", "first_source", "frequency_response", "plant_of", "sources_of", "targets_of"]
-
 Array = NDArray[np.float64]
 
 # --- what a shaken base does to small motions: it enters as an acceleration ---

@@ -26,8 +26,6 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.studies.linear.modal_analysis import modes
 from antenna_pin.studies.linear.response import Plant, plant_of
 
-__all__ = ["LoopMargins", "SampledLoop", "loop_margins", "margins_of"]
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 

@@ -25,23 +25,6 @@ from antenna_pin.errors import AntennaPinError
 from antenna_pin.studies.nonlinear.orbits import NoOrbitError, Orbit
 from antenna_pin.studies.nonlinear.pseudo_arclength import BranchStepper, Node, Point
 
-__all__ = [
-    "GrazeAhead",
-    "Located",
-    "BranchStep",
-    "Test",
-    "curved_predictor",
-    "graze_ahead",
-    "flip_test",
-    "hidden_change",
-    "is_torus",
-    "torus_test",
-    "locate_crossing",
-    "locate_graze",
-    "locate_fold",
-    "locate_zero",
-]
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 

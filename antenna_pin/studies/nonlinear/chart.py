@@ -31,8 +31,6 @@ from antenna_pin.studies.nonlinear.coordinates import (
     perturbation_slices,
 )
 
-__all__ = ["Chart", "StatePerturbation", "NotAlikeError", "OutOfReachError", "carried"]
-
 Array = NDArray[np.float64]
 
 # --- modes of elements in a state ---------------------------------------------------------------------------

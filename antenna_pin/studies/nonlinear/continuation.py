@@ -45,8 +45,6 @@ from antenna_pin.studies.nonlinear.pseudo_arclength import (
     in_first_period,
 )
 
-__all__ = ["Bifurcation", "BifurcationKind", "Branch", "check_steps", "continued"]
-
 Array = NDArray[np.float64]
 
 # --- bifurcations between two orbits of a branch ------------------------------------------------------------

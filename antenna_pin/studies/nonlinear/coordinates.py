@@ -20,21 +20,6 @@ from antenna_pin.elements import Modal, kind_of
 from antenna_pin.integrate import KINDS
 from antenna_pin.run.simulation.steps import scale_vector
 
-__all__ = [
-    "TIME_UNIT",
-    "Frame",
-    "ElementMemory",
-    "Lift",
-    "Lifts",
-    "CONTACT_MEMORY",
-    "RateJacobian",
-    "Units",
-    "frame_at",
-    "own_coordinates",
-    "perturbation_slices",
-    "configuration_difference",
-]
-
 Array = NDArray[np.float64]
 
 # --- memory of elements with modes --------------------------------------------------------------------------

@@ -43,9 +43,6 @@ from antenna_pin.studies.nonlinear.sections import Crossing, Section, Stroboscop
 from antenna_pin.studies.sweep.journal import Journal, open_journal
 from antenna_pin.trajectory import library_versions, open_table, save_table, table_attributes
 
-__all__ = ["Branch", "DiagramProgress", "bifurcation", "open_diagram", "interrupting"]
-
-
 # --- one value of a diagram ---------------------------------------------------------------------------------
 
 Branch = Literal["fresh", "forward", "backward"]

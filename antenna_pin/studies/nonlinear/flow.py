@@ -30,8 +30,6 @@ from antenna_pin.studies.nonlinear.perturbed_system import ParameterSlopes
 from antenna_pin.studies.nonlinear.variational import TangentPropagation
 from antenna_pin.trajectory import Outcome, Trajectory
 
-__all__ = ["Flow", "FlowError", "Tangent", "flow_of"]
-
 Array = NDArray[np.float64]
 
 # Difference steps in error scales: the noise of a run is some 1e-12 of a scale.

@@ -34,8 +34,6 @@ from antenna_pin.studies.nonlinear.coordinates import Frame, configuration_diffe
 from antenna_pin.studies.nonlinear.saltation import RunTangents
 from antenna_pin.studies.nonlinear.vector_field import VectorField
 
-__all__ = ["JacobianPropagation", "KinkDefects", "StepPart", "CutStep", "StepStates", "coincidence"]
-
 Array = NDArray[np.float64]
 
 # --- parts of a step ----------------------------------------------------------------------------------------

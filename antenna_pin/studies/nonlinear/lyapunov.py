@@ -24,15 +24,6 @@ from antenna_pin.studies.nonlinear.coordinates import ElementMemory, Frame, own_
 from antenna_pin.studies.nonlinear.flow import Flow
 from antenna_pin.trajectory import open_table, table_attributes
 
-__all__ = [
-    "Exponents",
-    "Verdict",
-    "exponents_table",
-    "largest_exponent",
-    "lyapunov_spectrum",
-    "open_exponents",
-]
-
 Array = NDArray[np.float64]
 
 # --- independent directions of perturbed states -------------------------------------------------------------

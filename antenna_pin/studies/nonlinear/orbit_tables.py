@@ -25,16 +25,6 @@ from antenna_pin.studies.nonlinear.pseudo_arclength import SolutionFamily
 from antenna_pin.studies.nonlinear.sections import Section, Stroboscope, drive_period
 from antenna_pin.trajectory import open_table, table_attributes
 
-__all__ = [
-    "amplitudes",
-    "branch_table",
-    "family_of",
-    "open_branch",
-    "open_orbit",
-    "orbit_table",
-    "orbits_in_section",
-]
-
 Array = NDArray[np.float64]
 
 # --- families of flows over a key of a scenario -------------------------------------------------------------

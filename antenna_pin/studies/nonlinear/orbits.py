@@ -21,15 +21,6 @@ from antenna_pin.studies.nonlinear.chart import Chart
 from antenna_pin.studies.nonlinear.coordinates import own_coordinates
 from antenna_pin.studies.nonlinear.flow import Flow, Tangent
 
-__all__ = [
-    "NoOrbitError",
-    "Orbit",
-    "changing_coordinates",
-    "default_tolerance",
-    "evaluate_orbit",
-    "periodic_orbit",
-]
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 

@@ -28,15 +28,6 @@ from antenna_pin.run.engine import Carrying, CompiledStepper, SystemSlopes, Tang
 from antenna_pin.run.simulation.steps import scale_vector, stepper_of
 from antenna_pin.studies.nonlinear.coordinates import ElementMemory, Units, perturbation_slices
 
-__all__ = [
-    "PerturbedParameters",
-    "StateFunction",
-    "ParameterShift",
-    "PerturbedSystem",
-    "ParameterSlopes",
-    "STEP",
-]
-
 Array = NDArray[np.float64]
 
 # --- numbers of a system that parameters change -------------------------------------------------------------

@@ -23,8 +23,6 @@ from antenna_pin.studies.nonlinear.orbits import (
     periodic_orbit,
 )
 
-__all__ = ["SolutionFamily", "BranchStepper", "Node", "Point", "in_first_period"]
-
 Array = NDArray[np.float64]
 
 # Difference steps over a parameter, in its unit: the small ones serve near a graze.

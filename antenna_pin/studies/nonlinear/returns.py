@@ -27,8 +27,6 @@ from antenna_pin.scenario.assemble import build_system, initial_angles, initial_
 from antenna_pin.studies.nonlinear.sections import Crossing, Section, Stroboscope
 from antenna_pin.trajectory import Outcome, Trajectory, open_table, table_attributes
 
-__all__ = ["SectionRun", "check_counts", "open_section", "poincare", "settled_points"]
-
 Array = NDArray[np.float64]
 
 # Rate of even samples so low that none occurs [1/s].

@@ -27,16 +27,6 @@ from antenna_pin.studies.nonlinear.coordinates import ElementMemory, Frame, conf
 from antenna_pin.studies.nonlinear.perturbed_system import ParameterShift, StateFunction
 from antenna_pin.studies.nonlinear.vector_field import VectorField
 
-__all__ = [
-    "RunTangents",
-    "ElementTransition",
-    "EventShift",
-    "ElementReplay",
-    "Saltation",
-    "at_equal_times",
-    "with_time",
-]
-
 Array = NDArray[np.float64]
 
 # --- tangents at equal times, and at the perturbed times of an event ----------------------------------------

@@ -16,9 +16,6 @@ from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.run.simulation import Angle, Force, Gap, Moment, Rate
 from antenna_pin.scenario import Scenario
 
-__all__ = ["Crossing", "Section", "Stroboscope", "drive_period", "section_of"]
-
-
 # Relative difference of equal periods written in different units.
 _SAME = 1e-12
 

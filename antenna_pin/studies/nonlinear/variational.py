@@ -55,8 +55,6 @@ from antenna_pin.studies.nonlinear.saltation import (
 )
 from antenna_pin.studies.nonlinear.vector_field import VectorField
 
-__all__ = ["TangentPropagation"]
-
 Array = NDArray[np.float64]
 
 # --- tangents by the stages of the integrator ---------------------------------------------------------------

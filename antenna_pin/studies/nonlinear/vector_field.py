@@ -29,8 +29,6 @@ from antenna_pin.studies.nonlinear.perturbed_system import (
     StateFunction,
 )
 
-__all__ = ["VectorField"]
-
 Array = NDArray[np.float64]
 
 # --- gaps along perturbations -------------------------------------------------------------------------------

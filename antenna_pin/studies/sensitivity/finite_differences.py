@@ -30,11 +30,6 @@ from antenna_pin.studies.sensitivity.parameters import (
 )
 from antenna_pin.trajectory import Column, Trajectory, columns_of
 
-__all__ = [
-    "FiniteDifferences",
-    "VariableDerivatives",
-]
-
 Array = NDArray[np.float64]
 
 # --- first difference of two runs in contacts, events or mode changes ---------------------------------------

@@ -45,12 +45,6 @@ from antenna_pin.studies.sensitivity.parameters import (
 from antenna_pin.studies.sensitivity.state_series import StateSeries, TimeDerivatives
 from antenna_pin.studies.sensitivity.tangent_run import ContactShift, TangentRecord
 
-__all__ = [
-    "ForwardSensitivity",
-    "named_derivatives",
-    "maximum_times",
-]
-
 Array = NDArray[np.float64]
 
 # --- tangents of a scenario over its parameters -------------------------------------------------------------

@@ -35,8 +35,6 @@ from antenna_pin.studies.sensitivity.parameters import (
 )
 from antenna_pin.studies.sensitivity.result import Sensitivities, dataset_of
 
-__all__ = ["Method", "sensitivities"]
-
 Array = NDArray[np.float64]
 
 # Shortest piece over the whole; relative round-off of equal times.

@@ -18,17 +18,6 @@ from antenna_pin.scenario import Scenario, number_of
 from antenna_pin.scenario.assemble import initial_angles, initial_state
 from antenna_pin.studies.nonlinear.coordinates import configuration_difference
 
-__all__ = [
-    "GrazeError",
-    "Parameter",
-    "SensitivityError",
-    "shifted_start",
-    "check_start_keys",
-    "is_initial",
-    "parameters_of",
-]
-
-
 # Tables of computation and output, of which no motion is a differentiable function.
 _NOT_OF_THE_MOTION = ("duration", "integrator", "output", "format")
 

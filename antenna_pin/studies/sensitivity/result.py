@@ -21,18 +21,6 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.studies.sensitivity.parameters import Parameter
 from antenna_pin.trajectory import Trajectory, open_table, table_attributes
 
-__all__ = [
-    "Changed",
-    "DerivativeGrowth",
-    "Sensitivities",
-    "dataset_of",
-    "growth_said",
-    "open_sensitivities",
-    "refused_in",
-    "results_of",
-    "sensitivity_table",
-]
-
 Array = NDArray[np.float64]
 
 # --- growth of derivatives ----------------------------------------------------------------------------------

@@ -27,11 +27,6 @@ from antenna_pin.studies.nonlinear.perturbed_system import PerturbedParameters, 
 from antenna_pin.studies.sensitivity.tangent_run import PerturbedSamples
 from antenna_pin.trajectory.schema import VARIABLES
 
-__all__ = [
-    "TimeDerivatives",
-    "StateSeries",
-]
-
 Array = NDArray[np.float64]
 
 # --- series over parameters ---------------------------------------------------------------------------------

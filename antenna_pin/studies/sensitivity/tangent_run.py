@@ -35,12 +35,6 @@ from antenna_pin.studies.nonlinear.variational import TangentPropagation
 from antenna_pin.studies.nonlinear.vector_field import VectorField
 from antenna_pin.studies.sensitivity.parameters import GrazeError
 
-__all__ = [
-    "TangentRecord",
-    "PerturbedSamples",
-    "ContactShift",
-]
-
 Array = NDArray[np.float64]
 
 # --- integrals of elements between two changes --------------------------------------------------------------

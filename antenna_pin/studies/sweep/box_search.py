@@ -17,8 +17,6 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.base.rules import AtLeastOne
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["MOST_CORNERS", "WorstCase", "corners_of", "worst_case"]
-
 Array = NDArray[np.float64]
 Response = Callable[[Array], Array]
 

@@ -40,9 +40,6 @@ from antenna_pin.studies.sweep.scheduler import (
     words_of,
 )
 
-__all__ = ["Cluster", "ClusterLostError"]
-
-
 # --- why processes that were to make runs did not start: how they ended, and what may be the cause ---
 
 _ENDED = re.compile(r"Worker process \d+ (?:was killed by signal (\d+)|exited with status (\d+))")

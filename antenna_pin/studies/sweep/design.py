@@ -19,8 +19,6 @@ from antenna_pin.scenario.merge import key_parts
 from antenna_pin.scenario.parameters import Settings
 from antenna_pin.studies.sweep.study import SamplingSpec, Study
 
-__all__ = ["ParameterColumn", "Design", "design_of", "put_value"]
-
 SAMPLE = "sample"
 _LONGEST = 60  # characters of a value in a message
 _INDEXED = re.compile(r"(.*)\[([0-9]{1,9})\]")

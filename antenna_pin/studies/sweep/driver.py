@@ -21,8 +21,6 @@ from antenna_pin.studies.sweep.preparation import PreparedStudy, prepare, trial
 from antenna_pin.studies.sweep.store import LOST, SUFFIX, Store, identity_of, open_study
 from antenna_pin.studies.sweep.study import Study
 
-__all__ = ["StudyProgress", "run_study"]
-
 _BATCH_SECONDS = 1.0  # of work in one batch
 _LARGEST_BATCH = 200
 _CHECKED_AT_ONCE = 100

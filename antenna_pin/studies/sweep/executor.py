@@ -11,9 +11,6 @@ from antenna_pin.base.capacity import cores
 from antenna_pin.base.interruption import ended_with
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Executor", "Here", "Lost", "Threads"]
-
-
 T = TypeVar("T")
 
 

@@ -24,8 +24,6 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.studies.sweep.responses import ResponseSpec, evaluate
 from antenna_pin.trajectory import Trajectory, library_versions
 
-__all__ = ["FinishedRun", "Job", "Work", "check_jobs", "do_jobs", "failed_entry"]
-
 
 @dataclass(frozen=True, slots=True)
 class Job:

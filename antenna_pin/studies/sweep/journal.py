@@ -19,8 +19,6 @@ from typing import Any, NamedTuple
 from antenna_pin.base.files import is_there, replacing
 from antenna_pin.errors import OutputError
 
-__all__ = ["Journal", "ReadJournal", "deleted", "open_journal", "read_journal"]
-
 _DIGEST = 24
 _SYNC_EVERY = 1.0  # [s]
 

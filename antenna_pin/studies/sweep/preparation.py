@@ -21,9 +21,6 @@ from antenna_pin.studies.sweep.responses import evaluate, source_of
 from antenna_pin.studies.sweep.study import Study
 from antenna_pin.trajectory import Trajectory, is_lean, library_versions
 
-__all__ = ["PreparedStudy", "RunTime", "TrialRun", "prepare", "run_seconds", "trial"]
-
-
 _TRIAL_SHARE = 0.02  # of a run's duration
 _LONG_ENOUGH = 1.0  # [s] for a trial to tell the pace of a run
 

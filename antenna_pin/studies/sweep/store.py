@@ -28,9 +28,6 @@ from antenna_pin.studies.sweep.journal import Journal, ReadJournal, deleted, rea
 from antenna_pin.studies.sweep.study import Study
 from antenna_pin.trajectory.file import load_dataset, write
 
-__all__ = ["LOST", "SUFFIX", "Identity", "Store", "identity_of", "open_study"]
-
-
 # --- the dataset of a study: its responses and how its runs ended, labelled by its parameters ---
 
 #: Identifies the format of a study's dataset.
@@ -62,11 +59,7 @@ def empty_table(study: Study, design: Design, about: Mapping[str, str]) -> xr.Da
         labels = [value.number if numeric else value.text for value in values]
         coordinates[column.name] = (column.dim, np.array(labels, dtype=float if numeric else str), attributes)
     found: dict[str, Any] = {
-        name: (
-            dims,
-            np.full(design.shape, np.nan),
-            {"units": response.unit, "long_name": response.meaning},
-        )
+        name: (dims, np.full(design.shape, np.nan), {"units": response.unit, "long_name": response.meaning})
         for name, response in study.responses.items()
     }
     found["outcome"] = (dims, np.full(design.shape, PENDING, dtype=object), {"long_name": "why it ended"})
