@@ -11,13 +11,14 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
+
 # --- polygons -----------------------------------------------------------------------------------------------
 #
 # Of a polygon the mean over a window is a quadratic function of the window's place, piece by piece: a piece
 # ends where an end of the window passes a sample. So extremes of means, and of differences with them, are
 # found in closed form.
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 

@@ -8,13 +8,12 @@ from typing import Any, TypeAlias
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import FileFormatError, UnknownNameError
 from antenna_pin.trajectory import Trajectory, series
 
-Array = NDArray[np.float64]
 #: Components of a vector.
 AXES = ("x", "y", "z")
 RunLike: TypeAlias = Trajectory | xr.Dataset

@@ -22,10 +22,11 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import Array, RunLike, data_of
+from antenna_pin.analysis._run import RunLike, data_of
 from antenna_pin.analysis.bodies import body_poses, body_twists
 from antenna_pin.analysis.journal import clearance_shapes, journal_motion
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 
 _NEEDED = ("q", "v", "journal_position", "journal_attitude", "journal_tilt")
 _FORCES = ("joint_force", "normal_force", "depth")

@@ -11,8 +11,9 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import AXES, Array, RunLike, data_of, entries_in, variable
+from antenna_pin.analysis._run import AXES, RunLike, data_of, entries_in, variable
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.files import path_of_text
 from antenna_pin.errors import FileFormatError
 from antenna_pin.mechanism import (

@@ -7,10 +7,11 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, label_of, sample_times, variable
+from antenna_pin.analysis._run import RunLike, data_of, label_of, sample_times, variable
 from antenna_pin.analysis.bodies import mechanism_of
 from antenna_pin.analysis.sampled import resampled
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism import link_motion, quaternions
 from antenna_pin.trajectory import names_along

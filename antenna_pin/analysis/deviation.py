@@ -11,7 +11,6 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from antenna_pin.analysis._run import (
-    Array,
     RunLike,
     blocks,
     choose,
@@ -24,6 +23,7 @@ from antenna_pin.analysis._run import (
 from antenna_pin.analysis.body_motion import base_motion, common_samples, motion_deviation
 from antenna_pin.analysis.sampled import Mean, resampled, straight_line
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import names_along
 

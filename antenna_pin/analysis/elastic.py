@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, entries_in, sample_times, variable
+from antenna_pin.analysis._run import RunLike, data_of, entries_in, sample_times, variable
 from antenna_pin.analysis.sampled import time_rms
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.readable import number, readable
 from antenna_pin.trajectory import names_along
 from antenna_pin.trajectory.quantities import table

@@ -8,18 +8,16 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from antenna_pin.analysis.stress_results import BearingRating, SurfaceStress
 from antenna_pin.analysis.surface_file import FlankSurface, StopSurface
 from antenna_pin.analysis.surface_stress import ForcePeak, Pair, StressCriteria, Stresses, surface_of
+from antenna_pin.base.arrays import Array
 from antenna_pin.contact.ball_rating import ISO76_PRESSURE, ball_load_limit, raceway_ellipse, static_rating
 from antenna_pin.contact.pressure import hertz_line, hertz_point, point_shear
 from antenna_pin.elements import BallBearing
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import elements_of, is_lean, mesh_touches, touches
-
-Array = NDArray[np.float64]
 
 
 def stop_stress(

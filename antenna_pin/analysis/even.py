@@ -15,8 +15,9 @@ import scipy
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from antenna_pin.analysis._run import LONG, ROWS, Array
+from antenna_pin.analysis._run import LONG, ROWS
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError
 
 #: Returns the samples of a signal from one number up to, not including, another: (m,) or (m, k).

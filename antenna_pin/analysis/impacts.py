@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, choose, data_of, sample_times, variable
+from antenna_pin.analysis._run import RunLike, choose, data_of, sample_times, variable
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import FileFormatError
 from antenna_pin.trajectory import blow_counts, blow_numbers, contact_joints, contact_kinds, names_along
 from antenna_pin.trajectory.quantities import TABLES

@@ -17,6 +17,7 @@ from antenna_pin.analysis.stress_results import BushingLoad, SurfaceStress
 from antenna_pin.analysis.strip_load import LawStrips, LineLoad, PlaneStrips, StripLaw, bore_depths, line_load
 from antenna_pin.analysis.surface_file import JointSurface
 from antenna_pin.analysis.surface_stress import ForcePeak, Pair, StressCriteria, Stresses, surface_of
+from antenna_pin.base.arrays import Array
 from antenna_pin.contact import make_normal_law
 from antenna_pin.contact.normal import CompiledNormalLaw
 from antenna_pin.contact.pressure import LinePressure, hertz_line, hertz_point, persson_line
@@ -25,7 +26,6 @@ from antenna_pin.errors import AntennaPinError
 from antenna_pin.trajectory import contact_ends, names_along
 from antenna_pin.trajectory.read import is_lean
 
-Array = NDArray[np.float64]
 Samples = NDArray[np.int64]  # indices of samples
 
 # Approach by the law over that of geometry and materials, within which they are taken to agree.

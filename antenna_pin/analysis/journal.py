@@ -20,9 +20,10 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import AXES, Array, RunLike, blocks, choose, data_of, label_of, variable
+from antenna_pin.analysis._run import AXES, RunLike, blocks, choose, data_of, label_of, variable
 from antenna_pin.analysis.bodies import body_poses
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.directions import unit
 from antenna_pin.base.rules import AtLeastOne
 from antenna_pin.errors import FileFormatError, InvalidParameterError

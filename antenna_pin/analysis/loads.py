@@ -7,10 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, blocks, choose, data_of, sample_times, variable
+from antenna_pin.analysis._run import RunLike, blocks, choose, data_of, sample_times, variable
 from antenna_pin.analysis.sampled import time_mean, time_percentiles, time_rms
 from antenna_pin.analysis.settling import touching_intervals
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.trajectory import contacts_of, names_along
 from antenna_pin.trajectory.quantities import TABLES, table
 

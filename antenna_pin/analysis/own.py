@@ -22,8 +22,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike
+from antenna_pin.analysis._run import RunLike
 from antenna_pin.base.arguments import check_takes, number_in, takes, unknown_type
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.trajectory import Trajectory
 

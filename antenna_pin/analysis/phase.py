@@ -10,10 +10,11 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, label_of
+from antenna_pin.analysis._run import RunLike, data_of, label_of
 from antenna_pin.analysis.quantity import Quantity, quantity
 from antenna_pin.analysis.transients import settled
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.rules import NotNegative, Positive
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import Trajectory, open_table, table_attributes

@@ -36,7 +36,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from antenna_pin.analysis._indices import (
     Absolute,
@@ -50,10 +50,9 @@ from antenna_pin.analysis._indices import (
     extremes,
 )
 from antenna_pin.base.arguments import check_number, takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.rules import AtLeastOne, NumberRule
 from antenna_pin.errors import InvalidParameterError
-
-Array = NDArray[np.float64]
 
 #: The indices and what they are, in one line each.
 DEFINITIONS = {

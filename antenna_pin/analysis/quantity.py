@@ -38,13 +38,14 @@ import numpy as np
 import xarray as xr
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import AXES, Array, RunLike, blocks, data_of, label_of, sample_times, variable
+from antenna_pin.analysis._run import AXES, RunLike, blocks, data_of, label_of, sample_times, variable
 from antenna_pin.analysis.bodies import mechanism_of
 from antenna_pin.analysis.journal import clearance_shapes
 from antenna_pin.analysis.own import is_own, own_series
 from antenna_pin.analysis.shaken import base_wrench, shaken_link, shakes_of
 from antenna_pin.analysis.signals import signals
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.readable import printed_unit
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import Mechanism, link_motion

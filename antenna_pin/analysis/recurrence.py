@@ -34,9 +34,9 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.fft import irfft, next_fast_len, rfft
 
-from antenna_pin.analysis._run import Array
 from antenna_pin.analysis.transients import scaled, settled
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError
 
 # --- 0-1 test for chaos -------------------------------------------------------------------------------------

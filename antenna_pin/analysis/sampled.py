@@ -12,8 +12,9 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from antenna_pin.analysis._run import LONG, ROWS, Array
+from antenna_pin.analysis._run import LONG, ROWS
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError
 
 _FEW = 33  # levels that all segments of a polygon are compared with

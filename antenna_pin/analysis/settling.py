@@ -16,11 +16,12 @@ from typing import Annotated, Literal
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, choose, data_of, sample_times, variable
+from antenna_pin.analysis._run import RunLike, choose, data_of, sample_times, variable
 from antenna_pin.analysis.closures import drives_of
 from antenna_pin.analysis.impacts import impacts
 from antenna_pin.analysis.sampled import straight_line
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.rules import AtLeastOne, NumberRule
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import contacts_of, names_along

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import AXES, Array, RunLike, data_of, label_of, sample_times
+from antenna_pin.analysis._run import AXES, RunLike, data_of, label_of, sample_times
 from antenna_pin.analysis.bodies import joint_loads, mechanism_of
 from antenna_pin.analysis.closures import drives_of
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import WORLD, link_motion
 from antenna_pin.trajectory.quantities import dataset_of

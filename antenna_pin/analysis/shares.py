@@ -9,9 +9,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.analysis._run import Array, RunLike, blocks, choose, data_of, variable
+from antenna_pin.analysis._run import RunLike, blocks, choose, data_of, variable
 from antenna_pin.analysis.journal import clearance_shapes, journal_motion
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.joints.geometry import AxialScenario, RadialScenario
 from antenna_pin.trajectory import contact_ends, contacts_of, names_along, series

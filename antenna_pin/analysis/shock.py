@@ -22,8 +22,8 @@ import numpy.typing as npt
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from antenna_pin.analysis._run import Array
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.rules import NumberRule
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory.quantities import dataset_of

@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import AXES, Array, RunLike, blocks, data_of, sample_times
+from antenna_pin.analysis._run import AXES, RunLike, blocks, data_of, sample_times
 from antenna_pin.analysis.body_motion import base_motion
 from antenna_pin.analysis.elastic import elastic_parts_of
 from antenna_pin.analysis.even import Read
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.trajectory import names_along
 
 _BASE = {f"base {kind}acceleration {axis}" for kind in ("", "angular ") for axis in AXES}

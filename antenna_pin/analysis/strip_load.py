@@ -28,11 +28,9 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.contact.normal import CompiledNormalLaw
-
-Array = NDArray[np.float64]
 
 # Below this share of the depth, a segment's difference of depths loses digits in the quotient of Phi, and
 # Simpson's rule is exact to 1e-15.

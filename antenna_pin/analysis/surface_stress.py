@@ -7,13 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from antenna_pin.analysis.stress_results import SurfaceStress
+from antenna_pin.base.arrays import Array
 from antenna_pin.contact import Material, effective_modulus
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -18,10 +18,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
+from antenna_pin.analysis._run import RunLike, data_of, sample_times
 from antenna_pin.analysis.quantity import quantity
 from antenna_pin.analysis.shaken import shaken_link, shakes_of
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.rules import NumberRule
 from antenna_pin.elements import SweptPiece, sines_of
 from antenna_pin.errors import InvalidParameterError, UnknownNameError

@@ -22,8 +22,8 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from antenna_pin.analysis._run import Array
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError
 
 _BLOCKS = 8

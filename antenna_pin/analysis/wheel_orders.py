@@ -19,10 +19,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
+from antenna_pin.analysis._run import RunLike, data_of, sample_times
 from antenna_pin.analysis.interface import interface_loads
 from antenna_pin.analysis.spectrum import dominant_frequencies
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.trajectory import names_along
 from antenna_pin.trajectory.columns import ROUND_OFF

@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import Scenario
 from antenna_pin.studies.fit.confidence_bands import (
@@ -28,8 +28,6 @@ from antenna_pin.studies.fit.profile_likelihood import Profile, profile_lines, p
 from antenna_pin.studies.fit.result import Fit
 from antenna_pin.studies.fit.uncertainty import ResidualFunctions, Sure, sure
 from antenna_pin.trajectory import open_table, table_attributes
-
-Array = NDArray[np.float64]
 
 # --- bands and profiles of a fit ----------------------------------------------------------------------------
 

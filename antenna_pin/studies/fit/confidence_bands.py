@@ -25,12 +25,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import check_number
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.studies.fit.plan import FitPlan, Unknowns
 from antenna_pin.studies.fit.profile_likelihood import Profile
 from antenna_pin.studies.fit.uncertainty import Loss, Noise, ResidualFunctions, Residuals, Sure, cost, sure
-
-Array = NDArray[np.float64]
 
 # --- bands of curves ----------------------------------------------------------------------------------------
 

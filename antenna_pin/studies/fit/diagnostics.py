@@ -7,15 +7,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.readable import number, prefixed, readable
 from antenna_pin.studies.fit.confidence_bands import ParameterBands
 from antenna_pin.studies.fit.problem import Problem
 from antenna_pin.studies.fit.runs import NoRunError
 from antenna_pin.studies.fit.uncertainty import autocorrelation, is_correlated
-
-Array = NDArray[np.float64]
 
 # --- verdict ------------------------------------------------------------------------------------------------
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.files import absence
 from antenna_pin.base.tables import write_csv
 from antenna_pin.base.units import shown
@@ -32,8 +33,6 @@ from antenna_pin.studies.fit.problem import Problem
 from antenna_pin.studies.fit.record_file import read_columns
 from antenna_pin.studies.fit.run_service import RunService
 from antenna_pin.studies.fit.specs import ColumnSpec, FitParameterSpec, LayoutSpec, names_in
-
-Array = NDArray[np.float64]
 
 # Most samples of a synthetic record.
 _MOST = 1_000_000

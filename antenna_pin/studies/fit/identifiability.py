@@ -30,12 +30,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.readable import number
 from antenna_pin.base.rules import AtLeastOne, BetweenZeroAndOne
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.studies.fit.uncertainty import DOUBT, Rank, Residuals, rank_of, student_quantile
-
-Array = NDArray[np.float64]
 
 # --- identifiability ----------------------------------------------------------------------------------------
 

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.state import State
 from antenna_pin.errors import ScenarioError
 from antenna_pin.studies.fit.plan import Unknowns
@@ -30,8 +30,6 @@ from antenna_pin.studies.fit.runs import (
 )
 from antenna_pin.studies.nonlinear import Chart
 from antenna_pin.studies.nonlinear.coordinates import configuration_difference
-
-Array = NDArray[np.float64]
 
 # --- one piece of a record ----------------------------------------------------------------------------------
 

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.units import shown
 from antenna_pin.errors import OutputError
 from antenna_pin.scenario import Scenario
@@ -29,8 +30,6 @@ from antenna_pin.studies.fit.specs import (
     names_in,
 )
 from antenna_pin.studies.fit.uncertainty import Loss, Noise
-
-Array = NDArray[np.float64]
 
 #: Numbers of a record: ``records.NAME.clock_shift``, ``records.NAME.columns.COLUMN.gain``.
 _OF_RECORD = re.compile(r"records\.([^.]+)\.(?:(clock_shift)|columns\.([^.]+)\.(gain|offset))")

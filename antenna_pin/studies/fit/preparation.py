@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.parameters import LARGEST
 from antenna_pin.base.units import unit_factor
 from antenna_pin.errors import AntennaPinError, ScenarioError
@@ -33,8 +34,6 @@ from antenna_pin.studies.fit.sensors import (
 )
 from antenna_pin.studies.fit.specs import ColumnSpec, evaluate
 from antenna_pin.studies.sweep.design import put_value
-
-Array = NDArray[np.float64]
 
 # --- measured records ---------------------------------------------------------------------------------------
 

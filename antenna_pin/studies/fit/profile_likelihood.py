@@ -23,14 +23,12 @@ from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.readable import number, prefixed
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.studies.fit.uncertainty import DOUBT, Loss, Residuals, Sure, cost
-
-Array = NDArray[np.float64]
 
 _End = Literal["crossed", "bounded", "open", "stopped"]
 """How a side of an interval ends: where the loss is too high; at a bound of the parameter; nowhere, as far as

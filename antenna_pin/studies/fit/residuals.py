@@ -9,12 +9,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.studies.fit.plan import FitPlan, record_place
 from antenna_pin.studies.fit.preparation import PreparedRecords
 from antenna_pin.studies.fit.runs import NoRunError, Readings, RecordTest
 from antenna_pin.studies.fit.sensors import Target, compared_numbers, compared_slopes
-
-Array = NDArray[np.float64]
 
 _Indices = NDArray[np.int_]
 

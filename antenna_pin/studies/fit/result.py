@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy import stats
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.files import check_writable, replacing
 from antenna_pin.base.readable import brief, number, prefixed
 from antenna_pin.errors import UnknownNameError
@@ -28,8 +28,6 @@ from antenna_pin.studies.fit.specs import evaluate
 from antenna_pin.studies.fit.uncertainty import student_quantile
 from antenna_pin.studies.sweep import Executor
 from antenna_pin.trajectory import open_table, save_table, table_attributes
-
-Array = NDArray[np.float64]
 
 # --- validation ---------------------------------------------------------------------------------------------
 

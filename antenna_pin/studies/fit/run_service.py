@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import few
 from antenna_pin.base.state import State
 from antenna_pin.run.simulation.inputs import check_without_controllers
@@ -49,8 +49,6 @@ from antenna_pin.studies.sweep import Executor, Here
 from antenna_pin.studies.sweep.executor import Lost
 from antenna_pin.studies.sweep.journal import Journal, open_journal
 from antenna_pin.trajectory import library_versions
-
-Array = NDArray[np.float64]
 
 # --- derivatives by the variational equation ----------------------------------------------------------------
 

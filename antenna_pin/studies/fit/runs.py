@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.interruption import interruptible, is_interruption, uninterrupted
 from antenna_pin.base.state import OpenContact, State
 from antenna_pin.dynamics import System, contact_memory
@@ -34,8 +34,6 @@ from antenna_pin.studies.nonlinear import Chart, Flow
 from antenna_pin.studies.nonlinear.coordinates import configuration_difference
 from antenna_pin.studies.sweep.design import put_value
 from antenna_pin.trajectory import ENDED_WELL
-
-Array = NDArray[np.float64]
 
 # --- a scenario set up once ---------------------------------------------------------------------------------
 

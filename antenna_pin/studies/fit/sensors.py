@@ -39,13 +39,12 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_banded
 
 from antenna_pin.analysis import joint_loads, mechanism_of, quantity
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.directions import unit as along
 from antenna_pin.base.units import quantity as in_si
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
 from antenna_pin.mechanism import link_motion
 from antenna_pin.studies.fit.specs import BlowsSpec, ColumnSpec, SpectrumSpec
-
-Array = NDArray[np.float64]
 
 # --- low-pass filters ---------------------------------------------------------------------------------------
 

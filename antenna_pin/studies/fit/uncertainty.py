@@ -30,10 +30,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import check_number, takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.rules import BetweenZeroAndOne
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-
-Array = NDArray[np.float64]
 
 # --- losses -------------------------------------------------------------------------------------------------
 

@@ -11,10 +11,8 @@ from scipy.linalg import eig, eigh, null_space
 from scipy.optimize import linear_sum_assignment
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array, Complex
 from antenna_pin.studies.linear.linearisation import Linearisation
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 Kind = Literal["rigid", "free", "elastic", "unstable"]
 """A motion of all as one rigid body, one that nothing resists, a vibration, one that runs away."""

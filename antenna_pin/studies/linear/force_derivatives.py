@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import STEPS, gradient
 from antenna_pin.base.records import CONTACT, POSE
 from antenna_pin.dynamics import Adjustments, System, Workspace
@@ -17,8 +18,6 @@ from antenna_pin.dynamics import kernels as _program
 from antenna_pin.dynamics.blocks import bearings_in
 from antenna_pin.joints.kernels import unit_normal_force
 from antenna_pin.joints.pose_kernels import place_journal
-
-Array = NDArray[np.float64]
 
 _Loads = Mapping[str, Array]
 

@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import gradient
 from antenna_pin.base.readable import brief
 from antenna_pin.dynamics import System, Workspace, acting_in
@@ -20,8 +20,6 @@ from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism.inertia import mass_matrix
 from antenna_pin.studies.linear.force_derivatives import ForceDerivatives, Forces
 from antenna_pin.studies.linear.operating_point import At
-
-Array = NDArray[np.float64]
 
 # --- rotors on bearings, in axes that do not spin with them -------------------------------------------------
 

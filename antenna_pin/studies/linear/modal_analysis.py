@@ -15,6 +15,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import check_number, takes
+from antenna_pin.base.arrays import Array, Complex
 from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.base.readable import number
 from antenna_pin.base.state import State
@@ -29,9 +30,6 @@ from antenna_pin.studies.linear.eigenmodes import Eigen, solve
 from antenna_pin.studies.linear.linearisation import Linearisation, linearise, rotors
 from antenna_pin.studies.linear.operating_point import At, Play, prepared
 from antenna_pin.trajectory import Trajectory, is_lean
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 # --- energy shares of bodies --------------------------------------------------------------------------------
 

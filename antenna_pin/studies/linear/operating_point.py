@@ -11,6 +11,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import gradient
 from antenna_pin.base.readable import brief, number
 from antenna_pin.base.records import CONTACT, POSE, memory_records
@@ -20,8 +21,6 @@ from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.mechanism import JointSlot
 from antenna_pin.studies.linear.force_derivatives import Forces
-
-Array = NDArray[np.float64]
 
 # --- a journal under load -----------------------------------------------------------------------------------
 

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.analysis import Antenna, QuantityName
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import slope
 from antenna_pin.dynamics import JointMotion, System, Workspace
 from antenna_pin.elements import ConstantDrive, Motion, Shake
@@ -19,8 +20,6 @@ from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.studies.linear.linearisation import Linearisation
 from antenna_pin.studies.linear.modal_analysis import COMPONENTS, Modes
 from antenna_pin.studies.linear.operating_point import At
-
-Array = NDArray[np.float64]
 
 # --- what a shaken base does to small motions: it enters as an acceleration ---
 #

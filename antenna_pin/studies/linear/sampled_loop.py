@@ -18,16 +18,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array, Complex
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import Scenario
 from antenna_pin.studies.linear.modal_analysis import modes
 from antenna_pin.studies.linear.response import Plant, plant_of
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 # Frequencies of a response: points, and the lowest one as a share of half the sampling rate.
 _POINTS, _LOWEST = 20_000, 1e-5

@@ -20,13 +20,11 @@ from numpy.typing import NDArray
 from scipy.interpolate import KroghInterpolator
 from scipy.optimize import brentq
 
+from antenna_pin.base.arrays import Array, Complex
 from antenna_pin.base.calculus import root_between
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.studies.nonlinear.orbits import NoOrbitError, Orbit
 from antenna_pin.studies.nonlinear.pseudo_arclength import BranchStepper, Node, Point
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 # --- orbits within a step, and points located among them ----------------------------------------------------
 

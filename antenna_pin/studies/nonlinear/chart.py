@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.records import memory_records
 from antenna_pin.base.settings import ErrorScales, RunSettings
 from antenna_pin.base.state import OpenContact, State
@@ -30,8 +30,6 @@ from antenna_pin.studies.nonlinear.coordinates import (
     frame_at,
     perturbation_slices,
 )
-
-Array = NDArray[np.float64]
 
 # --- modes of elements in a state ---------------------------------------------------------------------------
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import check_number, takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.capacity import check_count
 from antenna_pin.base.interruption import acknowledge
 from antenna_pin.base.readable import brief
@@ -44,8 +44,6 @@ from antenna_pin.studies.nonlinear.pseudo_arclength import (
     SolutionFamily,
     in_first_period,
 )
-
-Array = NDArray[np.float64]
 
 # --- bifurcations between two orbits of a branch ------------------------------------------------------------
 

@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.settings import ErrorScales
 from antenna_pin.base.state import State
 from antenna_pin.dynamics import System, Workspace, acting_in, kernels
@@ -19,8 +20,6 @@ from antenna_pin.dynamics.mode_kernels import is_held, mode_of
 from antenna_pin.elements import Modal, kind_of
 from antenna_pin.integrate import KINDS
 from antenna_pin.run.simulation.steps import scale_vector
-
-Array = NDArray[np.float64]
 
 # --- memory of elements with modes --------------------------------------------------------------------------
 

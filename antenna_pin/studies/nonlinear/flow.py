@@ -8,9 +8,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import Slope, slope
 from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.base.records import memory_records
@@ -29,8 +29,6 @@ from antenna_pin.studies.nonlinear.coordinates import Frame, Lift
 from antenna_pin.studies.nonlinear.perturbed_system import ParameterSlopes
 from antenna_pin.studies.nonlinear.variational import TangentPropagation
 from antenna_pin.trajectory import Outcome, Trajectory
-
-Array = NDArray[np.float64]
 
 # Difference steps in error scales: the noise of a run is some 1e-12 of a scale.
 _STEPS = (1e-1, 2e-2, 4e-3, 8e-4)

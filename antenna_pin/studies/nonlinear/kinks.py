@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import WEIGHTS
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.dynamics import Workspace
@@ -33,8 +34,6 @@ from antenna_pin.run.simulation.steps import stepper_of
 from antenna_pin.studies.nonlinear.coordinates import Frame, configuration_difference
 from antenna_pin.studies.nonlinear.saltation import RunTangents
 from antenna_pin.studies.nonlinear.vector_field import VectorField
-
-Array = NDArray[np.float64]
 
 # --- parts of a step ----------------------------------------------------------------------------------------
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg import qr
 
 from antenna_pin.base.arguments import check_number, takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.capacity import MOST, check_count
 from antenna_pin.base.readable import brief
 from antenna_pin.base.state import State
@@ -23,8 +24,6 @@ from antenna_pin.studies.nonlinear.chart import Chart, NotAlikeError
 from antenna_pin.studies.nonlinear.coordinates import ElementMemory, Frame, own_coordinates
 from antenna_pin.studies.nonlinear.flow import Flow
 from antenna_pin.trajectory import open_table, table_attributes
-
-Array = NDArray[np.float64]
 
 # --- independent directions of perturbed states -------------------------------------------------------------
 

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from antenna_pin.analysis import quantity
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.capacity import check_count
 from antenna_pin.base.state import State
 from antenna_pin.dynamics import System
@@ -24,8 +24,6 @@ from antenna_pin.studies.nonlinear.orbits import Orbit
 from antenna_pin.studies.nonlinear.pseudo_arclength import SolutionFamily
 from antenna_pin.studies.nonlinear.sections import Section, Stroboscope, drive_period
 from antenna_pin.trajectory import open_table, table_attributes
-
-Array = NDArray[np.float64]
 
 # --- families of flows over a key of a scenario -------------------------------------------------------------
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array, Complex
 from antenna_pin.base.readable import brief
 from antenna_pin.base.rules import AtLeastOne, Positive
 from antenna_pin.base.state import State
@@ -20,9 +21,6 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.studies.nonlinear.chart import Chart
 from antenna_pin.studies.nonlinear.coordinates import own_coordinates
 from antenna_pin.studies.nonlinear.flow import Flow, Tangent
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 # Relative singular values of (M - 1) below which a direction is neutral, with adjacent orbits: Newton's
 # method takes no step along it.

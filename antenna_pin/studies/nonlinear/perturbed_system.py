@@ -18,6 +18,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import WEIGHTS, few
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.dynamics import System, Workspace, acting_in
@@ -27,8 +28,6 @@ from antenna_pin.mechanism import BODY, body_tree
 from antenna_pin.run.engine import Carrying, CompiledStepper, SystemSlopes, Tangents, moves_rows
 from antenna_pin.run.simulation.steps import scale_vector, stepper_of
 from antenna_pin.studies.nonlinear.coordinates import ElementMemory, Units, perturbation_slices
-
-Array = NDArray[np.float64]
 
 # --- numbers of a system that parameters change -------------------------------------------------------------
 

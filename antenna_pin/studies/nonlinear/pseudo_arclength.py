@@ -8,9 +8,9 @@ import math
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import slope
 from antenna_pin.base.state import State
 from antenna_pin.studies.nonlinear.chart import Chart
@@ -22,8 +22,6 @@ from antenna_pin.studies.nonlinear.orbits import (
     evaluate_orbit,
     periodic_orbit,
 )
-
-Array = NDArray[np.float64]
 
 # Difference steps over a parameter, in its unit: the small ones serve near a graze.
 _STEPS = (1e-3, 2e-4, 4e-5, 8e-6, 1.6e-6)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from antenna_pin.analysis import quantity
 from antenna_pin.analysis.transients import LEAST, RULE, Settled, settled
 from antenna_pin.base.arguments import check_number, takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.capacity import check_count
 from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.base.state import State
@@ -26,8 +27,6 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.assemble import build_system, initial_angles, initial_state
 from antenna_pin.studies.nonlinear.sections import Crossing, Section, Stroboscope
 from antenna_pin.trajectory import Outcome, Trajectory, open_table, table_attributes
-
-Array = NDArray[np.float64]
 
 # Rate of even samples so low that none occurs [1/s].
 _NO_RATE = 1e-12

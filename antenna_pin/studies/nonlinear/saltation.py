@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.records import MEMORY
 from antenna_pin.dynamics import Workspace, acting_in, impulse, kernels, reduced_inertia
 from antenna_pin.elements import Met
@@ -26,8 +27,6 @@ from antenna_pin.run.simulation.loop import Run
 from antenna_pin.studies.nonlinear.coordinates import ElementMemory, Frame, configuration_difference
 from antenna_pin.studies.nonlinear.perturbed_system import ParameterShift, StateFunction
 from antenna_pin.studies.nonlinear.vector_field import VectorField
-
-Array = NDArray[np.float64]
 
 # --- tangents at equal times, and at the perturbed times of an event ----------------------------------------
 

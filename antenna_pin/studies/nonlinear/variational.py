@@ -33,6 +33,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.run.engine import Carrying, Steps
 from antenna_pin.run.simulation.loop import Run
 from antenna_pin.run.simulation.steps import LoggedStep
@@ -54,8 +55,6 @@ from antenna_pin.studies.nonlinear.saltation import (
     with_time,
 )
 from antenna_pin.studies.nonlinear.vector_field import VectorField
-
-Array = NDArray[np.float64]
 
 # --- tangents by the stages of the integrator ---------------------------------------------------------------
 

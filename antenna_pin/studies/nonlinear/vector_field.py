@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import WEIGHTS, roughness
 from antenna_pin.base.records import CONTACT
 from antenna_pin.base.settings import RunSettings
@@ -28,8 +29,6 @@ from antenna_pin.studies.nonlinear.perturbed_system import (
     PerturbedSystem,
     StateFunction,
 )
-
-Array = NDArray[np.float64]
 
 # --- gaps along perturbations -------------------------------------------------------------------------------
 

@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import WEIGHTS
 from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.base.settings import RunSettings
@@ -29,8 +30,6 @@ from antenna_pin.studies.sensitivity.parameters import (
     shifted_start,
 )
 from antenna_pin.trajectory import Column, Trajectory, columns_of
-
-Array = NDArray[np.float64]
 
 # --- first difference of two runs in contacts, events or mode changes ---------------------------------------
 

@@ -18,8 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import few
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.state import State
@@ -44,8 +44,6 @@ from antenna_pin.studies.sensitivity.parameters import (
 )
 from antenna_pin.studies.sensitivity.state_series import StateSeries, TimeDerivatives
 from antenna_pin.studies.sensitivity.tangent_run import ContactShift, TangentRecord
-
-Array = NDArray[np.float64]
 
 # --- tangents of a scenario over its parameters -------------------------------------------------------------
 

@@ -11,17 +11,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import check_number, takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import WEIGHTS
 from antenna_pin.base.readable import brief
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.scenario import Scenario
 from antenna_pin.studies.sensitivity.parameters import Parameter
 from antenna_pin.trajectory import Trajectory, open_table, table_attributes
-
-Array = NDArray[np.float64]
 
 # --- growth of derivatives ----------------------------------------------------------------------------------
 

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import WEIGHTS
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.state import State
@@ -26,8 +27,6 @@ from antenna_pin.studies.nonlinear.chart import StatePerturbation
 from antenna_pin.studies.nonlinear.perturbed_system import PerturbedParameters, PerturbedSystem
 from antenna_pin.studies.sensitivity.tangent_run import PerturbedSamples
 from antenna_pin.trajectory.schema import VARIABLES
-
-Array = NDArray[np.float64]
 
 # --- series over parameters ---------------------------------------------------------------------------------
 

@@ -16,8 +16,8 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import root_between
 from antenna_pin.base.records import CONTACT
 from antenna_pin.dynamics import System, Workspace, acting_in, audit, kernels
@@ -34,8 +34,6 @@ from antenna_pin.studies.nonlinear.saltation import ElementReplay, ElementTransi
 from antenna_pin.studies.nonlinear.variational import TangentPropagation
 from antenna_pin.studies.nonlinear.vector_field import VectorField
 from antenna_pin.studies.sensitivity.parameters import GrazeError
-
-Array = NDArray[np.float64]
 
 # --- integrals of elements between two changes --------------------------------------------------------------
 

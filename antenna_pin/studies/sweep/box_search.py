@@ -11,13 +11,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.rules import AtLeastOne
 from antenna_pin.errors import InvalidParameterError
 
-Array = NDArray[np.float64]
 Response = Callable[[Array], Array]
 
 #: Largest number of corners: those of twelve variables.

@@ -11,12 +11,10 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError, MissingToolError
-
-Array = NDArray[np.float64]
 
 
 def _salib(name: str) -> Any:
