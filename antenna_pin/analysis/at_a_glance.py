@@ -46,8 +46,7 @@ class Answer(NamedTuple):
 def answer(run: Trajectory) -> Answer:
     """Return blows, peaks, losses, pointing errors and balances of a run.
 
-    Args:
-        run: The run. The displacements of journals are not in a lean one.
+    A lean run has no displacements of journals.
     """
     data, summary = run.data, run.summary()
     case = f"case {summary['case']}" if summary["case"] else ""

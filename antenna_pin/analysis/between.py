@@ -80,13 +80,7 @@ def _bend(values: Array) -> Array:
 
 
 class _Curves:
-    """The curves through the samples of one joint.
-
-    Args:
-        data: Of the run.
-        joint: Name of the clearance joint.
-        time: Of samples, (n,) [s].
-    """
+    """The curves through the samples of one joint."""
 
     def __init__(self, data: xr.Dataset, joint: str, time: Array) -> None:
         picked = data.sel(clearance_joint=[joint])

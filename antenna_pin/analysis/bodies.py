@@ -144,10 +144,7 @@ def body_poses(
 ) -> xr.Dataset:
     """Return the poses of link frames in the world.
 
-    Args:
-        run: A run, or its data.
-        times: Indices of samples; all if not given.
-        bodies: Names of links; all if not given.
+    They are at indices ``times`` of samples, and of links ``bodies``; all by default.
 
     Returns:
         ``position`` (time, body, axis) [m] and ``attitude`` (time, body, quaternion), xyzw.
@@ -173,10 +170,7 @@ def body_twists(
 ) -> xr.Dataset:
     """Return the velocities of link frames relative to the world, in link axes.
 
-    Args:
-        run: A run, or its data.
-        times: Indices of samples; all if not given.
-        bodies: Names of links; all if not given.
+    They are at indices ``times`` of samples, and of links ``bodies``; all by default.
 
     Returns:
         ``velocity`` [m/s] and ``angular_velocity`` [rad/s], (time, body, axis).
@@ -196,9 +190,7 @@ def joint_loads(run: RunLike, times: ArrayLike | None = None) -> xr.Dataset:
     loops, with what they pass from their first link to the second. Where a loop has redundant equations, what
     its joints share is that of the result's ``closure_force`` and ``closure_moment``, which are the least.
 
-    Args:
-        run: A run, or its data.
-        times: Indices of samples; all if not given.
+    They are at indices ``times`` of samples; all by default.
 
     Returns:
         ``force`` [N] and ``torque`` [N m], (time, moving_joint, axis), world axes; the torque about the joint

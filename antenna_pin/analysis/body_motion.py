@@ -111,12 +111,8 @@ _DERIVATIVES = {
 def motion_dataset(data: xr.Dataset, whose: str, attitude: Array, **columns: Array) -> xr.Dataset:
     """Return the motion of a frame, with its rotation since the start.
 
-    Args:
-        data: Data of the run.
-        whose: Owner of the frame, for the long names: "base".
-        attitude: Quaternions xyzw, (n, 4) [-].
-        **columns: ``position``, ``velocity``, ``acceleration`` of its origin, ``angular_velocity`` and
-            ``angular_acceleration``, (n, 3) each.
+    Columns are ``position``, ``velocity``, ``acceleration`` of its origin, ``angular_velocity`` and
+    ``angular_acceleration``, (n, 3) each; attitudes are quaternions xyzw, (n, 4).
     """
     turn = Rotation.from_quat(attitude)
     columns |= {"rotation": _unwrapped((turn * turn[0].inv()).as_rotvec()), "attitude": attitude}
@@ -126,13 +122,7 @@ def motion_dataset(data: xr.Dataset, whose: str, attitude: Array, **columns: Arr
 
 
 def common_samples(data: xr.Dataset, reference: xr.Dataset, place: str) -> slice:
-    """Return the samples of a run while the ideal run lasts.
-
-    Args:
-        data: Data of the run.
-        reference: Data of the ideal run.
-        place: Name of the caller, for messages.
-    """
+    """Return the samples of a run while the ideal run lasts."""
     if reference.sizes.get("contact", 0):
         touching = ", ".join(names_along(reference, "clearance_joint"))
         rule = "a run without contacts (a case whose joints are all ideal)"
@@ -151,10 +141,7 @@ def common_samples(data: xr.Dataset, reference: xr.Dataset, place: str) -> slice
 def motion_deviation(run: xr.Dataset, ideal: xr.Dataset, whose: str) -> dict[str, xr.Variable]:
     """Return the deviation of one motion from another at its own samples, in world axes.
 
-    Args:
-        run: Motion of :func:`motion_dataset`.
-        ideal: Reference motion; it is interpolated and must cover the run's time.
-        whose: Owner of the frames, for the long names.
+    The ideal motion is interpolated, and must cover the run's time.
 
     Returns:
         ``position`` [m], ``attitude`` (rotation vector from the ideal to the run's) [rad], and the rates.
@@ -209,9 +196,6 @@ def base_motion(run: RunLike) -> xr.Dataset:
     Here they are those of the base's origin as seen from the world: :math:`R v` and
     :math:`R (a + \omega \times v)`.
 
-    Args:
-        run: A run with a free base, or its data.
-
     Returns:
         Over time and axis: ``position`` [m], ``rotation`` since the first sample as a rotation vector [rad]
         (unwrapped beyond pi), ``velocity`` [m/s], ``angular_velocity`` [rad/s], ``acceleration`` [m/s^2],
@@ -244,12 +228,7 @@ def base_motion(run: RunLike) -> xr.Dataset:
 
 @takes()
 def moved_body(run: RunLike, joint: str) -> str:
-    """Return the name of the body that a joint moves.
-
-    Args:
-        run: A run, or its data.
-        joint: Name of a moving joint.
-    """
+    """Return the name of the body that a joint moves."""
     mechanism = mechanism_of(run)
     return mechanism.bodies[mechanism.joint(joint).joint_id - 1]
 
@@ -257,10 +236,6 @@ def moved_body(run: RunLike, joint: str) -> str:
 @takes()
 def body_motion(run: RunLike, body: str) -> xr.Dataset:
     """Return position, attitude, velocities and accelerations of a link's frame, all in world axes.
-
-    Args:
-        run: A run, or its data.
-        body: Name of the link.
 
     Returns:
         The variables of :func:`base_motion`.

@@ -40,11 +40,7 @@ def said_of_multiplier(multiplier: complex, digits: int = 4, places: int | None 
 
 @takes()
 def stability_spans(branch: xr.Dataset) -> list[StabilitySpan]:
-    """Return the spans of equal stability along a branch.
-
-    Args:
-        branch: Of :func:`antenna_pin.studies.nonlinear.branch_table`.
-    """
+    """Return the spans of equal stability along a branch."""
     values = np.asarray(branch["value"].values, dtype=float)
     every = np.nan_to_num(branch["multiplier_real"].values + 1j * branch["multiplier_imaginary"].values)
     # They are in the order of their sizes; a system without freedoms has none.
@@ -65,9 +61,6 @@ def unexplained_changes(branch: xr.Dataset) -> list[tuple[float, float]]:
     """Return the parameter values about each change of stability without a located bifurcation.
 
     A multiplier passes 1 there, and no fold is: another branch crosses this one, as where a symmetry breaks.
-
-    Args:
-        branch: Of :func:`antenna_pin.studies.nonlinear.branch_table`.
     """
     values = np.asarray(branch["value"].values, dtype=float)
     said = [str(one) for one in branch["stability"].values]

@@ -89,9 +89,7 @@ def growth_of(time: ArrayLike, deviation: ArrayLike) -> Growth:
 def growths_of(time: Array, parts: Callable[[], Iterable[Array]]) -> list[Growth]:
     """Return :func:`growth_of` deviations that are too long for memory.
 
-    Args:
-        time: Sample times, not decreasing, (n,) [s].
-        parts: Returns the samples part by part, (m, k) of k deviations; called twice.
+    ``parts`` returns the samples part by part, (m, k) of k deviations; it is called twice.
     """
     tops: list[_Top] = []
     begin = 0
@@ -365,9 +363,7 @@ def _attributes(like: xr.DataArray, long_name: str) -> dict[str, str]:
 def _measures(time: Array, parts: Callable[[], Iterable[xr.Dataset]]) -> tuple[DeviationMeasures, ...]:
     """Return the measures of deviations.
 
-    Args:
-        time: Sample times, (n,) [s].
-        parts: Returns the deviations part by part; called three times.
+    ``parts`` returns the deviations part by part; it is called three times.
     """
     units: dict[str, str] = {}
     sums: list[_Sums] = []

@@ -25,13 +25,6 @@ def stop_stress(
 ) -> SurfaceStress:
     """Return the stress of a stop, whose surface is given.
 
-    Args:
-        data: Of the run.
-        name: Of the stop in ``[stops.NAME]``.
-        surface: What meets.
-        pair: Its materials.
-        limits: Criteria.
-
     Raises:
         InvalidParameterError: A lever is missing at a joint that turns, or given at one that slides.
     """
@@ -74,13 +67,7 @@ def flank_stress(
     One pair of teeth carries all of the force, along the whole width; no factor of application, dynamics or
     load distribution is in it.
 
-    Args:
-        data: Of the run.
-        name: Of the gear in ``[gears.NAME]``.
-        surface: Its teeth.
-        pair: Materials of input and output.
-        ratio_side: Side on which the torque is recorded: ``input`` or ``output``.
-        limits: Criteria.
+    The torque is recorded on ``ratio_side``: ``input`` or ``output``.
     """
     place = f"gears.{name}"
     about = elements_of(data)[place]
@@ -165,11 +152,6 @@ def bearing_stress(
     """Return the stress on both raceways, and the static safety of a ball bearing.
 
     The load of each ball follows from the journal's recorded place and tilt, as ``by = "balls"`` has it.
-
-    Args:
-        data: Of the run, with samples.
-        name: Of the bearing in ``[bearings.NAME]``.
-        bearing: The bearing.
     """
     place = f"bearings.{name}"
     time = np.asarray(data["time"].values, dtype=float)
@@ -241,10 +223,8 @@ def bearing_stress(
 def ball_loads(bearing: BallBearing, place: Array, tilt: Array) -> Array:
     """Return the load of each ball [N], (samples, balls).
 
-    Args:
-        bearing: The bearing.
-        place: Of the journal at the reference point, bearing axes, (samples, 3) [m].
-        tilt: z x axis, (samples, 2 or 3) [-].
+    The journal's places are at the reference point, in bearing axes, (samples, 3) [m]; tilts are z x axis,
+    (samples, 2 or 3) [-].
     """
     balls = bearing.balls()
     cosine, sine, height, radius, off, along, rest, hertz = balls.T

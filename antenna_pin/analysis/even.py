@@ -157,11 +157,6 @@ def _thinned(t: Array, x: Array, grid: Array, step: float) -> Array:
 class EvenSignal:
     """Signal on an even grid that is too long for memory, as :func:`uniform`.
 
-    Args:
-        time: Sample times, not decreasing, (n,) [s].
-        read: Gives the samples.
-        rate: Of the grid [Hz]; see :func:`uniform`.
-
     Raises:
         InvalidParameterError: Fewer than 16 instants, or a rate that gives fewer than 16 grid points.
     """
@@ -303,10 +298,6 @@ def long_amplitudes(
     even: EvenSignal, trend: Literal["constant", "linear"]
 ) -> tuple[Array, int, float, float]:
     """Return scaled magnitudes of the transform of a long signal under a Hann window.
-
-    Args:
-        even: The signal, of one component.
-        trend: What is removed first.
 
     Returns:
         Magnitudes, (n // 2 + 1,); of how many points of the grid, n: the most of which transforms are cheap;

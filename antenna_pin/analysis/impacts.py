@@ -27,10 +27,6 @@ def impacts(run: RunLike, joint: str | None = None) -> xr.Dataset:
     at once push each other (a value above 1 is possible), and a contact that a load keeps closed for long
     leaves at a speed that the load decides.
 
-    Args:
-        run: A run, or its data.
-        joint: Name of a clearance joint; all of them if left out.
-
     Returns:
         Over ``impact``: ``onset`` [s], ``duration`` [s], ``approach_speed`` [m/s], ``separation_speed``
         [m/s], ``restitution`` [-], ``peak_force`` [N], ``peak_time`` [s], ``peak_depth`` [m], ``impulse``
@@ -113,9 +109,6 @@ def _table(values: dict[str, Array], contacts: list[str], data: xr.Dataset) -> x
 def impact_statistics(table: xr.Dataset) -> xr.Dataset:
     """Return statistics of the impacts of each contact.
 
-    Args:
-        table: Of :func:`impacts`.
-
     Returns:
         Over ``contact``, those with impacts: ``impacts``, how many; ``floored`` and ``touching``, how many of
         them met slower than the law's floor and have not ended; ``median_approach_speed``,
@@ -161,10 +154,6 @@ def blows(run: RunLike, joint: str | None = None) -> xr.Dataset:
     flange and its face) touch while they did not, to where they part, whatever contacts take part. The two
     ends of a bore that are met at once are one blow, and so is an end that knocks while the other rests; each
     contact by itself is in :func:`antenna_pin.analysis.impacts`.
-
-    Args:
-        run: A run, or its data.
-        joint: Name of a clearance joint; all of them if left out.
 
     Returns:
         Over ``blow``: ``onset`` [s], ``duration`` [s], ``contacts``, how many episodes it consists of,

@@ -20,9 +20,6 @@ def interface_loads(run: RunLike) -> xr.Dataset:
     carries, and over closures and springs between it and other links; its own inertia and weight take no
     part. On a fixed base they are what the interface has to hold, less that weight.
 
-    Args:
-        run: A run with series, or its data.
-
     Returns:
         ``force`` [N] and ``moment`` [N m] about the origin of the root link's frame, (time, axis), in its
         axes.

@@ -97,13 +97,7 @@ def joint_surfaces(
 ) -> list[SurfaceStress]:
     """Return the stress of all contacts of a joint with play.
 
-    Args:
-        data: Of the run.
-        joint: Name of the joint.
-        pair: Materials of bearing and journal.
-        own: What is given of the joint's surfaces beside.
-        length: Of the line of contact of all ends together [m]; None of a point, or if unknown.
-        limits: Criteria.
+    The line of contact of all ends together has a length [m]; None of a point, or if unknown.
     """
     about = clearance_shapes(data)[joint]
     found = []
@@ -151,16 +145,7 @@ def _strips(about: Mapping[str, Any], pair: Pair, law: CompiledNormalLaw | None)
 def _line_of(
     data: xr.Dataset, joint: str, contact: str, own_length: float | None, length: float, law: StripLaw
 ) -> _Line:
-    """Return the line of contact of one end of a bore over a run.
-
-    Args:
-        data: Of the run.
-        joint: Name of the joint.
-        contact: Name of the contact.
-        own_length: Length of the line of all ends, if it is not that of the joint [m].
-        length: Of the line of all ends of a journal that is not tilted [m].
-        law: What shares the force out.
-    """
+    """Return the line of contact of one end of a bore over a run."""
     about = clearance_shapes(data)[joint]
     size, side = about["dimensions"], {"+": 1.0, "-": -1.0}.get(contact_ends(data)[contact], 0.0)
     along = np.linspace(0.0, 1.0, _NODES)
@@ -486,14 +471,7 @@ def _approach(contact: _Contact, kind: str, force: float) -> float:
 
 
 def bushing_load(data: xr.Dataset, joint: str, length: float, limit: float | None) -> BushingLoad | None:
-    """Return pressure, speed and PV of a bushing; None of a lean result.
-
-    Args:
-        data: Of the run.
-        joint: Name of the joint, a bore.
-        length: Of the bearing [m].
-        limit: Permitted product [W/m^2], if any.
-    """
+    """Return pressure, speed and PV of a bushing; None of a lean result."""
     if is_lean(data):
         return None
     about = clearance_shapes(data)[joint]

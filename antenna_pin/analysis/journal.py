@@ -55,9 +55,7 @@ def clearance_shapes(run: RunLike) -> dict[str, dict[str, Any]]:
 def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
     """Return the motion of journal (or ball) in bearing (or socket), bearing axes.
 
-    Args:
-        run: A run with a clearance joint, or its data.
-        joint: Name of the clearance joint; the first one if left out.
+    The joint is the first one with play by default.
 
     Returns:
         Over time: ``offset`` (time, place, axis) [m], where the journal's axis pierces the cross section at
@@ -183,11 +181,6 @@ _LOOKED_AT = 200  # samples
 def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> Array | None:
     """Return unit vectors against gravity in bearing axes, (n, 3) [-], or None.
 
-    Args:
-        run: A run with a clearance joint, or its data.
-        joint: Name of the clearance joint.
-        times: Indices of samples; all if left out.
-
     Raises:
         UnknownNameError: There is no such joint.
         FileFormatError: The run does not carry what its bodies were.
@@ -209,10 +202,6 @@ def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> Arra
 @takes()
 def steady_up(run: RunLike, joint: str) -> Array | None:
     """Return the mean direction against gravity in bearing axes, (3,) [-], or None.
-
-    Args:
-        run: A run with a clearance joint, or its data.
-        joint: Name of the clearance joint.
 
     Returns:
         A unit vector; None without gravity, where the bearing turns so far that no direction is up for long,

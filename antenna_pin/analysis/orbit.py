@@ -100,10 +100,7 @@ def orbit_angles(run: RunLike, body: str | None = None, orbit: Orbit | None = No
 
     Pitch, first, counts whole turns, as yaw does; roll stays within a quarter of a turn.
 
-    Args:
-        run: A run, or its data.
-        body: The link; the base if not given.
-        orbit: The orbit; that of the run's gravity gradient if not given.
+    Link and orbit are by default the base and that of the run's gravity gradient.
 
     Returns:
         ``pitch``, ``roll`` and ``yaw``, (time,) [rad].

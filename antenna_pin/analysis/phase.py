@@ -146,10 +146,6 @@ def _judged(every: tuple[Quantity, ...], label: str) -> tuple[float, str]:
 def portrait_table(portrait: PhasePortrait, run: RunLike) -> xr.Dataset:
     """Return a portrait as a dataset, which :func:`antenna_pin.trajectory.save_table` writes.
 
-    Args:
-        portrait: The portrait.
-        run: Run, whose scenario and versions are copied.
-
     Returns:
         Over ``sample``: ``time`` [s] and each quantity in its unit; attributes ``quantities`` (JSON, in the
         order of the axes), ``run``, ``start`` [s] and ``rule``.

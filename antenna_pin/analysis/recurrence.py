@@ -397,13 +397,7 @@ def diagram_verdicts(
 def said_of_verdicts(
     values: Sequence[float], verdicts: Sequence[Verdict | None], unit: str = ""
 ) -> list[str]:
-    """Return lines as "period 1 at 9 values: 0.01 to 0.09 mm", by frequency.
-
-    Args:
-        values: Of the parameter, in order.
-        verdicts: At each; None where it has not settled.
-        unit: Of the values.
-    """
+    """Return lines as "period 1 at 9 values: 0.01 to 0.09 mm", by frequency."""
     kinds = sorted(set(verdicts), key=lambda one: (one is None, -verdicts.count(one), str(one)))
     said = []
     for kind in kinds:

@@ -31,11 +31,7 @@ _NO_SCALE = {"q", "v", "a", "energy_error"}
 
 @takes()
 def round_off_scales(*runs: RunLike) -> dict[str, float]:
-    """Return the largest size in each unit over several runs.
-
-    Args:
-        *runs: Runs, or their data.
-    """
+    """Return the largest size in each unit over several runs."""
     found: dict[str, float] = {}
     for run in runs:
         for unit, size in _of_one(data_of(run)).items():
@@ -47,10 +43,7 @@ def round_off_scales(*runs: RunLike) -> dict[str, float]:
 def is_round_off(size: float | None, unit: str, scales: Mapping[str, float]) -> bool:
     """Return whether a number is zero to round-off, but not exactly.
 
-    Args:
-        size: The number; None and not-a-number are no such thing.
-        unit: Its SI unit, written as in a result or as it is printed.
-        scales: Of :func:`round_off_scales`.
+    Scales are those of :func:`round_off_scales`.
     """
     if size is None or not math.isfinite(size) or size == 0.0:
         return False

@@ -82,12 +82,7 @@ class Mean:
         self._area: Any = 0.0
 
     def add(self, time: Array, values: Array) -> None:
-        """Add samples.
-
-        Args:
-            time: Not decreasing, (m,) [s].
-            values: (m,) or (m, ...).
-        """
+        """Add samples."""
         if self._start is None:
             self._start, self._first = time[0], values[0]
         else:

@@ -65,10 +65,6 @@ class Settling:
 def touching_intervals(run: RunLike, contacts: Sequence[str]) -> Array:
     """Return the disjoint intervals in which any of some contacts touches.
 
-    Args:
-        run: A run, or its data.
-        contacts: Names of contacts.
-
     Returns:
         Start and end of each, in order, (n, 2) [s]; the last end is the run's if it still touches then.
     """

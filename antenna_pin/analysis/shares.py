@@ -33,10 +33,6 @@ def slider_scenarios(run: RunLike, joint: str | None = None) -> xr.Dataset:
     along one edge a line, three or four a surface. Of a round one, whose one wall is ``bore``: one end is a
     point, both ends are a line if the middle between them presses as well, else two points.
 
-    Args:
-        run: A run with a slider in a guide, or its data.
-        joint: Name of that joint; the first one if left out.
-
     Returns:
         ``scenario`` (time, wall), numbers with their names in ``flag_meanings``, and ``share`` (wall, kind)
         [-] of the time; between two samples that differ each takes half.
@@ -226,13 +222,7 @@ def _scenarios(data: xr.Dataset, joint: str) -> Iterator[tuple[Array, list[_Ends
 
 
 def _ends(scenario: NDArray[np.int_], touching: NDArray[np.int_], most: int) -> _Ends:
-    """Return the scenarios at the start and at the end of every interval between samples.
-
-    Args:
-        scenario: At every sample, (n,).
-        touching: Whether each contact of the kind touches from a sample on, (n, contacts).
-        most: Largest number of points of contact.
-    """
+    """Return the scenarios at the start and at the end of every interval between samples."""
     count = np.minimum(touching.sum(axis=1), most)
     if scenario.size < 2:
         return scenario, scenario

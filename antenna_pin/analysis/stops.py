@@ -81,10 +81,6 @@ def gear_impacts(run: RunLike) -> xr.Dataset:
 def gear_contacts(run: RunLike, gear: str) -> xr.Dataset:
     """Return the sides in contact of a gear, belt or cable over the run.
 
-    Args:
-        run: A run with samples, or its data.
-        gear: Its place, as ``gears.drive``.
-
     Returns:
         Over ``span``: ``begin`` and ``end`` [s], labelled by ``sides``: apart, plus, minus or both.
     """

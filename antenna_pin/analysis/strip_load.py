@@ -109,11 +109,7 @@ class PlaneStrips:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LawStrips:
-    """Strips that share a force as the law of a joint does.
-
-    Attributes:
-        law: Of the joint.
-    """
+    """Strips that share a force as the law of a joint does."""
 
     law: CompiledNormalLaw
 
@@ -190,11 +186,8 @@ def _segment_means(law: StripLaw, depth: Array) -> Array:
 def line_load(force: Array, depth: Array, places: Array, law: StripLaw) -> LineLoad:
     """Return the load along a line under forces and a tilt.
 
-    Args:
-        force: Of the whole line, zero or more, (n,) [N].
-        depth: At the nodes, (n, nodes) [m]; of :class:`PlaneStrips` all but a constant, which the force sets.
-        places: Of the nodes along the axis, in either sense, (n, nodes) [m].
-        law: Of the strips.
+    Nodes are (n, nodes): depths [m], of :class:`PlaneStrips` all but a constant, which the force sets, and
+    places along the axis [m].
 
     Returns:
         The loads; uniform where a law is to share out a force and no node is in contact, which rounding alone

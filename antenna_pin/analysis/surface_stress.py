@@ -97,19 +97,7 @@ def surface_of(
     history: Array,
     notes: list[str],
 ) -> SurfaceStress:
-    """Return the row of a surface with its margin against yield.
-
-    Args:
-        place: Name of the surface.
-        surface: What it is.
-        theory: Of the pressure.
-        pair: Materials.
-        limits: Criteria.
-        peak: Force and time of the peak.
-        stress: At the peak, of one entry.
-        history: Pressure at the samples [Pa].
-        notes: Lines, to which an unknown limit is added.
-    """
+    """Return the row of a surface with its margin against yield."""
     name, limit = pair.weakest
     pressure = float(stress.pressure[0])
     for unknown in pair.unknown:

@@ -357,9 +357,6 @@ def restitution_table(
 def largest_errors(rows: Iterable[RestitutionRow]) -> tuple[float, float]:
     """Return the largest deviations of integrated impacts from closed forms.
 
-    Args:
-        rows: Of :func:`restitution_table`, with impacts integrated.
-
     Returns:
         In restitution, wall and free pair alike, and in peak depth relative to it [-]; NaN where no row has a
         closed form.

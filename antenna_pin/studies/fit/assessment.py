@@ -58,10 +58,8 @@ def profiles_of(
 ) -> tuple[Profile, ...]:
     """Return the profiles of a fit's parameters, in search coordinates.
 
-    Args:
-        fit: The fit.
-        names: Names of the parameters; all but those at a bound by default.
-        progress: Called with the parameter and the signed root of each point.
+    Those of all parameters but those at a bound by default; ``progress`` is called with the parameter and the
+    signed root of each point.
     """
     plan = fit.problem.plan
     if fit.bands.absence:
@@ -201,12 +199,6 @@ def identifiability_table(
 ) -> xr.Dataset:
     """Return identifiability as a dataset, for :func:`antenna_pin.trajectory.save_table`.
 
-    Args:
-        identifiable: Identifiability of the parameters.
-        units: SI units of the parameters, "" for a pure number.
-        titles: Titles of the parameters in figures.
-        scenario: Scenario of the test; None for a model without one.
-
     Returns:
         Over ``parameter``: ``value``, ``scale``, ``error``, ``half``, ``alone``, in its ``units``, infinite
         if unidentifiable, ``inflation`` [-], ``felt`` and ``determined`` (0, 1), ``title``. Over
@@ -268,15 +260,6 @@ def experiments_table(
     scenario: Scenario | None = None,
 ) -> xr.Dataset:
     """Return a comparison of experiments as a dataset, for :func:`save_table`.
-
-    Args:
-        design: Comparison of the experiments.
-        plan: Plan of repetitions, or None.
-        values: Values of the parameters, (p,).
-        units: SI units of the parameters, "" for a pure number.
-        titles: Titles of the parameters in figures.
-        words: Descriptions of the experiments, by name.
-        scenario: Scenario of the experiments; None for a model without one.
 
     Returns:
         Over ``experiment``, the best first: ``half`` and, over ``parameter``, in its ``units``: half widths

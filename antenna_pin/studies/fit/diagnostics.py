@@ -228,12 +228,8 @@ def difference_growth(
 ) -> DifferenceGrowth | None:
     """Return the growth of differences between perturbed runs, or None if small.
 
-    Args:
-        time: Times of the rows [s].
-        below: Readings of a run on one side, over the noise, (columns, rows).
-        here: Readings of the run itself.
-        above: Readings on the other side.
-        reach: Ratio of the perturbation of interest to that of these runs, by extrapolation.
+    Readings, over the noise, are (columns, rows). The result is extrapolated to a perturbation ``reach``
+    times as large.
     """
     if len(time) < 2 * _PARTS:
         return None

@@ -160,13 +160,6 @@ class Trial:
     Unknowns of its own, the shift of its clock and the starts of its pieces, are eliminated: residuals that
     they explain give no information.
 
-    Args:
-        plan: The fit's file.
-        name: Name of the experiment, for messages.
-        experiment: Settings of the experiment.
-        values: Values of the fit's parameters, (p,) [SI].
-        service: Factory of the service that makes the runs.
-
     Raises:
         AntennaPinError: Record, scenario, columns or parameters are not valid.
     """

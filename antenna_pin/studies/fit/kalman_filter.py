@@ -267,15 +267,6 @@ def estimate_starts(
 ) -> RecordEstimate:
     """Estimate the start states of a record's pieces.
 
-    Args:
-        test: Test of the record, with its pieces.
-        unknowns: Parameters of the fit.
-        own: Indices of the test's values among them.
-        known: Prior estimate of the parameters.
-        curves: Columns of the record.
-        shift: Shift of the clock [s].
-        place: Place of the record, for messages.
-
     Raises:
         ScenarioError: A piece's run does not complete.
     """

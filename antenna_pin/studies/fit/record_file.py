@@ -348,12 +348,6 @@ class _Columns(NamedTuple):
 def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: str) -> _Columns:
     """Return times and columns of a record's file, all of one length.
 
-    Args:
-        path: The file.
-        names: Names of the columns to read beside the times.
-        layout: Layout of the file.
-        place: Place of the file's name, for messages.
-
     Raises:
         ScenarioError: The file is missing or unreadable, or a column holds other than numbers.
         UnknownNameError: The file lacks a column.

@@ -28,12 +28,7 @@ class _RecordNumber(NamedTuple):
 
 
 class ResidualRows:
-    """Residuals of all records from the readings of their runs.
-
-    Attributes:
-        numbers: Parameters that are numbers of records.
-        tie: Factor of the joints' weights: less than 1 early in a search.
-    """
+    """Residuals of all records from the readings of their runs."""
 
     def __init__(self, plan: FitPlan, records: PreparedRecords) -> None:
         """Collect the parameters that are numbers of records."""
@@ -134,13 +129,7 @@ class ResidualRows:
         return {name: (times[name], np.array(rows)) for name, rows in curves.items()}
 
     def slopes(self, whole: Array, readings: Sequence[Readings], fitted: Sequence[_Indices]) -> Array:
-        """Return the derivatives of :meth:`residuals` by values with states, (m, p + h).
-
-        Args:
-            whole: Values with states, (p + h,) [SI].
-            readings: Readings of the runs, with derivatives.
-            fitted: Per run, indices of its fitted numbers and its start among the unknowns.
-        """
+        """Return the derivatives of :meth:`residuals` by values with states, (m, p + h)."""
         parts, joints, at = [], [], 0
         for r, test, pieces in self.by_record(readings):
             own = fitted[at : at + len(pieces)]

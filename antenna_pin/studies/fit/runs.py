@@ -376,12 +376,6 @@ def sensor_readings(
     """Return the readings of some runs, by run and sensor.
 
     All runs are read at once, as reading takes longer than a short run.
-
-    Args:
-        test: Test with the sensors.
-        bench: Scenario with the system of the runs.
-        rows: Rows of each run, by the run's clock [s].
-        chunks: Samples of each run, at the times that its sensors need and others.
     """
     read: list[list[Array]] = [[] for _ in rows]
     if not rows:

@@ -114,11 +114,6 @@ def rank_of(jacobian: Array, scale: Array, doubt: float = DOUBT) -> Rank:
     singular value below ``doubt`` times the root of the number of parameters, of columns of length 1. A
     parameter has no influence if one scale of it has less than ``doubt`` squared of the largest effect.
 
-    Args:
-        jacobian: Derivatives of the weighted residuals, (m, p).
-        scale: Typical size of each parameter, (p,).
-        doubt: Relative error of its columns [-].
-
     Raises:
         InvalidParameterError: The Jacobian is not finite, or has another shape.
     """

@@ -233,9 +233,6 @@ def linearise(at: At) -> Linearisation:
     dynamics being the same times the inverse of the mass matrix; those of contacts, drives and springs, and
     of the forces of constraints, are differences of the compiled functions that a run calls.
 
-    Args:
-        at: The operating point.
-
     Raises:
         MechanismError: Nothing is free to move, or a joint has no inertia in this pose.
     """

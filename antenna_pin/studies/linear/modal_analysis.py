@@ -175,8 +175,7 @@ class Modes:
     def shape(self, mode: int) -> NDArray[np.complex128]:
         """Return the shape of a mode, (nv,), normalized to unit modal mass.
 
-        Args:
-            mode: Its number, from 1.
+        Modes are numbered from 1.
         """
         numbers = [int(m) for m in self.data["mode"].values]
         if mode not in numbers:
@@ -236,12 +235,7 @@ def _plain(values: ArrayLike) -> Any:
 
 @takes()
 def modes_at(at: At, scenario: Scenario | None = None) -> Modes:
-    """Return the modes about a state.
-
-    Args:
-        at: The operating point.
-        scenario: Of the mechanism, if it comes from one.
-    """
+    """Return the modes about a state."""
     linear = linearise(at)
     eigen = solve(linear)
     return Modes(_table(linear, eigen, scenario), linear, tuple(_notes(linear, eigen)), scenario)

@@ -132,9 +132,7 @@ def sources_of(modes: Modes) -> list[str]:
 def first_source(modes: Modes, label: str = "source") -> str:
     """Return the default source of a response.
 
-    Args:
-        modes: The modes.
-        label: Name of the option or argument in the message.
+    The label is the name of the option or argument in the message.
 
     Raises:
         InvalidParameterError: The mechanism has no source.
@@ -266,11 +264,6 @@ class Plant(NamedTuple):
 @takes()
 def plant_of(modes: Modes, drive: str, joint: str) -> Plant:
     """Return the linear system between a drive's effort and a joint.
-
-    Args:
-        modes: The modes.
-        drive: Name of the drive.
-        joint: Name of a joint with an axis.
 
     Raises:
         UnknownNameError: The drive or joint is unknown.

@@ -379,12 +379,7 @@ def _shifted(contact: OpenContact, shift: float) -> OpenContact:
 
 
 class StatePerturbation:
-    """Perturbations between states of a system, and perturbed states.
-
-    Attributes:
-        kept: Element memory.
-        parts: Of a perturbation.
-    """
+    """Perturbations between states of a system, and perturbed states."""
 
     def __init__(self, system: System, numbers: int) -> None:
         """Lay out a perturbation."""

@@ -49,13 +49,7 @@ class _MemoryNumber(NamedTuple):
 
 
 class ElementMemory:
-    """Numbers that the elements of a system store at changes of mode.
-
-    Attributes:
-        numbers: The numbers, in the order of their elements.
-        words: Places in a program, (kept,).
-        masses: For each contact, whether its law depends on the stored effective mass.
-    """
+    """Numbers that the elements of a system store at changes of mode."""
 
     def __init__(self, system: System) -> None:
         """Collect them."""
@@ -189,12 +183,6 @@ def perturbation_slices(system: System, memory: int, parameters: int = 0) -> tup
     """Return the slices of a perturbation.
 
     They are displacement, rate, bristles, approach speeds, masses, parameters, stored numbers, time.
-
-    Args:
-        system: The system.
-        memory: Number of numbers stored by its elements.
-        parameters: Number of perturbed system numbers
-            (:mod:`antenna_pin.studies.nonlinear.perturbed_system`).
     """
     nv, contacts = system.model.nv, len(system.contact_names)
     sizes = [nv, nv, len(system.bristle_x), contacts, contacts, parameters, memory, 1]
@@ -209,12 +197,6 @@ def own_coordinates(
 
     The memory of a contact is constant while it lasts: over that time it is a parameter of the motion, common
     to perturbed states. The same holds for constant element memory.
-
-    Args:
-        frame: The axes; contact memory is behind all other coordinates, element memory before it.
-        size: Number of coordinates.
-        lasting: Contacts that last over the examined time.
-        constant: Numbers of elements that are constant over it.
     """
     own = np.ones(size, dtype=bool)
     remembered = size - len(frame.contact_memory)
@@ -302,15 +284,9 @@ class _ConstraintsAt(NamedTuple):
 class Lifts:
     """Lifts of coordinates to perturbations, with a cache.
 
-    Args:
-        workspace: Workspace at its present program.
-        units: Units of perturbations.
-        element_memory: Element memory.
-        parts: Slices of a perturbation.
-        speeds: ``(time, y, positions) -> (rows, k)``: derivatives of constraint velocities along
-            perturbations, at constant numbers of the system.
-        over_numbers: ``(time, y) -> (2, rows, numbers)``: derivatives of constraint residuals and velocities
-            over these.
+    ``speeds(time, y, positions) -> (rows, k)`` are derivatives of constraint velocities along perturbations,
+    at constant numbers of the system; ``over_numbers(time, y) -> (2, rows, numbers)`` those of residuals and
+    velocities over these.
     """
 
     def __init__(

@@ -194,9 +194,6 @@ def _diagram_table(
 def open_diagram(path: str | os.PathLike[str]) -> xr.Dataset:
     """Return a bifurcation diagram from its file.
 
-    Args:
-        path: The file, as :func:`antenna_pin.studies.nonlinear.bifurcation` wrote it.
-
     Returns:
         Over ``branch`` (fresh, forward, backward), ``value`` of the parameter, SI, and ``point``: ``time``
         [s] and each quantity, NaN where a run had fewer points. Over ``branch`` and ``value``: ``settled``,
@@ -219,12 +216,7 @@ _SUFFIX = ".parts"
 
 
 class _EntryStore:
-    """Entries of a diagram, stored on the disk if it has a folder.
-
-    Attributes:
-        entries: By number: of the branch, then of the value.
-        folder: Folder of the entries; None for memory only.
-    """
+    """Entries of a diagram, stored on the disk if it has a folder."""
 
     def __init__(self, folder: Path | None) -> None:
         self.folder = folder

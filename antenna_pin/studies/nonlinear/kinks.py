@@ -310,13 +310,7 @@ class CutStep:
 
 
 class StepStates:
-    """States within a step of a run, which is repeated on demand.
-
-    Attributes:
-        workspace: Its contact memory and program are those of the step.
-        time: When the step begins [s].
-        size: How long it is [s].
-    """
+    """States within a step of a run, which is repeated on demand."""
 
     def __init__(self, run: Run) -> None:
         """Allocate once."""
@@ -437,13 +431,7 @@ class JacobianPropagation:
         self._propagator = Propagator(0)
 
     def begin(self, time: float, y: Array, reordered: bool) -> None:
-        """Begin a step in a state.
-
-        Args:
-            time: Time [s].
-            y: State.
-            reordered: Whether the round-off of rates may differ.
-        """
+        """Begin a step in a state."""
         self._steps += 1
         if reordered or self._steps > self._looked_at + _LOOKS:
             self._unseen = time, y

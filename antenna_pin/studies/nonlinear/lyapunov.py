@@ -296,10 +296,6 @@ def lyapunov_spectrum(
 def exponents_table(exponents: Exponents, scenario: Scenario | None = None) -> xr.Dataset:
     """Return exponents as a dataset, which :func:`antenna_pin.studies.nonlinear.save_table` writes.
 
-    Args:
-        exponents: The exponents.
-        scenario: Scenario of the run; None for a system built in Python.
-
     Returns:
         Over ``exponent``, from 1 on: ``value`` and ``error`` [1/s]. Over ``interval``: ``length`` [s], and
         ``time``, when it ends, from the end of the transient on [s]. Over both: ``growth`` [-] and

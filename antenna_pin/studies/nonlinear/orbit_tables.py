@@ -71,11 +71,6 @@ def amplitudes(
     Each orbit is run once more; between 400 even samples, and those at changes and peaks of contact, nothing
     is seen, so that half of a smooth range is short by some 1e-5 of it.
 
-    Args:
-        branch: The branch.
-        family: That it is of.
-        quantities: By the names of :func:`antenna_pin.analysis.quantity`.
-
     Returns:
         By name: (points,) in the unit beside it.
     """
@@ -170,11 +165,6 @@ def _way(system: System, name: str) -> str:
 def orbit_table(orbit: Orbit, system: System, scenario: Scenario | None = None) -> xr.Dataset:
     """Return a periodic solution as a dataset, which :func:`antenna_pin.studies.nonlinear.save_table` writes.
 
-    Args:
-        orbit: The orbit.
-        system: Of the flow that it is of: it names the numbers.
-        scenario: What that was made from; None for a system built in Python.
-
     Returns:
         ``period`` [s], ``residual`` and ``doubt`` [-], ``neutral``, how many multipliers are 1 for what
         lasting contacts remember and are not among the others, ``stability`` (stable, unstable, neutral),
@@ -204,13 +194,7 @@ def branch_table(
 ) -> xr.Dataset:
     """Return a branch of periodic solutions as a dataset, which :func:`save_table` writes.
 
-    Args:
-        branch: The branch.
-        system: Of any of its flows: it names the numbers.
-        parameter: What was changed.
-        units: Its unit.
-        scenario: What the parameter is laid over; None for systems built in Python.
-        amplitudes: Half of the range over a period of quantities, (points,), and their units, by name.
+    The parameter has ``units``; amplitudes are those of :func:`amplitudes`.
 
     Returns:
         Over ``point``, which has the ``value`` of the parameter: what :func:`orbit_table` has of an orbit,

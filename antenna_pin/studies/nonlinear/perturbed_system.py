@@ -74,11 +74,7 @@ class ParameterSlopes:
 class ParameterShift:
     """Shifts of parameters applied in place to a system's copy, its workspace and its stepper.
 
-    Args:
-        numbers: Which, and by how much.
-        workspace: Of the copy; its model and program are changed.
-        stepper: Its arrays are.
-        whole: Whether the copy's own program is changed as well, from which other workspaces take theirs.
+    If ``whole``, the copy's own program is changed as well, from which other workspaces take theirs.
     """
 
     def __init__(
@@ -247,15 +243,6 @@ class PerturbedSystem:
 
     Perturbations include the parameters ``numbers``; if ``whole``, these displace the system's own program,
     too.
-
-    Attributes:
-        system: The system; of a copy of its own if parameters displace it.
-        workspace: Its contact memory and program are those of the moment.
-        stepper: Whose rates they are.
-        kept: Element memory.
-        bristles: Where these stand in x, (bristles,).
-        parts: Of a perturbation.
-        numbers: The system's numbers, if parameters displace them.
     """
 
     def __init__(

@@ -50,13 +50,6 @@ class _Points(NamedTuple):
 class SectionRun:
     """Run of a scenario that stores its returns to a section only.
 
-    Args:
-        scenario: What to run.
-        section: Where to sample it.
-        quantities: Quantities to record, by the names of :func:`antenna_pin.analysis.quantity`.
-        start: State to start from; the scenario's own start if left out.
-        progress: Called about ten times a second while it runs.
-
     Attributes:
         state: To continue from; None before anything was run.
         outcome: How the last stretch of the run ended.
@@ -380,9 +373,6 @@ def _fate(returns: SectionRun) -> str:
 @takes()
 def open_section(path: str | os.PathLike[str]) -> xr.Dataset:
     """Return the points of a section from their file.
-
-    Args:
-        path: The file, as :func:`save_table` wrote it.
 
     Returns:
         As :func:`antenna_pin.studies.nonlinear.poincare` does.

@@ -185,14 +185,8 @@ def _longest(data: xr.Dataset) -> float:
 class FiniteDifferences:
     """Derivatives of a scenario's results by differences of runs.
 
-    Args:
-        scenario: The scenario.
-        settings: Settings of all runs.
-        duration: Duration of all runs [s].
-        times: Times of differentiated samples, (times,) [s].
-        start: State from which runs continue; the scenario's start if None.
-        processes: Number of processes that make runs.
-        order: Order of differences: 6, of six runs a parameter, or 2, of two.
+    Of order 6 by six runs a parameter, of order 2 by two; runs begin at a given state, or at the scenario's
+    start.
     """
 
     def __init__(

@@ -305,10 +305,6 @@ def _labels(here: xr.DataArray, index: tuple[int, ...], without: str = "") -> st
 def sensitivity_table(sensitivities: Sensitivities, scenario: Scenario | None = None) -> xr.Dataset:
     """Return sensitivities as a dataset, which :func:`antenna_pin.studies.nonlinear.save_table` writes.
 
-    Args:
-        sensitivities: The sensitivities.
-        scenario: Scenario of the run.
-
     Returns:
         Over ``result``, those of :func:`results_of`: ``value``, ``unit``; over ``result`` and ``parameter``:
         ``change`` per ``scale`` of a parameter and its ``doubt``. Over ``parameter``: ``at``, ``scale``,

@@ -96,15 +96,7 @@ class _SeriesTable:
 
 
 class StateSeries:
-    """Series of a result at states of a run, and their derivatives over parameters.
-
-    Args:
-        parameters: Perturbed parameters of the run's system.
-        displacer: Perturbation of states.
-        settings: Settings of the run.
-        start: First state of the run.
-        scales: Scales of the parameters, (parameters,).
-    """
+    """Series of a result at states of a run, and their derivatives over parameters."""
 
     def __init__(
         self,
@@ -262,10 +254,7 @@ class TimeDerivatives:
     def forces(self, places: NDArray[np.int_], contacts: NDArray[np.int_], long: Array) -> _ForceCurvature:
         """Return normal forces of contacts with their derivatives.
 
-        Args:
-            places: Indices of samples, (n,).
-            contacts: Contact at each, (n,).
-            long: Duration of each contact [s].
+        ``long`` is the duration of each contact [s].
         """
         told, part, n = self._told, self._part(places), len(places)
 

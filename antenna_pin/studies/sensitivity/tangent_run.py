@@ -151,11 +151,7 @@ def _stored_energy(workspace: Workspace, y: Array) -> float:
 
 
 class _DepthMaxima:
-    """Search for maxima of contact depths within steps.
-
-    Attributes:
-        found: Contacts and times of their largest depths [s], in order.
-    """
+    """Search for maxima of contact depths within steps."""
 
     def __init__(self, states: StepStates) -> None:
         self._within = states
@@ -232,18 +228,7 @@ class _BeforeChange(NamedTuple):
 class TangentRecord:
     """Observer that records the tangents of a run: samples, contacts, events, transitions.
 
-    Args:
-        run: The run.
-        carrier: Propagation of its tangents.
-        numbers: Parameters of the system.
-        begin: Time from which depth maxima are recorded [s].
-        count: Number of parameters.
-
-    Attributes:
-        carrier: The argument.
-        transitions: Derivatives of element transitions.
-        events: Derivatives of events, in order.
-        contacts: Contacts from onset to release.
+    Depth maxima are recorded from the time ``begin`` on [s].
     """
 
     def __init__(
@@ -328,7 +313,7 @@ class TangentRecord:
         touching, touched = run.workspace.memory["touching"], self._memory["touching"]
         flipped = np.flatnonzero(touching != touched).tolist()
         if new:
-            self._check(run.stepper.t, self.carrier.tangents.matrix)
+            check_finite(self.carrier, run.stepper.t, self.carrier.tangents.matrix)
         for mark in self._marks.values():
             there = [one for one in passages if one.time == mark.time]
             if there:
@@ -357,21 +342,10 @@ class TangentRecord:
 
     # --- between changes ------------------------------------------------------------------------------------
 
-    def _check(self, time: float, ways: Array) -> None:
-        """Refuse tangents that are not finite."""
-        if not np.isfinite(ways).all():
-            when = max((one.time for one in self.carrier.event_shifts if one.time <= time), default=time)
-            raise GrazeError(
-                f"sensitivities: at {when:.9g} s a contact or an event comes with no speed, or coupled blows "
-                "come together: there is no derivative behind that; take other values, or a span that ends "
-                "before",
-                when,
-            )
-
     def _see(self, time: float, y: Array, ways: Array) -> None:
         """Record perturbations at a sample."""
         carrier = self.carrier
-        self._check(time, ways)
+        check_finite(self.carrier, time, ways)
         self._remember(ways)
         field, carried = carrier.field, carrier.tangents
         assert field.numbers is not None
@@ -384,7 +358,7 @@ class TangentRecord:
 
     def _mark(self, time: float, y: Array, ways: Array) -> None:
         """Record perturbations before a change."""
-        self._check(time, ways)
+        check_finite(self.carrier, time, ways)
         self._remember(ways)
         self._marks[time] = _BeforeChange(time, y.copy(), ways.copy(), self.integrals)
 
@@ -438,6 +412,18 @@ class TangentRecord:
             if struck and found.place in self._losses:
                 self.carrier.add_integral(self._losses[found.place], slope[3])
             slope[3:5] += self._taken.of(step, found, time, y[-len(own) :], own)
+
+
+def check_finite(carrier: TangentPropagation, time: float, ways: Array) -> None:
+    """Refuse tangents at a time [s] that are not finite."""
+    if not np.isfinite(ways).all():
+        when = max((one.time for one in carrier.event_shifts if one.time <= time), default=time)
+        raise GrazeError(
+            f"sensitivities: at {when:.9g} s a contact or an event comes with no speed, or coupled blows "
+            "come together: there is no derivative behind that; take other values, or a span that ends "
+            "before",
+            when,
+        )
 
 
 def _losses(system: System) -> dict[str, int]:

@@ -56,9 +56,6 @@ class WorstCase:
 def corners_of(levels: ArrayLike) -> Array:
     """Return all combinations of levels in the unit cube, (combinations, variables) [-].
 
-    Args:
-        levels: Number of levels of each variable: 2 for its limits.
-
     Raises:
         InvalidParameterError: There are more than :data:`MOST_CORNERS`.
     """

@@ -70,11 +70,7 @@ def deleted(path: Path, what: str = "study") -> OutputError:
 class Journal:
     """Journal open for writing; one process at a time has it.
 
-    Args:
-        path: The journal, made if missing.
-        key: Digest of the study.
-        keep: Entries of a journal rewritten after damage; None to append.
-        what: Kind of the whole, for messages.
+    ``keep`` are the entries of a journal rewritten after damage; None to append.
 
     Raises:
         OutputError: The journal cannot be written, or is in use.
@@ -155,13 +151,8 @@ def open_journal(
 ) -> tuple[dict[int, dict[str, Any]], Journal]:
     """Begin a journal in its own folder, or continue it.
 
-    Args:
-        folder: The folder, made if missing.
-        about: Identity as JSON types; a journal of another identity is refused.
-        what: Kind of the whole, for messages and the name of the identity's file: "diagram".
-
-    Returns:
-        The entries by their number, and the open journal.
+    Returns the entries by number and the open journal. The identity ``about`` is of JSON types; ``what`` is
+    the kind of the whole, for messages and the name of the identity's file: "diagram".
 
     Raises:
         OutputError: The folder belongs to another, cannot be written, or is in use.

@@ -325,9 +325,6 @@ def _read_about(path: Path) -> dict[str, Any] | None:
 def open_study(path: str | os.PathLike[str]) -> xr.Dataset:
     """Return the dataset of a study's finished runs; it may still be running.
 
-    Args:
-        path: Folder of the store.
-
     Returns:
         Over the parameters of a grid, and ``sample`` if any is sampled, labelled by the parameters' values:
         each response; ``outcome`` (``PENDING`` for a missing run) and ``message``; ``end_time`` [s],
