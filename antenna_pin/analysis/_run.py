@@ -35,6 +35,11 @@ def entries_in(run: RunLike, attribute: str) -> dict[str, dict[str, Any]]:
     return found
 
 
+def floats(array: xr.DataArray) -> Array:
+    """Return the numbers of an array."""
+    return np.asarray(array.values, dtype=float)
+
+
 def variable(data: xr.Dataset, name: str, place: str) -> xr.DataArray:
     """Return a variable, or refuse a run without it."""
     if name not in data:

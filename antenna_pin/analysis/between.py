@@ -22,7 +22,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import RunLike, data_of
+from antenna_pin.analysis._run import RunLike, data_of, floats
 from antenna_pin.analysis.bodies import body_poses, body_twists
 from antenna_pin.analysis.journal import clearance_shapes, journal_motion
 from antenna_pin.base.arguments import takes
@@ -50,7 +50,7 @@ def between_samples(run: RunLike, joint: str, within: float = 1e-3) -> xr.Datase
         not carry its mechanism and its velocities, or has fewer than two samples, is returned as it is.
     """
     data = data_of(run)
-    time = np.asarray(data["time"].values, dtype=float)
+    time = floats(data["time"])
     if "urdf" not in data.attrs or any(name not in data for name in _NEEDED) or time.size < 2:
         return data
     curves = _Curves(data, joint, time)
@@ -62,7 +62,7 @@ def between_samples(run: RunLike, joint: str, within: float = 1e-3) -> xr.Datase
         bend = np.maximum(bend, _bend(motion[name].values / clearance))
     for name in _FORCES:
         if name in trial:
-            values = np.asarray(trial[name].transpose("time", ...).values, dtype=float)
+            values = floats(trial[name].transpose("time", ...))
             bend = np.maximum(bend, _bend(values / (float(np.nanmax(np.abs(values), initial=0.0)) or 1.0)))
     # n chords of an arc are n^2 times as close to it as one.
     return curves.at(np.clip(np.ceil(np.sqrt(bend / within)), 1, _MOST).astype(int))
@@ -105,9 +105,7 @@ class _Curves:
         self._place = scipy.interpolate.CubicHermiteSpline(time, p, velocity)
         self._attitude = scipy.interpolate.CubicHermiteSpline(time, attitude, turning)
         self._forces = {
-            name: scipy.interpolate.PchipInterpolator(
-                time, np.asarray(picked[name].transpose("time", ...).values, dtype=float)
-            )
+            name: scipy.interpolate.PchipInterpolator(time, floats(picked[name].transpose("time", ...)))
             for name in _FORCES
             if name in picked and picked[name].size
         }

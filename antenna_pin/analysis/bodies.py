@@ -11,7 +11,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import AXES, RunLike, data_of, entries_in, variable
+from antenna_pin.analysis._run import AXES, RunLike, data_of, entries_in, floats, variable
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.arrays import Array
 from antenna_pin.base.files import path_of_text
@@ -71,7 +71,7 @@ def connection_loads(data: xr.Dataset, mechanism: Mechanism, attribute: str) -> 
     for name, one in entries.items():
         first, second = ("world", *(one[key] for key in keys))[-2:]
         point, _ = frame_of(second, np.array([*one[place], *_UPRIGHT][:7]))
-        parts = [np.asarray(data[key].sel({dim: name}).values, dtype=float) for key in variables]
+        parts = [floats(data[key].sel({dim: name})) for key in variables]
         if dim == "closure":  # in the axes of its first side
             _, axes = frame_of(first, np.array(one["first_placement"]))
             parts = [axes.apply(part) for part in parts]
@@ -93,7 +93,7 @@ def applied_wrenches(mechanism: Mechanism, loads: list[ConnectionLoad]) -> Itera
 def _frames(data: xr.Dataset, mechanism: Mechanism) -> Callable[[str, Array], tuple[Array, Rotation]]:
     """Return a function for origin and attitude of a frame on a link."""
     links = [link.name for link in mechanism.urdf.robot.links]
-    positions, attitudes = link_poses(mechanism, np.asarray(data["q"].values, dtype=float))
+    positions, attitudes = link_poses(mechanism, floats(data["q"]))
 
     def frame_of(link: str, local: Array) -> tuple[Array, Rotation]:
         if link not in links:  # the world
@@ -135,7 +135,7 @@ def _selected(run: RunLike, times: ArrayLike | None) -> xr.Dataset:
 
 
 def _array(data: xr.Dataset, name: str) -> Array:
-    return np.asarray(variable(data, name, "run").values, dtype=float)
+    return floats(variable(data, name, "run"))
 
 
 @takes()

@@ -7,7 +7,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import RunLike, data_of, label_of, sample_times, variable
+from antenna_pin.analysis._run import RunLike, data_of, floats, label_of, sample_times, variable
 from antenna_pin.analysis.bodies import mechanism_of
 from antenna_pin.analysis.sampled import resampled
 from antenna_pin.base.arguments import takes
@@ -204,18 +204,15 @@ def base_motion(run: RunLike) -> xr.Dataset:
     data = data_of(run)
     if "base_position" not in data:
         raise InvalidParameterError("base_motion", "run", "one with a free base", label_of(data))
-    attitude = np.asarray(variable(data, "base_attitude", "base_motion").values, dtype=float)
+    attitude = floats(variable(data, "base_attitude", "base_motion"))
     turn = Rotation.from_quat(attitude)
     names = [f"base.{part}" for part in ("vx", "vy", "vz", "wx", "wy", "wz")]
-    v, a = (
-        np.asarray(variable(data, name, "base_motion").sel(coordinate=names).values, dtype=float)
-        for name in ("v", "a")
-    )
+    v, a = (floats(variable(data, name, "base_motion").sel(coordinate=names)) for name in ("v", "a"))
     return motion_dataset(
         data,
         "base",
         attitude,
-        position=np.asarray(data["base_position"].values, dtype=float),
+        position=floats(data["base_position"]),
         velocity=turn.apply(v[:, :3]),
         angular_velocity=turn.apply(v[:, 3:]),
         acceleration=turn.apply(a[:, :3] + np.cross(v[:, 3:], v[:, :3])),
@@ -241,7 +238,7 @@ def body_motion(run: RunLike, body: str) -> xr.Dataset:
         The variables of :func:`base_motion`.
     """
     data = data_of(run)
-    q, v, a = (np.asarray(variable(data, name, "body_motion").values, dtype=float) for name in "qva")
+    q, v, a = (floats(variable(data, name, "body_motion")) for name in "qva")
     attitudes, motion = link_motion(mechanism_of(data), body, q, v, a)
     names = ("position", "velocity", "angular_velocity", "acceleration", "angular_acceleration")
     columns = dict(zip(names, np.moveaxis(motion, 1, 0), strict=True))

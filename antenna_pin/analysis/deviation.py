@@ -15,6 +15,7 @@ from antenna_pin.analysis._run import (
     blocks,
     choose,
     data_of,
+    floats,
     label_of,
     sample_times,
     samples_around,
@@ -340,11 +341,11 @@ class _Pair:
         for dim, names in self._joints.items():
             for quantity, words, name, derivative in _JOINTS[dim] if names else ():
                 wanted = variable(data, name, "deviation")
-                values = np.asarray(wanted.sel({dim: names}).values, dtype=float)
+                values = floats(wanted.sel({dim: names}))
                 base_line = variable(reference, name, "deviation").sel({dim: names}).values
                 slope = None
                 if derivative in reference:
-                    slope = np.asarray(reference[derivative].sel({dim: names}).values, dtype=float)
+                    slope = floats(reference[derivative].sel({dim: names}))
                 variables[quantity] = (
                     ("time", dim),
                     values - resampled(own, np.asarray(base_line, dtype=float), at, slope),

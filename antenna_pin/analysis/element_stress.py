@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from antenna_pin.analysis._run import floats
 from antenna_pin.analysis.stress_results import BearingRating, SurfaceStress
 from antenna_pin.analysis.surface_file import FlankSurface, StopSurface
 from antenna_pin.analysis.surface_stress import ForcePeak, Pair, StressCriteria, Stresses, surface_of
@@ -133,8 +134,8 @@ def _peak_effort(data: xr.Dataset, place: str, met: list[Any]) -> tuple[ForcePea
     effort = np.zeros(0)
     force, time = 0.0, math.nan
     if not is_lean(data):
-        own = np.asarray(data["time"].values, dtype=float)
-        effort = np.abs(np.asarray(data["element_effort"].sel(element=place).values, dtype=float))
+        own = floats(data["time"])
+        effort = np.abs(floats(data["element_effort"].sel(element=place)))
         if effort.size and effort.max() > 0.0:
             force, time = float(effort.max()), float(own[np.argmax(effort)])
     for one in met:
@@ -154,9 +155,9 @@ def bearing_stress(
     The load of each ball follows from the journal's recorded place and tilt, as ``by = "balls"`` has it.
     """
     place = f"bearings.{name}"
-    time = np.asarray(data["time"].values, dtype=float)
-    centre = np.asarray(data["bearing_place"].sel(bearing=name).values, dtype=float)
-    tilt = np.asarray(data["bearing_tilt"].sel(bearing=name).values, dtype=float)
+    time = floats(data["time"])
+    centre = floats(data["bearing_place"].sel(bearing=name))
+    tilt = floats(data["bearing_tilt"].sel(bearing=name))
     loads = ball_loads(bearing, centre, tilt)
     softness = (1.0 - bearing.poisson**2) / bearing.modulus
     poisson = bearing.poisson if bearing.ball_poisson is None else bearing.ball_poisson

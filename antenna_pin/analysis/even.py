@@ -162,7 +162,6 @@ class EvenSignal:
     """
 
     def __init__(self, time: Array, read: Read, rate: float | None = None) -> None:
-        """Set up the grid."""
         if time.size < LEAST_SAMPLES or not time[LEAST_SAMPLES - 1] > time[0]:
             raise InvalidParameterError("spectrum", "time", f"{LEAST_SAMPLES} instants or more", time.size)
         self._time, self._read = time, read

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import RunLike, choose, data_of, sample_times, variable
+from antenna_pin.analysis._run import RunLike, choose, data_of, floats, sample_times, variable
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.arrays import Array
 from antenna_pin.errors import FileFormatError
@@ -50,9 +50,9 @@ def impacts(run: RunLike, joint: str | None = None) -> xr.Dataset:
     rows = rows[np.argsort(data["onset_time"].values[rows], kind="stable")]
     index = index[rows]
     column = {
-        name: np.asarray(variable(data, name, "impacts").values, dtype=float)[rows]
+        name: floats(variable(data, name, "impacts"))[rows]
         for name in ("onset_time", "release_time", "approach_speed", "peak_force", "peak_time", "peak_depth")
-    } | {name: np.asarray(data[name].values, dtype=float)[rows] for name in ("impulse", "dissipated")}
+    } | {name: floats(data[name])[rows] for name in ("impulse", "dissipated")}
     onset, release = column["onset_time"], column["release_time"]
     ended = np.isfinite(release)
     approach = _rates(data, _sample_at(time, onset), index) + 0.0
@@ -79,7 +79,7 @@ def _rates(data: xr.Dataset, samples: np.ndarray, contacts: np.ndarray) -> Array
     rate = variable(data, "depth_rate", "impacts")
     own, place = np.unique(samples, return_inverse=True)
     # By numbers of samples, each once: the variable may lie in a file.
-    found: Array = np.asarray(rate.isel(time=own).values, dtype=float)[place, contacts]
+    found: Array = floats(rate.isel(time=own))[place, contacts]
     return found
 
 

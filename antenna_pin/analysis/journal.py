@@ -20,7 +20,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import AXES, RunLike, blocks, choose, data_of, label_of, variable
+from antenna_pin.analysis._run import AXES, RunLike, blocks, choose, data_of, floats, label_of, variable
 from antenna_pin.analysis.bodies import body_poses
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.arrays import Array
@@ -76,7 +76,7 @@ def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
     joint = _joint(data, joint, "journal_motion")
     kind, size = _kind(data, joint, "journal_motion")
     p, attitude = (
-        np.asarray(variable(data, name, "journal_motion").sel(clearance_joint=joint).values, dtype=float)
+        floats(variable(data, name, "journal_motion").sel(clearance_joint=joint))
         for name in ("journal_position", "journal_attitude")
     )
     tilt = np.asarray(variable(data, "journal_tilt", "journal_motion").sel(clearance_joint=joint).values)
@@ -157,7 +157,7 @@ def bore_load(run: RunLike, joint: str | None = None, sectors: AtLeastOne = 36) 
 def _sector_impulses(part: xr.Dataset, fixed: Array | None, width: float) -> tuple[Array, Array]:
     """Return sector and impulse [N s] of each contact between two samples."""
     point, force, impulse = (
-        np.asarray(variable(part, name, "bore_load").values, dtype=float)
+        floats(variable(part, name, "bore_load"))
         for name in ("contact_point", "normal_force", "normal_impulse")
     )
     direction = point[..., 0] + 1j * point[..., 1]
@@ -195,7 +195,7 @@ def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> Arra
         return None
     turn = Rotation.from_quat(np.asarray(place["bearing_placement"], dtype=float)[3:])
     attitude = body_poses(data, times, [place["bearing_body"]])["attitude"][:, 0]
-    body = Rotation.from_quat(np.asarray(attitude.values, dtype=float))
+    body = Rotation.from_quat(floats(attitude))
     return np.asarray((body * turn).apply(-unit(gravity), inverse=True))
 
 

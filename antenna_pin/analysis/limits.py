@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import RunLike, blocks, data_of
+from antenna_pin.analysis._run import RunLike, blocks, data_of, floats
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number
 from antenna_pin.scenario import joint_limits
@@ -71,7 +71,7 @@ def _beyond(
     most = -np.inf
     span = upper - lower if np.isfinite(upper - lower) else 1.0
     for part in [data] if lean else blocks(data):
-        values = np.atleast_1d(np.asarray(part[variable].sel(place).values, dtype=float))
+        values = np.atleast_1d(floats(part[variable].sel(place)))
         beyond = np.maximum(values - upper, lower - values)
         most = max(most, float(beyond.max()))
         # What stands at its limit may be over it by round-off.

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import RunLike, data_of, label_of
+from antenna_pin.analysis._run import RunLike, data_of, floats, label_of
 from antenna_pin.analysis.quantity import Quantity, quantity
 from antenna_pin.analysis.transients import settled
 from antenna_pin.base.arguments import takes
@@ -174,12 +174,12 @@ def portrait_table(portrait: PhasePortrait, run: RunLike) -> xr.Dataset:
 @takes()
 def portrait_of(table: xr.Dataset) -> PhasePortrait:
     """Return the portrait that a dataset holds (:func:`portrait_table`)."""
-    time = np.asarray(table["time"].values, dtype=float)
+    time = floats(table["time"])
     every = tuple(
         Quantity(
             name,
             time,
-            np.asarray(table[name].values, dtype=float),
+            floats(table[name]),
             str(table[name].attrs["units"]),
             str(table[name].attrs["long_name"]),
         )

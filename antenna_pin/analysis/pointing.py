@@ -27,7 +27,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import AXES, RunLike, blocks, data_of, label_of, samples_around
+from antenna_pin.analysis._run import AXES, RunLike, blocks, data_of, floats, label_of, samples_around
 from antenna_pin.analysis.bodies import body_poses, body_twists, mechanism_of
 from antenna_pin.analysis.body_motion import interpolate_attitude, interpolation_error
 from antenna_pin.analysis.orbit import Orbit, Vector3
@@ -57,7 +57,7 @@ def ideal_doubt(ideal: xr.Dataset, body: str, time: Array) -> float:
     Raises:
         InvalidParameterError: The ideal run does not cover the times.
     """
-    knots = np.asarray(ideal["time"].values, dtype=float)
+    knots = floats(ideal["time"])
     slack = 1e-9 * (knots[-1] - knots[0])
     if time[0] < knots[0] - slack or time[-1] > knots[-1] + slack:
         raise InvalidParameterError(
@@ -76,7 +76,7 @@ def _knots(data: xr.Dataset, body: str) -> tuple[Array, Rotation, Array]:
     poses = body_poses(data, bodies=[body]).sel(body=body)
     spin = body_twists(data, bodies=[body])["angular_velocity"].sel(body=body)
     attitude = Rotation.from_quat(poses["attitude"].values)
-    return np.asarray(data["time"].values, dtype=float), attitude, np.asarray(spin.values, dtype=float)
+    return floats(data["time"]), attitude, floats(spin)
 
 
 _POINTING_AXES = ("boresight", "cross", "up")
@@ -177,7 +177,7 @@ def boresight(
     orbit = _orbit_of(run) if orbit is None else orbit
     link = _link(run, antenna)
     poses = body_poses(run, times, [link]).sel(body=link)
-    time = np.asarray(poses["time"].values, dtype=float)
+    time = floats(poses["time"])
     attitude = Rotation.from_quat(poses["attitude"].values) * antenna.axes
     direction = attitude.apply([1.0, 0.0, 0.0])
     found = _directions(direction, "", "in the world")
@@ -251,7 +251,7 @@ def pointing_error(
     for one in (run, ideal):
         if one is not None:
             _link(one, antenna)
-    time = np.asarray(data_of(run)["time"].values, dtype=float)
+    time = floats(data_of(run)["time"])
     estimate = 0.0 if ideal is None else ideal_doubt(data_of(ideal), antenna.body, time)
     known = command is None or command.up is not None
     axes = _POINTING_AXES if known else _POINTING_AXES[1:]

@@ -49,6 +49,7 @@ from antenna_pin.analysis._indices import (
     WindowMean,
     extremes,
 )
+from antenna_pin.analysis._run import floats
 from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.base.arrays import Array
 from antenna_pin.base.rules import AtLeastOne, NumberRule
@@ -86,10 +87,9 @@ def error_components(errors: xr.Dataset) -> dict[str, Array]:
         ``half-cone``, (n, 2): the smallest rotation between the boresights, whose length is their angle.
     """
     found = {
-        str(axis): np.asarray(errors["error"].sel(pointing_axis=axis).values, dtype=float)
-        for axis in errors["pointing_axis"].values
+        str(axis): floats(errors["error"].sel(pointing_axis=axis)) for axis in errors["pointing_axis"].values
     }
-    return found | {"half-cone": np.asarray(errors["boresight_error"].values, dtype=float)}
+    return found | {"half-cone": floats(errors["boresight_error"])}
 
 
 @takes(window="s", drift_spacing="s")

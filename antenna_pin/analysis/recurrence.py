@@ -34,6 +34,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.fft import irfft, next_fast_len, rfft
 
+from antenna_pin.analysis._run import floats
 from antenna_pin.analysis.transients import scaled, settled
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.arrays import Array
@@ -374,7 +375,7 @@ def diagram_verdicts(
         tolerance: Above what the accuracy of the runs leaves [-].
     """
     names = list(quantities or json.loads(diagram.attrs["quantities"]))
-    whole = [np.asarray(diagram[name].values, dtype=float) for name in names]
+    whole = [floats(diagram[name]) for name in names]
     sizes = np.array([float(np.nanmax(np.abs(one), initial=0.0)) for one in whole])
     units = np.array([str(diagram[name].attrs.get("units", "1")) for name in names])
     largest = np.array([sizes[units == unit].max() for unit in units])

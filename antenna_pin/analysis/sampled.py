@@ -74,7 +74,6 @@ class Mean:
     """
 
     def __init__(self) -> None:
-        """Begin without samples."""
         self._start: Any = None
         self._end: Any = None
         self._first: Any = None

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.analysis._run import RunLike, blocks, choose, data_of, variable
+from antenna_pin.analysis._run import RunLike, blocks, choose, data_of, floats, variable
 from antenna_pin.analysis.journal import clearance_shapes, journal_motion
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.arrays import Array
@@ -47,14 +47,14 @@ def slider_scenarios(run: RunLike, joint: str | None = None) -> xr.Dataset:
     joint = choose("slider_scenarios", "slider", joint or known[0], known)[0]
     shape = clearance_shapes(data)[joint]
     names = contacts_of(data, joint)
-    gaps = np.asarray(variable(data, "gap", "slider_scenarios").sel(contact=names).values, dtype=float)
+    gaps = floats(variable(data, "gap", "slider_scenarios").sel(contact=names))
     ends = [contact_ends(data)[name] for name in names]
     if shape["kind"] == "cylindrical":
         walls, found = ["bore"], _round(data, joint, shape["dimensions"], gaps)[:, None]
     else:
         walls = ["+x", "-x", "+y", "-y"]
         found = np.stack([_flat(gaps, ends, wall) for wall in walls], axis=1)
-    time = np.asarray(data["time"].values, dtype=float)
+    time = floats(data["time"])
     weights = np.zeros(time.size)
     weights[:-1] += 0.5 * np.diff(time)
     weights[1:] += 0.5 * np.diff(time)
@@ -218,7 +218,7 @@ def _scenarios(data: xr.Dataset, joint: str) -> Iterator[tuple[Array, list[_Ends
             touching = np.asarray(part["touching"].sel(contact=own).values, dtype=int)
             start, end = _ends(seen, touching, most)
             ends.append((start[begin:], end[begin:]))
-        yield np.asarray(part["time"].values, dtype=float)[begin:], ends
+        yield floats(part["time"])[begin:], ends
 
 
 def _ends(scenario: NDArray[np.int_], touching: NDArray[np.int_], most: int) -> _Ends:

@@ -18,7 +18,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from antenna_pin.analysis._run import RunLike, data_of, sample_times
+from antenna_pin.analysis._run import RunLike, data_of, floats, sample_times
 from antenna_pin.analysis.quantity import quantity
 from antenna_pin.analysis.shaken import shaken_link, shakes_of
 from antenna_pin.base.arguments import takes
@@ -98,7 +98,7 @@ def base_acceleration(run: RunLike, shake: str) -> Array:
     if shake not in known:
         shaken_link(data)
         raise UnknownNameError("base", "motion", shake, known)
-    return np.asarray(data["a"].sel(coordinate=str(known[shake]["joint"])).values, dtype=float)
+    return floats(data["a"].sel(coordinate=str(known[shake]["joint"])))
 
 
 @takes()

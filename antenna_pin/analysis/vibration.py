@@ -24,6 +24,7 @@ import scipy
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from antenna_pin.analysis._run import floats
 from antenna_pin.analysis.even import uniform
 from antenna_pin.analysis.spectrum import spectrum
 from antenna_pin.base.arguments import takes
@@ -88,8 +89,8 @@ def band_rms(found: xr.Dataset, bands: Sequence[Sequence[float]] | None = None) 
     Returns:
         Over ``band``: ``low``, ``high`` [Hz], ``rms`` and ``standard_error`` [units].
     """
-    frequency = np.asarray(found["frequency"].values, dtype=float)
-    power = np.asarray(found["power"].values, dtype=float)
+    frequency = floats(found["frequency"])
+    power = floats(found["power"])
     wanted = [(0.0, float(frequency[-1]))] if bands is None else [tuple(map(float, band)) for band in bands]
     step = float(frequency[1] - frequency[0])
     rows = []

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import RunLike, data_of, sample_times
+from antenna_pin.analysis._run import RunLike, data_of, floats, sample_times
 from antenna_pin.analysis.interface import interface_loads
 from antenna_pin.analysis.spectrum import dominant_frequencies
 from antenna_pin.base.arguments import takes
@@ -76,9 +76,7 @@ def speed_records(
     loads = interface_loads(data)
     whole = np.concatenate([loads["force"].values, loads["moment"].values], axis=1)[late]
     one = data.sel(joint=joint)
-    angle, rate = (
-        np.asarray(one[name].values, dtype=float)[late] for name in ("motion_angle", "motion_rate")
-    )
+    angle, rate = (floats(one[name])[late] for name in ("motion_angle", "motion_rate"))
     if angle.size and angle[-1] < angle[0]:
         angle, rate = -angle, -rate
     if angle.size < 2 or not (np.diff(angle) > 0.0).all():

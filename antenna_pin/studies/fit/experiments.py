@@ -172,7 +172,6 @@ class Trial:
         values: Array,
         service: Callable[[], RunService] = RunService,
     ) -> None:
-        """Check the experiment."""
         like = next(iter(plan.records)) if experiment.like is None else experiment.like
         if like not in plan.records:
             raise UnknownNameError(f"experiments.{name}.like", "record", like, plan.records)

@@ -238,8 +238,7 @@ def design(
         UnknownNameError: The parameter is unknown.
     """
     known_rows = np.zeros((1, len(scale))) if known is None else known
-    place = _parameter_place(criterion, wanted, names)
-    _check(jacobians)
+    place = _parameter_place(criterion, wanted, names, jacobians)
     reach = student_quantile(level, math.inf)
     before, _ = _expected_errors(known_rows, scale, place, doubt)
     found = {
@@ -265,7 +264,12 @@ def design(
     )
 
 
-def _parameter_place(criterion: Criterion, wanted: str | None, names: Sequence[str]) -> int | None:
+def _parameter_place(
+    criterion: Criterion, wanted: str | None, names: Sequence[str], jacobians: Mapping[str, Array]
+) -> int | None:
+    """Return the index of the wanted parameter, or None; refuse no experiment."""
+    if not jacobians:
+        raise InvalidParameterError("fit", "experiments", "one or more", said="none")
     if criterion not in _CRITERIA:
         raise UnknownNameError("fit", "criterion", criterion, _CRITERIA)
     if wanted is None:
@@ -275,11 +279,6 @@ def _parameter_place(criterion: Criterion, wanted: str | None, names: Sequence[s
     if wanted not in names:
         raise UnknownNameError("fit", "parameter", wanted, names)
     return list(names).index(wanted)
-
-
-def _check(jacobians: Mapping[str, Array]) -> None:
-    if not jacobians:
-        raise InvalidParameterError("fit", "experiments", "one or more", said="none")
 
 
 def _expected_errors(
@@ -330,8 +329,7 @@ def planned(
     Raises:
         InvalidParameterError: All experiments together do not identify every parameter.
     """
-    place = _parameter_place(criterion, wanted, names)
-    _check(jacobians)
+    place = _parameter_place(criterion, wanted, names, jacobians)
     parts = np.stack([(rows * scale).T @ (rows * scale) for rows in jacobians.values()])
     have = np.zeros_like(parts[0]) if known is None else (known * scale).T @ (known * scale)
     every = np.vstack([*jacobians.values(), *(() if known is None else (known,))])
@@ -347,48 +345,31 @@ def planned(
     # Scaled by column lengths, so that the information can be inverted.
     weight = np.outer(rank.lengths, rank.lengths)
     parts, have, size = parts / weight, have / weight, 1.0 / rank.lengths
-    weights, gap = _weights(parts, have, total, criterion, place, size)
-    counts = _whole_counts(weights, parts, have, total, criterion, place, size)
-    return Plan(tuple(jacobians), weights, counts, gap)
+    costs = None if criterion == "D" else size**2
+    if criterion == "c":
+        costs = np.where(np.arange(len(size)) == place, size**2, 0.0)
+    weights, gap = _weights(parts, have, total, costs)
+    return Plan(tuple(jacobians), weights, _whole_counts(weights, parts, have, total, costs), gap)
 
 
-def _loss(inverse: Array, criterion: str, place: int | None, size: Array) -> float:
-    """Return the criterion of a covariance, its logarithm of D."""
-    if criterion == "D":
-        sign, value = np.linalg.slogdet(inverse)
-        return float(value) if sign > 0.0 else math.inf
-    if criterion == "A":
-        return float(np.diag(inverse) @ size**2)
-    assert place is not None
-    return float(inverse[place, place] * size[place] ** 2)
+def _loss(inverse: Array, costs: Array | None) -> float:
+    """Return the criterion of a covariance: costs of variances, (p,), or, if None, D's logarithm."""
+    if costs is not None:
+        return float(np.diag(inverse) @ costs)
+    sign, value = np.linalg.slogdet(inverse)
+    return float(value) if sign > 0.0 else math.inf
 
 
-def _gains(
-    inverse: Array, parts: Array, criterion: str, place: int | None, size: Array
-) -> NDArray[np.float64]:
-    """Return the derivative of the criterion by each experiment's weight, (e,), negated."""
-    if criterion == "D":
-        slope = inverse
-    elif criterion == "A":
-        slope = inverse @ np.diag(size**2) @ inverse
-    else:
-        assert place is not None
-        slope = np.outer(inverse[place], inverse[place]) * size[place] ** 2
-    return np.asarray(np.einsum("ij,kji->k", slope, parts))
-
-
-def _weights(
-    parts: Array, have: Array, total: int, criterion: str, place: int | None, size: Array
-) -> tuple[Array, float]:
+def _weights(parts: Array, have: Array, total: int, costs: Array | None) -> tuple[Array, float]:
     weights = np.full(len(parts), 1.0 / len(parts))
     gap = math.inf
     for _ in range(_ROUNDS):
         inverse = np.linalg.inv(have + total * np.einsum("k,kij->ij", weights, parts))
-        gains = total * _gains(inverse, parts, criterion, place, size)
+        slope = inverse if costs is None else inverse @ np.diag(costs) @ inverse
+        gains = total * np.einsum("ij,kji->k", slope, parts)
         mean = float(weights @ gains)
         # The convex criterion lies above its tangent, which bounds its decrease.
-        value = 1.0 if criterion == "D" else _loss(inverse, criterion, place, size)
-        gap = (float(gains.max()) - mean) / (len(have) if criterion == "D" else value)
+        gap = (float(gains.max()) - mean) / (len(have) if costs is None else _loss(inverse, costs))
         if gap <= _NEAR or not mean > 0.0:
             break
         weights = weights * np.sqrt(gains / mean)
@@ -397,7 +378,7 @@ def _weights(
 
 
 def _whole_counts(
-    weights: Array, parts: Array, have: Array, total: int, criterion: str, place: int | None, size: Array
+    weights: Array, parts: Array, have: Array, total: int, costs: Array | None
 ) -> NDArray[np.intp]:
     """Return whole counts near weights, exchanged while the criterion falls."""
     counts = np.floor(total * weights + 1e-9).astype(np.intp)
@@ -408,7 +389,7 @@ def _whole_counts(
         whole = have + np.einsum("k,kij->ij", one.astype(float), parts)
         if not np.linalg.eigvalsh(whole)[0] > 1e-14 * np.trace(whole):
             return math.inf
-        return _loss(np.linalg.inv(whole), criterion, place, size)
+        return _loss(np.linalg.inv(whole), costs)
 
     best = loss(counts)
     while True:

@@ -162,7 +162,6 @@ class Problem:
 
     @takes()
     def __init__(self, plan: FitPlan, service: RunService | None = None) -> None:
-        """Read and check all."""
         self.plan = plan
         self._prepared: PreparedRecords = prepare_records(plan)
         self.service = service or RunService()

@@ -31,7 +31,6 @@ class ResidualRows:
     """Residuals of all records from the readings of their runs."""
 
     def __init__(self, plan: FitPlan, records: PreparedRecords) -> None:
-        """Collect the parameters that are numbers of records."""
         self._plan, self._prepared, self.tie = plan, records, 1.0
         order = {name: r for r, name in enumerate(plan.records)}
         self.numbers = tuple(

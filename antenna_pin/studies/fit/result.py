@@ -59,7 +59,6 @@ class Validation:
     """Records for validation, read and checked."""
 
     def __init__(self, plan: FitPlan, executor: Executor | None = None) -> None:
-        """Read and check the records."""
         other = plan.unfitted()
         self._problem = None if other is None else Problem(other, RunService(executor))
 
@@ -280,12 +279,8 @@ class Fit:
         found = xr.Dataset(
             {
                 "value": (over, self.values),
-                "start": (over, unknowns.start),
-                "lower": (over, unknowns.lower),
-                "upper": (over, unknowns.upper),
-                "sd": (over, bands.sd),
-                "low": (over, bands.low),
-                "high": (over, bands.high),
+                **{name: (over, getattr(unknowns, name)) for name in ("start", "lower", "upper")},
+                **{name: (over, getattr(bands, name)) for name in ("sd", "low", "high")},
                 "logarithmic": (over, unknowns.logarithmic.astype(float)),
                 "units": (over, list(unknowns.units)),
                 "title": (over, list(unknowns.titles)),

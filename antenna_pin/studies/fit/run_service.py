@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import functools
 import hashlib
-import json
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -48,7 +47,7 @@ from antenna_pin.studies.sensitivity.forward_sensitivity import ParameterTangent
 from antenna_pin.studies.sensitivity.tangent_run import check_finite
 from antenna_pin.studies.sweep import Executor, Here
 from antenna_pin.studies.sweep.executor import Lost
-from antenna_pin.studies.sweep.journal import Journal, open_journal
+from antenna_pin.studies.sweep.journal import Parts, scenario_content
 from antenna_pin.trajectory import library_versions
 
 # --- derivatives by the variational equation ----------------------------------------------------------------
@@ -280,8 +279,9 @@ def _fourth(values: Sequence[Array], h: float) -> Array:
 
 # --- store of runs on the disk ------------------------------------------------------------------------------
 
-_SUFFIX = ".parts"
 _FORM = 3  # of a line
+# Keys of a column that no reading depends on.
+_OF_COMPARISON = "gain offset sd weight compare spectrum blows column unit".split()
 
 
 class RunStore:
@@ -295,45 +295,32 @@ class RunStore:
     """
 
     def __init__(self, target: Path) -> None:
-        """Derive the folder from the path of the fit's result."""
-        self.folder = target.with_name(target.name + _SUFFIX)
+        self._target, self._parts = target, Parts(None, dict, "fit")
         self._entries: dict[tuple[Any, ...], dict[str, Any]] = {}
-        self._journal: Journal | None = None
-        self._next = 0
 
     def open(self, plan: FitPlan, record_tests: tuple[RecordTest, ...]) -> None:
         """Begin a fit's store, or continue it."""
-        entries, self._journal = open_journal(self.folder, _identity(plan, record_tests), "fit")
-        self._entries = {_key(entry["asked"]): entry for entry in entries.values()}
-        self._next = max(entries, default=-1) + 1
+        self._parts = Parts(self._target, lambda: _identity(plan, record_tests), "fit")
+        self._entries = {_key(entry["asked"]): entry for entry in self._parts.entries.values()}
 
     def read(self, request: RunRequest) -> tuple[Readings, ...] | None:
         """Return stored readings of runs, or None."""
         entry = self._entries.get(_key(request))
-        if entry is None:
-            return None
-        return tuple(_readings(one) for one in entry["found"])
+        return None if entry is None else tuple(_readings(one) for one in entry["found"])
 
     def write(self, request: RunRequest, readings: Sequence[Readings]) -> None:
         """Store the readings of runs."""
-        entry = {"run": self._next, "asked": list(request), "found": [_as_lists(one) for one in readings]}
-        if self._journal is not None:
-            self._journal.add(entry)
-        self._entries[_key(request)] = entry
-        self._next += 1
+        number, found = next(reversed(self._parts.entries), -1) + 1, [_as_lists(one) for one in readings]
+        self._entries[_key(request)] = entry = {"run": number, "asked": list(request), "found": found}
+        self._parts.add(entry)
 
     def close(self) -> None:
         """Flush and release the store."""
-        if self._journal is not None:
-            self._journal.close()
-            self._journal = None
+        self._parts.close()
 
     def remove(self) -> None:
         """Remove the folder of a saved fit."""
-        self.close()
-        for name in ("journal", "fit.json", ".lock"):
-            (self.folder / name).unlink(missing_ok=True)
-        self.folder.rmdir()
+        self._parts.remove()
 
 
 def _as_lists(readings: Readings) -> dict[str, Any]:
@@ -379,22 +366,11 @@ def _identity(plan: FitPlan, record_tests: tuple[RecordTest, ...]) -> dict[str, 
     """Return all that readings depend on, as JSON types."""
     records = {}
     for test in record_tests:
-        scenario = json.loads(test.scenario)
-        for name in ("name", "folder", "overrides", "description"):
-            scenario.pop(name, None)
+        scenario = scenario_content(test.scenario)
+        scenario.pop("name", None)
         columns = {name: one.model_dump(mode="json") for name, one in test.columns.items()}
         for one in columns.values():
-            for number in (
-                "gain",
-                "offset",
-                "sd",
-                "weight",
-                "compare",
-                "spectrum",
-                "blows",
-                "column",
-                "unit",
-            ):
+            for number in _OF_COMPARISON:
                 one.pop(number)
         time = hashlib.sha256(test.time.tobytes()).hexdigest()
         made_of = [scenario, test.keys, test.units, test.derived]
@@ -428,7 +404,6 @@ class RunService:
         store: RunStore | None = None,
         progress: Callable[[int], None] | None = None,
     ) -> None:
-        """Begin without tests."""
         self.executor, self.store, self.progress = executor or Here(), store, progress
         self.made = 0
         #: Reports on unbalanced energy or momentum, one entry a run.

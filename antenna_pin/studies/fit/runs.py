@@ -53,7 +53,6 @@ class PreparedScenario:
     """Scenario with its system, built once."""
 
     def __init__(self, scenario: Scenario) -> None:
-        """Build the system."""
         self.scenario, self.system = scenario, build_system(scenario)
         self._latest: Run | None = None
 

@@ -76,7 +76,6 @@ class Forces:
         loads: _Loads,
         adjusted: Sequence[tuple[str, float]] = (),
     ) -> None:
-        """Allocate workspaces for contacts and for all others."""
         self.system, self.time, self.loads = system, time, dict(loads)
         self._y = y.copy()
         self._rates = np.zeros(system.model.nv + system.manifold.nx)

@@ -57,7 +57,6 @@ class BranchStep:
     """
 
     def __init__(self, stepper: BranchStepper, begin: Node, last: Node, arc: float) -> None:
-        """Know both ends."""
         self.stepper, self.first, self.last, self.arc = stepper, begin, last, arc
         self._points = {0.0: begin.point, arc: last.point}
         self._nodes = {0.0: begin, arc: last}

@@ -123,7 +123,6 @@ class Chart:
     """
 
     def __init__(self, system: System, state: State, scales: ErrorScales | None = None) -> None:
-        """Find the freedoms."""
         self.system, self.origin = system, state
         self.units = Units.of(system, scales)
         self._workspace, self._kept = Workspace(system), ElementMemory(system)
@@ -382,7 +381,6 @@ class StatePerturbation:
     """Perturbations between states of a system, and perturbed states."""
 
     def __init__(self, system: System, numbers: int) -> None:
-        """Lay out a perturbation."""
         self._system, self.memory = system, ElementMemory(system)
         self.parts = perturbation_slices(system, len(self.memory), numbers)
         self._bristles = np.asarray(system.bristle_x, dtype=int)

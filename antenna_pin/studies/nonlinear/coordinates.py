@@ -52,7 +52,6 @@ class ElementMemory:
     """Numbers that the elements of a system store at changes of mode."""
 
     def __init__(self, system: System) -> None:
-        """Collect them."""
         self.numbers = tuple(_memory_numbers(system))
         self.words = np.array([one.word for one in self.numbers], dtype=int)
         self.masses = tuple(takes for joint in system.clearances for takes in joint.takes_mass)
@@ -298,7 +297,6 @@ class Lifts:
         speeds: Callable[[float, Array, Array], Array],
         over_numbers: Callable[[float, Array], Array],
     ) -> None:
-        """Begin with none."""
         self._workspace, self._units, self._kept, self._parts = workspace, units, element_memory, parts
         self._kept_units = element_memory.units(units.position, units.rate)
         self._speeds, self._over_numbers = speeds, over_numbers

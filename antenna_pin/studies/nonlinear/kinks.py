@@ -199,7 +199,6 @@ class KinkDefects:
     """
 
     def __init__(self, count: int, rtol: float) -> None:
-        """Begin with nothing."""
         self._count, self._least = count, _OFF * rtol
         self._parts: list[Array] = []
 
@@ -313,7 +312,6 @@ class StepStates:
     """States within a step of a run, which is repeated on demand."""
 
     def __init__(self, run: Run) -> None:
-        """Allocate once."""
         self.workspace = Workspace(run.system)
         method = method_named(run.settings.method)
         self._dense = stepper_of(self.workspace, method, run.stepper.scales, run.settings)
@@ -421,7 +419,6 @@ class JacobianPropagation:
     def __init__(
         self, field: VectorField, states: StepStates, cut_step: CutStep, defects: KinkDefects, good: float
     ) -> None:
-        """Begin with nothing."""
         self._field, self._states, self._cut_step, self._defects = field, states, cut_step, defects
         self._good, self.made, self.left_over = good, 0, 0.0
         self.opening: Array | None = None

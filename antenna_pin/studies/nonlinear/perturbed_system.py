@@ -50,7 +50,6 @@ class ParameterSlopes:
     def __init__(
         self, system: System, built: Sequence[Callable[[float], System]], names: Sequence[str]
     ) -> None:
-        """Build the perturbed systems, and differentiate."""
         self._system, self.count = system, len(built)
         elements = list(_element_numbers(system))
         here = _system_arrays(system, elements)
@@ -80,7 +79,6 @@ class ParameterShift:
     def __init__(
         self, numbers: ParameterSlopes, workspace: Workspace, stepper: CompiledStepper, *, whole: bool = False
     ) -> None:
-        """Collect the numbers that change."""
         self.count, model = numbers.count, workspace.model
         self._of_elements = numbers.element_slopes
         own = stepper.numbers
@@ -253,7 +251,6 @@ class PerturbedSystem:
         *,
         whole: bool = False,
     ) -> None:
-        """Allocate once."""
         self.system = system = system if numbers is None else numbers.copy_system()
         self.workspace, self.memory = Workspace(system), ElementMemory(system)
         scales = scale_vector(system, settings.scales)
@@ -409,7 +406,6 @@ class PerturbedParameters:
         numbers: ParameterSlopes,
         built: Callable[[int, float], System],
     ) -> None:
-        """Copy the system."""
         self._settings, self._built = settings, built
         self._near = near = PerturbedSystem(system, settings, numbers, whole=True)
         bodies = numbers.slopes["tree"].view(BODY)

@@ -84,7 +84,6 @@ class BranchStepper:
     """Predictor and corrector of a branch: orbits x of the map P(x, value) = x."""
 
     def __init__(self, family: SolutionFamily, unit: float, tolerance: float) -> None:
-        """Store the constants of a branch."""
         self.family, self.unit, self.tolerance = family, unit, tolerance
 
     def orbit(self, guess: State, value: float, iterations: int = 12) -> Orbit:

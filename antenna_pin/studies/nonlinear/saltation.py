@@ -88,7 +88,6 @@ class ElementReplay:
     def __init__(
         self, workspace: Workspace, element_memory: ElementMemory, numbers: ParameterShift | None = None
     ) -> None:
-        """Collect the elements."""
         self._workspace, self._kept, self._numbers = workspace, element_memory, numbers
         self._holds = [one.name for one in workspace.system.holds]
         #: Element transitions of the last call, in order.
@@ -206,7 +205,6 @@ class Saltation:
     """Propagation of tangents across events of a run."""
 
     def __init__(self, field: VectorField, run: Run, count: int) -> None:
-        """Begin without events."""
         self._field = field
         self._moment = Moment(field.workspace)
         self._replay = ElementReplay(field.workspace, field.memory, field.numbers)

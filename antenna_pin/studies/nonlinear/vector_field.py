@@ -209,7 +209,6 @@ class VectorField:
     """
 
     def __init__(self, system: System, settings: RunSettings, numbers: ParameterSlopes | None = None) -> None:
-        """Allocate once."""
         self._near = near = PerturbedSystem(system, settings, numbers)
         self.system, self.workspace, self._stepper = near.system, near.workspace, near.stepper
         self.memory, self.numbers = near.memory, near.numbers

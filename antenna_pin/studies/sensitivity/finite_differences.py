@@ -199,7 +199,6 @@ class FiniteDifferences:
         processes: int = 1,
         order: int = 6,
     ) -> None:
-        """Make the nominal run."""
         self._order, self._first = order, 0
         self._scenario, self._settings, self._duration = scenario, settings, duration
         self._times, self._start, self._processes = times, start, processes

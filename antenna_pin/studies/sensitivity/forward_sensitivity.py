@@ -60,7 +60,6 @@ class ParameterTangents:
     def __init__(
         self, system: System, builds: Sequence[Callable[[float], System]], names: Sequence[str]
     ) -> None:
-        """Differentiate the numbers of the system."""
         self._names, self.perturbation = names, StatePerturbation(system, len(builds))
         self.numbers = ParameterSlopes(system, builds, names)
         # A perturbed run begins with its own numbers of elements; their memory is perturbed separately.
@@ -113,7 +112,6 @@ class ForwardSensitivity:
         settings: RunSettings,
         start: State | None = None,
     ) -> None:
-        """Build the system and its perturbations."""
         check_without_controllers("sensitivities", scenario)
         self._scenario, self.parameters, self.settings = scenario, tuple(parameters), settings
         self._from = start

@@ -34,7 +34,6 @@ class GrazeError(SensitivityError):
     """
 
     def __init__(self, message: str, time: float = math.nan) -> None:
-        """Store message and time."""
         super().__init__(message)
         self.time = time
 

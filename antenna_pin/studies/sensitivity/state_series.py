@@ -106,7 +106,6 @@ class StateSeries:
         start: State,
         scales: Array,
     ) -> None:
-        """Store the arguments."""
         self.beside, self._displacer, self._settings, self._first = parameters, displacer, settings, start
         self.scales = scales
         self._shown: Run | None = None
@@ -247,7 +246,6 @@ class TimeDerivatives:
     """Derivatives over time of series at perturbed samples."""
 
     def __init__(self, source: StateSeries, displaced: PerturbedSamples) -> None:
-        """Store the samples."""
         self._told, self._all = source, displaced
         self._rates: dict[tuple[int, float], dict[str, tuple[Array, Array]]] = {}
 

@@ -234,7 +234,6 @@ class TangentRecord:
     def __init__(
         self, run: Run, carrier: TangentPropagation, numbers: ParameterSlopes, begin: float, count: int
     ) -> None:
-        """Begin at the run's start."""
         system = run.system
         self.carrier, self._begin, self._count = carrier, begin, count
         self._deepest = _DepthMaxima(carrier.states)

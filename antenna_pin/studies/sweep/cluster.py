@@ -178,7 +178,6 @@ class Cluster:
     def __init__(
         self, workers: int | None = None, scheduler: str | None = None, tls: dict[str, str] | None = None
     ) -> None:
-        """Check the arguments."""
         take_back("dask")  # the command goes without it, for a quick start
         try:
             distributed: Any = importlib.import_module("distributed")

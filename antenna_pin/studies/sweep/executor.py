@@ -68,7 +68,6 @@ class Threads:
     """
 
     def __init__(self, threads: int | None = None) -> None:
-        """Check the number."""
         if not (threads is None or threads > 0):
             raise InvalidParameterError("Threads", "threads", "positive", threads)
         self.width = threads or cores()

@@ -11,8 +11,9 @@ import fcntl
 import hashlib
 import json
 import os
+import shutil
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -79,7 +80,6 @@ class Journal:
     def __init__(
         self, path: Path, key: bytes, keep: Iterable[dict[str, Any]] | None = None, what: str = "study"
     ) -> None:
-        """Open the journal."""
         self.path, self._key, self._what = path, key, what
         # The lock is on a file of its own: the journal may be replaced.
         lock = path.with_name(".lock")
@@ -144,6 +144,45 @@ class Journal:
         finally:
             os.close(self._file)
             os.close(self._lock)
+
+
+def scenario_content(text: str) -> dict[str, Any]:
+    """Return a scenario, as JSON text or "", without its origin."""
+    data: dict[str, Any] = json.loads(text) if text else {}
+    return {name: value for name, value in data.items() if name not in ("folder", "overrides", "description")}
+
+
+class Parts:
+    """Entries by number of an unfinished result, stored beside it in the folder ``FILE.parts``.
+
+    Without a result they are in memory only. An entry has its number as ``run``. Identity and errors are
+    those of :func:`open_journal`.
+    """
+
+    def __init__(self, target: Path | None, about: Callable[[], Mapping[str, Any]], what: str) -> None:
+        self.entries: dict[int, dict[str, Any]] = {}
+        self._journal: Journal | None = None
+        self._folder = None if target is None else target.with_name(f"{target.name}.parts")
+        if self._folder is not None:
+            self.entries, self._journal = open_journal(self._folder, about(), what)
+
+    def add(self, entry: dict[str, Any]) -> None:
+        """Store an entry."""
+        if self._journal is not None:
+            self._journal.add(entry)
+        self.entries[int(entry["run"])] = entry
+
+    def close(self) -> None:
+        """Flush and release the folder."""
+        if self._journal is not None:
+            self._journal.close()
+            self._journal = None
+
+    def remove(self) -> None:
+        """Remove the folder of a saved result."""
+        self.close()
+        if self._folder is not None:
+            shutil.rmtree(self._folder)
 
 
 def open_journal(
