@@ -231,20 +231,16 @@ class DeviationMeasures:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Deviation:
-    """A run less the ideal one.
+    """A run less the ideal one."""
 
-    Attributes:
-        data: ``angle`` [rad], ``rate`` [rad/s], ``acceleration`` [rad/s^2] over time and joint;
-            ``slide_position`` [m], ``slide_rate`` [m/s], ``slide_acceleration`` [m/s^2] over time and sliding
-            joint; of a free base, over time and axis in world axes, ``base_position`` [m], ``base_attitude``
-            (rotation vector from the ideal to the run's attitude) [rad], ``base_velocity`` [m/s],
-            ``base_angular_velocity`` [rad/s], ``base_acceleration`` [m/s^2], ``base_angular_acceleration``
-            [rad/s^2]. At the run's samples within the time that both runs cover.
-        measures: One per joint and quantity, then per quantity of the base.
-    """
-
+    # ``angle`` [rad], ``rate`` [rad/s], ``acceleration`` [rad/s^2] over time and joint; ``slide_position``
+    # [m], ``slide_rate`` [m/s], ``slide_acceleration`` [m/s^2] over time and sliding joint; of a free base,
+    # over time and axis in world axes, ``base_position`` [m], ``base_attitude`` (rotation vector from the
+    # ideal to the run's attitude) [rad], ``base_velocity`` [m/s], ``base_angular_velocity`` [rad/s],
+    # ``base_acceleration`` [m/s^2], ``base_angular_acceleration`` [rad/s^2]. At the run's samples within the
+    # time that both runs cover
     data: xr.Dataset
-    measures: tuple[DeviationMeasures, ...]
+    measures: tuple[DeviationMeasures, ...]  # one per joint and quantity, then per quantity of the base
 
     def __getitem__(self, of: str) -> DeviationMeasures:
         """Return the measures of "elevation angle" or "base position"."""

@@ -39,15 +39,12 @@ class Orbit:
 
     The world's axes do not turn. The motion itself depends on the orbit by ``[forces.NAME]``'s gravity
     gradient only.
-
-    Attributes:
-        rate: Orbital rate [rad/s].
-        normal: Orbit's normal, along the orbital angular momentum, in world axes, any length [-].
-        nadir: Direction to the Earth's centre at t = 0, in world axes, perpendicular to it, any length [-].
     """
 
-    rate: Positive
+    rate: Positive  # orbital rate [rad/s]
+    # orbit's normal, along the orbital angular momentum, in world axes, any length [-]
     normal: Vector3 = (0.0, 1.0, 0.0)
+    # direction to the Earth's centre at t = 0, in world axes, perpendicular to it, any length [-]
     nadir: Vector3 = (0.0, 0.0, -1.0)
 
     def __post_init__(self) -> None:

@@ -86,17 +86,12 @@ _ALONG = 0.9  # cosine of the angle from which on a boresight counts as lying al
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Antenna:
-    """Antenna: the link that carries it, and its axes.
+    """Antenna: the link that carries it, and its axes."""
 
-    Attributes:
-        body: Link that looks.
-        boresight: Axis it looks along, in the link's frame, any length [-].
-        up: Second axis in the link's frame, of which the part perpendicular to the boresight counts [-]; None
-            for the link's z axis, or its x axis where the boresight lies within 26 deg of z.
-    """
-
-    body: str
-    boresight: Vector3
+    body: str  # link that looks
+    boresight: Vector3  # axis it looks along, in the link's frame, any length [-]
+    # second axis in the link's frame, of which the part perpendicular to the boresight counts [-]; None for
+    # the link's z axis, or its x axis where the boresight lies within 26 deg of z
     up: Vector3 | None = None
 
     def __post_init__(self) -> None:
@@ -126,17 +121,13 @@ class Antenna:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Command:
-    """A commanded direction of the boresight.
+    """A commanded direction of the boresight."""
 
-    Attributes:
-        direction: In the frame's axes, any length [-].
-        up: Commanded direction of the antenna's ``up`` in them [-]; None where turns about the boresight do
-            not matter: then the frame's z axis serves (x near z), as for an antenna's ``up``.
-        frame: Axes in which it stands still: the ``world``'s or the ``orbit``'s.
-    """
-
-    direction: Vector3
+    direction: Vector3  # in the frame's axes, any length [-]
+    # commanded direction of the antenna's ``up`` in them [-]; None where turns about the boresight do not
+    # matter: then the frame's z axis serves (x near z), as for an antenna's ``up``
     up: Vector3 | None = None
+    # axes in which it stands still: the ``world``'s or the ``orbit``'s
     frame: Literal["world", "orbit"] = "world"
 
     def __post_init__(self) -> None:

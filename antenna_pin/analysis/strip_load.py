@@ -57,14 +57,10 @@ class PlaneStrips:
 
     Johnson's logarithm falls to 2 well before the depth turns over; beyond it :math:`f = \tfrac\pi2 E^*
     \delta`, the stiffness of Persson's conformal contact at small depth.
-
-    Attributes:
-        modulus: E* [Pa].
-        clearance: R_i - R_j [m].
     """
 
-    modulus: float
-    clearance: float
+    modulus: float  # E* [Pa]
+    clearance: float  # R_i - R_j [m]
 
     @property
     def _scale(self) -> float:

@@ -14,32 +14,20 @@ from antenna_pin.contact import Material, effective_modulus
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StressCriteria:
-    """Criteria of the analysis.
+    """Criteria of the analysis."""
 
-    Attributes:
-        yield_share: Share of the yield limit that a pressure may reach [-].
-        factor: Factor on the pressure [-].
-        conformal_above: Half-width over radius above which a bore is conformal [-].
-    """
-
-    yield_share: float
-    factor: float
-    conformal_above: float
+    yield_share: float  # share of the yield limit that a pressure may reach [-]
+    factor: float  # factor on the pressure [-]
+    conformal_above: float  # half-width over radius above which a bore is conformal [-]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pair:
-    """Two materials that touch, by name.
+    """Two materials that touch, by name."""
 
-    Attributes:
-        names: Their names; empty where none is known.
-        materials: Their numbers.
-        modulus: E* [Pa]; NaN if unknown.
-    """
-
-    names: tuple[str, ...]
-    materials: tuple[Material, ...]
-    modulus: float
+    names: tuple[str, ...]  # their names; empty where none is known
+    materials: tuple[Material, ...]  # their numbers
+    modulus: float  # E* [Pa]; NaN if unknown
 
     @classmethod
     def of(cls, bearing: str, journal: str, known: Callable[[str], Material]) -> Pair:

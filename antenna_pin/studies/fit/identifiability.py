@@ -47,40 +47,24 @@ _POOR = 1.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Identifiable:
-    """Identifiability of parameters from a record, at given values.
+    """Identifiability of parameters from a record, at given values."""
 
-    Attributes:
-        names: Names of the parameters.
-        values: Values, (p,).
-        scale: Typical sizes, (p,).
-        rank: Rank of the Jacobian.
-        error: Expected standard errors by the stated noise, (p,); infinite if unidentifiable.
-        half: Half widths of the expected intervals, (p,).
-        alone: Expected standard errors with all others known, (p,).
-        inflation: Ratio of both errors, (p,) [-].
-        level: Confidence level of the intervals [-].
-        quantile: Half widths over errors [-].
-        singular: Singular values of the Jacobian over the scales, falling, (p,) [-]: the inverse of a value
-            is the standard error along its direction, in scales.
-        directions: Those directions, a row each, (p, p), of length 1 in scales.
-        together: Unidentifiable parameters and combinations as text.
-        hold: Parameters to hold, one of each combination, so that the others are identifiable.
-    """
-
-    names: tuple[str, ...]
-    values: Array
-    scale: Array
-    rank: Rank
-    error: Array
-    half: Array
-    alone: Array
-    inflation: Array
-    level: float
-    quantile: float
+    names: tuple[str, ...]  # names of the parameters
+    values: Array  # values, (p,)
+    scale: Array  # typical sizes, (p,)
+    rank: Rank  # rank of the Jacobian
+    error: Array  # expected standard errors by the stated noise, (p,); infinite if unidentifiable
+    half: Array  # half widths of the expected intervals, (p,)
+    alone: Array  # expected standard errors with all others known, (p,)
+    inflation: Array  # ratio of both errors, (p,) [-]
+    level: float  # confidence level of the intervals [-]
+    quantile: float  # half widths over errors [-]
+    # singular values of the Jacobian over the scales, falling, (p,) [-]: the inverse of a value is the
+    # standard error along its direction, in scales
     singular: Array
-    directions: Array
-    together: tuple[str, ...]
-    hold: tuple[str, ...]
+    directions: Array  # those directions, a row each, (p, p), of length 1 in scales
+    together: tuple[str, ...]  # unidentifiable parameters and combinations as text
+    hold: tuple[str, ...]  # parameters to hold, one of each combination, so that the others are identifiable
 
     @property
     def poor(self) -> tuple[str, ...]:
@@ -164,47 +148,29 @@ _ROUNDS, _NEAR = 20_000, 1e-6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Design:
-    """Comparison of experiments, each added to the known records.
+    """Comparison of experiments, each added to the known records."""
 
-    Attributes:
-        names: Names of the parameters.
-        scale: Their typical sizes, (p,).
-        experiments: Names of the experiments, the best first.
-        half: Half widths of the expected intervals after each, (e, p); infinite if unidentifiable.
-        before: Half widths before any of them, (p,).
-        criteria: By name the square root of each criterion after each, as a length in scales, (e,): of D the
-            p-th root of the volume, so that all are widths that halve where noise halves.
-        chosen: Criterion of the order.
-        wanted: Parameter of ``c``; "" for all of ``D``, ``A`` and ``E``.
-        level: Confidence level of the intervals [-].
-    """
-
-    names: tuple[str, ...]
-    scale: Array
-    experiments: tuple[str, ...]
-    half: Array
-    before: Array
+    names: tuple[str, ...]  # names of the parameters
+    scale: Array  # their typical sizes, (p,)
+    experiments: tuple[str, ...]  # names of the experiments, the best first
+    half: Array  # half widths of the expected intervals after each, (e, p); infinite if unidentifiable
+    before: Array  # half widths before any of them, (p,)
+    # by name the square root of each criterion after each, as a length in scales, (e,): of D the p-th root of
+    # the volume, so that all are widths that halve where noise halves
     criteria: Mapping[Criterion, Array]
-    chosen: Criterion
-    wanted: str
-    level: float
+    chosen: Criterion  # criterion of the order
+    wanted: str  # parameter of ``c``; "" for all of ``D``, ``A`` and ``E``
+    level: float  # confidence level of the intervals [-]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
-    """Optimal number of repetitions of each experiment.
+    """Optimal number of repetitions of each experiment."""
 
-    Attributes:
-        experiments: Names, as given.
-        weights: Shares of the total, (e,) [-]; their sum is 1.
-        counts: Whole numbers of repetitions, (e,).
-        gap: Bound of the equivalence theorem on the improvement by the best design, as a share of the
-            criterion [-].
-    """
-
-    experiments: tuple[str, ...]
-    weights: Array
-    counts: NDArray[np.intp]
+    experiments: tuple[str, ...]  # names, as given
+    weights: Array  # shares of the total, (e,) [-]; their sum is 1
+    counts: NDArray[np.intp]  # whole numbers of repetitions, (e,)
+    # bound of the equivalence theorem on the improvement by the best design, as a share of the criterion [-]
     gap: float
 
 

@@ -95,39 +95,24 @@ class Search(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Fit:
-    """Result of a fit.
-
-    Attributes:
-        problem: Problem of the fit.
-        values: Values of the parameters, (p,) [SI].
-        states: Coordinates of the pieces' starts, (h,), in error scales.
-        bands: Uncertainty of the values.
-        residuals: (m,) [-].
-        slopes: Their derivatives by the values, (m, p).
-        converged: True if the search converged.
-        message: End of the search, as text.
-        evaluations: Evaluations by steps of all searches.
-        searches: All searches, the best first.
-        validation: Records that were not fitted, beside the model.
-        verdict: Objections to the fit as a whole, with their likely causes, a line each; () if none.
-        notes: Further notes, a line each.
-    """
+    """Result of a fit."""
 
     __repr__ = brief
 
-    problem: Problem
-    values: Array
-    states: Array
-    bands: ParameterBands
-    residuals: Array
-    slopes: Array
-    converged: bool
-    message: str
-    evaluations: int
-    searches: tuple[Search, ...]
-    validation: tuple[ValidationResult, ...] = ()
+    problem: Problem  # problem of the fit
+    values: Array  # values of the parameters, (p,) [SI]
+    states: Array  # coordinates of the pieces' starts, (h,), in error scales
+    bands: ParameterBands  # uncertainty of the values
+    residuals: Array  # (m,) [-]
+    slopes: Array  # their derivatives by the values, (m, p)
+    converged: bool  # true if the search converged
+    message: str  # end of the search, as text
+    evaluations: int  # evaluations by steps of all searches
+    searches: tuple[Search, ...]  # all searches, the best first
+    validation: tuple[ValidationResult, ...] = ()  # records that were not fitted, beside the model
+    # objections to the fit as a whole, with their likely causes, a line each; () if none
     verdict: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()  # further notes, a line each
 
     @property
     def names(self) -> tuple[str, ...]:

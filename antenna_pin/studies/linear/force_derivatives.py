@@ -31,25 +31,18 @@ _BRISTLE = 1e-9
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ForceDerivatives:
-    """Derivatives of the generalized force of all elements, in velocity coordinates.
+    """Derivatives of the generalized force of all elements, in velocity coordinates."""
 
-    Attributes:
-        position: Derivatives over the configuration, of joints and of contacts, (nv, nv).
-        rate: Derivatives over the velocity, (nv, nv).
-        bristle: Derivatives over the bristles of friction, (nv, bristles).
-        bristle_rates: Derivatives of the bristles' rates over configuration, velocity and bristles:
-            (bristles, nv) twice, (bristles, bristles).
-        parts: ``position`` by source: ``joints`` (drives, springs at joints, contacts) and
-            ``points`` (springs between points).
-        rough: Names of joints with a kink of a force too near for a derivative.
-    """
-
-    position: Array
-    rate: Array
-    bristle: Array
+    position: Array  # derivatives over the configuration, of joints and of contacts, (nv, nv)
+    rate: Array  # derivatives over the velocity, (nv, nv)
+    bristle: Array  # derivatives over the bristles of friction, (nv, bristles)
+    # derivatives of the bristles' rates over configuration, velocity and bristles: (bristles, nv) twice,
+    # (bristles, bristles)
     bristle_rates: tuple[Array, Array, Array]
+    # ``position`` by source: ``joints`` (drives, springs at joints, contacts) and ``points`` (springs between
+    # points)
     parts: dict[str, Array] = field(default_factory=dict)
-    rough: tuple[str, ...] = ()
+    rough: tuple[str, ...] = ()  # names of joints with a kink of a force too near for a derivative
 
 
 class Forces:

@@ -142,39 +142,26 @@ class Linearisation:
 
     z are bristles of friction, if any. About a state at rest D and Y are zero, and these are the equations
     of vibration. Geometric stiffness, of constraint forces and of accelerations, is part of K.
-
-    Attributes:
-        at: The operating point.
-        directions: N, (nv, k).
-        shift: Y, (nv, k).
-        drift: D, (k, k).
-        mass: Mass matrix, (k, k).
-        damping: Damping matrix with gyroscopic terms, (k, k).
-        gyroscopic: The same without dampers, (k, k).
-        stiffness: Stiffness matrix, (k, k).
-        bristles: F, B_s, B_w, B_z.
-        forces: Derivatives of the elements' forces in all coordinates.
-        acceleration: Acceleration in the state, (nv,).
-        beside: N^T times mass, damping and stiffness in all coordinates, (k, nv) each: the effect of a
-            change of a prescribed motion, about a state at rest.
-        rigid: The six rigid-body directions of a mechanism with a free base, as columns of s, (k, 6); (k, 0)
-            if something holds it.
     """
 
     __repr__ = brief
 
-    at: At
-    directions: Array
-    shift: Array
-    drift: Array
-    mass: Array
-    damping: Array
-    gyroscopic: Array
-    stiffness: Array
-    bristles: tuple[Array, Array, Array, Array]
-    forces: ForceDerivatives
-    acceleration: Array
+    at: At  # the operating point
+    directions: Array  # N, (nv, k)
+    shift: Array  # Y, (nv, k)
+    drift: Array  # D, (k, k)
+    mass: Array  # mass matrix, (k, k)
+    damping: Array  # damping matrix with gyroscopic terms, (k, k)
+    gyroscopic: Array  # the same without dampers, (k, k)
+    stiffness: Array  # stiffness matrix, (k, k)
+    bristles: tuple[Array, Array, Array, Array]  # F, B_s, B_w, B_z
+    forces: ForceDerivatives  # derivatives of the elements' forces in all coordinates
+    acceleration: Array  # acceleration in the state, (nv,)
+    # N^T times mass, damping and stiffness in all coordinates, (k, nv) each: the effect of a change of a
+    # prescribed motion, about a state at rest
     beside: tuple[Array, Array, Array]
+    # the six rigid-body directions of a mechanism with a free base, as columns of s, (k, 6); (k, 0) if
+    # something holds it
     rigid: Array
 
     @property

@@ -130,25 +130,19 @@ class Modes:
     """Modes of a mechanism about a state.
 
     ``plot(source, targets)`` draws a frequency response, ``record("modes.html")`` the shapes.
-
-    Attributes:
-        data: Along ``mode``, in rising order of frequency: ``frequency`` and ``damped_modulus`` [Hz],
-            ``damping_ratio`` [-] (NaN of what does not vibrate), ``kind`` (rigid, free, elastic, unstable),
-            ``root_real`` and ``root_imag`` (both eigenvalues with damping [1/s]), ``shape`` per coordinate of
-            velocity, to unit modal mass, ``body_motion`` (at the mass centre, world axes), ``kinetic_share``
-            by body, ``strain_share`` by what stores it, and with a base that is held ``participation``
-            [sqrt(kg), sqrt(kg) m] and ``effective_mass`` [kg, kg m^2] about the base's origin in its axes,
-            with ``rigid_mass`` of the whole. ``shape`` and ``body_motion`` are complex about a state that
-            moves.
-        linearisation: The linearised equations.
-        notes: Assumptions and limits, in sentences.
-        scenario: Of the mechanism; None for a system built in Python.
     """
 
+    # along ``mode``, in rising order of frequency: ``frequency`` and ``damped_modulus`` [Hz],
+    # ``damping_ratio`` [-] (NaN of what does not vibrate), ``kind`` (rigid, free, elastic, unstable),
+    # ``root_real`` and ``root_imag`` (both eigenvalues with damping [1/s]), ``shape`` per coordinate of
+    # velocity, to unit modal mass, ``body_motion`` (at the mass centre, world axes), ``kinetic_share`` by
+    # body, ``strain_share`` by what stores it, and with a base that is held ``participation`` [sqrt(kg),
+    # sqrt(kg) m] and ``effective_mass`` [kg, kg m^2] about the base's origin in its axes, with ``rigid_mass``
+    # of the whole. ``shape`` and ``body_motion`` are complex about a state that moves
     data: xr.Dataset
-    linearisation: Linearisation
-    notes: tuple[str, ...]
-    scenario: Scenario | None = None
+    linearisation: Linearisation  # the linearised equations
+    notes: tuple[str, ...]  # assumptions and limits, in sentences
+    scenario: Scenario | None = None  # of the mechanism; None for a system built in Python
 
     plot = View[ResponsePlotter]()
     record = View[ModesRecorder]()

@@ -246,19 +246,12 @@ def frequency_response(
 
 
 class Plant(NamedTuple):
-    """Linear system from the effort of a drive to the position of a joint.
+    """Linear system from the effort of a drive to the position of a joint."""
 
-    Attributes:
-        matrix: A, (n, n).
-        input: B, (n,), for 1 N m (1 N) of the drive.
-        angle: Row of the joint's angle [rad] (way [m]), (n,).
-        rate: Row of the joint's rate, (n,).
-    """
-
-    matrix: Array
-    input: Array
-    angle: Array
-    rate: Array
+    matrix: Array  # A, (n, n)
+    input: Array  # B, (n,), for 1 N m (1 N) of the drive
+    angle: Array  # row of the joint's angle [rad] (way [m]), (n,)
+    rate: Array  # row of the joint's rate, (n,)
 
 
 @takes()

@@ -235,17 +235,11 @@ def _identity(settings: _Settings, values: Sequence[Any], branches: Sequence[str
 
 @dataclass(frozen=True, slots=True)
 class DiagramProgress:
-    """Progress of a diagram.
+    """Progress of a diagram."""
 
-    Attributes:
-        done: Finished values, including those of an earlier call [-].
-        count: Values in all, of all branches [-].
-        unsettled: Values whose points have not settled, failures included [-].
-    """
-
-    done: int
-    count: int
-    unsettled: int
+    done: int  # finished values, including those of an earlier call [-]
+    count: int  # values in all, of all branches [-]
+    unsettled: int  # values whose points have not settled, failures included [-]
 
 
 @takes()

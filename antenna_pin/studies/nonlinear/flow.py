@@ -52,21 +52,16 @@ class _SpanRun(NamedTuple):
 
 
 class Tangent(NamedTuple):
-    """Derivative of a flow over a span, in coordinates at both ends.
+    """Derivative of a flow over a span, in coordinates at both ends."""
 
-    Attributes:
-        matrix: (size at the end, size at the start).
-        doubt: Error estimate of each column: difference from less exact differences, or a hundred times the
-            run's tolerance. Differences of runs include events that appear or disappear with the perturbed
-            state (a graze).
-        end: End state of the unperturbed one.
-        lost: Number of directions of perturbed states lost at changes of mode, as where a joint comes to
-            rest; 0 for differences of runs.
-    """
-
-    matrix: Array
+    matrix: Array  # (size at the end, size at the start)
+    # error estimate of each column: difference from less exact differences, or a hundred times the run's
+    # tolerance. Differences of runs include events that appear or disappear with the perturbed state (a
+    # graze)
     doubt: Array
-    end: State
+    end: State  # end state of the unperturbed one
+    # number of directions of perturbed states lost at changes of mode, as where a joint comes to rest; 0 for
+    # differences of runs
     lost: int = 0
 
 

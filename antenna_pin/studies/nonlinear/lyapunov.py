@@ -101,28 +101,19 @@ _FEWEST, _BLOCKS, _SIGMAS, _NEUTRAL = 32, 8, 3.0, 0.01
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Exponents:
-    """Lyapunov exponents of one motion from its start: attractors may coexist.
-
-    Attributes:
-        values: The largest first, (n,) [1/s].
-        errors: One standard error of each, from blocks of intervals so long that they depend little on one
-            another, (n,) [1/s].
-        interval: Between two renormalisations, a period of the section if there is one [s].
-        growth: Logarithm of what each has grown by in each interval, (intervals, n) [-].
-        lengths: Of the intervals, (intervals,) [s]; some are longer, to where the same contacts touch.
-        start: State after the transient.
-        end: State that was come to.
-    """
+    """Lyapunov exponents of one motion from its start: attractors may coexist."""
 
     __repr__ = brief
 
-    values: Array
+    values: Array  # the largest first, (n,) [1/s]
+    # one standard error of each, from blocks of intervals so long that they depend little on one another,
+    # (n,) [1/s]
     errors: Array
-    interval: float
-    growth: Array
-    lengths: Array
-    start: State
-    end: State
+    interval: float  # between two renormalisations, a period of the section if there is one [s]
+    growth: Array  # logarithm of what each has grown by in each interval, (intervals, n) [-]
+    lengths: Array  # of the intervals, (intervals,) [s]; some are longer, to where the same contacts touch
+    start: State  # state after the transient
+    end: State  # state that was come to
 
     @property
     def running(self) -> Array:

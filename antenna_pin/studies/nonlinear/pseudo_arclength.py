@@ -42,15 +42,10 @@ class SolutionFamily(Protocol):
 
 
 class Point(NamedTuple):
-    """An orbit of a branch.
+    """An orbit of a branch."""
 
-    Attributes:
-        value: Of the parameter.
-        orbit: The orbit.
-    """
-
-    value: float
-    orbit: Orbit
+    value: float  # of the parameter
+    orbit: Orbit  # the orbit
 
 
 def in_first_period(state: State, period: float) -> State:

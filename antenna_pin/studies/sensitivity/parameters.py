@@ -39,19 +39,12 @@ class GrazeError(SensitivityError):
 
 
 class Parameter(NamedTuple):
-    """Number of a scenario that results are differentiated by.
+    """Number of a scenario that results are differentiated by."""
 
-    Attributes:
-        key: Key in the scenario.
-        value: Value in SI units.
-        unit: SI unit; "" if it depends on other entries.
-        scale: Scale in the same unit, relative to which changes are small.
-    """
-
-    key: str
-    value: float
-    unit: str
-    scale: float
+    key: str  # key in the scenario
+    value: float  # value in SI units
+    unit: str  # SI unit; "" if it depends on other entries
+    scale: float  # scale in the same unit, relative to which changes are small
 
 
 def parameters_of(

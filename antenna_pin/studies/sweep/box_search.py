@@ -30,21 +30,13 @@ _MEMBERS, _FEWEST, _MOST = 4, 8, 40
 
 @dataclass(frozen=True, slots=True)
 class WorstCase:
-    """Largest value found over a box.
+    """Largest value found over a box."""
 
-    Attributes:
-        point: Its coordinates in the unit cube, (variables,) [-].
-        value: The value; NaN where no point has one.
-        corner: Coordinates of the largest corner, (variables,) [-].
-        at_corner: Value there.
-        runs: Number of evaluations [-].
-    """
-
-    point: Array
-    value: float
-    corner: Array
-    at_corner: float
-    runs: int
+    point: Array  # its coordinates in the unit cube, (variables,) [-]
+    value: float  # the value; NaN where no point has one
+    corner: Array  # coordinates of the largest corner, (variables,) [-]
+    at_corner: float  # value there
+    runs: int  # number of evaluations [-]
 
     @property
     def inside(self) -> bool:

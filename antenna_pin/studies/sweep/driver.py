@@ -31,19 +31,12 @@ _TABLE_SHARE = 0.02  # of the time, at most, goes into writing the dataset
 
 @dataclass(frozen=True, slots=True)
 class StudyProgress:
-    """Progress of a study.
+    """Progress of a study."""
 
-    Attributes:
-        stage: ``check`` of the runs, or ``run``.
-        done: Runs made or checked, including those of an earlier command.
-        count: Number of all runs.
-        failed: Runs that did not complete, or do not balance.
-    """
-
-    stage: str
-    done: int
-    count: int
-    failed: int
+    stage: str  # ``check`` of the runs, or ``run``
+    done: int  # runs made or checked, including those of an earlier command
+    count: int  # number of all runs
+    failed: int  # runs that did not complete, or do not balance
 
 
 @takes()
