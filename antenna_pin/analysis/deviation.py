@@ -338,23 +338,17 @@ class _Pair:
             for quantity, words, name, derivative in _JOINTS[dim] if names else ():
                 wanted = variable(data, name, "deviation")
                 values = floats(wanted.sel({dim: names}))
-                base_line = variable(reference, name, "deviation").sel({dim: names}).values
-                slope = None
-                if derivative in reference:
-                    slope = floats(reference[derivative].sel({dim: names}))
+                base_line = floats(variable(reference, name, "deviation").sel({dim: names}))
+                slope = floats(reference[derivative].sel({dim: names})) if derivative in reference else None
                 variables[quantity] = (
                     ("time", dim),
-                    values - resampled(own, np.asarray(base_line, dtype=float), at, slope),
-                    _attributes(wanted, f"deviation of the {words}"),
+                    values - resampled(own, base_line, at, slope),
+                    {"units": str(wanted.attrs.get("units", "")), "long_name": f"deviation of the {words}"},
                 )
         if self._based:
             for name, one in motion_deviation(base_motion(data), base_motion(reference), "base").items():
                 variables[f"base_{name}"] = (("time", "axis"), one.values, one.attrs)
         return variables
-
-
-def _attributes(like: xr.DataArray, long_name: str) -> dict[str, str]:
-    return {"units": str(like.attrs.get("units", "")), "long_name": long_name}
 
 
 def _measures(time: Array, parts: Callable[[], Iterable[xr.Dataset]]) -> tuple[DeviationMeasures, ...]:

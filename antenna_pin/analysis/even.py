@@ -110,9 +110,7 @@ def _usual_step(time: Array) -> float:
 def _thinned(t: Array, x: Array, grid: Array, step: float) -> Array:
     """Return averages over fine cells, filtered and thinned to the grid."""
     fine = step / _OVERSAMPLING
-    cells = (
-        grid.size - 1
-    ) * _OVERSAMPLING + 1  # centred on the fine grid, so that the grid's points are in it
+    cells = (grid.size - 1) * _OVERSAMPLING + 1  # centred on the fine grid, which has the grid's points
     curve: Any = None
     primitive: Any = None
 

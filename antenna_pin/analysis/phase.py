@@ -191,9 +191,5 @@ def portrait_of(table: xr.Dataset) -> PhasePortrait:
 
 @takes()
 def open_portrait(path: str | os.PathLike[str]) -> PhasePortrait:
-    """Return a portrait from its file, as ``antenna-pin phase --out`` writes it.
-
-    Raises:
-        FileFormatError: It is none, or damaged.
-    """
+    """Return a portrait from its file, as ``antenna-pin phase --out`` writes it."""
     return portrait_of(open_table(path, "portrait"))

@@ -59,7 +59,7 @@ def spectrum(
         highest frequency. From 0.8 of that on the low pass of :func:`uniform` takes its share.
     """
     even = uniform(time, values, rate)
-    length = _segment(even, segment)
+    length = window_length(even, segment)
     frequency, power = scipy.signal.welch(
         even.values, even.rate, window="hann", nperseg=length, noverlap=length // 2, axis=0
     )
@@ -193,7 +193,7 @@ def spectrogram(
     if even.values.ndim != 1:
         raise InvalidParameterError("spectrogram", "values", "one signal, (n,)", even.values.shape)
     span = even.time.size / even.rate
-    length = _segment(even, span / 20.0 if segment is None else segment)
+    length = window_length(even, span / 20.0 if segment is None else segment)
     hop = max(1, length // 4)
     transform = scipy.signal.ShortTimeFFT(
         scipy.signal.get_window("hann", length), hop, even.rate, fft_mode="onesided2X", scale_to="psd"
@@ -223,7 +223,7 @@ def _reader(values: ArrayLike) -> Read:
     return lambda begin, end: held[begin:end]
 
 
-def _segment(even: UniformSignal, segment: float | None) -> int:
+def window_length(even: UniformSignal, segment: float | None) -> int:
     """Return the length of a window in samples."""
     n = even.time.size
     if segment is None:

@@ -212,17 +212,17 @@ def _peak_orders(records: Sequence[SpeedRecord], count: int) -> Array:
             shares = peaks["amplitude"].values / largest[axis]
             rows += [(float(h), k, float(s)) for h, s in zip(peaks["frequency"].values, shares, strict=True)]
     turns = min(float(np.ptp(record.angle)) for record in records) / (2.0 * np.pi)
-    found: list[tuple[float, float]] = []
+    found: list[float] = []
     for h, _, _ in sorted(rows, key=lambda row: -row[2]):
         near = [row for row in rows if abs(row[0] - h) < 1.0 / turns]
         kept = len({row[1] for row in near}) > 0.5 * len(records)
-        if kept and all(abs(h - other) > 2.0 / turns for other, _ in found):
+        if kept and all(abs(h - other) > 2.0 / turns for other in found):
             weights = np.array([row[2] for row in near])
-            found.append((float(np.array([row[0] for row in near]) @ weights / weights.sum()), 0.0))
+            found.append(float(np.array([row[0] for row in near]) @ weights / weights.sum()))
     if not found:
         rule = "with peaks at multiples of the speed, got none; give harmonics"
         raise InvalidParameterError("wheel orders", "records", rule, said=f"{len(records)} records")
-    return np.sort([h for h, _ in found[:count]])
+    return np.sort(found[:count])
 
 
 def _refined(records: Sequence[SpeedRecord], orders: Array) -> Array:

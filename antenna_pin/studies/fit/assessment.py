@@ -304,19 +304,11 @@ def experiments_table(
 
 @takes()
 def open_identifiability(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return an :func:`identifiability_table` from a file of ``antenna-pin fit --identify --out``.
-
-    Raises:
-        FileFormatError: The file is of another kind, or damaged.
-    """
+    """Return an :func:`identifiability_table` from a file of ``antenna-pin fit --identify --out``."""
     return open_table(path, "identifiability")
 
 
 @takes()
 def open_experiments(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return an :func:`experiments_table` from a file of ``antenna-pin fit --next --out``.
-
-    Raises:
-        FileFormatError: The file is of another kind, or damaged.
-    """
+    """Return an :func:`experiments_table` from a file of ``antenna-pin fit --next --out``."""
     return open_table(path, "experiments")

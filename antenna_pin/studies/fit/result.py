@@ -319,11 +319,7 @@ class Fit:
 
 @takes()
 def open_fit(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return a saved fit.
-
-    Raises:
-        FileFormatError: The file is of another kind, damaged, or missing.
-    """
+    """Return a saved fit."""
     return open_table(path, "fit")
 
 

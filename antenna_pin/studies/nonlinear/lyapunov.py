@@ -329,12 +329,5 @@ def exponents_table(exponents: Exponents, scenario: Scenario | None = None) -> x
 
 @takes()
 def open_exponents(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return Lyapunov exponents from their file, as ``antenna-pin lyapunov --out`` writes it.
-
-    Returns:
-        See :func:`exponents_table`.
-
-    Raises:
-        FileFormatError: It is none, or damaged.
-    """
+    """Return an :func:`exponents_table` from a file of ``antenna-pin lyapunov --out``."""
     return open_table(path, "exponents")

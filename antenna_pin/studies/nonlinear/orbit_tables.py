@@ -240,27 +240,13 @@ def branch_table(
 
 @takes()
 def open_orbit(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return a periodic solution from its file, as ``antenna-pin orbit --out`` writes it.
-
-    Returns:
-        See :func:`orbit_table`.
-
-    Raises:
-        FileFormatError: It is none, or damaged.
-    """
+    """Return an :func:`orbit_table` from a file of ``antenna-pin orbit --out``."""
     return open_table(path, "orbit")
 
 
 @takes()
 def open_branch(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return a branch of periodic solutions from a file of ``antenna-pin orbit --over``.
-
-    Returns:
-        See :func:`branch_table`.
-
-    Raises:
-        FileFormatError: It is none, or damaged.
-    """
+    """Return a :func:`branch_table` from a file of ``antenna-pin orbit --over``."""
     return open_table(path, "branch")
 
 

@@ -389,9 +389,5 @@ def refused_in(sensitivities: Sensitivities) -> list[dict[str, float | str]]:
 
 @takes()
 def open_sensitivities(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return a :func:`sensitivity_table` from a file of ``antenna-pin sensitivity --out``.
-
-    Raises:
-        FileFormatError: The file is of another kind, or damaged.
-    """
+    """Return a :func:`sensitivity_table` from a file of ``antenna-pin sensitivity --out``."""
     return open_table(path, "sensitivity")
