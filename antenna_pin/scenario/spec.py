@@ -222,7 +222,7 @@ class Count(_Annotation):
         whole = isinstance(value, int | float) and not isinstance(value, bool) and value == value // 1
         if not whole or not self.least <= value <= self.most or (self.even and value % 2):  # type: ignore
             refuse(f"must be {self}, got {shown(value)}", value=value)
-        number = int(value)  # type: ignore[call-overload]
+        number: int = int(value)  # type: ignore[call-overload]
         if self.power and number & (number - 1):
             refuse(f"must be {self}, got {number}", value=value)
         return number

@@ -156,10 +156,10 @@ class ForwardSensitivity:
 
     def _start(self, lift: Lift) -> Array:
         """Return the perturbations of the first state in coordinates, (size, parameters)."""
-        firsts = [functools.partial(self._first, k) for k in range(len(self.parameters))]
+        firsts = [functools.partial(self._first_state, k) for k in range(len(self.parameters))]
         return np.asarray(lift.down @ self._tangents.of_start(self._here.first, firsts))
 
-    def _first(self, k: int, s: float) -> State:
+    def _first_state(self, k: int, s: float) -> State:
         return self.at(k, s).first
 
     def run(self, times: Array, duration: float, moments: Array) -> TangentRecord:
