@@ -86,6 +86,12 @@ def test_every_public_name_has_one_entry(monkeypatch):
             assert f"antenna_pin.{home}.{name}" in entered
     for name in antenna_pin.__all__:
         assert f"`antenna_pin.{name} <" in made["index"] or name in made
+    # What a field is stands once, beside it or above it.
+    fields = pages.fields_of(antenna_pin.analysis.Growth)
+    assert fields["rate"] == "lambda of the exponential [1/s]" and len(fields) == 8
+    assert "   - **rate**: lambda of the exponential [1/s]\n" in made["analysis"]
+    above = pages.fields_of(antenna_pin.studies.linear.Linearisation)["rigid"]
+    assert above.startswith("the six rigid-body directions") and above.endswith("if something holds it")
 
 
 def test_every_command_has_a_heading(monkeypatch):

@@ -44,8 +44,10 @@ from antenna_pin.analysis.elastic import elastic_motion as elastic_motion
 from antenna_pin.analysis.elastic import elastic_parts_of as elastic_parts_of
 from antenna_pin.analysis.elastic import modal_energy as modal_energy
 from antenna_pin.analysis.elastic import said_of_spin as said_of_spin
+from antenna_pin.analysis.even import UniformSignal as UniformSignal
 from antenna_pin.analysis.even import long_spectrogram as long_spectrogram
 from antenna_pin.analysis.even import long_spectrum as long_spectrum
+from antenna_pin.analysis.even import uniform as uniform
 from antenna_pin.analysis.impacts import blow_statistics as blow_statistics
 from antenna_pin.analysis.impacts import blows as blows
 from antenna_pin.analysis.impacts import impact_statistics as impact_statistics
@@ -95,7 +97,6 @@ from antenna_pin.analysis.recurrence import diagram_verdicts as diagram_verdicts
 from antenna_pin.analysis.recurrence import recurrence as recurrence
 from antenna_pin.analysis.recurrence import said_of_verdicts as said_of_verdicts
 from antenna_pin.analysis.recurrence import section_lines as section_lines
-from antenna_pin.analysis.round_off import ROUND_OFF as ROUND_OFF
 from antenna_pin.analysis.round_off import ROUND_OFF_WORDS as ROUND_OFF_WORDS
 from antenna_pin.analysis.round_off import is_round_off as is_round_off
 from antenna_pin.analysis.round_off import round_off_scales as round_off_scales
@@ -125,11 +126,9 @@ from antenna_pin.analysis.shock import shock_spectrum as shock_spectrum
 from antenna_pin.analysis.signals import RunSignal as RunSignal
 from antenna_pin.analysis.signals import scales_of as scales_of
 from antenna_pin.analysis.signals import signals as signals
-from antenna_pin.analysis.spectrum import UniformSignal as UniformSignal
 from antenna_pin.analysis.spectrum import dominant_frequencies as dominant_frequencies
 from antenna_pin.analysis.spectrum import spectrogram as spectrogram
 from antenna_pin.analysis.spectrum import spectrum as spectrum
-from antenna_pin.analysis.spectrum import uniform as uniform
 from antenna_pin.analysis.stops import gear_contacts as gear_contacts
 from antenna_pin.analysis.stops import gear_impacts as gear_impacts
 from antenna_pin.analysis.stops import gears_of as gears_of
@@ -157,3 +156,4 @@ from antenna_pin.analysis.wheel_orders import LOAD_AXES as LOAD_AXES
 from antenna_pin.analysis.wheel_orders import SpeedRecord as SpeedRecord
 from antenna_pin.analysis.wheel_orders import speed_records as speed_records
 from antenna_pin.analysis.wheel_orders import wheel_orders as wheel_orders
+from antenna_pin.trajectory.columns import ROUND_OFF as ROUND_OFF

@@ -11,19 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "Absolute",
-    "Drift",
-    "extremes",
-    "Index",
-    "WindowMean",
-    "Period",
-    "Polygon",
-    "Quadratics",
-    "RangeMaximum",
-    "Relative",
-    "Reproducibility",
-]
+from antenna_pin.base.arrays import Array
 
 # --- polygons -----------------------------------------------------------------------------------------------
 #
@@ -31,7 +19,6 @@ __all__ = [
 # ends where an end of the window passes a sample. So extremes of means, and of differences with them, are
 # found in closed form.
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 
@@ -57,12 +44,7 @@ class Quadratics:
 
 
 class Polygon:
-    """A vector-valued signal, straight between samples; two samples at one time make a jump.
-
-    Args:
-        time: Not decreasing, (n,) [s].
-        values: (n, k).
-    """
+    """A vector-valued signal, straight between samples; two samples at one time make a jump."""
 
     def __init__(self, time: Array, values: Array) -> None:
         self.time, self.values = time, values
@@ -160,9 +142,7 @@ class Polygon:
 class RangeMaximum:
     """Largest numbers of many index ranges, from a table of maxima over powers of two.
 
-    Args:
-        begin: First index of each range, (m,).
-        last: Last index of each range, (m,); a range whose last is before its first is empty.
+    A range whose last index is before its first is empty.
     """
 
     def __init__(self, begin: Indices, last: Indices) -> None:

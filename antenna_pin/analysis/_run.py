@@ -8,29 +8,12 @@ from typing import Any, TypeAlias
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import FileFormatError, UnknownNameError
 from antenna_pin.trajectory import Trajectory, series
 
-__all__ = [
-    "AXES",
-    "Array",
-    "samples_around",
-    "blocks",
-    "choose",
-    "data_of",
-    "entries_in",
-    "label_of",
-    "LONG",
-    "ROWS",
-    "RunLike",
-    "sample_times",
-    "variable",
-]
-
-Array = NDArray[np.float64]
 #: Components of a vector.
 AXES = ("x", "y", "z")
 RunLike: TypeAlias = Trajectory | xr.Dataset
@@ -50,6 +33,11 @@ def entries_in(run: RunLike, attribute: str) -> dict[str, dict[str, Any]]:
     """Return the entries of an attribute that is a JSON table; {} without it."""
     found: dict[str, dict[str, Any]] = json.loads(data_of(run).attrs.get(attribute, "{}"))
     return found
+
+
+def floats(array: xr.DataArray) -> Array:
+    """Return the numbers of an array."""
+    return np.asarray(array.values, dtype=float)
 
 
 def variable(data: xr.Dataset, name: str, place: str) -> xr.DataArray:

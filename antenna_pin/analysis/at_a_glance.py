@@ -13,14 +13,7 @@ from antenna_pin.analysis.round_off import is_round_off
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number, readable
 from antenna_pin.joints.geometry.registry import LOOKS
-from antenna_pin.trajectory import (
-    Trajectory,
-    contact_joints,
-    is_lean,
-    names_along,
-)
-
-__all__ = ["Answer", "Line", "answer"]
+from antenna_pin.trajectory import Trajectory, contact_joints, is_lean, names_along
 
 # Joints with play that have a line of their own: the others share one.
 _JOINTS = 3
@@ -53,8 +46,7 @@ class Answer(NamedTuple):
 def answer(run: Trajectory) -> Answer:
     """Return blows, peaks, losses, pointing errors and balances of a run.
 
-    Args:
-        run: The run. The displacements of journals are not in a lean one.
+    A lean run has no displacements of journals.
     """
     data, summary = run.data, run.summary()
     case = f"case {summary['case']}" if summary["case"] else ""

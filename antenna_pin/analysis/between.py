@@ -22,12 +22,11 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import Array, RunLike, data_of
+from antenna_pin.analysis._run import RunLike, data_of, floats
 from antenna_pin.analysis.bodies import body_poses, body_twists
 from antenna_pin.analysis.journal import clearance_shapes, journal_motion
 from antenna_pin.base.arguments import takes
-
-__all__ = ["between_samples"]
+from antenna_pin.base.arrays import Array
 
 _NEEDED = ("q", "v", "journal_position", "journal_attitude", "journal_tilt")
 _FORCES = ("joint_force", "normal_force", "depth")
@@ -51,7 +50,7 @@ def between_samples(run: RunLike, joint: str, within: float = 1e-3) -> xr.Datase
         not carry its mechanism and its velocities, or has fewer than two samples, is returned as it is.
     """
     data = data_of(run)
-    time = np.asarray(data["time"].values, dtype=float)
+    time = floats(data["time"])
     if "urdf" not in data.attrs or any(name not in data for name in _NEEDED) or time.size < 2:
         return data
     curves = _Curves(data, joint, time)
@@ -63,7 +62,7 @@ def between_samples(run: RunLike, joint: str, within: float = 1e-3) -> xr.Datase
         bend = np.maximum(bend, _bend(motion[name].values / clearance))
     for name in _FORCES:
         if name in trial:
-            values = np.asarray(trial[name].transpose("time", ...).values, dtype=float)
+            values = floats(trial[name].transpose("time", ...))
             bend = np.maximum(bend, _bend(values / (float(np.nanmax(np.abs(values), initial=0.0)) or 1.0)))
     # n chords of an arc are n^2 times as close to it as one.
     return curves.at(np.clip(np.ceil(np.sqrt(bend / within)), 1, _MOST).astype(int))
@@ -81,13 +80,7 @@ def _bend(values: Array) -> Array:
 
 
 class _Curves:
-    """The curves through the samples of one joint.
-
-    Args:
-        data: Of the run.
-        joint: Name of the clearance joint.
-        time: Of samples, (n,) [s].
-    """
+    """The curves through the samples of one joint."""
 
     def __init__(self, data: xr.Dataset, joint: str, time: Array) -> None:
         picked = data.sel(clearance_joint=[joint])
@@ -112,9 +105,7 @@ class _Curves:
         self._place = scipy.interpolate.CubicHermiteSpline(time, p, velocity)
         self._attitude = scipy.interpolate.CubicHermiteSpline(time, attitude, turning)
         self._forces = {
-            name: scipy.interpolate.PchipInterpolator(
-                time, np.asarray(picked[name].transpose("time", ...).values, dtype=float)
-            )
+            name: scipy.interpolate.PchipInterpolator(time, floats(picked[name].transpose("time", ...)))
             for name in _FORCES
             if name in picked and picked[name].size
         }

@@ -11,8 +11,9 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import AXES, Array, RunLike, data_of, entries_in, variable
+from antenna_pin.analysis._run import AXES, RunLike, data_of, entries_in, floats, variable
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.files import path_of_text
 from antenna_pin.errors import FileFormatError
 from antenna_pin.mechanism import (
@@ -25,8 +26,6 @@ from antenna_pin.mechanism import (
 )
 from antenna_pin.trajectory import series
 from antenna_pin.trajectory.quantities import dataset_of
-
-__all__ = ["body_poses", "body_twists", "joint_loads", "mechanism_of"]
 
 _UPRIGHT = (0.0, 0.0, 0.0, 1.0)  # quaternion of a placement that is a point
 
@@ -72,7 +71,7 @@ def connection_loads(data: xr.Dataset, mechanism: Mechanism, attribute: str) -> 
     for name, one in entries.items():
         first, second = ("world", *(one[key] for key in keys))[-2:]
         point, _ = frame_of(second, np.array([*one[place], *_UPRIGHT][:7]))
-        parts = [np.asarray(data[key].sel({dim: name}).values, dtype=float) for key in variables]
+        parts = [floats(data[key].sel({dim: name})) for key in variables]
         if dim == "closure":  # in the axes of its first side
             _, axes = frame_of(first, np.array(one["first_placement"]))
             parts = [axes.apply(part) for part in parts]
@@ -94,7 +93,7 @@ def applied_wrenches(mechanism: Mechanism, loads: list[ConnectionLoad]) -> Itera
 def _frames(data: xr.Dataset, mechanism: Mechanism) -> Callable[[str, Array], tuple[Array, Rotation]]:
     """Return a function for origin and attitude of a frame on a link."""
     links = [link.name for link in mechanism.urdf.robot.links]
-    positions, attitudes = link_poses(mechanism, np.asarray(data["q"].values, dtype=float))
+    positions, attitudes = link_poses(mechanism, floats(data["q"]))
 
     def frame_of(link: str, local: Array) -> tuple[Array, Rotation]:
         if link not in links:  # the world
@@ -136,7 +135,7 @@ def _selected(run: RunLike, times: ArrayLike | None) -> xr.Dataset:
 
 
 def _array(data: xr.Dataset, name: str) -> Array:
-    return np.asarray(variable(data, name, "run").values, dtype=float)
+    return floats(variable(data, name, "run"))
 
 
 @takes()
@@ -145,10 +144,7 @@ def body_poses(
 ) -> xr.Dataset:
     """Return the poses of link frames in the world.
 
-    Args:
-        run: A run, or its data.
-        times: Indices of samples; all if not given.
-        bodies: Names of links; all if not given.
+    They are at indices ``times`` of samples, and of links ``bodies``; all by default.
 
     Returns:
         ``position`` (time, body, axis) [m] and ``attitude`` (time, body, quaternion), xyzw.
@@ -174,10 +170,7 @@ def body_twists(
 ) -> xr.Dataset:
     """Return the velocities of link frames relative to the world, in link axes.
 
-    Args:
-        run: A run, or its data.
-        times: Indices of samples; all if not given.
-        bodies: Names of links; all if not given.
+    They are at indices ``times`` of samples, and of links ``bodies``; all by default.
 
     Returns:
         ``velocity`` [m/s] and ``angular_velocity`` [rad/s], (time, body, axis).
@@ -197,9 +190,7 @@ def joint_loads(run: RunLike, times: ArrayLike | None = None) -> xr.Dataset:
     loops, with what they pass from their first link to the second. Where a loop has redundant equations, what
     its joints share is that of the result's ``closure_force`` and ``closure_moment``, which are the least.
 
-    Args:
-        run: A run, or its data.
-        times: Indices of samples; all if not given.
+    They are at indices ``times`` of samples; all by default.
 
     Returns:
         ``force`` [N] and ``torque`` [N m], (time, moving_joint, axis), world axes; the torque about the joint

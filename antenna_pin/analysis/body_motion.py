@@ -7,23 +7,15 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, label_of, sample_times, variable
+from antenna_pin.analysis._run import RunLike, data_of, floats, label_of, sample_times, variable
 from antenna_pin.analysis.bodies import mechanism_of
 from antenna_pin.analysis.sampled import resampled
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism import link_motion, quaternions
 from antenna_pin.trajectory import names_along
 from antenna_pin.trajectory.quantities import TABLES, dataset_of
-
-__all__ = [
-    "base_motion",
-    "body_deviation",
-    "body_motion",
-    "interpolate_attitude",
-    "interpolation_error",
-    "moved_body",
-]
 
 # --- attitude between samples -------------------------------------------------------------------------------
 #
@@ -119,12 +111,8 @@ _DERIVATIVES = {
 def motion_dataset(data: xr.Dataset, whose: str, attitude: Array, **columns: Array) -> xr.Dataset:
     """Return the motion of a frame, with its rotation since the start.
 
-    Args:
-        data: Data of the run.
-        whose: Owner of the frame, for the long names: "base".
-        attitude: Quaternions xyzw, (n, 4) [-].
-        **columns: ``position``, ``velocity``, ``acceleration`` of its origin, ``angular_velocity`` and
-            ``angular_acceleration``, (n, 3) each.
+    Columns are ``position``, ``velocity``, ``acceleration`` of its origin, ``angular_velocity`` and
+    ``angular_acceleration``, (n, 3) each; attitudes are quaternions xyzw, (n, 4).
     """
     turn = Rotation.from_quat(attitude)
     columns |= {"rotation": _unwrapped((turn * turn[0].inv()).as_rotvec()), "attitude": attitude}
@@ -134,13 +122,7 @@ def motion_dataset(data: xr.Dataset, whose: str, attitude: Array, **columns: Arr
 
 
 def common_samples(data: xr.Dataset, reference: xr.Dataset, place: str) -> slice:
-    """Return the samples of a run while the ideal run lasts.
-
-    Args:
-        data: Data of the run.
-        reference: Data of the ideal run.
-        place: Name of the caller, for messages.
-    """
+    """Return the samples of a run while the ideal run lasts."""
     if reference.sizes.get("contact", 0):
         touching = ", ".join(names_along(reference, "clearance_joint"))
         rule = "a run without contacts (a case whose joints are all ideal)"
@@ -159,10 +141,7 @@ def common_samples(data: xr.Dataset, reference: xr.Dataset, place: str) -> slice
 def motion_deviation(run: xr.Dataset, ideal: xr.Dataset, whose: str) -> dict[str, xr.Variable]:
     """Return the deviation of one motion from another at its own samples, in world axes.
 
-    Args:
-        run: Motion of :func:`motion_dataset`.
-        ideal: Reference motion; it is interpolated and must cover the run's time.
-        whose: Owner of the frames, for the long names.
+    The ideal motion is interpolated, and must cover the run's time.
 
     Returns:
         ``position`` [m], ``attitude`` (rotation vector from the ideal to the run's) [rad], and the rates.
@@ -217,9 +196,6 @@ def base_motion(run: RunLike) -> xr.Dataset:
     Here they are those of the base's origin as seen from the world: :math:`R v` and
     :math:`R (a + \omega \times v)`.
 
-    Args:
-        run: A run with a free base, or its data.
-
     Returns:
         Over time and axis: ``position`` [m], ``rotation`` since the first sample as a rotation vector [rad]
         (unwrapped beyond pi), ``velocity`` [m/s], ``angular_velocity`` [rad/s], ``acceleration`` [m/s^2],
@@ -228,18 +204,15 @@ def base_motion(run: RunLike) -> xr.Dataset:
     data = data_of(run)
     if "base_position" not in data:
         raise InvalidParameterError("base_motion", "run", "one with a free base", label_of(data))
-    attitude = np.asarray(variable(data, "base_attitude", "base_motion").values, dtype=float)
+    attitude = floats(variable(data, "base_attitude", "base_motion"))
     turn = Rotation.from_quat(attitude)
     names = [f"base.{part}" for part in ("vx", "vy", "vz", "wx", "wy", "wz")]
-    v, a = (
-        np.asarray(variable(data, name, "base_motion").sel(coordinate=names).values, dtype=float)
-        for name in ("v", "a")
-    )
+    v, a = (floats(variable(data, name, "base_motion").sel(coordinate=names)) for name in ("v", "a"))
     return motion_dataset(
         data,
         "base",
         attitude,
-        position=np.asarray(data["base_position"].values, dtype=float),
+        position=floats(data["base_position"]),
         velocity=turn.apply(v[:, :3]),
         angular_velocity=turn.apply(v[:, 3:]),
         acceleration=turn.apply(a[:, :3] + np.cross(v[:, 3:], v[:, :3])),
@@ -252,12 +225,7 @@ def base_motion(run: RunLike) -> xr.Dataset:
 
 @takes()
 def moved_body(run: RunLike, joint: str) -> str:
-    """Return the name of the body that a joint moves.
-
-    Args:
-        run: A run, or its data.
-        joint: Name of a moving joint.
-    """
+    """Return the name of the body that a joint moves."""
     mechanism = mechanism_of(run)
     return mechanism.bodies[mechanism.joint(joint).joint_id - 1]
 
@@ -266,15 +234,11 @@ def moved_body(run: RunLike, joint: str) -> str:
 def body_motion(run: RunLike, body: str) -> xr.Dataset:
     """Return position, attitude, velocities and accelerations of a link's frame, all in world axes.
 
-    Args:
-        run: A run, or its data.
-        body: Name of the link.
-
     Returns:
         The variables of :func:`base_motion`.
     """
     data = data_of(run)
-    q, v, a = (np.asarray(variable(data, name, "body_motion").values, dtype=float) for name in "qva")
+    q, v, a = (floats(variable(data, name, "body_motion")) for name in "qva")
     attitudes, motion = link_motion(mechanism_of(data), body, q, v, a)
     names = ("position", "velocity", "angular_velocity", "acceleration", "angular_acceleration")
     columns = dict(zip(names, np.moveaxis(motion, 1, 0), strict=True))

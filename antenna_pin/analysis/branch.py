@@ -10,9 +10,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from antenna_pin.analysis._run import floats
 from antenna_pin.base.arguments import takes
-
-__all__ = ["StabilitySpan", "said_of_multiplier", "stability_spans", "unexplained_changes"]
 
 
 class StabilitySpan(NamedTuple):
@@ -42,12 +41,8 @@ def said_of_multiplier(multiplier: complex, digits: int = 4, places: int | None 
 
 @takes()
 def stability_spans(branch: xr.Dataset) -> list[StabilitySpan]:
-    """Return the spans of equal stability along a branch.
-
-    Args:
-        branch: Of :func:`antenna_pin.studies.nonlinear.branch_table`.
-    """
-    values = np.asarray(branch["value"].values, dtype=float)
+    """Return the spans of equal stability along a branch."""
+    values = floats(branch["value"])
     every = np.nan_to_num(branch["multiplier_real"].values + 1j * branch["multiplier_imaginary"].values)
     # They are in the order of their sizes; a system without freedoms has none.
     largest = every[:, 0] if every.shape[1] else np.zeros(len(every), dtype=complex)
@@ -67,11 +62,8 @@ def unexplained_changes(branch: xr.Dataset) -> list[tuple[float, float]]:
     """Return the parameter values about each change of stability without a located bifurcation.
 
     A multiplier passes 1 there, and no fold is: another branch crosses this one, as where a symmetry breaks.
-
-    Args:
-        branch: Of :func:`antenna_pin.studies.nonlinear.branch_table`.
     """
-    values = np.asarray(branch["value"].values, dtype=float)
+    values = floats(branch["value"])
     said = [str(one) for one in branch["stability"].values]
     known = {int(one) for one in branch["after"].values}
     return [

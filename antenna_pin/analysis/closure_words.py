@@ -9,8 +9,6 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import GIVEN, number, readable
 from antenna_pin.scenario import Scenario
 
-__all__ = ["said_of_constraints", "said_of_coupling", "said_of_moving", "said_of_singular"]
-
 _MINUS = "\N{MINUS SIGN}"
 _NAMED = 5  # singular positions, and joints, that are said
 
@@ -20,9 +18,6 @@ def said_of_constraints(counts: Mapping[str, Any]) -> str:
     """Return a sentence on the equations of closures and couplings, and the mobility.
 
     Mobility is everywhere what the closures leave, prescribed motions not counted.
-
-    Args:
-        counts: As of ``Trajectory.constraints``.
     """
     equations, rank, motions = (counts[key] for key in ("closure_equations", "closure_rank", "motions"))
     mobility, left = counts["mobility"], counts["freedoms_left"]
@@ -40,11 +35,7 @@ def said_of_constraints(counts: Mapping[str, Any]) -> str:
 
 @takes()
 def said_of_coupling(one: Mapping[str, Any]) -> str:
-    """Return a coupling as an equation: "finger = 2 · thumb + 5 mm".
-
-    Args:
-        one: As of :func:`couplings_of`.
-    """
+    """Return a coupling as an equation: "finger = 2 · thumb + 5 mm"."""
     follower, leader = ("m" if one[key] else "rad" for key in ("slides", "leader_slides"))
     ratio = "" if follower == leader else f"{follower}/{leader}"
     factor = readable(one["multiplier"], ratio, GIVEN) if ratio else number(one["multiplier"], GIVEN)
@@ -63,11 +54,7 @@ def said_of_coupling(one: Mapping[str, Any]) -> str:
 
 @takes()
 def said_of_singular(counts: Mapping[str, Any]) -> str:
-    """Return a sentence on the singular positions of a run; empty without any.
-
-    Args:
-        counts: As of ``Trajectory.constraints``.
-    """
+    """Return a sentence on the singular positions of a run; empty without any."""
     found = counts.get("singular", [])
     if not found:
         return ""
@@ -81,12 +68,7 @@ def said_of_singular(counts: Mapping[str, Any]) -> str:
 
 @takes()
 def said_of_moving(counts: Mapping[str, Any], scenario: Scenario) -> str:
-    """Return a sentence on initial rates that follow from others; empty without any.
-
-    Args:
-        counts: As of ``Trajectory.constraints``, at the start of a scenario.
-        scenario: That.
-    """
+    """Return a sentence on initial rates that follow from others; empty without any."""
     given = {name for name, one in scenario.initial.joints.items() if not one.guess and one.gives_a_rate}
     if scenario.initial.base.moves:
         given.add("base")

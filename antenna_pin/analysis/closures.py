@@ -7,22 +7,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, entries_in, sample_times
+from antenna_pin.analysis._run import RunLike, data_of, entries_in, floats, sample_times
 from antenna_pin.analysis.sampled import time_rms
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.trajectory import names_along
 from antenna_pin.trajectory.quantities import TABLES, slides_along, table
-
-__all__ = [
-    "closure_loads",
-    "closures_of",
-    "coupling_loads",
-    "couplings_of",
-    "drive_power",
-    "drive_loads",
-    "drives_of",
-    "effort_unit",
-]
 
 
 @takes()
@@ -66,7 +56,7 @@ def closure_loads(run: RunLike) -> xr.Dataset:
     rows = []
     for name in names_along(data, "closure"):
         force, moment = (
-            np.linalg.norm(np.asarray(data[f"closure_{what}"].sel(closure=name).values, dtype=float), axis=1)
+            np.linalg.norm(floats(data[f"closure_{what}"].sel(closure=name)), axis=1)
             for what in ("force", "moment")
         )
         (peak, at, rms), (largest, _, rms_moment) = (_peak(time, size) for size in (force, moment))
@@ -88,7 +78,7 @@ def coupling_loads(run: RunLike) -> xr.Dataset:
     time = sample_times(data, "coupling_loads")
     rows: list[list[float]] = []
     for name in names_along(data, "coupling"):
-        torque = np.asarray(data["coupling_torque"].sel(coupling=name).values, dtype=float)
+        torque = floats(data["coupling_torque"].sel(coupling=name))
         rows.append(_peak(time, torque))
     return _table("coupling loads", names_along(data, "coupling"), rows)
 
@@ -109,7 +99,7 @@ def drive_loads(run: RunLike) -> xr.Dataset:
     located = names_along(data, dimension) if f"time_of_{measure}" in data else ()
     rows = []
     for name in names_along(data, "drive"):
-        effort = np.asarray(data["drive_torque"].sel(drive=name).values, dtype=float)
+        effort = floats(data["drive_torque"].sel(drive=name))
         totals = [float(data[f"total_{what}"].sel(drive=name)) for what in ("work", "gross_work")]
         power = drive_power(data, name)
         most = float("nan") if power is None else float(np.abs(power).max())
@@ -130,7 +120,7 @@ def drive_power(run: RunLike, drive: str) -> Array | None:
     dimension, rate = ("sliding_joint", "slide_rate") if about["slides"] else ("joint", "motion_rate")
     if about["joint"] not in names_along(data, dimension):
         return None
-    effort = np.asarray(data["drive_torque"].sel(drive=drive).values, dtype=float)
+    effort = floats(data["drive_torque"].sel(drive=drive))
     return np.asarray(effort * data[rate].sel({dimension: about["joint"]}).values)
 
 

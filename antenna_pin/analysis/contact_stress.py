@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import choose
+from antenna_pin.analysis._run import choose, floats
 from antenna_pin.analysis.element_stress import bearing_stress, flank_stress, stop_stress
 from antenna_pin.analysis.joint_stress import bushing_load, joint_surfaces
 from antenna_pin.analysis.journal import clearance_shapes
@@ -31,8 +31,6 @@ from antenna_pin.errors import UnknownNameError
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.merge import key_parts
 from antenna_pin.trajectory import Trajectory, elements_of, is_lean, names_along
-
-__all__ = ["contact_stress"]
 
 
 @takes()
@@ -89,7 +87,7 @@ def contact_stress(
         surfaces=tuple(rows),
         bushings=tuple(bushings),
         bearings=tuple(bearings),
-        time=np.zeros(0) if is_lean(data) else np.asarray(data["time"].values, dtype=float),
+        time=np.zeros(0) if is_lean(data) else floats(data["time"]),
         yield_share=yield_share,
         factor=factor,
         notes=tuple(notes),

@@ -11,11 +11,11 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from antenna_pin.analysis._run import (
-    Array,
     RunLike,
     blocks,
     choose,
     data_of,
+    floats,
     label_of,
     sample_times,
     samples_around,
@@ -24,19 +24,9 @@ from antenna_pin.analysis._run import (
 from antenna_pin.analysis.body_motion import base_motion, common_samples, motion_deviation
 from antenna_pin.analysis.sampled import Mean, resampled, straight_line
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import names_along
-
-__all__ = [
-    "Deviation",
-    "deviation",
-    "deviation_measures",
-    "deviation_over_time",
-    "DeviationMeasures",
-    "Growth",
-    "growth_of",
-    "growths_of",
-]
 
 # --- growth of a deviation ----------------------------------------------------------------------------------
 #
@@ -100,9 +90,7 @@ def growth_of(time: ArrayLike, deviation: ArrayLike) -> Growth:
 def growths_of(time: Array, parts: Callable[[], Iterable[Array]]) -> list[Growth]:
     """Return :func:`growth_of` deviations that are too long for memory.
 
-    Args:
-        time: Sample times, not decreasing, (n,) [s].
-        parts: Returns the samples part by part, (m, k) of k deviations; called twice.
+    ``parts`` returns the samples part by part, (m, k) of k deviations; it is called twice.
     """
     tops: list[_Top] = []
     begin = 0
@@ -243,20 +231,16 @@ class DeviationMeasures:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Deviation:
-    """A run less the ideal one.
+    """A run less the ideal one."""
 
-    Attributes:
-        data: ``angle`` [rad], ``rate`` [rad/s], ``acceleration`` [rad/s^2] over time and joint;
-            ``slide_position`` [m], ``slide_rate`` [m/s], ``slide_acceleration`` [m/s^2] over time and sliding
-            joint; of a free base, over time and axis in world axes, ``base_position`` [m], ``base_attitude``
-            (rotation vector from the ideal to the run's attitude) [rad], ``base_velocity`` [m/s],
-            ``base_angular_velocity`` [rad/s], ``base_acceleration`` [m/s^2], ``base_angular_acceleration``
-            [rad/s^2]. At the run's samples within the time that both runs cover.
-        measures: One per joint and quantity, then per quantity of the base.
-    """
-
+    # ``angle`` [rad], ``rate`` [rad/s], ``acceleration`` [rad/s^2] over time and joint; ``slide_position``
+    # [m], ``slide_rate`` [m/s], ``slide_acceleration`` [m/s^2] over time and sliding joint; of a free base,
+    # over time and axis in world axes, ``base_position`` [m], ``base_attitude`` (rotation vector from the
+    # ideal to the run's attitude) [rad], ``base_velocity`` [m/s], ``base_angular_velocity`` [rad/s],
+    # ``base_acceleration`` [m/s^2], ``base_angular_acceleration`` [rad/s^2]. At the run's samples within the
+    # time that both runs cover
     data: xr.Dataset
-    measures: tuple[DeviationMeasures, ...]
+    measures: tuple[DeviationMeasures, ...]  # one per joint and quantity, then per quantity of the base
 
     def __getitem__(self, of: str) -> DeviationMeasures:
         """Return the measures of "elevation angle" or "base position"."""
@@ -353,15 +337,13 @@ class _Pair:
         for dim, names in self._joints.items():
             for quantity, words, name, derivative in _JOINTS[dim] if names else ():
                 wanted = variable(data, name, "deviation")
-                values = np.asarray(wanted.sel({dim: names}).values, dtype=float)
-                base_line = variable(reference, name, "deviation").sel({dim: names}).values
-                slope = None
-                if derivative in reference:
-                    slope = np.asarray(reference[derivative].sel({dim: names}).values, dtype=float)
+                values = floats(wanted.sel({dim: names}))
+                base_line = floats(variable(reference, name, "deviation").sel({dim: names}))
+                slope = floats(reference[derivative].sel({dim: names})) if derivative in reference else None
                 variables[quantity] = (
                     ("time", dim),
-                    values - resampled(own, np.asarray(base_line, dtype=float), at, slope),
-                    _attributes(wanted, f"deviation of the {words}"),
+                    values - resampled(own, base_line, at, slope),
+                    {"units": str(wanted.attrs.get("units", "")), "long_name": f"deviation of the {words}"},
                 )
         if self._based:
             for name, one in motion_deviation(base_motion(data), base_motion(reference), "base").items():
@@ -369,16 +351,10 @@ class _Pair:
         return variables
 
 
-def _attributes(like: xr.DataArray, long_name: str) -> dict[str, str]:
-    return {"units": str(like.attrs.get("units", "")), "long_name": long_name}
-
-
 def _measures(time: Array, parts: Callable[[], Iterable[xr.Dataset]]) -> tuple[DeviationMeasures, ...]:
     """Return the measures of deviations.
 
-    Args:
-        time: Sample times, (n,) [s].
-        parts: Returns the deviations part by part; called three times.
+    ``parts`` returns the deviations part by part; it is called three times.
     """
     units: dict[str, str] = {}
     sums: list[_Sums] = []

@@ -8,14 +8,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, entries_in, sample_times, variable
+from antenna_pin.analysis._run import RunLike, data_of, entries_in, floats, sample_times, variable
 from antenna_pin.analysis.sampled import time_rms
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.readable import number, readable
 from antenna_pin.trajectory import names_along
 from antenna_pin.trajectory.quantities import table
-
-__all__ = ["SPIN_WITHIN", "elastic_motion", "elastic_parts_of", "modal_energy", "said_of_spin"]
 
 #: Largest spin of a hub over a part's own angular frequency up to which its softening is small: 5 % [-].
 SPIN_WITHIN = 0.3
@@ -40,7 +39,7 @@ def modal_energy(run: RunLike) -> Array:
     """
     data = data_of(run)
     moved = np.array([one["moved"] for one in elastic_parts_of(data).values()])
-    rate = np.asarray(variable(data, "deflection_rate", "modal energy").values, dtype=float)
+    rate = floats(variable(data, "deflection_rate", "modal energy"))
     return np.asarray(data["elastic_energy"].values + 0.5 * moved * rate**2, dtype=float)
 
 
@@ -57,16 +56,16 @@ def elastic_motion(run: RunLike) -> xr.Dataset:
     data = data_of(run)
     about = elastic_parts_of(data)
     times = sample_times(data, "elastic parts")
-    deflection = np.asarray(variable(data, "deflection", "elastic parts").values, dtype=float)
+    deflection = floats(variable(data, "deflection", "elastic parts"))
     frequency = np.array([one["frequency"] for one in about.values()])
     found = {
         "peak_deflection": np.abs(deflection).max(axis=0),
         "rms_deflection": np.array([time_rms(times, column) for column in deflection.T]),
         "time_of_peak": times[np.abs(deflection).argmax(axis=0)],
         "peak_energy": modal_energy(data).max(axis=0),
-        "lost": np.asarray(data["total_elastic_loss"].values, dtype=float),
+        "lost": floats(data["total_elastic_loss"]),
         "frequency": frequency,
-        "spin_ratio": np.asarray(data["peak_spin"].values, dtype=float) / (2.0 * math.pi * frequency),
+        "spin_ratio": floats(data["peak_spin"]) / (2.0 * math.pi * frequency),
     }
     return table("elastic motion", found, {"elastic_part": list(about)})
 

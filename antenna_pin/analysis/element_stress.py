@@ -8,11 +8,12 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from antenna_pin.analysis._run import floats
 from antenna_pin.analysis.stress_results import BearingRating, SurfaceStress
 from antenna_pin.analysis.surface_file import FlankSurface, StopSurface
 from antenna_pin.analysis.surface_stress import ForcePeak, Pair, StressCriteria, Stresses, surface_of
+from antenna_pin.base.arrays import Array
 from antenna_pin.contact.pressure import (
     ISO76_PRESSURE,
     ball_load_limit,
@@ -26,22 +27,11 @@ from antenna_pin.elements import BallBearing
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import elements_of, is_lean, mesh_touches, touches
 
-__all__ = ["bearing_stress", "flank_stress", "stop_stress"]
-
-Array = NDArray[np.float64]
-
 
 def stop_stress(
     data: xr.Dataset, name: str, surface: StopSurface, pair: Pair, limits: StressCriteria
 ) -> SurfaceStress:
     """Return the stress of a stop, whose surface is given.
-
-    Args:
-        data: Of the run.
-        name: Of the stop in ``[stops.NAME]``.
-        surface: What meets.
-        pair: Its materials.
-        limits: Criteria.
 
     Raises:
         InvalidParameterError: A lever is missing at a joint that turns, or given at one that slides.
@@ -85,13 +75,7 @@ def flank_stress(
     One pair of teeth carries all of the force, along the whole width; no factor of application, dynamics or
     load distribution is in it.
 
-    Args:
-        data: Of the run.
-        name: Of the gear in ``[gears.NAME]``.
-        surface: Its teeth.
-        pair: Materials of input and output.
-        ratio_side: Side on which the torque is recorded: ``input`` or ``output``.
-        limits: Criteria.
+    The torque is recorded on ``ratio_side``: ``input`` or ``output``.
     """
     place = f"gears.{name}"
     about = elements_of(data)[place]
@@ -157,8 +141,8 @@ def _peak_effort(data: xr.Dataset, place: str, met: list[Any]) -> tuple[ForcePea
     effort = np.zeros(0)
     force, time = 0.0, math.nan
     if not is_lean(data):
-        own = np.asarray(data["time"].values, dtype=float)
-        effort = np.abs(np.asarray(data["element_effort"].sel(element=place).values, dtype=float))
+        own = floats(data["time"])
+        effort = np.abs(floats(data["element_effort"].sel(element=place)))
         if effort.size and effort.max() > 0.0:
             force, time = float(effort.max()), float(own[np.argmax(effort)])
     for one in met:
@@ -176,16 +160,11 @@ def bearing_stress(
     """Return the stress on both raceways, and the static safety of a ball bearing.
 
     The load of each ball follows from the journal's recorded place and tilt, as ``by = "balls"`` has it.
-
-    Args:
-        data: Of the run, with samples.
-        name: Of the bearing in ``[bearings.NAME]``.
-        bearing: The bearing.
     """
     place = f"bearings.{name}"
-    time = np.asarray(data["time"].values, dtype=float)
-    centre = np.asarray(data["bearing_place"].sel(bearing=name).values, dtype=float)
-    tilt = np.asarray(data["bearing_tilt"].sel(bearing=name).values, dtype=float)
+    time = floats(data["time"])
+    centre = floats(data["bearing_place"].sel(bearing=name))
+    tilt = floats(data["bearing_tilt"].sel(bearing=name))
     loads = ball_loads(bearing, centre, tilt)
     softness = (1.0 - bearing.poisson**2) / bearing.modulus
     poisson = bearing.poisson if bearing.ball_poisson is None else bearing.ball_poisson
@@ -252,10 +231,8 @@ def bearing_stress(
 def ball_loads(bearing: BallBearing, place: Array, tilt: Array) -> Array:
     """Return the load of each ball [N], (samples, balls).
 
-    Args:
-        bearing: The bearing.
-        place: Of the journal at the reference point, bearing axes, (samples, 3) [m].
-        tilt: z x axis, (samples, 2 or 3) [-].
+    The journal's places are at the reference point, in bearing axes, (samples, 3) [m]; tilts are z x axis,
+    (samples, 2 or 3) [-].
     """
     balls = bearing.balls()
     cosine, sine, height, radius, off, along, rest, hertz = balls.T

@@ -15,20 +15,10 @@ import scipy
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from antenna_pin.analysis._run import LONG, ROWS, Array
+from antenna_pin.analysis._run import LONG, ROWS
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError
-
-__all__ = [
-    "EvenSignal",
-    "LEAST_SAMPLES",
-    "long_amplitudes",
-    "long_spectrogram",
-    "long_spectrum",
-    "Read",
-    "uniform",
-    "UniformSignal",
-]
 
 #: Returns the samples of a signal from one number up to, not including, another: (m,) or (m, k).
 Read = Callable[[int, int], Array]
@@ -120,9 +110,7 @@ def _usual_step(time: Array) -> float:
 def _thinned(t: Array, x: Array, grid: Array, step: float) -> Array:
     """Return averages over fine cells, filtered and thinned to the grid."""
     fine = step / _OVERSAMPLING
-    cells = (
-        grid.size - 1
-    ) * _OVERSAMPLING + 1  # centred on the fine grid, so that the grid's points are in it
+    cells = (grid.size - 1) * _OVERSAMPLING + 1  # centred on the fine grid, which has the grid's points
     curve: Any = None
     primitive: Any = None
 
@@ -167,17 +155,11 @@ def _thinned(t: Array, x: Array, grid: Array, step: float) -> Array:
 class EvenSignal:
     """Signal on an even grid that is too long for memory, as :func:`uniform`.
 
-    Args:
-        time: Sample times, not decreasing, (n,) [s].
-        read: Gives the samples.
-        rate: Of the grid [Hz]; see :func:`uniform`.
-
     Raises:
         InvalidParameterError: Fewer than 16 instants, or a rate that gives fewer than 16 grid points.
     """
 
     def __init__(self, time: Array, read: Read, rate: float | None = None) -> None:
-        """Set up the grid."""
         if time.size < LEAST_SAMPLES or not time[LEAST_SAMPLES - 1] > time[0]:
             raise InvalidParameterError("spectrum", "time", f"{LEAST_SAMPLES} instants or more", time.size)
         self._time, self._read = time, read
@@ -313,10 +295,6 @@ def long_amplitudes(
     even: EvenSignal, trend: Literal["constant", "linear"]
 ) -> tuple[Array, int, float, float]:
     """Return scaled magnitudes of the transform of a long signal under a Hann window.
-
-    Args:
-        even: The signal, of one component.
-        trend: What is removed first.
 
     Returns:
         Magnitudes, (n // 2 + 1,); of how many points of the grid, n: the most of which transforms are cheap;

@@ -7,19 +7,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, choose, data_of, sample_times, variable
+from antenna_pin.analysis._run import RunLike, choose, data_of, floats, sample_times, variable
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import FileFormatError
 from antenna_pin.trajectory import blow_counts, blow_numbers, contact_joints, contact_kinds, names_along
 from antenna_pin.trajectory.quantities import TABLES
 from antenna_pin.trajectory.quantities import table as table_of
-
-__all__ = [
-    "blow_statistics",
-    "blows",
-    "impact_statistics",
-    "impacts",
-]
 
 
 @takes()
@@ -32,10 +26,6 @@ def impacts(run: RunLike, joint: str | None = None) -> xr.Dataset:
     its restitution is NaN. Restitution delivered is the law's own only for an impact by itself: two contacts
     at once push each other (a value above 1 is possible), and a contact that a load keeps closed for long
     leaves at a speed that the load decides.
-
-    Args:
-        run: A run, or its data.
-        joint: Name of a clearance joint; all of them if left out.
 
     Returns:
         Over ``impact``: ``onset`` [s], ``duration`` [s], ``approach_speed`` [m/s], ``separation_speed``
@@ -60,9 +50,9 @@ def impacts(run: RunLike, joint: str | None = None) -> xr.Dataset:
     rows = rows[np.argsort(data["onset_time"].values[rows], kind="stable")]
     index = index[rows]
     column = {
-        name: np.asarray(variable(data, name, "impacts").values, dtype=float)[rows]
+        name: floats(variable(data, name, "impacts"))[rows]
         for name in ("onset_time", "release_time", "approach_speed", "peak_force", "peak_time", "peak_depth")
-    } | {name: np.asarray(data[name].values, dtype=float)[rows] for name in ("impulse", "dissipated")}
+    } | {name: floats(data[name])[rows] for name in ("impulse", "dissipated")}
     onset, release = column["onset_time"], column["release_time"]
     ended = np.isfinite(release)
     approach = _rates(data, _sample_at(time, onset), index) + 0.0
@@ -89,7 +79,7 @@ def _rates(data: xr.Dataset, samples: np.ndarray, contacts: np.ndarray) -> Array
     rate = variable(data, "depth_rate", "impacts")
     own, place = np.unique(samples, return_inverse=True)
     # By numbers of samples, each once: the variable may lie in a file.
-    found: Array = np.asarray(rate.isel(time=own).values, dtype=float)[place, contacts]
+    found: Array = floats(rate.isel(time=own))[place, contacts]
     return found
 
 
@@ -118,9 +108,6 @@ def _table(values: dict[str, Array], contacts: list[str], data: xr.Dataset) -> x
 @takes()
 def impact_statistics(table: xr.Dataset) -> xr.Dataset:
     """Return statistics of the impacts of each contact.
-
-    Args:
-        table: Of :func:`impacts`.
 
     Returns:
         Over ``contact``, those with impacts: ``impacts``, how many; ``floored`` and ``touching``, how many of
@@ -167,10 +154,6 @@ def blows(run: RunLike, joint: str | None = None) -> xr.Dataset:
     flange and its face) touch while they did not, to where they part, whatever contacts take part. The two
     ends of a bore that are met at once are one blow, and so is an end that knocks while the other rests; each
     contact by itself is in :func:`antenna_pin.analysis.impacts`.
-
-    Args:
-        run: A run, or its data.
-        joint: Name of a clearance joint; all of them if left out.
 
     Returns:
         Over ``blow``: ``onset`` [s], ``duration`` [s], ``contacts``, how many episodes it consists of,

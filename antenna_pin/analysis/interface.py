@@ -5,13 +5,11 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import AXES, RunLike, data_of, sample_times
+from antenna_pin.analysis._run import AXES, RunLike, data_of, floats, sample_times
 from antenna_pin.analysis.bodies import applied_wrenches, connection_loads, joint_loads, mechanism_of
 from antenna_pin.base.arguments import takes
 from antenna_pin.mechanism import link_motion
 from antenna_pin.trajectory.quantities import dataset_of
-
-__all__ = ["interface_loads"]
 
 
 @takes()
@@ -22,9 +20,6 @@ def interface_loads(run: RunLike) -> xr.Dataset:
     carries, and over closures and springs between it and other links; its own inertia and weight take no
     part. On a fixed base they are what the interface has to hold, less that weight.
 
-    Args:
-        run: A run with series, or its data.
-
     Returns:
         ``force`` [N] and ``moment`` [N m] about the origin of the root link's frame, (time, axis), in its
         axes.
@@ -33,7 +28,7 @@ def interface_loads(run: RunLike) -> xr.Dataset:
     times = sample_times(data, "interface_loads")
     mechanism = mechanism_of(data)
     root = mechanism.urdf.root
-    q, v, a = (np.asarray(data[name].values, dtype=float) for name in "qva")
+    q, v, a = (floats(data[name]) for name in "qva")
     turned, motion = link_motion(mechanism, root, q, v, a)
     origin = motion[:, 0]
     loads = joint_loads(data)
@@ -44,9 +39,9 @@ def interface_loads(run: RunLike) -> xr.Dataset:
         one = loads.sel(moving_joint=joint.name)
         _, of_child = link_motion(mechanism, joint.child, q, v, a)
         arm = of_child[:, 0] - origin
-        passed = np.asarray(one["force"].values, dtype=float)
+        passed = floats(one["force"])
         force -= passed
-        moment -= np.asarray(one["torque"].values, dtype=float) + np.cross(arm, passed)
+        moment -= floats(one["torque"]) + np.cross(arm, passed)
     beside = [
         load for kind in ("closures", "point_springs") for load in connection_loads(data, mechanism, kind)
     ]

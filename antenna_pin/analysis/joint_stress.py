@@ -11,12 +11,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.analysis._run import floats
 from antenna_pin.analysis.journal import clearance_shapes, journal_motion
 from antenna_pin.analysis.sampled import time_mean
 from antenna_pin.analysis.stress_results import BushingLoad, SurfaceStress
 from antenna_pin.analysis.strip_load import LawStrips, LineLoad, PlaneStrips, StripLaw, bore_depths, line_load
 from antenna_pin.analysis.surface_file import JointSurface
 from antenna_pin.analysis.surface_stress import ForcePeak, Pair, StressCriteria, Stresses, surface_of
+from antenna_pin.base.arrays import Array
 from antenna_pin.contact import make_normal_law
 from antenna_pin.contact.normal import CompiledNormalLaw
 from antenna_pin.contact.pressure import LinePressure, hertz_line, hertz_point, persson_line
@@ -25,9 +27,6 @@ from antenna_pin.errors import AntennaPinError
 from antenna_pin.trajectory import contact_ends, names_along
 from antenna_pin.trajectory.read import is_lean
 
-__all__ = ["bushing_load", "joint_surfaces"]
-
-Array = NDArray[np.float64]
 Samples = NDArray[np.int64]  # indices of samples
 
 # Approach by the law over that of geometry and materials, within which they are taken to agree.
@@ -99,13 +98,7 @@ def joint_surfaces(
 ) -> list[SurfaceStress]:
     """Return the stress of all contacts of a joint with play.
 
-    Args:
-        data: Of the run.
-        joint: Name of the joint.
-        pair: Materials of bearing and journal.
-        own: What is given of the joint's surfaces beside.
-        length: Of the line of contact of all ends together [m]; None of a point, or if unknown.
-        limits: Criteria.
+    The line of contact of all ends together has a length [m]; None of a point, or if unknown.
     """
     about = clearance_shapes(data)[joint]
     found = []
@@ -153,16 +146,7 @@ def _strips(about: Mapping[str, Any], pair: Pair, law: CompiledNormalLaw | None)
 def _line_of(
     data: xr.Dataset, joint: str, contact: str, own_length: float | None, length: float, law: StripLaw
 ) -> _Line:
-    """Return the line of contact of one end of a bore over a run.
-
-    Args:
-        data: Of the run.
-        joint: Name of the joint.
-        contact: Name of the contact.
-        own_length: Length of the line of all ends, if it is not that of the joint [m].
-        length: Of the line of all ends of a journal that is not tilted [m].
-        law: What shares the force out.
-    """
+    """Return the line of contact of one end of a bore over a run."""
     about = clearance_shapes(data)[joint]
     size, side = about["dimensions"], {"+": 1.0, "-": -1.0}.get(contact_ends(data)[contact], 0.0)
     along = np.linspace(0.0, 1.0, _NODES)
@@ -365,18 +349,18 @@ def _series(data: xr.Dataset, name: str, contact: str) -> Array:
     """Return a series of a contact; empty of a lean result."""
     if is_lean(data):
         return np.zeros(0)
-    return np.asarray(data[name].sel(contact=contact).values, dtype=float)
+    return floats(data[name].sel(contact=contact))
 
 
 def _slopes(data: xr.Dataset, contact: str, joint: str, force: Array) -> Array:
     """Return how the journal's axis leans towards a contact, at the samples [-]."""
     if not force.size:
         return np.zeros(0)
-    attitude = np.asarray(data["journal_attitude"].sel(clearance_joint=joint).values, dtype=float)
+    attitude = floats(data["journal_attitude"].sel(clearance_joint=joint))
     x, y, z, w = attitude.T
     axis = np.stack([2.0 * (x * z + y * w), 2.0 * (y * z - x * w)], axis=1)
     along = 1.0 - 2.0 * (x * x + y * y)
-    point = np.asarray(data["contact_point"].sel(contact=contact).values, dtype=float)[:, :2]
+    point = floats(data["contact_point"].sel(contact=contact))[:, :2]
     size = np.linalg.norm(point, axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
         lean = np.abs((axis * point).sum(axis=1) / (size * along))
@@ -387,13 +371,13 @@ def _peak(data: xr.Dataset, contact: str) -> ForcePeak:
     """Return the largest force of a contact: of its episodes, or of a sample."""
     number = names_along(data, "contact").index(contact)
     mine = np.asarray(data["episode_contact"].values, dtype=int) == number
-    forces = np.asarray(data["peak_force"].values, dtype=float)[mine]
-    times = np.asarray(data["peak_time"].values, dtype=float)[mine]
+    forces = floats(data["peak_force"])[mine]
+    times = floats(data["peak_time"])[mine]
     force, time = (float(forces.max()), float(times[np.argmax(forces)])) if forces.size else (0.0, math.nan)
     sampled = _series(data, "normal_force", contact)
     sample = -1
     if sampled.size:
-        own = np.asarray(data["time"].values, dtype=float)
+        own = floats(data["time"])
         if sampled.max() > force:
             force, time = float(sampled.max()), float(own[np.argmax(sampled)])
         touching = np.flatnonzero(sampled > 0.0)
@@ -463,8 +447,8 @@ def _depth_at_peak(data: xr.Dataset, contact: str) -> float:
         return float(depth[np.argmax(force)])
     number = names_along(data, "contact").index(contact)
     mine = np.asarray(data["episode_contact"].values, dtype=int) == number
-    depths = np.asarray(data["peak_depth"].values, dtype=float)[mine]
-    forces = np.asarray(data["peak_force"].values, dtype=float)[mine]
+    depths = floats(data["peak_depth"])[mine]
+    forces = floats(data["peak_force"])[mine]
     return float(depths[np.argmax(forces)]) if forces.size else math.nan
 
 
@@ -488,22 +472,15 @@ def _approach(contact: _Contact, kind: str, force: float) -> float:
 
 
 def bushing_load(data: xr.Dataset, joint: str, length: float, limit: float | None) -> BushingLoad | None:
-    """Return pressure, speed and PV of a bushing; None of a lean result.
-
-    Args:
-        data: Of the run.
-        joint: Name of the joint, a bore.
-        length: Of the bearing [m].
-        limit: Permitted product [W/m^2], if any.
-    """
+    """Return pressure, speed and PV of a bushing; None of a lean result."""
     if is_lean(data):
         return None
     about = clearance_shapes(data)[joint]
     contacts = [name for name, facts in about["contacts"].items() if facts["kind"] == "radial"]
-    time = np.asarray(data["time"].values, dtype=float)
-    force = np.asarray(data["joint_force"].sel(clearance_joint=joint).values, dtype=float)
-    forces = np.asarray(data["normal_force"].sel(contact=contacts).values, dtype=float)
-    slip = np.asarray(data["slip_speed"].sel(contact=contacts).values, dtype=float)
+    time = floats(data["time"])
+    force = floats(data["joint_force"].sel(clearance_joint=joint))
+    forces = floats(data["normal_force"].sel(contact=contacts))
+    slip = floats(data["slip_speed"].sel(contact=contacts))
     pressure = np.hypot(force[:, 0], force[:, 1]) / (
         length * 2.0 * float(about["dimensions"]["bearing_radius"])
     )

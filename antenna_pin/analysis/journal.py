@@ -20,24 +20,16 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import AXES, Array, RunLike, blocks, choose, data_of, label_of, variable
+from antenna_pin.analysis._run import AXES, RunLike, blocks, choose, data_of, floats, label_of, variable
 from antenna_pin.analysis.bodies import body_poses
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.directions import unit
 from antenna_pin.base.rules import AtLeastOne
 from antenna_pin.errors import FileFormatError, InvalidParameterError
 from antenna_pin.joints.geometry import LOOKS
 from antenna_pin.trajectory import contact_ends, contacts_of, names_along, series
 from antenna_pin.trajectory.quantities import dataset_of
-
-__all__ = [
-    "bearing_up",
-    "bore_load",
-    "clearance_shapes",
-    "journal_motion",
-    "STEADY",
-    "steady_up",
-]
 
 
 @takes()
@@ -63,9 +55,7 @@ def clearance_shapes(run: RunLike) -> dict[str, dict[str, Any]]:
 def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
     """Return the motion of journal (or ball) in bearing (or socket), bearing axes.
 
-    Args:
-        run: A run with a clearance joint, or its data.
-        joint: Name of the clearance joint; the first one if left out.
+    The joint is the first one with play by default.
 
     Returns:
         Over time: ``offset`` (time, place, axis) [m], where the journal's axis pierces the cross section at
@@ -86,7 +76,7 @@ def journal_motion(run: RunLike, joint: str | None = None) -> xr.Dataset:
     joint = _joint(data, joint, "journal_motion")
     kind, size = _kind(data, joint, "journal_motion")
     p, attitude = (
-        np.asarray(variable(data, name, "journal_motion").sel(clearance_joint=joint).values, dtype=float)
+        floats(variable(data, name, "journal_motion").sel(clearance_joint=joint))
         for name in ("journal_position", "journal_attitude")
     )
     tilt = np.asarray(variable(data, "journal_tilt", "journal_motion").sel(clearance_joint=joint).values)
@@ -167,7 +157,7 @@ def bore_load(run: RunLike, joint: str | None = None, sectors: AtLeastOne = 36) 
 def _sector_impulses(part: xr.Dataset, fixed: Array | None, width: float) -> tuple[Array, Array]:
     """Return sector and impulse [N s] of each contact between two samples."""
     point, force, impulse = (
-        np.asarray(variable(part, name, "bore_load").values, dtype=float)
+        floats(variable(part, name, "bore_load"))
         for name in ("contact_point", "normal_force", "normal_impulse")
     )
     direction = point[..., 0] + 1j * point[..., 1]
@@ -191,11 +181,6 @@ _LOOKED_AT = 200  # samples
 def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> Array | None:
     """Return unit vectors against gravity in bearing axes, (n, 3) [-], or None.
 
-    Args:
-        run: A run with a clearance joint, or its data.
-        joint: Name of the clearance joint.
-        times: Indices of samples; all if left out.
-
     Raises:
         UnknownNameError: There is no such joint.
         FileFormatError: The run does not carry what its bodies were.
@@ -210,17 +195,13 @@ def bearing_up(run: RunLike, joint: str, times: ArrayLike | None = None) -> Arra
         return None
     turn = Rotation.from_quat(np.asarray(place["bearing_placement"], dtype=float)[3:])
     attitude = body_poses(data, times, [place["bearing_body"]])["attitude"][:, 0]
-    body = Rotation.from_quat(np.asarray(attitude.values, dtype=float))
+    body = Rotation.from_quat(floats(attitude))
     return np.asarray((body * turn).apply(-unit(gravity), inverse=True))
 
 
 @takes()
 def steady_up(run: RunLike, joint: str) -> Array | None:
     """Return the mean direction against gravity in bearing axes, (3,) [-], or None.
-
-    Args:
-        run: A run with a clearance joint, or its data.
-        joint: Name of the clearance joint.
 
     Returns:
         A unit vector; None without gravity, where the bearing turns so far that no direction is up for long,

@@ -5,13 +5,11 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import RunLike, blocks, data_of
+from antenna_pin.analysis._run import RunLike, blocks, data_of, floats
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.readable import number
 from antenna_pin.scenario import joint_limits
 from antenna_pin.trajectory import elements_of, is_lean, names_along
-
-__all__ = ["said_of_limits"]
 
 # Dimension; variable over time, and at the end; unit.
 _KINDS = (
@@ -73,7 +71,7 @@ def _beyond(
     most = -np.inf
     span = upper - lower if np.isfinite(upper - lower) else 1.0
     for part in [data] if lean else blocks(data):
-        values = np.atleast_1d(np.asarray(part[variable].sel(place).values, dtype=float))
+        values = np.atleast_1d(floats(part[variable].sel(place)))
         beyond = np.maximum(values - upper, lower - values)
         most = max(most, float(beyond.max()))
         # What stands at its limit may be over it by round-off.

@@ -7,14 +7,13 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, blocks, choose, data_of, sample_times, variable
+from antenna_pin.analysis._run import RunLike, blocks, choose, data_of, floats, sample_times, variable
 from antenna_pin.analysis.sampled import time_mean, time_percentiles, time_rms
 from antenna_pin.analysis.settling import touching_intervals
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.trajectory import contacts_of, names_along
 from antenna_pin.trajectory.quantities import TABLES, table
-
-__all__ = ["load_statistics"]
 
 
 @takes()
@@ -73,12 +72,10 @@ def _contact(data: xr.Dataset, contact: str, time: Array, percent: Array) -> tup
     mine = variable(data, "episode_contact", "load_statistics").values == names_along(data, "contact").index(
         contact
     )
-    force = np.asarray(
-        variable(data, "normal_force", "load_statistics").sel(contact=contact).values, dtype=float
-    )
+    force = floats(variable(data, "normal_force", "load_statistics").sel(contact=contact))
     impulse = _gained(data, "normal_impulse", [contact])
     touched = _length(touching_intervals(data, [contact]))
-    peaks = np.asarray(data["peak_force"].values, dtype=float)[mine]
+    peaks = floats(data["peak_force"])[mine]
     return [
         float(max(peaks.max(initial=-np.inf), force.max())),
         impulse / span if span > 0.0 else float(force[0]),
@@ -114,7 +111,7 @@ def _joint(data: xr.Dataset, joint: str, time: Array, percent: Array) -> tuple[l
 def _gained(data: xr.Dataset, name: str, contacts: list[str]) -> float:
     """Return the growth of integrals of contacts since the first sample."""
     values = variable(data, name, "load_statistics").sel(contact=contacts)
-    first, last = (np.asarray(values[k].values, dtype=float) for k in (0, -1))
+    first, last = (floats(values[k]) for k in (0, -1))
     return float((last - first).sum())
 
 

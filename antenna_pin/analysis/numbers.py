@@ -28,8 +28,6 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import Trajectory
 
-__all__ = ["numbers_of"]
-
 _PEAKS = 3  # of a spectrum
 # Fields of a settling, in the order of a row.
 _SETTLING = (
@@ -44,10 +42,7 @@ def numbers_of(
 ) -> dict[str, Any]:
     """Return deviation, impacts, loads, settling, loops and dominant frequencies of a run.
 
-    Args:
-        run: The run.
-        ideal: That of the ideal joint, to compare with.
-        longest_gap: Longest time apart that counts as lasting contact [s].
+    Contact counts as lasting up to a ``longest_gap`` apart [s].
 
     Returns:
         Lists of rows by what they are of, as ``antenna-pin analyse --json`` prints them; ``notes`` tell what

@@ -19,14 +19,6 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario import OrbitSpec
 from antenna_pin.trajectory.quantities import dataset_of
 
-__all__ = [
-    "EARTH_MU",
-    "EARTH_RADIUS",
-    "Orbit",
-    "orbit_angles",
-    "orbit_of",
-]
-
 #: Gravitational parameter of the Earth [m^3/s^2] (WGS 84).
 EARTH_MU = 3.986004418e14
 #: Equatorial radius of the Earth [m] (WGS 84).
@@ -47,15 +39,12 @@ class Orbit:
 
     The world's axes do not turn. The motion itself depends on the orbit by ``[forces.NAME]``'s gravity
     gradient only.
-
-    Attributes:
-        rate: Orbital rate [rad/s].
-        normal: Orbit's normal, along the orbital angular momentum, in world axes, any length [-].
-        nadir: Direction to the Earth's centre at t = 0, in world axes, perpendicular to it, any length [-].
     """
 
-    rate: Positive
+    rate: Positive  # orbital rate [rad/s]
+    # orbit's normal, along the orbital angular momentum, in world axes, any length [-]
     normal: Vector3 = (0.0, 1.0, 0.0)
+    # direction to the Earth's centre at t = 0, in world axes, perpendicular to it, any length [-]
     nadir: Vector3 = (0.0, 0.0, -1.0)
 
     def __post_init__(self) -> None:
@@ -108,10 +97,7 @@ def orbit_angles(run: RunLike, body: str | None = None, orbit: Orbit | None = No
 
     Pitch, first, counts whole turns, as yaw does; roll stays within a quarter of a turn.
 
-    Args:
-        run: A run, or its data.
-        body: The link; the base if not given.
-        orbit: The orbit; that of the run's gravity gradient if not given.
+    Link and orbit are by default the base and that of the run's gravity gradient.
 
     Returns:
         ``pitch``, ``roll`` and ``yaw``, (time,) [rad].

@@ -22,12 +22,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike
+from antenna_pin.analysis._run import RunLike
 from antenna_pin.base.arguments import check_takes, number_in, takes, unknown_type
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.trajectory import Trajectory
-
-__all__ = ["OwnNumber", "is_own", "own_number", "own_numbers", "own_series", "own_source"]
 
 _NAME = re.compile(r"(?:[^\[\]|]+\.py|[\w.]+):[^\W\d]\w*")
 
@@ -55,11 +54,6 @@ def is_own(name: str) -> bool:
 def own_source(name: str, folder: Path, place: str) -> str:
     """Return the text of the file that a function stands in; "" for a module.
 
-    Args:
-        name: Of the function.
-        folder: From which the file is named.
-        place: Of the name, for messages.
-
     Raises:
         ScenarioError: There is no such file or module, or no such function in it.
     """
@@ -82,12 +76,8 @@ def own_source(name: str, folder: Path, place: str) -> str:
 def own_number(name: str, source: str, place: str, run: RunLike, seed: int = 0) -> float:
     """Return a function's number of a run.
 
-    Args:
-        name: Of the function.
-        source: Text of its file, or "" (:func:`own_source`).
-        place: Of the name, for messages.
-        run: The run.
-        seed: Of the run, for a function with such an argument.
+    ``source`` is the text of its file, or "" (:func:`own_source`); the seed is for a function with such an
+    argument.
 
     Raises:
         ScenarioError: It returns no number, or changes the run.
@@ -103,11 +93,6 @@ def own_number(name: str, source: str, place: str, run: RunLike, seed: int = 0) 
 @takes()
 def own_series(name: str, run: RunLike, count: int) -> tuple[Array, str]:
     """Return a function's number at each sample of a run, and its unit.
-
-    Args:
-        name: Of the function; a file from the working folder.
-        run: The run.
-        count: Of samples.
 
     Raises:
         ScenarioError: It returns something else.

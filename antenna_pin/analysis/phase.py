@@ -10,15 +10,14 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, label_of
+from antenna_pin.analysis._run import RunLike, data_of, floats, label_of
 from antenna_pin.analysis.quantity import Quantity, quantity
 from antenna_pin.analysis.transients import settled
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.rules import NotNegative, Positive
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import Trajectory, open_table, table_attributes
-
-__all__ = ["Periods", "PhasePortrait", "open_portrait", "phase_portrait", "portrait_of", "portrait_table"]
 
 _JUDGED = 4096  # even samples that the judge sees
 
@@ -147,10 +146,6 @@ def _judged(every: tuple[Quantity, ...], label: str) -> tuple[float, str]:
 def portrait_table(portrait: PhasePortrait, run: RunLike) -> xr.Dataset:
     """Return a portrait as a dataset, which :func:`antenna_pin.trajectory.save_table` writes.
 
-    Args:
-        portrait: The portrait.
-        run: Run, whose scenario and versions are copied.
-
     Returns:
         Over ``sample``: ``time`` [s] and each quantity in its unit; attributes ``quantities`` (JSON, in the
         order of the axes), ``run``, ``start`` [s] and ``rule``.
@@ -179,12 +174,12 @@ def portrait_table(portrait: PhasePortrait, run: RunLike) -> xr.Dataset:
 @takes()
 def portrait_of(table: xr.Dataset) -> PhasePortrait:
     """Return the portrait that a dataset holds (:func:`portrait_table`)."""
-    time = np.asarray(table["time"].values, dtype=float)
+    time = floats(table["time"])
     every = tuple(
         Quantity(
             name,
             time,
-            np.asarray(table[name].values, dtype=float),
+            floats(table[name]),
             str(table[name].attrs["units"]),
             str(table[name].attrs["long_name"]),
         )
@@ -196,9 +191,5 @@ def portrait_of(table: xr.Dataset) -> PhasePortrait:
 
 @takes()
 def open_portrait(path: str | os.PathLike[str]) -> PhasePortrait:
-    """Return a portrait from its file, as ``antenna-pin phase --out`` writes it.
-
-    Raises:
-        FileFormatError: It is none, or damaged.
-    """
+    """Return a portrait from its file, as ``antenna-pin phase --out`` writes it."""
     return portrait_of(open_table(path, "portrait"))

@@ -27,19 +27,17 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import AXES, Array, RunLike, blocks, data_of, label_of, samples_around
+from antenna_pin.analysis._run import AXES, RunLike, blocks, data_of, floats, label_of, samples_around
 from antenna_pin.analysis.bodies import body_poses, body_twists, mechanism_of
 from antenna_pin.analysis.body_motion import interpolate_attitude, interpolation_error
 from antenna_pin.analysis.orbit import Orbit, Vector3
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.directions import unit
 from antenna_pin.errors import FileFormatError, InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import PointingSpec
 from antenna_pin.trajectory import Trajectory
 from antenna_pin.trajectory.quantities import dataset_of
-
-__all__ = ["Antenna", "Command", "boresight", "pointing_error", "pointing_spec"]
-
 
 # --- the attitude of a link in the ideal run, at the samples of another, of long runs part by part ---
 
@@ -59,7 +57,7 @@ def ideal_doubt(ideal: xr.Dataset, body: str, time: Array) -> float:
     Raises:
         InvalidParameterError: The ideal run does not cover the times.
     """
-    knots = np.asarray(ideal["time"].values, dtype=float)
+    knots = floats(ideal["time"])
     slack = 1e-9 * (knots[-1] - knots[0])
     if time[0] < knots[0] - slack or time[-1] > knots[-1] + slack:
         raise InvalidParameterError(
@@ -78,7 +76,7 @@ def _knots(data: xr.Dataset, body: str) -> tuple[Array, Rotation, Array]:
     poses = body_poses(data, bodies=[body]).sel(body=body)
     spin = body_twists(data, bodies=[body])["angular_velocity"].sel(body=body)
     attitude = Rotation.from_quat(poses["attitude"].values)
-    return np.asarray(data["time"].values, dtype=float), attitude, np.asarray(spin.values, dtype=float)
+    return floats(data["time"]), attitude, floats(spin)
 
 
 _POINTING_AXES = ("boresight", "cross", "up")
@@ -88,17 +86,12 @@ _ALONG = 0.9  # cosine of the angle from which on a boresight counts as lying al
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Antenna:
-    """Antenna: the link that carries it, and its axes.
+    """Antenna: the link that carries it, and its axes."""
 
-    Attributes:
-        body: Link that looks.
-        boresight: Axis it looks along, in the link's frame, any length [-].
-        up: Second axis in the link's frame, of which the part perpendicular to the boresight counts [-]; None
-            for the link's z axis, or its x axis where the boresight lies within 26 deg of z.
-    """
-
-    body: str
-    boresight: Vector3
+    body: str  # link that looks
+    boresight: Vector3  # axis it looks along, in the link's frame, any length [-]
+    # second axis in the link's frame, of which the part perpendicular to the boresight counts [-]; None for
+    # the link's z axis, or its x axis where the boresight lies within 26 deg of z
     up: Vector3 | None = None
 
     def __post_init__(self) -> None:
@@ -128,17 +121,13 @@ class Antenna:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Command:
-    """A commanded direction of the boresight.
+    """A commanded direction of the boresight."""
 
-    Attributes:
-        direction: In the frame's axes, any length [-].
-        up: Commanded direction of the antenna's ``up`` in them [-]; None where turns about the boresight do
-            not matter: then the frame's z axis serves (x near z), as for an antenna's ``up``.
-        frame: Axes in which it stands still: the ``world``'s or the ``orbit``'s.
-    """
-
-    direction: Vector3
+    direction: Vector3  # in the frame's axes, any length [-]
+    # commanded direction of the antenna's ``up`` in them [-]; None where turns about the boresight do not
+    # matter: then the frame's z axis serves (x near z), as for an antenna's ``up``
     up: Vector3 | None = None
+    # axes in which it stands still: the ``world``'s or the ``orbit``'s
     frame: Literal["world", "orbit"] = "world"
 
     def __post_init__(self) -> None:
@@ -179,7 +168,7 @@ def boresight(
     orbit = _orbit_of(run) if orbit is None else orbit
     link = _link(run, antenna)
     poses = body_poses(run, times, [link]).sel(body=link)
-    time = np.asarray(poses["time"].values, dtype=float)
+    time = floats(poses["time"])
     attitude = Rotation.from_quat(poses["attitude"].values) * antenna.axes
     direction = attitude.apply([1.0, 0.0, 0.0])
     found = _directions(direction, "", "in the world")
@@ -193,11 +182,7 @@ def boresight(
         found |= _directions(orbit.axes(time).inv().apply(direction), "orbit_", "in orbit-fixed axes")
     return xr.Dataset(
         found,
-        coords={
-            "time": ("time", time, _about("s", "time")),
-            "axis": list(AXES),
-            "quaternion": [*AXES, "w"],
-        },
+        coords={"time": ("time", time, _about("s", "time")), "axis": list(AXES), "quaternion": [*AXES, "w"]},
         attrs={"body": antenna.body},
     )
 
@@ -257,7 +242,7 @@ def pointing_error(
     for one in (run, ideal):
         if one is not None:
             _link(one, antenna)
-    time = np.asarray(data_of(run)["time"].values, dtype=float)
+    time = floats(data_of(run)["time"])
     estimate = 0.0 if ideal is None else ideal_doubt(data_of(ideal), antenna.body, time)
     known = command is None or command.up is not None
     axes = _POINTING_AXES if known else _POINTING_AXES[1:]

@@ -36,7 +36,7 @@ from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from antenna_pin.analysis._indices import (
     Absolute,
@@ -49,13 +49,11 @@ from antenna_pin.analysis._indices import (
     WindowMean,
     extremes,
 )
+from antenna_pin.analysis._run import floats
 from antenna_pin.base.arguments import check_number, takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.rules import AtLeastOne, NumberRule
 from antenna_pin.errors import InvalidParameterError
-
-__all__ = ["DEFINITIONS", "INTERPRETATIONS", "error_components", "pointing_indices"]
-
-Array = NDArray[np.float64]
 
 #: The indices and what they are, in one line each.
 DEFINITIONS = {
@@ -89,10 +87,9 @@ def error_components(errors: xr.Dataset) -> dict[str, Array]:
         ``half-cone``, (n, 2): the smallest rotation between the boresights, whose length is their angle.
     """
     found = {
-        str(axis): np.asarray(errors["error"].sel(pointing_axis=axis).values, dtype=float)
-        for axis in errors["pointing_axis"].values
+        str(axis): floats(errors["error"].sel(pointing_axis=axis)) for axis in errors["pointing_axis"].values
     }
-    return found | {"half-cone": np.asarray(errors["boresight_error"].values, dtype=float)}
+    return found | {"half-cone": floats(errors["boresight_error"])}
 
 
 @takes(window="s", drift_spacing="s")

@@ -38,22 +38,20 @@ import numpy as np
 import xarray as xr
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.analysis._run import AXES, Array, RunLike, blocks, data_of, label_of, sample_times, variable
+from antenna_pin.analysis._run import AXES, RunLike, blocks, data_of, floats, label_of, sample_times, variable
 from antenna_pin.analysis.bodies import mechanism_of
 from antenna_pin.analysis.journal import clearance_shapes
 from antenna_pin.analysis.own import is_own, own_series
 from antenna_pin.analysis.shaken import base_wrench, shaken_link, shakes_of
 from antenna_pin.analysis.signals import signals
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.readable import printed_unit
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import Mechanism, link_motion
 from antenna_pin.trajectory import names_along
 from antenna_pin.trajectory.quantities import slides_along
 from antenna_pin.trajectory.schema import VARIABLES
-
-__all__ = ["Quantity", "QuantityName", "quantities", "quantity"]
-
 
 # --- what follows from a result: motion of links and journals, loads of a shaken base ---
 #
@@ -117,7 +115,7 @@ def owners_of(data: xr.Dataset) -> dict[str, list[str]]:
 
 def _motion(mechanism: Mechanism, data: xr.Dataset, link: str) -> tuple[Array, Array]:
     """Return attitudes and motion of a link, as :func:`antenna_pin.mechanism.link_motion`."""
-    q, v, a = (np.asarray(variable(data, name, "quantity").values, dtype=float) for name in "qva")
+    q, v, a = (floats(variable(data, name, "quantity")) for name in "qva")
     return link_motion(mechanism, link, q, v, a)
 
 
@@ -222,7 +220,7 @@ def quantity(run: RunLike, name: str) -> Quantity:
     array = data[wanted.variable]
     dims = [str(dim) for dim in array.dims[1:]]
     labels = _found_labels(data, name, wanted, dims)
-    values = np.asarray(array.sel(dict(zip(dims, labels, strict=False))).values, dtype=float)
+    values = floats(array.sel(dict(zip(dims, labels, strict=False))))
     units = _units(data, wanted.variable, labels)
     return _quantity(
         time, values, wanted, dims, labels, units, str(array.attrs.get("long_name", wanted.variable))

@@ -34,23 +34,11 @@ import xarray as xr
 from numpy.typing import ArrayLike
 from scipy.fft import irfft, next_fast_len, rfft
 
-from antenna_pin.analysis._run import Array
+from antenna_pin.analysis._run import floats
 from antenna_pin.analysis.transients import scaled, settled
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError
-
-__all__ = [
-    "Chaos",
-    "chaos_test",
-    "ChaosTest",
-    "diagram_verdicts",
-    "Recurrence",
-    "recurrence",
-    "RecurrenceKind",
-    "said_of_verdicts",
-    "section_lines",
-    "Verdict",
-]
 
 # --- 0-1 test for chaos -------------------------------------------------------------------------------------
 #
@@ -204,11 +192,7 @@ class Recurrence:
 
 @takes()
 def recurrence(
-    points: ArrayLike,
-    *,
-    scale: ArrayLike | None = None,
-    tolerance: float = 1e-4,
-    longest: int = 32,
+    points: ArrayLike, *, scale: ArrayLike | None = None, tolerance: float = 1e-4, longest: int = 32
 ) -> Recurrence:
     """Return the recurrence of section points.
 
@@ -391,7 +375,7 @@ def diagram_verdicts(
         tolerance: Above what the accuracy of the runs leaves [-].
     """
     names = list(quantities or json.loads(diagram.attrs["quantities"]))
-    whole = [np.asarray(diagram[name].values, dtype=float) for name in names]
+    whole = [floats(diagram[name]) for name in names]
     sizes = np.array([float(np.nanmax(np.abs(one), initial=0.0)) for one in whole])
     units = np.array([str(diagram[name].attrs.get("units", "1")) for name in names])
     largest = np.array([sizes[units == unit].max() for unit in units])
@@ -414,13 +398,7 @@ def diagram_verdicts(
 def said_of_verdicts(
     values: Sequence[float], verdicts: Sequence[Verdict | None], unit: str = ""
 ) -> list[str]:
-    """Return lines as "period 1 at 9 values: 0.01 to 0.09 mm", by frequency.
-
-    Args:
-        values: Of the parameter, in order.
-        verdicts: At each; None where it has not settled.
-        unit: Of the values.
-    """
+    """Return lines as "period 1 at 9 values: 0.01 to 0.09 mm", by frequency."""
     kinds = sorted(set(verdicts), key=lambda one: (one is None, -verdicts.count(one), str(one)))
     said = []
     for kind in kinds:

@@ -21,8 +21,6 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import is_lean
 from antenna_pin.trajectory.columns import ROUND_OFF
 
-__all__ = ["ROUND_OFF", "ROUND_OFF_WORDS", "is_round_off", "round_off_scales"]
-
 ROUND_OFF_WORDS = f"≈ 0: zero to round-off, less than {ROUND_OFF:g} of the run's largest in its unit"
 
 # Each unit and that of the same quantity about an axis, which the length of the mechanism is between.
@@ -33,11 +31,7 @@ _NO_SCALE = {"q", "v", "a", "energy_error"}
 
 @takes()
 def round_off_scales(*runs: RunLike) -> dict[str, float]:
-    """Return the largest size in each unit over several runs.
-
-    Args:
-        *runs: Runs, or their data.
-    """
+    """Return the largest size in each unit over several runs."""
     found: dict[str, float] = {}
     for run in runs:
         for unit, size in _of_one(data_of(run)).items():
@@ -49,10 +43,7 @@ def round_off_scales(*runs: RunLike) -> dict[str, float]:
 def is_round_off(size: float | None, unit: str, scales: Mapping[str, float]) -> bool:
     """Return whether a number is zero to round-off, but not exactly.
 
-    Args:
-        size: The number; None and not-a-number are no such thing.
-        unit: Its SI unit, written as in a result or as it is printed.
-        scales: Of :func:`round_off_scales`.
+    Scales are those of :func:`round_off_scales`.
     """
     if size is None or not math.isfinite(size) or size == 0.0:
         return False

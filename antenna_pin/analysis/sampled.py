@@ -12,11 +12,10 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from antenna_pin.analysis._run import LONG, ROWS, Array
+from antenna_pin.analysis._run import LONG, ROWS
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError
-
-__all__ = ["resampled", "time_mean", "time_percentiles", "time_rms"]
 
 _FEW = 33  # levels that all segments of a polygon are compared with
 
@@ -75,7 +74,6 @@ class Mean:
     """
 
     def __init__(self) -> None:
-        """Begin without samples."""
         self._start: Any = None
         self._end: Any = None
         self._first: Any = None
@@ -83,12 +81,7 @@ class Mean:
         self._area: Any = 0.0
 
     def add(self, time: Array, values: Array) -> None:
-        """Add samples.
-
-        Args:
-            time: Not decreasing, (m,) [s].
-            values: (m,) or (m, ...).
-        """
+        """Add samples."""
         if self._start is None:
             self._start, self._first = time[0], values[0]
         else:

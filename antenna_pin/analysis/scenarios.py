@@ -35,19 +35,6 @@ from antenna_pin.joints.geometry import AxialScenario, RadialScenario, RevoluteC
 from antenna_pin.joints.geometry.revolute import revolute_scenario
 from antenna_pin.joints.geometry.revolute_kernels import nearest_on_ellipse
 
-__all__ = [
-    "AssembledJoint",
-    "JournalPose",
-    "milliradians",
-    "possible_scenarios",
-    "SCENARIO_COLUMNS",
-    "scenario_of",
-    "scenario_rows",
-    "ScenarioPair",
-    "TiltRange",
-    "UPRIGHT",
-]
-
 # --- intervals of tilts -------------------------------------------------------------------------------------
 
 #: A journal square to its bearing [rad].

@@ -16,17 +16,16 @@ from typing import Annotated, Literal
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, choose, data_of, sample_times, variable
+from antenna_pin.analysis._run import RunLike, choose, data_of, floats, sample_times, variable
 from antenna_pin.analysis.closures import drives_of
 from antenna_pin.analysis.impacts import impacts
 from antenna_pin.analysis.sampled import straight_line
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.rules import AtLeastOne, NumberRule
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import contacts_of, names_along
 from antenna_pin.trajectory.quantities import dataset_of
-
-__all__ = ["Settling", "settling", "touching_intervals"]
 
 Kind = Literal["bore", "flanges", "any"]
 _LEAST_IMPACTS = 5
@@ -66,10 +65,6 @@ class Settling:
 def touching_intervals(run: RunLike, contacts: Sequence[str]) -> Array:
     """Return the disjoint intervals in which any of some contacts touches.
 
-    Args:
-        run: A run, or its data.
-        contacts: Names of contacts.
-
     Returns:
         Start and end of each, in order, (n, 2) [s]; the last end is the run's if it still touches then.
     """
@@ -80,8 +75,8 @@ def touching_intervals(run: RunLike, contacts: Sequence[str]) -> Array:
     number = [known.index(choose("touching_intervals", "contact", name, known)[0]) for name in contacts]
     mine = np.isin(variable(data, "episode_contact", "touching_intervals").values, number)
     end = float(sample_times(data, "touching_intervals")[-1])
-    onset = np.asarray(data["onset_time"].values, dtype=float)[mine]
-    release = np.asarray(data["release_time"].values, dtype=float)[mine]
+    onset = floats(data["onset_time"])[mine]
+    release = floats(data["release_time"])[mine]
     release = np.where(np.isfinite(release), release, end)
     merged: list[list[float]] = []
     for k in np.argsort(onset, kind="stable"):

@@ -7,23 +7,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import AXES, Array, RunLike, data_of, label_of, sample_times
+from antenna_pin.analysis._run import AXES, RunLike, data_of, floats, label_of, sample_times
 from antenna_pin.analysis.bodies import joint_loads, mechanism_of
 from antenna_pin.analysis.closures import drives_of
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.mechanism import WORLD, link_motion
 from antenna_pin.trajectory.quantities import dataset_of
-
-__all__ = [
-    "base_loads",
-    "base_quantity",
-    "base_wrench",
-    "shaken_link",
-    "shaken_target",
-    "shakes_of",
-    "way_of",
-]
 
 
 @takes()
@@ -85,8 +76,8 @@ def base_wrench(data: xr.Dataset) -> Array:
     # The one that carries the base itself comes last in the tree.
     last = max(joints, key=lambda name: mechanism.joint(name).joint_id)
     loads = joint_loads(data).sel(moving_joint=last)
-    force, moment = (np.asarray(loads[name].values, dtype=float) for name in ("force", "torque"))
-    q, v, a = (np.asarray(data[name].values, dtype=float) for name in "qva")
+    force, moment = (floats(loads[name]) for name in ("force", "torque"))
+    q, v, a = (floats(data[name]) for name in "qva")
     turned, motion = link_motion(mechanism, link, q, v, a)
     # The load is about the joint's frame on its child, which a mount leads on from.
     _, about = link_motion(mechanism, mechanism.urdf.joint(last).child, q, v, a)

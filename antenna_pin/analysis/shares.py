@@ -9,19 +9,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from antenna_pin.analysis._run import Array, RunLike, blocks, choose, data_of, variable
+from antenna_pin.analysis._run import RunLike, blocks, choose, data_of, floats, variable
 from antenna_pin.analysis.journal import clearance_shapes, journal_motion
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.joints.geometry import AxialScenario, RadialScenario
 from antenna_pin.trajectory import contact_ends, contacts_of, names_along, series
 from antenna_pin.trajectory.schema import VARIABLES
-
-__all__ = [
-    "scenario_shares",
-    "scenario_spans",
-    "slider_scenarios",
-]
 
 # --- sliders in a guide -------------------------------------------------------------------------------------
 
@@ -38,10 +33,6 @@ def slider_scenarios(run: RunLike, joint: str | None = None) -> xr.Dataset:
     along one edge a line, three or four a surface. Of a round one, whose one wall is ``bore``: one end is a
     point, both ends are a line if the middle between them presses as well, else two points.
 
-    Args:
-        run: A run with a slider in a guide, or its data.
-        joint: Name of that joint; the first one if left out.
-
     Returns:
         ``scenario`` (time, wall), numbers with their names in ``flag_meanings``, and ``share`` (wall, kind)
         [-] of the time; between two samples that differ each takes half.
@@ -56,14 +47,14 @@ def slider_scenarios(run: RunLike, joint: str | None = None) -> xr.Dataset:
     joint = choose("slider_scenarios", "slider", joint or known[0], known)[0]
     shape = clearance_shapes(data)[joint]
     names = contacts_of(data, joint)
-    gaps = np.asarray(variable(data, "gap", "slider_scenarios").sel(contact=names).values, dtype=float)
+    gaps = floats(variable(data, "gap", "slider_scenarios").sel(contact=names))
     ends = [contact_ends(data)[name] for name in names]
     if shape["kind"] == "cylindrical":
         walls, found = ["bore"], _round(data, joint, shape["dimensions"], gaps)[:, None]
     else:
         walls = ["+x", "-x", "+y", "-y"]
         found = np.stack([_flat(gaps, ends, wall) for wall in walls], axis=1)
-    time = np.asarray(data["time"].values, dtype=float)
+    time = floats(data["time"])
     weights = np.zeros(time.size)
     weights[:-1] += 0.5 * np.diff(time)
     weights[1:] += 0.5 * np.diff(time)
@@ -227,17 +218,11 @@ def _scenarios(data: xr.Dataset, joint: str) -> Iterator[tuple[Array, list[_Ends
             touching = np.asarray(part["touching"].sel(contact=own).values, dtype=int)
             start, end = _ends(seen, touching, most)
             ends.append((start[begin:], end[begin:]))
-        yield np.asarray(part["time"].values, dtype=float)[begin:], ends
+        yield floats(part["time"])[begin:], ends
 
 
 def _ends(scenario: NDArray[np.int_], touching: NDArray[np.int_], most: int) -> _Ends:
-    """Return the scenarios at the start and at the end of every interval between samples.
-
-    Args:
-        scenario: At every sample, (n,).
-        touching: Whether each contact of the kind touches from a sample on, (n, contacts).
-        most: Largest number of points of contact.
-    """
+    """Return the scenarios at the start and at the end of every interval between samples."""
     count = np.minimum(touching.sum(axis=1), most)
     if scenario.size < 2:
         return scenario, scenario

@@ -22,13 +22,11 @@ import numpy.typing as npt
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from antenna_pin.analysis._run import Array
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.rules import NumberRule
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory.quantities import dataset_of
-
-__all__ = ["shock_spectrum"]
 
 _PER_OCTAVE = 12
 _LOOKS = 24  # in a period of the fastest oscillator: a peak is missed by (pi/24)^2/2, 0.9 % at most

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import AXES, Array, RunLike, blocks, data_of, sample_times
+from antenna_pin.analysis._run import AXES, RunLike, blocks, data_of, floats, sample_times
 from antenna_pin.analysis.body_motion import base_motion
 from antenna_pin.analysis.elastic import elastic_parts_of
 from antenna_pin.analysis.even import Read
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.trajectory import names_along
-
-__all__ = ["RunSignal", "scales_of", "signals"]
 
 _BASE = {f"base {kind}acceleration {axis}" for kind in ("", "angular ") for axis in AXES}
 
@@ -96,18 +95,18 @@ def _columns(data: xr.Dataset, only: str = "") -> dict[str, Array]:
     found: dict[str, Array] = {}
     for name in names_along(data, "joint"):
         if only in ("", key := f"{name} acceleration"):
-            found[key] = np.asarray(data["motion_acceleration"].sel(joint=name).values, dtype=float)
+            found[key] = floats(data["motion_acceleration"].sel(joint=name))
     for name in elastic_parts_of(data):
         if only in ("", key := f"{name} deflection"):
-            found[key] = np.asarray(data["deflection"].sel(elastic_part=name).values, dtype=float)
+            found[key] = floats(data["deflection"].sel(elastic_part=name))
     if "base_position" in data and (not only or only in _BASE):
         motion = base_motion(data)
         for kind in ("acceleration", "angular_acceleration"):
-            values = np.asarray(motion[kind].values, dtype=float)
+            values = floats(motion[kind])
             found |= {f"base {kind.replace('_', ' ')} {axis}": values[:, k] for k, axis in enumerate(AXES)}
     for name in names_along(data, "clearance_joint"):
         for k, axis in enumerate(AXES):
             if only in ("", key := f"{name} force {axis}"):
                 force = data["joint_force"].sel(clearance_joint=name)
-                found[key] = np.asarray(force[:, k].values, dtype=float)
+                found[key] = floats(force[:, k])
     return found

@@ -27,14 +27,6 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory.quantities import dataset_of
 
-__all__ = [
-    "UniformSignal",
-    "dominant_frequencies",
-    "spectrogram",
-    "spectrum",
-    "uniform",
-]
-
 _ROUND_OFF = 1e-10  # of the size of a quantity: what it varies by without a cause
 _LEAST_SHARE = 1e-3  # of the strongest peak, for one to be named beside it
 
@@ -67,7 +59,7 @@ def spectrum(
         highest frequency. From 0.8 of that on the low pass of :func:`uniform` takes its share.
     """
     even = uniform(time, values, rate)
-    length = _segment(even, segment)
+    length = window_length(even, segment)
     frequency, power = scipy.signal.welch(
         even.values, even.rate, window="hann", nperseg=length, noverlap=length // 2, axis=0
     )
@@ -201,7 +193,7 @@ def spectrogram(
     if even.values.ndim != 1:
         raise InvalidParameterError("spectrogram", "values", "one signal, (n,)", even.values.shape)
     span = even.time.size / even.rate
-    length = _segment(even, span / 20.0 if segment is None else segment)
+    length = window_length(even, span / 20.0 if segment is None else segment)
     hop = max(1, length // 4)
     transform = scipy.signal.ShortTimeFFT(
         scipy.signal.get_window("hann", length), hop, even.rate, fft_mode="onesided2X", scale_to="psd"
@@ -231,7 +223,7 @@ def _reader(values: ArrayLike) -> Read:
     return lambda begin, end: held[begin:end]
 
 
-def _segment(even: UniformSignal, segment: float | None) -> int:
+def window_length(even: UniformSignal, segment: float | None) -> int:
     """Return the length of a window in samples."""
     n = even.time.size
     if segment is None:

@@ -11,16 +11,6 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.trajectory import Touch, elements_of, latch_changes, mesh_spans, mesh_touches, touches
 from antenna_pin.trajectory.quantities import TABLES, table
 
-__all__ = [
-    "gear_contacts",
-    "gear_impacts",
-    "gears_of",
-    "latch_events",
-    "stop_impacts",
-    "stops_and_latches",
-    "touch_table",
-]
-
 
 @takes()
 def stop_impacts(run: RunLike) -> xr.Dataset:
@@ -90,10 +80,6 @@ def gear_impacts(run: RunLike) -> xr.Dataset:
 @takes()
 def gear_contacts(run: RunLike, gear: str) -> xr.Dataset:
     """Return the sides in contact of a gear, belt or cable over the run.
-
-    Args:
-        run: A run with samples, or its data.
-        gear: Its place, as ``gears.drive``.
 
     Returns:
         Over ``span``: ``begin`` and ``end`` [s], labelled by ``sides``: apart, plus, minus or both.

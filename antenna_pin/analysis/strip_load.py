@@ -28,13 +28,9 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.contact.normal import CompiledNormalLaw
-
-__all__ = ["LawStrips", "LineLoad", "PlaneStrips", "StripLaw", "bore_depths", "line_load"]
-
-Array = NDArray[np.float64]
 
 # Below this share of the depth, a segment's difference of depths loses digits in the quotient of Phi, and
 # Simpson's rule is exact to 1e-15.
@@ -61,14 +57,10 @@ class PlaneStrips:
 
     Johnson's logarithm falls to 2 well before the depth turns over; beyond it :math:`f = \tfrac\pi2 E^*
     \delta`, the stiffness of Persson's conformal contact at small depth.
-
-    Attributes:
-        modulus: E* [Pa].
-        clearance: R_i - R_j [m].
     """
 
-    modulus: float
-    clearance: float
+    modulus: float  # E* [Pa]
+    clearance: float  # R_i - R_j [m]
 
     @property
     def _scale(self) -> float:
@@ -113,11 +105,7 @@ class PlaneStrips:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LawStrips:
-    """Strips that share a force as the law of a joint does.
-
-    Attributes:
-        law: Of the joint.
-    """
+    """Strips that share a force as the law of a joint does."""
 
     law: CompiledNormalLaw
 
@@ -194,11 +182,8 @@ def _segment_means(law: StripLaw, depth: Array) -> Array:
 def line_load(force: Array, depth: Array, places: Array, law: StripLaw) -> LineLoad:
     """Return the load along a line under forces and a tilt.
 
-    Args:
-        force: Of the whole line, zero or more, (n,) [N].
-        depth: At the nodes, (n, nodes) [m]; of :class:`PlaneStrips` all but a constant, which the force sets.
-        places: Of the nodes along the axis, in either sense, (n, nodes) [m].
-        law: Of the strips.
+    Nodes are (n, nodes): depths [m], of :class:`PlaneStrips` all but a constant, which the force sets, and
+    places along the axis [m].
 
     Returns:
         The loads; uniform where a law is to share out a force and no node is in contact, which rounding alone

@@ -27,8 +27,6 @@ from antenna_pin.scenario.spec import (
     refuse,
 )
 
-__all__ = ["FlankSurface", "JointSurface", "StopSurface", "SurfaceFile", "read_surfaces"]
-
 #: Pressure angle of gears that give none [rad]: 20 deg.
 _PRESSURE_ANGLE = 0.3490658503988659
 

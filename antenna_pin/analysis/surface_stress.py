@@ -7,45 +7,27 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from antenna_pin.analysis.stress_results import SurfaceStress
+from antenna_pin.base.arrays import Array
 from antenna_pin.contact import Material, effective_modulus
-
-__all__ = ["ForcePeak", "Pair", "StressCriteria", "Stresses", "surface_of"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StressCriteria:
-    """Criteria of the analysis.
+    """Criteria of the analysis."""
 
-    Attributes:
-        yield_share: Share of the yield limit that a pressure may reach [-].
-        factor: Factor on the pressure [-].
-        conformal_above: Half-width over radius above which a bore is conformal [-].
-    """
-
-    yield_share: float
-    factor: float
-    conformal_above: float
+    yield_share: float  # share of the yield limit that a pressure may reach [-]
+    factor: float  # factor on the pressure [-]
+    conformal_above: float  # half-width over radius above which a bore is conformal [-]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pair:
-    """Two materials that touch, by name.
+    """Two materials that touch, by name."""
 
-    Attributes:
-        names: Their names; empty where none is known.
-        materials: Their numbers.
-        modulus: E* [Pa]; NaN if unknown.
-    """
-
-    names: tuple[str, ...]
-    materials: tuple[Material, ...]
-    modulus: float
+    names: tuple[str, ...]  # their names; empty where none is known
+    materials: tuple[Material, ...]  # their numbers
+    modulus: float  # E* [Pa]; NaN if unknown
 
     @classmethod
     def of(cls, bearing: str, journal: str, known: Callable[[str], Material]) -> Pair:
@@ -103,19 +85,7 @@ def surface_of(
     history: Array,
     notes: list[str],
 ) -> SurfaceStress:
-    """Return the row of a surface with its margin against yield.
-
-    Args:
-        place: Name of the surface.
-        surface: What it is.
-        theory: Of the pressure.
-        pair: Materials.
-        limits: Criteria.
-        peak: Force and time of the peak.
-        stress: At the peak, of one entry.
-        history: Pressure at the samples [Pa].
-        notes: Lines, to which an unknown limit is added.
-    """
+    """Return the row of a surface with its margin against yield."""
     name, limit = pair.weakest
     pressure = float(stress.pressure[0])
     for unknown in pair.unknown:

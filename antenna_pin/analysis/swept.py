@@ -18,16 +18,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
+from antenna_pin.analysis._run import RunLike, data_of, floats, sample_times
 from antenna_pin.analysis.quantity import quantity
 from antenna_pin.analysis.shaken import shaken_link, shakes_of
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.rules import NumberRule
 from antenna_pin.elements import SweptPiece, sines_of
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.trajectory.quantities import dataset_of
-
-__all__ = ["base_acceleration", "following", "swept_response"]
 
 _LEAST_SAMPLES = 12
 
@@ -99,7 +98,7 @@ def base_acceleration(run: RunLike, shake: str) -> Array:
     if shake not in known:
         shaken_link(data)
         raise UnknownNameError("base", "motion", shake, known)
-    return np.asarray(data["a"].sel(coordinate=str(known[shake]["joint"])).values, dtype=float)
+    return floats(data["a"].sel(coordinate=str(known[shake]["joint"])))
 
 
 @takes()

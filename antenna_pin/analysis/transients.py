@@ -22,11 +22,9 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from antenna_pin.analysis._run import Array
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError
-
-__all__ = ["LEAST", "RULE", "Settled", "settled"]
 
 _BLOCKS = 8
 

@@ -24,14 +24,13 @@ import scipy
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from antenna_pin.analysis._run import floats
 from antenna_pin.analysis.even import uniform
-from antenna_pin.analysis.spectrum import spectrum
+from antenna_pin.analysis.spectrum import spectrum, window_length
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.rules import BetweenZeroAndOne
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory.quantities import TABLES, dataset_of
-
-__all__ = ["band_rms", "power_density", "transfer"]
 
 _OVERLAP = 1.0 / 36.0  # squared correlation of neighbours, Hann windows that overlap by half
 _WINDOWS = 8  # on the length of a record, if none is given
@@ -90,8 +89,8 @@ def band_rms(found: xr.Dataset, bands: Sequence[Sequence[float]] | None = None) 
     Returns:
         Over ``band``: ``low``, ``high`` [Hz], ``rms`` and ``standard_error`` [units].
     """
-    frequency = np.asarray(found["frequency"].values, dtype=float)
-    power = np.asarray(found["power"].values, dtype=float)
+    frequency = floats(found["frequency"])
+    power = floats(found["power"])
     wanted = [(0.0, float(frequency[-1]))] if bands is None else [tuple(map(float, band)) for band in bands]
     step = float(frequency[1] - frequency[0])
     rows = []
@@ -109,7 +108,7 @@ def band_rms(found: xr.Dataset, bands: Sequence[Sequence[float]] | None = None) 
         square, spread = float(power @ width), float(power**2 @ width) / own / float(found.attrs["span"])
         rms = math.sqrt(square)
         rows.append((*band, rms, 0.5 * math.sqrt(spread) / rms if rms > 0.0 else 0.0))
-    units = str(found["power"].attrs.get("units", "")).split(")^2")[0].removeprefix("(")
+    units = str(found["power"].attrs["units"]).removesuffix("/Hz").removesuffix(")^2").removeprefix("(")
     columns = dict(zip(TABLES["bands"], np.array(rows, dtype=float).T, strict=True))
     return dataset_of("bands", columns, {"band": np.arange(len(rows))}, units=units)
 
@@ -145,10 +144,7 @@ def transfer(
     both = np.column_stack([np.asarray(source, dtype=float), np.asarray(target, dtype=float)])
     even = uniform(time, both, rate)
     n = even.time.size
-    length = n // _WINDOWS if segment is None else round(segment * even.rate)
-    if not 16 <= length <= n:
-        rule = f"from {16 / even.rate:.4g} to {n / even.rate:.4g} s (16 samples to all)"
-        raise InvalidParameterError("transfer", "segment", rule, segment)
+    length = window_length(even, (n // _WINDOWS) / even.rate if segment is None else segment)
     options: Any = {"fs": even.rate, "window": "hann", "nperseg": length, "noverlap": length // 2}
     x, y = even.values.T
     frequency, sxx = scipy.signal.welch(x, **options)

@@ -19,15 +19,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from antenna_pin.analysis._run import Array, RunLike, data_of, sample_times
+from antenna_pin.analysis._run import RunLike, data_of, floats, sample_times
 from antenna_pin.analysis.interface import interface_loads
-from antenna_pin.analysis.round_off import ROUND_OFF
 from antenna_pin.analysis.spectrum import dominant_frequencies
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.trajectory import names_along
-
-__all__ = ["LOAD_AXES", "SpeedRecord", "speed_records", "wheel_orders"]
+from antenna_pin.trajectory.columns import ROUND_OFF
 
 LOAD_AXES = ("fx", "fy", "fz", "mx", "my", "mz")
 """Axes of a disturbance at the interface: forces and moments."""
@@ -77,9 +76,7 @@ def speed_records(
     loads = interface_loads(data)
     whole = np.concatenate([loads["force"].values, loads["moment"].values], axis=1)[late]
     one = data.sel(joint=joint)
-    angle, rate = (
-        np.asarray(one[name].values, dtype=float)[late] for name in ("motion_angle", "motion_rate")
-    )
+    angle, rate = (floats(one[name])[late] for name in ("motion_angle", "motion_rate"))
     if angle.size and angle[-1] < angle[0]:
         angle, rate = -angle, -rate
     if angle.size < 2 or not (np.diff(angle) > 0.0).all():
@@ -215,17 +212,17 @@ def _peak_orders(records: Sequence[SpeedRecord], count: int) -> Array:
             shares = peaks["amplitude"].values / largest[axis]
             rows += [(float(h), k, float(s)) for h, s in zip(peaks["frequency"].values, shares, strict=True)]
     turns = min(float(np.ptp(record.angle)) for record in records) / (2.0 * np.pi)
-    found: list[tuple[float, float]] = []
+    found: list[float] = []
     for h, _, _ in sorted(rows, key=lambda row: -row[2]):
         near = [row for row in rows if abs(row[0] - h) < 1.0 / turns]
         kept = len({row[1] for row in near}) > 0.5 * len(records)
-        if kept and all(abs(h - other) > 2.0 / turns for other, _ in found):
+        if kept and all(abs(h - other) > 2.0 / turns for other in found):
             weights = np.array([row[2] for row in near])
-            found.append((float(np.array([row[0] for row in near]) @ weights / weights.sum()), 0.0))
+            found.append(float(np.array([row[0] for row in near]) @ weights / weights.sum()))
     if not found:
         rule = "with peaks at multiples of the speed, got none; give harmonics"
         raise InvalidParameterError("wheel orders", "records", rule, said=f"{len(records)} records")
-    return np.sort([h for h, _ in found[:count]])
+    return np.sort(found[:count])
 
 
 def _refined(records: Sequence[SpeedRecord], orders: Array) -> Array:

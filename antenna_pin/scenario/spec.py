@@ -209,21 +209,27 @@ class Count(_Annotation):
         least: The smallest that it may be.
         most: The largest.
         even: Whether it must be even.
+        power: Whether it must be a power of two.
     """
 
     least: int
     most: int
     even: bool = False
+    power: bool = False
 
     def read(self, value: object) -> int:
         """Return the number, or refuse it."""
         whole = isinstance(value, int | float) and not isinstance(value, bool) and value == value // 1
         if not whole or not self.least <= value <= self.most or (self.even and value % 2):  # type: ignore
             refuse(f"must be {self}, got {shown(value)}", value=value)
-        return int(value)  # type: ignore[call-overload, no-any-return]
+        number: int = int(value)  # type: ignore[call-overload]
+        if self.power and number & (number - 1):
+            refuse(f"must be {self}, got {number}", value=value)
+        return number
 
     def __str__(self) -> str:
-        return f"{'an even' if self.even else 'a'} whole number from {self.least} to {self.most}"
+        kind = "a power of two" if self.power else f"{'an even' if self.even else 'a'} whole number"
+        return f"{kind} from {self.least} to {self.most}"
 
 
 Vector3 = tuple[float, float, float]

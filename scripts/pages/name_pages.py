@@ -1,12 +1,15 @@
-"""Pages of every public name of the package, a page a room, of what ``__all__`` names and docstrings say."""
+"""Pages of every public name, a page a room, of what ``__all__``, docstrings and comments say."""
 
 from __future__ import annotations
 
+import ast
 import dataclasses
 import enum
 import importlib
 import inspect
 import pkgutil
+import re
+import textwrap
 import types
 from typing import Any, get_origin
 
@@ -55,13 +58,40 @@ def is_described(value: Any) -> bool:
     )
 
 
+def fields_of(cls: type) -> dict[str, str]:
+    """Return the meanings of a class' fields by the comments beside or above them."""
+    if not (dataclasses.is_dataclass(cls) or hasattr(cls, "_fields")) or "Attributes:" in str(cls.__doc__):
+        return {}
+    try:
+        lines = textwrap.dedent(inspect.getsource(cls)).splitlines()
+    except (OSError, TypeError):  # a class made by a call has no text of its own
+        return {}
+    (tree,) = ast.parse("\n".join(lines)).body
+    found = {}
+    for one in tree.body if isinstance(tree, ast.ClassDef) else ():
+        if isinstance(one, ast.AnnAssign) and isinstance(one.target, ast.Name):
+            said = [lines[one.end_lineno - 1][one.end_col_offset :].strip()]
+            above = one.lineno - 2
+            while not said[0] and lines[above].strip().startswith("# "):
+                said.insert(1, lines[above].strip())
+                above -= 1
+            text = " ".join(part.lstrip("# ") for part in said).strip()
+            if text:
+                found[one.target.id] = re.sub(r"([*|])", r"\\\1", text)
+    return found
+
+
 def entry(room: str, name: str, value: Any) -> str:
     """Return what a page has of a name."""
     place = f"antenna_pin.{room}.{name}"
     if inspect.isclass(value) and get_origin(value) is None:
         more = "   :undoc-members:\n" if issubclass(value, enum.Enum) else ""
-        if dataclasses.is_dataclass(value):  # its docstring says what its fields are
-            more += f"   :exclude-members: {', '.join(one.name for one in dataclasses.fields(value))}\n"
+        fields = fields_of(value)
+        if dataclasses.is_dataclass(value) or fields:  # its docstring says what its fields are, or this does
+            names = getattr(value, "_fields", None) or [one.name for one in dataclasses.fields(value)]
+            more += f"   :exclude-members: {', '.join(names)}\n"
+        if fields:
+            more += "\n" + "".join(f"   - **{name}**: {said}\n" for name, said in fields.items())
         return f".. autoclass:: {place}\n{more}"
     if is_described(value):
         return f".. autofunction:: {place}\n"

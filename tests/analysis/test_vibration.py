@@ -48,6 +48,12 @@ def test_a_band_has_its_root_mean_square_and_the_error_that_it_says():
     assert float(found["standard_error"][0]) == pytest.approx(error, rel=0.05)
 
 
+@pytest.mark.parametrize("units", ["", "m/s^2"])
+def test_a_band_is_in_the_unit_of_the_signal(units):
+    found = band_rms(power_density(*noise(0), units=units))
+    assert {found[name].attrs["units"] for name in ("rms", "standard_error")} == {units or "1"}
+
+
 def test_the_response_of_a_filter_is_found_with_its_error():
     """y = x + half of it a step later, with noise on y that lowers the coherence to a half."""
     time, x = noise(1)

@@ -193,3 +193,8 @@ def test_what_the_fit_reads_is_not_written_over(write, tmp_path):
     with pytest.raises(AntennaPinError, match="swing.csv: must not be a file that the fit reads"):
         plan.check_output(tmp_path / "swing.csv")
     plan.check_output(tmp_path / "other.toml")
+    kept = tmp_path / "kept.csv"
+    kept.write_text("time,angle\n", encoding="utf-8")
+    record = next(iter(plan.records.values())).model_copy(update={"file": kept.name})
+    with pytest.raises(AntennaPinError, match="kept.csv: must not be a file that the fit reads"):
+        plan.model_copy(update={"validation": {"kept": record}}).check_output(kept)

@@ -20,8 +20,6 @@ from antenna_pin.contact import (
 )
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["differing_factor", "elastic_laws_of_joint", "force_table", "force_within", "laws_left_out"]
-
 
 @takes()
 def elastic_laws_of_joint(
@@ -78,8 +76,7 @@ def _try_all(
 def differing_factor(forces: Iterable[float]) -> float | None:
     """Return the ratio of the largest to the smallest force; None for fewer than two.
 
-    Args:
-        forces: Of several laws at one depth [N]; NaN where a law says nothing.
+    Forces are those of several laws at one depth [N], NaN where a law does not hold.
     """
     known = [force for force in forces if math.isfinite(force)]
     return max(known) / min(known) if len(known) > 1 else None
@@ -87,12 +84,7 @@ def differing_factor(forces: Iterable[float]) -> float | None:
 
 @takes()
 def force_table(laws: Mapping[str, NormalLaw], depths: Iterable[float]) -> dict[str, tuple[float, ...]]:
-    """Return the elastic force of each law at each depth [N]; NaN beyond its range.
-
-    Args:
-        laws: The laws by name.
-        depths: [m].
-    """
+    """Return the elastic force of each law at each depth [N]; NaN beyond its range."""
     points = tuple(depths)
     return {name: tuple(force_within(law, depth) for depth in points) for name, law in laws.items()}
 

@@ -41,18 +41,6 @@ from antenna_pin.contact.hysteresis import HysteresisDamping, stored_share
 from antenna_pin.contact.kernels import normal_force
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = [
-    "Impact",
-    "RestitutionRow",
-    "closed_form_peak_depth",
-    "closed_form_restitution",
-    "impact_of_pair",
-    "impact_on_wall",
-    "largest_errors",
-    "restitution_table",
-]
-
-
 # --- integrated impacts -------------------------------------------------------------------------------------
 
 
@@ -364,9 +352,6 @@ def restitution_table(
 @takes()
 def largest_errors(rows: Iterable[RestitutionRow]) -> tuple[float, float]:
     """Return the largest deviations of integrated impacts from closed forms.
-
-    Args:
-        rows: Of :func:`restitution_table`, with impacts integrated.
 
     Returns:
         In restitution, wall and free pair alike, and in peak depth relative to it [-]; NaN where no row has a

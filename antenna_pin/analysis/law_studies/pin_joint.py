@@ -26,23 +26,6 @@ from antenna_pin.analysis.law_studies.comparison import elastic_laws_of_joint, f
 from antenna_pin.base.arguments import takes
 from antenna_pin.contact import Material, effective_modulus
 
-__all__ = [
-    "ExperimentFindings",
-    "ExperimentFit",
-    "ExperimentPoint",
-    "LIU_2013",
-    "LIU_2013_PLAYS",
-    "LIU_2013_STEEL",
-    "LeastError",
-    "ReproducedTable",
-    "compare_with_experiment",
-    "experiment_findings",
-    "printed_columns",
-    "ranked",
-    "reproduce_table",
-]
-
-
 # --- measured loads -----------------------------------------------------------------------------------------
 
 
@@ -341,24 +324,14 @@ class ExperimentFindings:
         return math.sqrt(radius / self.table.radius_of(play))
 
     def fit(self, law: str, contacts: int = 1) -> ExperimentFit:
-        """Return the fit of one law.
-
-        Args:
-            law: Its name in ``NORMAL_LAWS``.
-            contacts: In series, 1 or 2.
-        """
+        """Return the fit of one law."""
         (found,) = (fit for fit in self.fits if (fit.law, fit.contacts) == (law, contacts))
         return found
 
 
 @takes()
 def experiment_findings(*, journal_radius: float = 5e-3, length: float = 1e-3) -> ExperimentFindings:
-    """Return the findings of the measured joint.
-
-    Args:
-        journal_radius: Of the pin [m]; the paper gives none.
-        length: Of the contact [m]; the paper takes 1 mm.
-    """
+    """Return the findings of the measured joint."""
     return ExperimentFindings(
         table=reproduce_table(),
         fits=tuple(ranked(compare_with_experiment(journal_radius=journal_radius, length=length))),

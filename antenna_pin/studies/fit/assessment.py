@@ -7,9 +7,9 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import Scenario
 from antenna_pin.studies.fit.confidence_bands import (
@@ -28,21 +28,6 @@ from antenna_pin.studies.fit.profile_likelihood import Profile, profile_lines, p
 from antenna_pin.studies.fit.result import Fit
 from antenna_pin.studies.fit.uncertainty import ResidualFunctions, Sure, sure
 from antenna_pin.trajectory import open_table, table_attributes
-
-__all__ = [
-    "certain",
-    "experiments_table",
-    "identifiability_table",
-    "open_experiments",
-    "open_identifiability",
-    "profiles_of",
-    "sizes_of",
-    "slopes_at",
-    "tells",
-    "values_in",
-]
-
-Array = NDArray[np.float64]
 
 # --- bands and profiles of a fit ----------------------------------------------------------------------------
 
@@ -73,10 +58,8 @@ def profiles_of(
 ) -> tuple[Profile, ...]:
     """Return the profiles of a fit's parameters, in search coordinates.
 
-    Args:
-        fit: The fit.
-        names: Names of the parameters; all but those at a bound by default.
-        progress: Called with the parameter and the signed root of each point.
+    Those of all parameters but those at a bound by default; ``progress`` is called with the parameter and the
+    signed root of each point.
     """
     plan = fit.problem.plan
     if fit.bands.absence:
@@ -216,12 +199,6 @@ def identifiability_table(
 ) -> xr.Dataset:
     """Return identifiability as a dataset, for :func:`antenna_pin.trajectory.save_table`.
 
-    Args:
-        identifiable: Identifiability of the parameters.
-        units: SI units of the parameters, "" for a pure number.
-        titles: Titles of the parameters in figures.
-        scenario: Scenario of the test; None for a model without one.
-
     Returns:
         Over ``parameter``: ``value``, ``scale``, ``error``, ``half``, ``alone``, in its ``units``, infinite
         if unidentifiable, ``inflation`` [-], ``felt`` and ``determined`` (0, 1), ``title``. Over
@@ -284,15 +261,6 @@ def experiments_table(
 ) -> xr.Dataset:
     """Return a comparison of experiments as a dataset, for :func:`save_table`.
 
-    Args:
-        design: Comparison of the experiments.
-        plan: Plan of repetitions, or None.
-        values: Values of the parameters, (p,).
-        units: SI units of the parameters, "" for a pure number.
-        titles: Titles of the parameters in figures.
-        words: Descriptions of the experiments, by name.
-        scenario: Scenario of the experiments; None for a model without one.
-
     Returns:
         Over ``experiment``, the best first: ``half`` and, over ``parameter``, in its ``units``: half widths
         of the expected intervals, infinite if unidentifiable; ``D``, ``A``, ``E``, and ``c`` if requested,
@@ -336,19 +304,11 @@ def experiments_table(
 
 @takes()
 def open_identifiability(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return an :func:`identifiability_table` from a file of ``antenna-pin fit --identify --out``.
-
-    Raises:
-        FileFormatError: The file is of another kind, or damaged.
-    """
+    """Return an :func:`identifiability_table` from a file of ``antenna-pin fit --identify --out``."""
     return open_table(path, "identifiability")
 
 
 @takes()
 def open_experiments(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return an :func:`experiments_table` from a file of ``antenna-pin fit --next --out``.
-
-    Raises:
-        FileFormatError: The file is of another kind, or damaged.
-    """
+    """Return an :func:`experiments_table` from a file of ``antenna-pin fit --next --out``."""
     return open_table(path, "experiments")

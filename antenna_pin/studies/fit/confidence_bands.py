@@ -25,27 +25,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import check_number
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.studies.fit.plan import FitPlan, Unknowns
 from antenna_pin.studies.fit.profile_likelihood import Profile
 from antenna_pin.studies.fit.uncertainty import Loss, Noise, ResidualFunctions, Residuals, Sure, cost, sure
-
-__all__ = [
-    "BEYOND_CHANCE",
-    "ParameterBands",
-    "CurveBands",
-    "DOUBT",
-    "WITHHELD",
-    "linear_bands",
-    "band_columns",
-    "parameter_bands",
-    "sampled_bands",
-    "draws",
-    "search_residuals",
-    "profile_columns",
-]
-
-Array = NDArray[np.float64]
 
 # --- bands of curves ----------------------------------------------------------------------------------------
 
@@ -142,15 +126,6 @@ def sampled_bands(
     progress: Callable[[int], None] | None = None,
 ) -> CurveBands:
     """Return bands by runs of the model at values drawn about the best ones.
-
-    Args:
-        problem: Problem of the fit.
-        uncertainty: Uncertainty of the values.
-        count: Draws, each a run of the model [-].
-        seed: Seed of the draws, and of the noise of new measurements.
-        loss: Loss of the fit.
-        loss_scale: Residual from which the loss grows more slowly [-].
-        progress: Called with the number of draws so far.
 
     Raises:
         InvalidParameterError: Nothing can be drawn, or fewer than half of the draws have a run.
@@ -277,13 +252,7 @@ def profile_columns(profiles: Sequence[Profile], unknowns: Unknowns) -> _Columns
 
 
 def band_columns(bands: CurveBands, predicted: xr.Dataset, weights: Array) -> _Columns:
-    """Return curve bands as columns of a fit's dataset, in its rows' units.
-
-    Args:
-        bands: Bands of the weighted residuals, pieces' joints after rows.
-        predicted: Rows of the fit: ``model``, ``data`` and ``noise``.
-        weights: Weights of the rows' residuals, (rows,) [-].
-    """
+    """Return curve bands as columns of a fit's dataset, in its rows' units."""
     count, rows = predicted.sizes["row"], ("row",)
     one = predicted["noise"].values / np.asarray(weights)
     return {
@@ -339,13 +308,7 @@ def parameter_bands(
     given and chi2 is beyond chance, bands are widened as if the residuals gave the size of the noise; far
     beyond chance (:data:`WITHHELD`) there are none.
 
-    Args:
-        plan: The fit's file, with the assumption on the noise.
-        unknowns: Unknowns of the fit.
-        whole: Values with states, (p + h,) [SI].
-        residuals: Residuals at the values, (m,).
-        slopes: Their derivatives by search coordinates, (m, p + h).
-        curves: Index of each residual's curve, (m,).
+    Values with states are (p + h,) [SI], residuals (m,), their slopes by search coordinates (m, p + h).
     """
     end = search_residuals(unknowns, whole, lambda _: residuals, lambda _: slopes)
     p, chi2 = unknowns.count, float(residuals @ residuals)

@@ -7,17 +7,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.readable import number, prefixed, readable
 from antenna_pin.studies.fit.confidence_bands import ParameterBands
 from antenna_pin.studies.fit.problem import Problem
 from antenna_pin.studies.fit.runs import NoRunError
 from antenna_pin.studies.fit.uncertainty import autocorrelation, is_correlated
-
-__all__ = ["recommends_starts", "verdict"]
-
-Array = NDArray[np.float64]
 
 # --- verdict ------------------------------------------------------------------------------------------------
 
@@ -232,12 +228,8 @@ def difference_growth(
 ) -> DifferenceGrowth | None:
     """Return the growth of differences between perturbed runs, or None if small.
 
-    Args:
-        time: Times of the rows [s].
-        below: Readings of a run on one side, over the noise, (columns, rows).
-        here: Readings of the run itself.
-        above: Readings on the other side.
-        reach: Ratio of the perturbation of interest to that of these runs, by extrapolation.
+    Readings, over the noise, are (columns, rows). The result is extrapolated to a perturbation ``reach``
+    times as large.
     """
     if len(time) < 2 * _PARTS:
         return None

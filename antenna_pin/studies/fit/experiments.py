@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.files import absence
 from antenna_pin.base.tables import write_csv
 from antenna_pin.base.units import shown
@@ -32,10 +33,6 @@ from antenna_pin.studies.fit.problem import Problem
 from antenna_pin.studies.fit.record_file import read_columns
 from antenna_pin.studies.fit.run_service import RunService
 from antenna_pin.studies.fit.specs import ColumnSpec, FitParameterSpec, LayoutSpec, names_in
-
-__all__ = ["Experiments", "Trial", "load_experiments", "eliminate"]
-
-Array = NDArray[np.float64]
 
 # Most samples of a synthetic record.
 _MOST = 1_000_000
@@ -163,13 +160,6 @@ class Trial:
     Unknowns of its own, the shift of its clock and the starts of its pieces, are eliminated: residuals that
     they explain give no information.
 
-    Args:
-        plan: The fit's file.
-        name: Name of the experiment, for messages.
-        experiment: Settings of the experiment.
-        values: Values of the fit's parameters, (p,) [SI].
-        service: Factory of the service that makes the runs.
-
     Raises:
         AntennaPinError: Record, scenario, columns or parameters are not valid.
     """
@@ -182,7 +172,6 @@ class Trial:
         values: Array,
         service: Callable[[], RunService] = RunService,
     ) -> None:
-        """Check the experiment."""
         like = next(iter(plan.records)) if experiment.like is None else experiment.like
         if like not in plan.records:
             raise UnknownNameError(f"experiments.{name}.like", "record", like, plan.records)

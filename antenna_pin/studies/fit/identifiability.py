@@ -30,22 +30,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.readable import number
 from antenna_pin.base.rules import AtLeastOne, BetweenZeroAndOne
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.studies.fit.uncertainty import DOUBT, Rank, Residuals, rank_of, student_quantile
-
-__all__ = [
-    "Criterion",
-    "Design",
-    "Identifiable",
-    "Plan",
-    "design",
-    "identifiable",
-    "planned",
-]
-
-Array = NDArray[np.float64]
 
 # --- identifiability ----------------------------------------------------------------------------------------
 
@@ -58,40 +47,24 @@ _POOR = 1.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Identifiable:
-    """Identifiability of parameters from a record, at given values.
+    """Identifiability of parameters from a record, at given values."""
 
-    Attributes:
-        names: Names of the parameters.
-        values: Values, (p,).
-        scale: Typical sizes, (p,).
-        rank: Rank of the Jacobian.
-        error: Expected standard errors by the stated noise, (p,); infinite if unidentifiable.
-        half: Half widths of the expected intervals, (p,).
-        alone: Expected standard errors with all others known, (p,).
-        inflation: Ratio of both errors, (p,) [-].
-        level: Confidence level of the intervals [-].
-        quantile: Half widths over errors [-].
-        singular: Singular values of the Jacobian over the scales, falling, (p,) [-]: the inverse of a value
-            is the standard error along its direction, in scales.
-        directions: Those directions, a row each, (p, p), of length 1 in scales.
-        together: Unidentifiable parameters and combinations as text.
-        hold: Parameters to hold, one of each combination, so that the others are identifiable.
-    """
-
-    names: tuple[str, ...]
-    values: Array
-    scale: Array
-    rank: Rank
-    error: Array
-    half: Array
-    alone: Array
-    inflation: Array
-    level: float
-    quantile: float
+    names: tuple[str, ...]  # names of the parameters
+    values: Array  # values, (p,)
+    scale: Array  # typical sizes, (p,)
+    rank: Rank  # rank of the Jacobian
+    error: Array  # expected standard errors by the stated noise, (p,); infinite if unidentifiable
+    half: Array  # half widths of the expected intervals, (p,)
+    alone: Array  # expected standard errors with all others known, (p,)
+    inflation: Array  # ratio of both errors, (p,) [-]
+    level: float  # confidence level of the intervals [-]
+    quantile: float  # half widths over errors [-]
+    # singular values of the Jacobian over the scales, falling, (p,) [-]: the inverse of a value is the
+    # standard error along its direction, in scales
     singular: Array
-    directions: Array
-    together: tuple[str, ...]
-    hold: tuple[str, ...]
+    directions: Array  # those directions, a row each, (p, p), of length 1 in scales
+    together: tuple[str, ...]  # unidentifiable parameters and combinations as text
+    hold: tuple[str, ...]  # parameters to hold, one of each combination, so that the others are identifiable
 
     @property
     def poor(self) -> tuple[str, ...]:
@@ -175,47 +148,29 @@ _ROUNDS, _NEAR = 20_000, 1e-6
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Design:
-    """Comparison of experiments, each added to the known records.
+    """Comparison of experiments, each added to the known records."""
 
-    Attributes:
-        names: Names of the parameters.
-        scale: Their typical sizes, (p,).
-        experiments: Names of the experiments, the best first.
-        half: Half widths of the expected intervals after each, (e, p); infinite if unidentifiable.
-        before: Half widths before any of them, (p,).
-        criteria: By name the square root of each criterion after each, as a length in scales, (e,): of D the
-            p-th root of the volume, so that all are widths that halve where noise halves.
-        chosen: Criterion of the order.
-        wanted: Parameter of ``c``; "" for all of ``D``, ``A`` and ``E``.
-        level: Confidence level of the intervals [-].
-    """
-
-    names: tuple[str, ...]
-    scale: Array
-    experiments: tuple[str, ...]
-    half: Array
-    before: Array
+    names: tuple[str, ...]  # names of the parameters
+    scale: Array  # their typical sizes, (p,)
+    experiments: tuple[str, ...]  # names of the experiments, the best first
+    half: Array  # half widths of the expected intervals after each, (e, p); infinite if unidentifiable
+    before: Array  # half widths before any of them, (p,)
+    # by name the square root of each criterion after each, as a length in scales, (e,): of D the p-th root of
+    # the volume, so that all are widths that halve where noise halves
     criteria: Mapping[Criterion, Array]
-    chosen: Criterion
-    wanted: str
-    level: float
+    chosen: Criterion  # criterion of the order
+    wanted: str  # parameter of ``c``; "" for all of ``D``, ``A`` and ``E``
+    level: float  # confidence level of the intervals [-]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Plan:
-    """Optimal number of repetitions of each experiment.
+    """Optimal number of repetitions of each experiment."""
 
-    Attributes:
-        experiments: Names, as given.
-        weights: Shares of the total, (e,) [-]; their sum is 1.
-        counts: Whole numbers of repetitions, (e,).
-        gap: Bound of the equivalence theorem on the improvement by the best design, as a share of the
-            criterion [-].
-    """
-
-    experiments: tuple[str, ...]
-    weights: Array
-    counts: NDArray[np.intp]
+    experiments: tuple[str, ...]  # names, as given
+    weights: Array  # shares of the total, (e,) [-]; their sum is 1
+    counts: NDArray[np.intp]  # whole numbers of repetitions, (e,)
+    # bound of the equivalence theorem on the improvement by the best design, as a share of the criterion [-]
     gap: float
 
 
@@ -249,8 +204,7 @@ def design(
         UnknownNameError: The parameter is unknown.
     """
     known_rows = np.zeros((1, len(scale))) if known is None else known
-    place = _parameter_place(criterion, wanted, names)
-    _check(jacobians)
+    place = _parameter_place(criterion, wanted, names, jacobians)
     reach = student_quantile(level, math.inf)
     before, _ = _expected_errors(known_rows, scale, place, doubt)
     found = {
@@ -276,7 +230,12 @@ def design(
     )
 
 
-def _parameter_place(criterion: Criterion, wanted: str | None, names: Sequence[str]) -> int | None:
+def _parameter_place(
+    criterion: Criterion, wanted: str | None, names: Sequence[str], jacobians: Mapping[str, Array]
+) -> int | None:
+    """Return the index of the wanted parameter, or None; refuse no experiment."""
+    if not jacobians:
+        raise InvalidParameterError("fit", "experiments", "one or more", said="none")
     if criterion not in _CRITERIA:
         raise UnknownNameError("fit", "criterion", criterion, _CRITERIA)
     if wanted is None:
@@ -286,11 +245,6 @@ def _parameter_place(criterion: Criterion, wanted: str | None, names: Sequence[s
     if wanted not in names:
         raise UnknownNameError("fit", "parameter", wanted, names)
     return list(names).index(wanted)
-
-
-def _check(jacobians: Mapping[str, Array]) -> None:
-    if not jacobians:
-        raise InvalidParameterError("fit", "experiments", "one or more", said="none")
 
 
 def _expected_errors(
@@ -341,8 +295,7 @@ def planned(
     Raises:
         InvalidParameterError: All experiments together do not identify every parameter.
     """
-    place = _parameter_place(criterion, wanted, names)
-    _check(jacobians)
+    place = _parameter_place(criterion, wanted, names, jacobians)
     parts = np.stack([(rows * scale).T @ (rows * scale) for rows in jacobians.values()])
     have = np.zeros_like(parts[0]) if known is None else (known * scale).T @ (known * scale)
     every = np.vstack([*jacobians.values(), *(() if known is None else (known,))])
@@ -358,48 +311,31 @@ def planned(
     # Scaled by column lengths, so that the information can be inverted.
     weight = np.outer(rank.lengths, rank.lengths)
     parts, have, size = parts / weight, have / weight, 1.0 / rank.lengths
-    weights, gap = _weights(parts, have, total, criterion, place, size)
-    counts = _whole_counts(weights, parts, have, total, criterion, place, size)
-    return Plan(tuple(jacobians), weights, counts, gap)
+    costs = None if criterion == "D" else size**2
+    if criterion == "c":
+        costs = np.where(np.arange(len(size)) == place, size**2, 0.0)
+    weights, gap = _weights(parts, have, total, costs)
+    return Plan(tuple(jacobians), weights, _whole_counts(weights, parts, have, total, costs), gap)
 
 
-def _loss(inverse: Array, criterion: str, place: int | None, size: Array) -> float:
-    """Return the criterion of a covariance, its logarithm of D."""
-    if criterion == "D":
-        sign, value = np.linalg.slogdet(inverse)
-        return float(value) if sign > 0.0 else math.inf
-    if criterion == "A":
-        return float(np.diag(inverse) @ size**2)
-    assert place is not None
-    return float(inverse[place, place] * size[place] ** 2)
+def _loss(inverse: Array, costs: Array | None) -> float:
+    """Return the criterion of a covariance: costs of variances, (p,), or, if None, D's logarithm."""
+    if costs is not None:
+        return float(np.diag(inverse) @ costs)
+    sign, value = np.linalg.slogdet(inverse)
+    return float(value) if sign > 0.0 else math.inf
 
 
-def _gains(
-    inverse: Array, parts: Array, criterion: str, place: int | None, size: Array
-) -> NDArray[np.float64]:
-    """Return the derivative of the criterion by each experiment's weight, (e,), negated."""
-    if criterion == "D":
-        slope = inverse
-    elif criterion == "A":
-        slope = inverse @ np.diag(size**2) @ inverse
-    else:
-        assert place is not None
-        slope = np.outer(inverse[place], inverse[place]) * size[place] ** 2
-    return np.asarray(np.einsum("ij,kji->k", slope, parts))
-
-
-def _weights(
-    parts: Array, have: Array, total: int, criterion: str, place: int | None, size: Array
-) -> tuple[Array, float]:
+def _weights(parts: Array, have: Array, total: int, costs: Array | None) -> tuple[Array, float]:
     weights = np.full(len(parts), 1.0 / len(parts))
     gap = math.inf
     for _ in range(_ROUNDS):
         inverse = np.linalg.inv(have + total * np.einsum("k,kij->ij", weights, parts))
-        gains = total * _gains(inverse, parts, criterion, place, size)
+        slope = inverse if costs is None else inverse @ np.diag(costs) @ inverse
+        gains = total * np.einsum("ij,kji->k", slope, parts)
         mean = float(weights @ gains)
         # The convex criterion lies above its tangent, which bounds its decrease.
-        value = 1.0 if criterion == "D" else _loss(inverse, criterion, place, size)
-        gap = (float(gains.max()) - mean) / (len(have) if criterion == "D" else value)
+        gap = (float(gains.max()) - mean) / (len(have) if costs is None else _loss(inverse, costs))
         if gap <= _NEAR or not mean > 0.0:
             break
         weights = weights * np.sqrt(gains / mean)
@@ -408,7 +344,7 @@ def _weights(
 
 
 def _whole_counts(
-    weights: Array, parts: Array, have: Array, total: int, criterion: str, place: int | None, size: Array
+    weights: Array, parts: Array, have: Array, total: int, costs: Array | None
 ) -> NDArray[np.intp]:
     """Return whole counts near weights, exchanged while the criterion falls."""
     counts = np.floor(total * weights + 1e-9).astype(np.intp)
@@ -419,7 +355,7 @@ def _whole_counts(
         whole = have + np.einsum("k,kij->ij", one.astype(float), parts)
         if not np.linalg.eigvalsh(whole)[0] > 1e-14 * np.trace(whole):
             return math.inf
-        return _loss(np.linalg.inv(whole), criterion, place, size)
+        return _loss(np.linalg.inv(whole), costs)
 
     best = loss(counts)
     while True:

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.state import State
 from antenna_pin.errors import ScenarioError
 from antenna_pin.studies.fit.plan import Unknowns
@@ -30,10 +30,6 @@ from antenna_pin.studies.fit.runs import (
 )
 from antenna_pin.studies.nonlinear import Chart
 from antenna_pin.studies.nonlinear.coordinates import configuration_difference
-
-__all__ = ["ColumnData", "ParameterEstimate", "RecordEstimate", "estimate_starts"]
-
-Array = NDArray[np.float64]
 
 # --- one piece of a record ----------------------------------------------------------------------------------
 
@@ -270,15 +266,6 @@ def estimate_starts(
     place: str,
 ) -> RecordEstimate:
     """Estimate the start states of a record's pieces.
-
-    Args:
-        test: Test of the record, with its pieces.
-        unknowns: Parameters of the fit.
-        own: Indices of the test's values among them.
-        known: Prior estimate of the parameters.
-        curves: Columns of the record.
-        shift: Shift of the clock [s].
-        place: Place of the record, for messages.
 
     Raises:
         ScenarioError: A piece's run does not complete.

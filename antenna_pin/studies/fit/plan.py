@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, model_validator
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.units import shown
 from antenna_pin.errors import OutputError
 from antenna_pin.scenario import Scenario
@@ -29,18 +30,6 @@ from antenna_pin.studies.fit.specs import (
     names_in,
 )
 from antenna_pin.studies.fit.uncertainty import Loss, Noise
-
-__all__ = [
-    "FitPlan",
-    "RecordSpec",
-    "SurfaceSpec",
-    "Unknowns",
-    "load_fit",
-    "record_place",
-    "parameter_size",
-]
-
-Array = NDArray[np.float64]
 
 #: Numbers of a record: ``records.NAME.clock_shift``, ``records.NAME.columns.COLUMN.gain``.
 _OF_RECORD = re.compile(r"records\.([^.]+)\.(?:(clock_shift)|columns\.([^.]+)\.(gain|offset))")
@@ -122,15 +111,9 @@ class _StartsSpec(Spec):
         seed: Seed of the scrambling [-].
     """
 
-    count: Annotated[int, BeforeValidator(Count(2, 1_000_000).read)]
+    count: Annotated[int, BeforeValidator(Count(2, 1_000_000, power=True).read)]
     keep: Annotated[int, BeforeValidator(Count(1, 10_000).read)] = 4
     seed: Annotated[int, BeforeValidator(Count(0, 2**62).read)] = 0
-
-    @model_validator(mode="after")
-    def _check_count(self) -> Self:
-        if self.count & (self.count - 1):
-            refuse(f"must be a power of two, got {self.count}", "count")
-        return self
 
 
 class SurfaceSpec(Spec):
@@ -143,16 +126,10 @@ class SurfaceSpec(Spec):
         seed: Seed of the points [-].
     """
 
-    runs: Annotated[int, BeforeValidator(Count(16, 1_000_000).read)] = 64
+    runs: Annotated[int, BeforeValidator(Count(16, 1_000_000, power=True).read)] = 64
     width: Annotated[float, QuantityRule("1", "positive")] = 0.3
     rounds: Annotated[int, BeforeValidator(Count(1, 1000).read)] = 8
     seed: Annotated[int, BeforeValidator(Count(0, 2**62).read)] = 0
-
-    @model_validator(mode="after")
-    def _check_runs(self) -> Self:
-        if self.runs & (self.runs - 1):
-            refuse(f"must be a power of two, got {self.runs}", "runs")
-        return self
 
 
 class FitPlan(RunsFile):
@@ -344,7 +321,8 @@ class FitPlan(RunsFile):
 
     def check_output(self, path: Path) -> None:
         """Raise an OutputError for an output path that the fit reads from."""
-        read = [self.scenario, *(one.file for one in self.records.values())]
+        records = {**self.records, **self.validation}
+        read = [self.scenario, *(one.file for one in records.values())]
         for name in read:
             there = self.folder / os.path.expanduser(name)
             if there.is_file() and path.exists() and path.samefile(there):

@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.parameters import LARGEST
 from antenna_pin.base.units import unit_factor
 from antenna_pin.errors import AntennaPinError, ScenarioError
@@ -33,13 +34,6 @@ from antenna_pin.studies.fit.sensors import (
 )
 from antenna_pin.studies.fit.specs import ColumnSpec, evaluate
 from antenna_pin.studies.sweep.design import put_value
-
-__all__ = [
-    "PreparedRecords",
-    "prepare_records",
-]
-
-Array = NDArray[np.float64]
 
 # --- measured records ---------------------------------------------------------------------------------------
 
@@ -197,15 +191,7 @@ class PreparedRecords:
     notes: tuple[str, ...]  # oddities of the records, a line each
 
     def check_span(self, record: str, least: float, most: float, span: float, windowed: bool) -> None:
-        """Refuse rows before a run's start or after its end.
-
-        Args:
-            record: Name of the record.
-            least: Smallest shift of its clock [s].
-            most: Largest shift [s].
-            span: Duration of the run [s].
-            windowed: True if a window of it is given, which may be of any length.
-        """
+        """Refuse rows before a run's start or after its end."""
         test = next(one for one in self.record_tests if one.name == record)
         first, last = float(test.time[0]) + least, float(test.time[-1]) + most
         where = f"{self.place}: records.{record}"

@@ -10,9 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario import Scenario
 from antenna_pin.studies.fit.plan import FitPlan, Unknowns
@@ -20,10 +21,6 @@ from antenna_pin.studies.fit.preparation import PreparedRecords, prepare_records
 from antenna_pin.studies.fit.residuals import ResidualRows
 from antenna_pin.studies.fit.run_service import RunService
 from antenna_pin.studies.fit.runs import NoRunError, Readings, RunRequest, scenario_with
-
-__all__ = ["Problem"]
-
-Array = NDArray[np.float64]
 
 # --- derivatives of residuals by unknowns -------------------------------------------------------------------
 
@@ -165,7 +162,6 @@ class Problem:
 
     @takes()
     def __init__(self, plan: FitPlan, service: RunService | None = None) -> None:
-        """Read and check all."""
         self.plan = plan
         self._prepared: PreparedRecords = prepare_records(plan)
         self.service = service or RunService()

@@ -23,16 +23,12 @@ from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.readable import number, prefixed
 from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.studies.fit.uncertainty import DOUBT, Loss, Residuals, Sure, cost
-
-__all__ = ["Profile", "interval_text", "profile_interval", "profile_lines", "profiles"]
-
-Array = NDArray[np.float64]
 
 _End = Literal["crossed", "bounded", "open", "stopped"]
 """How a side of an interval ends: where the loss is too high; at a bound of the parameter; nowhere, as far as
@@ -50,29 +46,19 @@ _NEAR = 1e-3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Profile:
-    """Profile of one parameter.
+    """Profile of one parameter."""
 
-    Attributes:
-        name: Name of the parameter.
-        values: Values at which it was held, rising, (n,), the best among them.
-        root: Signed root tau of the growth of the loss, (n,) [-].
-        others: All parameters there, (n, p).
-        low: Lower end of the interval; minus infinity if open, the bound if bounded, the last value with a
-            run if stopped.
-        high: Upper end, likewise.
-        ends: Kinds of both ends.
-        threshold: Size of tau at the ends [-].
-        better: Values of a lower loss than that of the fit, (p,), from which to fit again, or None.
-    """
-
-    name: str
-    values: Array
-    root: Array
-    others: Array
+    name: str  # name of the parameter
+    values: Array  # values at which it was held, rising, (n,), the best among them
+    root: Array  # signed root tau of the growth of the loss, (n,) [-]
+    others: Array  # all parameters there, (n, p)
+    # lower end of the interval; minus infinity if open, the bound if bounded, the last value with a run if
+    # stopped
     low: float
-    high: float
-    ends: tuple[_End, _End]
-    threshold: float
+    high: float  # upper end, likewise
+    ends: tuple[_End, _End]  # kinds of both ends
+    threshold: float  # size of tau at the ends [-]
+    # values of a lower loss than that of the fit, (p,), from which to fit again, or None
     better: Array | None
 
 

@@ -20,8 +20,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.capacity import free_memory
 from antenna_pin.base.files import absence, marked_encoding
 from antenna_pin.base.readable import decimal_in
@@ -30,10 +30,6 @@ from antenna_pin.base.units import shown, unit_factor
 from antenna_pin.errors import MissingToolError, ScenarioError, UnknownNameError
 from antenna_pin.studies.fit.specs import LayoutSpec
 from antenna_pin.trajectory.file import load_dataset, open_hdf5
-
-__all__ = ["read_columns"]
-
-Array = NDArray[np.float64]
 
 # --- text files ---------------------------------------------------------------------------------------------
 
@@ -351,12 +347,6 @@ class _Columns(NamedTuple):
 
 def read_columns(path: Path, names: Sequence[str], layout: LayoutSpec, place: str) -> _Columns:
     """Return times and columns of a record's file, all of one length.
-
-    Args:
-        path: The file.
-        names: Names of the columns to read beside the times.
-        layout: Layout of the file.
-        place: Place of the file's name, for messages.
 
     Raises:
         ScenarioError: The file is missing or unreadable, or a column holds other than numbers.

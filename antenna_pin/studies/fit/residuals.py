@@ -9,14 +9,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.studies.fit.plan import FitPlan, record_place
 from antenna_pin.studies.fit.preparation import PreparedRecords
 from antenna_pin.studies.fit.runs import NoRunError, Readings, RecordTest
 from antenna_pin.studies.fit.sensors import Target, compared_numbers, compared_slopes
-
-__all__ = ["ResidualRows"]
-
-Array = NDArray[np.float64]
 
 _Indices = NDArray[np.int_]
 
@@ -31,15 +28,9 @@ class _RecordNumber(NamedTuple):
 
 
 class ResidualRows:
-    """Residuals of all records from the readings of their runs.
-
-    Attributes:
-        numbers: Parameters that are numbers of records.
-        tie: Factor of the joints' weights: less than 1 early in a search.
-    """
+    """Residuals of all records from the readings of their runs."""
 
     def __init__(self, plan: FitPlan, records: PreparedRecords) -> None:
-        """Collect the parameters that are numbers of records."""
         self._plan, self._prepared, self.tie = plan, records, 1.0
         order = {name: r for r, name in enumerate(plan.records)}
         self.numbers = tuple(
@@ -137,13 +128,7 @@ class ResidualRows:
         return {name: (times[name], np.array(rows)) for name, rows in curves.items()}
 
     def slopes(self, whole: Array, readings: Sequence[Readings], fitted: Sequence[_Indices]) -> Array:
-        """Return the derivatives of :meth:`residuals` by values with states, (m, p + h).
-
-        Args:
-            whole: Values with states, (p + h,) [SI].
-            readings: Readings of the runs, with derivatives.
-            fitted: Per run, indices of its fitted numbers and its start among the unknowns.
-        """
+        """Return the derivatives of :meth:`residuals` by values with states, (m, p + h)."""
         parts, joints, at = [], [], 0
         for r, test, pieces in self.by_record(readings):
             own = fitted[at : at + len(pieces)]

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy import stats
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.files import check_writable, replacing
 from antenna_pin.base.readable import brief, number, prefixed
 from antenna_pin.errors import UnknownNameError
@@ -28,16 +28,6 @@ from antenna_pin.studies.fit.specs import evaluate
 from antenna_pin.studies.fit.uncertainty import student_quantile
 from antenna_pin.studies.sweep import Executor
 from antenna_pin.trajectory import open_table, save_table, table_attributes
-
-__all__ = [
-    "Fit",
-    "Search",
-    "Validation",
-    "ValidationResult",
-    "open_fit",
-]
-
-Array = NDArray[np.float64]
 
 # --- validation ---------------------------------------------------------------------------------------------
 
@@ -69,7 +59,6 @@ class Validation:
     """Records for validation, read and checked."""
 
     def __init__(self, plan: FitPlan, executor: Executor | None = None) -> None:
-        """Read and check the records."""
         other = plan.unfitted()
         self._problem = None if other is None else Problem(other, RunService(executor))
 
@@ -106,39 +95,24 @@ class Search(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Fit:
-    """Result of a fit.
-
-    Attributes:
-        problem: Problem of the fit.
-        values: Values of the parameters, (p,) [SI].
-        states: Coordinates of the pieces' starts, (h,), in error scales.
-        bands: Uncertainty of the values.
-        residuals: (m,) [-].
-        slopes: Their derivatives by the values, (m, p).
-        converged: True if the search converged.
-        message: End of the search, as text.
-        evaluations: Evaluations by steps of all searches.
-        searches: All searches, the best first.
-        validation: Records that were not fitted, beside the model.
-        verdict: Objections to the fit as a whole, with their likely causes, a line each; () if none.
-        notes: Further notes, a line each.
-    """
+    """Result of a fit."""
 
     __repr__ = brief
 
-    problem: Problem
-    values: Array
-    states: Array
-    bands: ParameterBands
-    residuals: Array
-    slopes: Array
-    converged: bool
-    message: str
-    evaluations: int
-    searches: tuple[Search, ...]
-    validation: tuple[ValidationResult, ...] = ()
+    problem: Problem  # problem of the fit
+    values: Array  # values of the parameters, (p,) [SI]
+    states: Array  # coordinates of the pieces' starts, (h,), in error scales
+    bands: ParameterBands  # uncertainty of the values
+    residuals: Array  # (m,) [-]
+    slopes: Array  # their derivatives by the values, (m, p)
+    converged: bool  # true if the search converged
+    message: str  # end of the search, as text
+    evaluations: int  # evaluations by steps of all searches
+    searches: tuple[Search, ...]  # all searches, the best first
+    validation: tuple[ValidationResult, ...] = ()  # records that were not fitted, beside the model
+    # objections to the fit as a whole, with their likely causes, a line each; () if none
     verdict: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()  # further notes, a line each
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -290,12 +264,8 @@ class Fit:
         found = xr.Dataset(
             {
                 "value": (over, self.values),
-                "start": (over, unknowns.start),
-                "lower": (over, unknowns.lower),
-                "upper": (over, unknowns.upper),
-                "sd": (over, bands.sd),
-                "low": (over, bands.low),
-                "high": (over, bands.high),
+                **{name: (over, getattr(unknowns, name)) for name in ("start", "lower", "upper")},
+                **{name: (over, getattr(bands, name)) for name in ("sd", "low", "high")},
                 "logarithmic": (over, unknowns.logarithmic.astype(float)),
                 "units": (over, list(unknowns.units)),
                 "title": (over, list(unknowns.titles)),
@@ -349,11 +319,7 @@ class Fit:
 
 @takes()
 def open_fit(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return a saved fit.
-
-    Raises:
-        FileFormatError: The file is of another kind, damaged, or missing.
-    """
+    """Return a saved fit."""
     return open_table(path, "fit")
 
 

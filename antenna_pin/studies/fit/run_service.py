@@ -10,14 +10,13 @@ from __future__ import annotations
 
 import functools
 import hashlib
-import json
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import few
 from antenna_pin.base.state import State
 from antenna_pin.run.simulation.inputs import check_without_controllers
@@ -40,22 +39,16 @@ from antenna_pin.studies.fit.runs import (
     sensor_readings,
 )
 from antenna_pin.studies.fit.sensors import sample_times
-from antenna_pin.studies.nonlinear.chart import Chart, StatePerturbation
+from antenna_pin.studies.nonlinear.chart import Chart
 from antenna_pin.studies.nonlinear.coordinates import Lift, Units
-from antenna_pin.studies.nonlinear.perturbed_system import ParameterSlopes
 from antenna_pin.studies.nonlinear.variational import TangentPropagation
-from antenna_pin.studies.sensitivity import GrazeError, SensitivityError
+from antenna_pin.studies.sensitivity import SensitivityError
+from antenna_pin.studies.sensitivity.forward_sensitivity import ParameterTangents
+from antenna_pin.studies.sensitivity.tangent_run import check_finite
 from antenna_pin.studies.sweep import Executor, Here
 from antenna_pin.studies.sweep.executor import Lost
-from antenna_pin.studies.sweep.journal import Journal, open_journal
+from antenna_pin.studies.sweep.journal import Parts, scenario_content
 from antenna_pin.trajectory import library_versions
-
-__all__ = [
-    "RunService",
-    "RunStore",
-]
-
-Array = NDArray[np.float64]
 
 # --- derivatives by the variational equation ----------------------------------------------------------------
 
@@ -79,12 +72,12 @@ class _TangentSamples(NamedTuple):
 def _readings_with_slopes(test: RecordTest, request: RunRequest) -> tuple[Readings, ...]:
     """Return readings of runs with derivatives, or reasons for their absence."""
     try:
-        return _ForwardSensitivity(test, request).readings()
+        return _ReadingSensitivity(test, request).readings()
     except Exception as error:
         return tuple(failed_readings(failure_reason(error)) for _ in request.starts)
 
 
-class _ForwardSensitivity:
+class _ReadingSensitivity:
     """Test of a record at one set of values, with perturbations of each."""
 
     def __init__(self, test: RecordTest, request: RunRequest) -> None:
@@ -95,10 +88,7 @@ class _ForwardSensitivity:
         self._scales = np.fmax(np.abs(request.values), test.sizes)
         names = [keys[0] if keys else name for keys, name in zip(test.keys, test.names, strict=True)]
         builds = [functools.partial(self._system, k) for k in range(self._count)]
-        self._next = StatePerturbation(system, self._count)
-        self._numbers = ParameterSlopes(system, builds, names)
-        # A perturbed run begins with its own numbers of elements; their memory is perturbed separately.
-        self._numbers.slopes["program"][:, self._next.memory.words] = 0.0
+        self._tangents = ParameterTangents(system, builds, names)
 
     def _neighbour(self, k: int, s: float) -> PreparedScenario:
         """Return the test with one parameter shifted by s sizes."""
@@ -135,25 +125,10 @@ class _ForwardSensitivity:
         numbers = [functools.partial(of_number, k) for k in range(self._count)]
         return [*numbers, *(functools.partial(of_start, i) for i in range(len(at)))]
 
-    def _apart(self, here: State, there: State) -> Array:
-        """Return the perturbation of a first state, without that of a parameter itself."""
-        found = self._next.between(here, there)
-        if found is None:
-            raise GrazeError("other contacts touch where a neighbour starts", here.time)
-        return found
-
     def _carried(self, piece: int, at: Array, times: Array, until: float) -> tuple[_TangentSamples, State]:
         """Return perturbed states of a piece at times and its end, and its start."""
         first = self._start_state(self._here, piece, at)
-        neighbours = self._neighbours(piece, at)
-
-        def apart(there: Callable[[float], State], s: float) -> Array:
-            return self._apart(first, there(s))
-
-        columns = [_slope(functools.partial(apart, one)) for one in neighbours]
-        # A start without unknowns has no columns.
-        ways = np.column_stack(columns) if columns else np.zeros((self._next.parts[-1].stop, 0))
-        ways[self._next.parts[-3], : self._count] = np.eye(self._count)
+        ways = self._tangents.of_start(first, self._neighbours(piece, at))
 
         def start(lift: Lift) -> Array:
             return np.asarray(lift.down @ ways)
@@ -162,12 +137,7 @@ class _ForwardSensitivity:
 
         def see(carrier: TangentPropagation, time: float, y: Array, ways: Array) -> None:
             field = carrier.field
-            if not np.isfinite(ways).all():
-                when = max((one.time for one in carrier.event_shifts if one.time <= time), default=time)
-                said = (
-                    "a contact or an event comes with no speed, or blows that feel each other come together"
-                )
-                raise GrazeError(f"at {when:.9g} s {said}", when)
+            check_finite(carrier, time, ways)
             words = np.zeros((0, 0)) if field.numbers is None else field.numbers.program.copy()
             memory, program = field.workspace.memory.copy(), field.workspace.program.copy()
             seen.append((time, y.copy(), memory, program, ways.copy(), words))
@@ -176,7 +146,7 @@ class _ForwardSensitivity:
         frame = Chart(flow.system, first).frame
         looks = np.unique(np.append(times[times >= first.time], until)).tolist()
         flow.propagate(
-            first, until - first.time, frame, start, numbers=self._numbers, looks=looks, on_look=see
+            first, until - first.time, frame, start, numbers=self._tangents.numbers, looks=looks, on_look=see
         )
         when, states, memories, programs, found, words = zip(*seen, strict=True)
         chunk = Chunk(np.array(when), np.array(states), np.array(memories), list(programs))
@@ -187,12 +157,12 @@ class _ForwardSensitivity:
         number = column < self._count
         there = self._at(column, s).system if number else self._here.system
         words = s * carried.words[:, column] if number else np.zeros((1, 1))
-        return self._next.states(carried.chunk, s * carried.ways[..., column], words, there)
+        return self._tangents.perturbation.states(carried.chunk, s * carried.ways[..., column], words, there)
 
     def _step(self, carried: _TangentSamples, column: int) -> float:
         """Return the step of readings along a perturbation."""
         units = Units.of(self._here.system)
-        way, rate = self._next.parts[:2]
+        way, rate = self._tangents.perturbation.parts[:2]
         sizes = [
             np.abs(carried.ways[:, part, column]) / unit
             for part, unit in ((way, units.position), (rate, units.rate))
@@ -279,11 +249,11 @@ class _ForwardSensitivity:
             return np.zeros(0), np.zeros((0, self._count + len(at)))
         begun, origin = self._test.begun, self._test.origins[piece - 1]
 
-        def lead(there: Callable[[float], State], s: float) -> Array:
-            found = there(s)
+        def lead(there: Callable[[float], State], j: int) -> Array:
+            found = there(j * _START)
             return difference_from_origin(begun, origin, found.q, found.v)
 
-        columns = [_slope(functools.partial(lead, one)) for one in self._neighbours(piece, at)]
+        columns = [few(functools.partial(lead, one), _START)[0] for one in self._neighbours(piece, at)]
         return difference_from_origin(begun, origin, start.q, start.v), np.column_stack(columns)
 
     def _clock(self, piece: int, at: Array, rows: Array) -> tuple[Array, ...]:
@@ -301,11 +271,6 @@ class _ForwardSensitivity:
         return tuple(_fourth(np.split(one, 4), h) for one in read)
 
 
-def _slope(function: Callable[[float], Array]) -> Array:
-    """Return a derivative at zero, of sixth order or as good."""
-    return few(lambda j: function(j * _START), _START)[0]
-
-
 def _fourth(values: Sequence[Array], h: float) -> Array:
     """Return a derivative of fourth order from values at h, -h, 2h and -2h."""
     ahead, behind, farther, farthest = values
@@ -314,8 +279,9 @@ def _fourth(values: Sequence[Array], h: float) -> Array:
 
 # --- store of runs on the disk ------------------------------------------------------------------------------
 
-_SUFFIX = ".parts"
 _FORM = 3  # of a line
+# Keys of a column that no reading depends on.
+_OF_COMPARISON = "gain offset sd weight compare spectrum blows column unit".split()
 
 
 class RunStore:
@@ -329,45 +295,32 @@ class RunStore:
     """
 
     def __init__(self, target: Path) -> None:
-        """Derive the folder from the path of the fit's result."""
-        self.folder = target.with_name(target.name + _SUFFIX)
+        self._target, self._parts = target, Parts(None, dict, "fit")
         self._entries: dict[tuple[Any, ...], dict[str, Any]] = {}
-        self._journal: Journal | None = None
-        self._next = 0
 
     def open(self, plan: FitPlan, record_tests: tuple[RecordTest, ...]) -> None:
         """Begin a fit's store, or continue it."""
-        entries, self._journal = open_journal(self.folder, _identity(plan, record_tests), "fit")
-        self._entries = {_key(entry["asked"]): entry for entry in entries.values()}
-        self._next = max(entries, default=-1) + 1
+        self._parts = Parts(self._target, lambda: _identity(plan, record_tests), "fit")
+        self._entries = {_key(entry["asked"]): entry for entry in self._parts.entries.values()}
 
     def read(self, request: RunRequest) -> tuple[Readings, ...] | None:
         """Return stored readings of runs, or None."""
         entry = self._entries.get(_key(request))
-        if entry is None:
-            return None
-        return tuple(_readings(one) for one in entry["found"])
+        return None if entry is None else tuple(_readings(one) for one in entry["found"])
 
     def write(self, request: RunRequest, readings: Sequence[Readings]) -> None:
         """Store the readings of runs."""
-        entry = {"run": self._next, "asked": list(request), "found": [_as_lists(one) for one in readings]}
-        if self._journal is not None:
-            self._journal.add(entry)
-        self._entries[_key(request)] = entry
-        self._next += 1
+        number, found = next(reversed(self._parts.entries), -1) + 1, [_as_lists(one) for one in readings]
+        self._entries[_key(request)] = entry = {"run": number, "asked": list(request), "found": found}
+        self._parts.add(entry)
 
     def close(self) -> None:
         """Flush and release the store."""
-        if self._journal is not None:
-            self._journal.close()
-            self._journal = None
+        self._parts.close()
 
     def remove(self) -> None:
         """Remove the folder of a saved fit."""
-        self.close()
-        for name in ("journal", "fit.json", ".lock"):
-            (self.folder / name).unlink(missing_ok=True)
-        self.folder.rmdir()
+        self._parts.remove()
 
 
 def _as_lists(readings: Readings) -> dict[str, Any]:
@@ -413,22 +366,11 @@ def _identity(plan: FitPlan, record_tests: tuple[RecordTest, ...]) -> dict[str, 
     """Return all that readings depend on, as JSON types."""
     records = {}
     for test in record_tests:
-        scenario = json.loads(test.scenario)
-        for name in ("name", "folder", "overrides", "description"):
-            scenario.pop(name, None)
+        scenario = scenario_content(test.scenario)
+        scenario.pop("name", None)
         columns = {name: one.model_dump(mode="json") for name, one in test.columns.items()}
         for one in columns.values():
-            for number in (
-                "gain",
-                "offset",
-                "sd",
-                "weight",
-                "compare",
-                "spectrum",
-                "blows",
-                "column",
-                "unit",
-            ):
+            for number in _OF_COMPARISON:
                 one.pop(number)
         time = hashlib.sha256(test.time.tobytes()).hexdigest()
         made_of = [scenario, test.keys, test.units, test.derived]
@@ -454,11 +396,6 @@ class RunService:
 
     A repeated search requests the same runs in the same order; stored runs are not made again, so that an
     interrupted search continues bit for bit.
-
-    Args:
-        executor: Executor of the runs: this process by default, or a cluster.
-        store: Store of the runs on disk; none by default.
-        progress: Called with the number of runs after each run.
     """
 
     def __init__(
@@ -467,7 +404,6 @@ class RunService:
         store: RunStore | None = None,
         progress: Callable[[int], None] | None = None,
     ) -> None:
-        """Begin without tests."""
         self.executor, self.store, self.progress = executor or Here(), store, progress
         self.made = 0
         #: Reports on unbalanced energy or momentum, one entry a run.

@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.interruption import interruptible, is_interruption, uninterrupted
 from antenna_pin.base.state import OpenContact, State
 from antenna_pin.dynamics import System, contact_memory
@@ -34,31 +34,6 @@ from antenna_pin.studies.nonlinear import Chart, Flow
 from antenna_pin.studies.nonlinear.coordinates import configuration_difference
 from antenna_pin.studies.sweep.design import put_value
 from antenna_pin.trajectory import ENDED_WELL
-
-__all__ = [
-    "RunRequest",
-    "PreparedScenario",
-    "NoRunError",
-    "RunSamples",
-    "Readings",
-    "RecordTest",
-    "ReadingSlopes",
-    "prepared_scenario",
-    "difference_from_origin",
-    "piece_times",
-    "make_runs",
-    "failed_readings",
-    "piece_start",
-    "failure_reason",
-    "piece_rows",
-    "scenario_with",
-    "sensor_readings",
-    "with_contacts",
-    "piece_end",
-    "start_size",
-]
-
-Array = NDArray[np.float64]
 
 # --- a scenario set up once ---------------------------------------------------------------------------------
 
@@ -78,7 +53,6 @@ class PreparedScenario:
     """Scenario with its system, built once."""
 
     def __init__(self, scenario: Scenario) -> None:
-        """Build the system."""
         self.scenario, self.system = scenario, build_system(scenario)
         self._latest: Run | None = None
 
@@ -401,12 +375,6 @@ def sensor_readings(
     """Return the readings of some runs, by run and sensor.
 
     All runs are read at once, as reading takes longer than a short run.
-
-    Args:
-        test: Test with the sensors.
-        bench: Scenario with the system of the runs.
-        rows: Rows of each run, by the run's clock [s].
-        chunks: Samples of each run, at the times that its sensors need and others.
     """
     read: list[list[Array]] = [[] for _ in rows]
     if not rows:

@@ -29,9 +29,9 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.files import check_writable
 from antenna_pin.base.readable import number
 from antenna_pin.errors import InvalidParameterError, MissingToolError
@@ -50,10 +50,6 @@ from antenna_pin.studies.fit.run_service import RunService, RunStore
 from antenna_pin.studies.fit.runs import NoRunError
 from antenna_pin.studies.fit.uncertainty import cost, is_correlated
 from antenna_pin.studies.sweep import Executor
-
-__all__ = ["ResponseSurface", "fit_by_surface", "run_fit"]
-
-Array = NDArray[np.float64]
 
 # --- search by response surfaces ----------------------------------------------------------------------------
 

@@ -39,29 +39,12 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_banded
 
 from antenna_pin.analysis import joint_loads, mechanism_of, quantity
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.directions import unit as along
 from antenna_pin.base.units import quantity as in_si
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
 from antenna_pin.mechanism import link_motion
 from antenna_pin.studies.fit.specs import BlowsSpec, ColumnSpec, SpectrumSpec
-
-__all__ = [
-    "Target",
-    "si_amount",
-    "check_sensor",
-    "compared_numbers",
-    "filter_response",
-    "input_of_acceleration",
-    "input_of_values",
-    "sample_times",
-    "reading_noise",
-    "reading",
-    "compared_slopes",
-    "comparison_target",
-    "sensor_unit",
-]
-
-Array = NDArray[np.float64]
 
 # --- low-pass filters ---------------------------------------------------------------------------------------
 
@@ -255,12 +238,8 @@ def sample_times(column: ColumnSpec, time: Array) -> Array:
 def reading(data: xr.Dataset, column: ColumnSpec, unit: str, time: Array) -> Array:
     """Return a sensor's readings at times, (n,), before gain and offset.
 
-    Args:
-        data: Result of a run at the :func:`sample_times`; behind a filter further samples in between, such as
-            those at events, count too.
-        column: Settings of the sensor.
-        unit: SI unit of the reading.
-        time: Times of the readings [s].
+    The result is of a run at the :func:`sample_times`; behind a filter further samples in between, such as
+    those at events, count too.
     """
     if column.filter is None:
         return _unfiltered(data, column, unit)
@@ -353,13 +332,6 @@ class Target(NamedTuple):
 def comparison_target(column: ColumnSpec, unit: str, time: Array, values: Array, place: str) -> Target:
     """Return the data of a record's column for comparison.
 
-    Args:
-        column: Settings of the column.
-        unit: SI unit of the reading.
-        time: Times of the rows [s].
-        values: Measured values, (rows,).
-        place: Place of the column, for messages.
-
     Raises:
         ScenarioError: The record is too short for its segments, has no power in a band, or no impacts.
     """
@@ -410,12 +382,6 @@ def compared_slopes(column: ColumnSpec, time: Array, values: Array, slopes: Arra
     """Return the derivatives of :func:`compared_numbers` over a curve, (numbers, fitted).
 
     Impacts, which are detected again in each run, have none.
-
-    Args:
-        column: Settings of the column.
-        time: Times of the rows [s].
-        values: Values of the model, (rows,).
-        slopes: Their derivatives, (rows, fitted).
     """
     assert column.blows is None
     if column.compare == "rms":

@@ -17,18 +17,6 @@ from antenna_pin.base.units import any_quantity, shown
 from antenna_pin.scenario.parameters import AnyQuantity, KeysSpec
 from antenna_pin.scenario.spec import Count, QuantityRule, Spec, refuse
 
-__all__ = [
-    "BlowsSpec",
-    "ColumnSpec",
-    "DerivedSpec",
-    "FitParameterSpec",
-    "LayoutSpec",
-    "SpectrumSpec",
-    "evaluate",
-    "names_in",
-]
-
-
 # --- columns of a record ------------------------------------------------------------------------------------
 
 

@@ -30,29 +30,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import check_number, takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.rules import BetweenZeroAndOne
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
-
-__all__ = [
-    "DOUBT",
-    "LOSSES",
-    "Loss",
-    "Noise",
-    "Rank",
-    "ResidualFunctions",
-    "Residuals",
-    "Sure",
-    "cost",
-    "curvature",
-    "is_correlated",
-    "influence",
-    "autocorrelation",
-    "rank_of",
-    "student_quantile",
-    "sure",
-]
-
-Array = NDArray[np.float64]
 
 # --- losses -------------------------------------------------------------------------------------------------
 
@@ -133,11 +113,6 @@ def rank_of(jacobian: Array, scale: Array, doubt: float = DOUBT) -> Rank:
     A direction is unidentifiable if its effect on the record is within the error of the Jacobian itself: a
     singular value below ``doubt`` times the root of the number of parameters, of columns of length 1. A
     parameter has no influence if one scale of it has less than ``doubt`` squared of the largest effect.
-
-    Args:
-        jacobian: Derivatives of the weighted residuals, (m, p).
-        scale: Typical size of each parameter, (p,).
-        doubt: Relative error of its columns [-].
 
     Raises:
         InvalidParameterError: The Jacobian is not finite, or has another shape.
@@ -243,45 +218,29 @@ class ResidualFunctions:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sure:
-    """Uncertainty of a fit's values.
+    """Uncertainty of a fit's values."""
 
-    Attributes:
-        names: Names of the parameters.
-        values: Values, (p,).
-        covariance: Covariance of the values, (p, p); infinite on the diagonal if unidentifiable, NaN beside
-            it, and zero at a bound.
-        error: Standard errors, (p,).
-        correlation: (p, p) [-]; NaN if unidentifiable or at a bound.
-        low: Lower ends of the intervals, (p,).
-        high: Upper ends, (p,).
-        level: Confidence level of the intervals [-].
-        held: True for a value held by a bound, (p,); the others' uncertainty takes it as known.
-        rank: Rank of the Jacobian of the others.
-        direction_covariance: Covariance along ``rank.identified``, (rank, rank).
-        freedom: Residuals less parameters [-].
-        factor: Variance phi of a weighted residual [-].
-        stretch: Ratio of a variance to that by phi and the curvature of the loss alone, (p,) [-]: 1 for
-            independent residuals and a linear loss.
-        chi_squared: Sum of the squares of the weighted residuals [-].
-        noise: Assumption on the noise.
-    """
-
-    names: tuple[str, ...]
-    values: Array
+    names: tuple[str, ...]  # names of the parameters
+    values: Array  # values, (p,)
+    # covariance of the values, (p, p); infinite on the diagonal if unidentifiable, NaN beside it, and zero at
+    # a bound
     covariance: Array
-    error: Array
-    correlation: Array
-    low: Array
-    high: Array
-    level: float
+    error: Array  # standard errors, (p,)
+    correlation: Array  # (p, p) [-]; NaN if unidentifiable or at a bound
+    low: Array  # lower ends of the intervals, (p,)
+    high: Array  # upper ends, (p,)
+    level: float  # confidence level of the intervals [-]
+    # true for a value held by a bound, (p,); the others' uncertainty takes it as known
     held: NDArray[np.bool_]
-    rank: Rank
-    direction_covariance: Array
-    freedom: int
-    factor: float
+    rank: Rank  # rank of the Jacobian of the others
+    direction_covariance: Array  # covariance along ``rank.identified``, (rank, rank)
+    freedom: int  # residuals less parameters [-]
+    factor: float  # variance phi of a weighted residual [-]
+    # ratio of a variance to that by phi and the curvature of the loss alone, (p,) [-]: 1 for independent
+    # residuals and a linear loss
     stretch: Array
-    chi_squared: float
-    noise: Noise
+    chi_squared: float  # sum of the squares of the weighted residuals [-]
+    noise: Noise  # assumption on the noise
 
     @property
     def quantile(self) -> float:

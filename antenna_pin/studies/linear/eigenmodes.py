@@ -11,12 +11,8 @@ from scipy.linalg import eig, eigh, null_space
 from scipy.optimize import linear_sum_assignment
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array, Complex
 from antenna_pin.studies.linear.linearisation import Linearisation
-
-__all__ = ["Eigen", "Kind", "solve"]
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 Kind = Literal["rigid", "free", "elastic", "unstable"]
 """A motion of all as one rigid body, one that nothing resists, a vibration, one that runs away."""
@@ -29,22 +25,16 @@ _ZERO = 1e-7
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Eigen:
-    """Eigenvalues and shapes.
+    """Eigenvalues and shapes."""
 
-    Attributes:
-        frequency: Undamped, in rising order; 0 where nothing resists or where it runs away, (n,) [rad/s].
-        kind: Of each mode, (n,).
-        shape: In the directions left free, to unit modal mass, (k, n); complex about a state that moves.
-        roots: The two eigenvalues of each mode with damping and friction, (n, 2) [1/s]; NaN where the damped
-            motion has no pair for it.
-        others: Eigenvalues with damping that no mode has: of bristles, and of what is left.
-    """
-
-    frequency: Array
-    kind: tuple[Kind, ...]
+    frequency: Array  # undamped, in rising order; 0 where nothing resists or where it runs away, (n,) [rad/s]
+    kind: tuple[Kind, ...]  # of each mode, (n,)
+    # in the directions left free, to unit modal mass, (k, n); complex about a state that moves
     shape: Complex
+    # the two eigenvalues of each mode with damping and friction, (n, 2) [1/s]; NaN where the damped motion
+    # has no pair for it
     roots: Complex
-    others: Complex
+    others: Complex  # eigenvalues with damping that no mode has: of bristles, and of what is left
 
     @property
     def modulus(self) -> Array:

@@ -10,6 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import STEPS, gradient
 from antenna_pin.base.records import CONTACT, POSE
 from antenna_pin.dynamics import Adjustments, System, Workspace
@@ -17,13 +18,6 @@ from antenna_pin.dynamics import kernels as _program
 from antenna_pin.dynamics.blocks import bearings_in
 from antenna_pin.joints.kernels import unit_normal_force
 from antenna_pin.joints.pose_kernels import place_journal
-
-__all__ = [
-    "ForceDerivatives",
-    "Forces",
-]
-
-Array = NDArray[np.float64]
 
 _Loads = Mapping[str, Array]
 
@@ -37,25 +31,18 @@ _BRISTLE = 1e-9
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ForceDerivatives:
-    """Derivatives of the generalized force of all elements, in velocity coordinates.
+    """Derivatives of the generalized force of all elements, in velocity coordinates."""
 
-    Attributes:
-        position: Derivatives over the configuration, of joints and of contacts, (nv, nv).
-        rate: Derivatives over the velocity, (nv, nv).
-        bristle: Derivatives over the bristles of friction, (nv, bristles).
-        bristle_rates: Derivatives of the bristles' rates over configuration, velocity and bristles:
-            (bristles, nv) twice, (bristles, bristles).
-        parts: ``position`` by source: ``joints`` (drives, springs at joints, contacts) and
-            ``points`` (springs between points).
-        rough: Names of joints with a kink of a force too near for a derivative.
-    """
-
-    position: Array
-    rate: Array
-    bristle: Array
+    position: Array  # derivatives over the configuration, of joints and of contacts, (nv, nv)
+    rate: Array  # derivatives over the velocity, (nv, nv)
+    bristle: Array  # derivatives over the bristles of friction, (nv, bristles)
+    # derivatives of the bristles' rates over configuration, velocity and bristles: (bristles, nv) twice,
+    # (bristles, bristles)
     bristle_rates: tuple[Array, Array, Array]
+    # ``position`` by source: ``joints`` (drives, springs at joints, contacts) and ``points`` (springs between
+    # points)
     parts: dict[str, Array] = field(default_factory=dict)
-    rough: tuple[str, ...] = ()
+    rough: tuple[str, ...] = ()  # names of joints with a kink of a force too near for a derivative
 
 
 class Forces:
@@ -82,7 +69,6 @@ class Forces:
         loads: _Loads,
         adjusted: Sequence[tuple[str, float]] = (),
     ) -> None:
-        """Allocate workspaces for contacts and for all others."""
         self.system, self.time, self.loads = system, time, dict(loads)
         self._y = y.copy()
         self._rates = np.zeros(system.model.nv + system.manifold.nx)

@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 from scipy.linalg import block_diag
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import gradient
 from antenna_pin.base.readable import brief
 from antenna_pin.dynamics import System, Workspace, acting_in
@@ -20,14 +20,6 @@ from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism.inertia import mass_matrix
 from antenna_pin.studies.linear.force_derivatives import ForceDerivatives, Forces
 from antenna_pin.studies.linear.operating_point import At
-
-__all__ = [
-    "Linearisation",
-    "linearise",
-    "rotors",
-]
-
-Array = NDArray[np.float64]
 
 # --- rotors on bearings, in axes that do not spin with them -------------------------------------------------
 
@@ -150,39 +142,26 @@ class Linearisation:
 
     z are bristles of friction, if any. About a state at rest D and Y are zero, and these are the equations
     of vibration. Geometric stiffness, of constraint forces and of accelerations, is part of K.
-
-    Attributes:
-        at: The operating point.
-        directions: N, (nv, k).
-        shift: Y, (nv, k).
-        drift: D, (k, k).
-        mass: Mass matrix, (k, k).
-        damping: Damping matrix with gyroscopic terms, (k, k).
-        gyroscopic: The same without dampers, (k, k).
-        stiffness: Stiffness matrix, (k, k).
-        bristles: F, B_s, B_w, B_z.
-        forces: Derivatives of the elements' forces in all coordinates.
-        acceleration: Acceleration in the state, (nv,).
-        beside: N^T times mass, damping and stiffness in all coordinates, (k, nv) each: the effect of a
-            change of a prescribed motion, about a state at rest.
-        rigid: The six rigid-body directions of a mechanism with a free base, as columns of s, (k, 6); (k, 0)
-            if something holds it.
     """
 
     __repr__ = brief
 
-    at: At
-    directions: Array
-    shift: Array
-    drift: Array
-    mass: Array
-    damping: Array
-    gyroscopic: Array
-    stiffness: Array
-    bristles: tuple[Array, Array, Array, Array]
-    forces: ForceDerivatives
-    acceleration: Array
+    at: At  # the operating point
+    directions: Array  # N, (nv, k)
+    shift: Array  # Y, (nv, k)
+    drift: Array  # D, (k, k)
+    mass: Array  # mass matrix, (k, k)
+    damping: Array  # damping matrix with gyroscopic terms, (k, k)
+    gyroscopic: Array  # the same without dampers, (k, k)
+    stiffness: Array  # stiffness matrix, (k, k)
+    bristles: tuple[Array, Array, Array, Array]  # F, B_s, B_w, B_z
+    forces: ForceDerivatives  # derivatives of the elements' forces in all coordinates
+    acceleration: Array  # acceleration in the state, (nv,)
+    # N^T times mass, damping and stiffness in all coordinates, (k, nv) each: the effect of a change of a
+    # prescribed motion, about a state at rest
     beside: tuple[Array, Array, Array]
+    # the six rigid-body directions of a mechanism with a free base, as columns of s, (k, 6); (k, 0) if
+    # something holds it
     rigid: Array
 
     @property
@@ -240,9 +219,6 @@ def linearise(at: At) -> Linearisation:
     The derivatives of inverse dynamics are Pinocchio's (Carpentier and Mansard 2018, RSS), those of forward
     dynamics being the same times the inverse of the mass matrix; those of contacts, drives and springs, and
     of the forces of constraints, are differences of the compiled functions that a run calls.
-
-    Args:
-        at: The operating point.
 
     Raises:
         MechanismError: Nothing is free to move, or a joint has no inertia in this pose.

@@ -15,6 +15,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import check_number, takes
+from antenna_pin.base.arrays import Array, Complex
 from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.base.readable import number
 from antenna_pin.base.state import State
@@ -29,17 +30,6 @@ from antenna_pin.studies.linear.eigenmodes import Eigen, solve
 from antenna_pin.studies.linear.linearisation import Linearisation, linearise, rotors
 from antenna_pin.studies.linear.operating_point import At, Play, prepared
 from antenna_pin.trajectory import Trajectory, is_lean
-
-__all__ = [
-    "COMPONENTS",
-    "Modes",
-    "bodies_of",
-    "modes",
-    "modes_at",
-]
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 # --- energy shares of bodies --------------------------------------------------------------------------------
 
@@ -140,25 +130,19 @@ class Modes:
     """Modes of a mechanism about a state.
 
     ``plot(source, targets)`` draws a frequency response, ``record("modes.html")`` the shapes.
-
-    Attributes:
-        data: Along ``mode``, in rising order of frequency: ``frequency`` and ``damped_modulus`` [Hz],
-            ``damping_ratio`` [-] (NaN of what does not vibrate), ``kind`` (rigid, free, elastic, unstable),
-            ``root_real`` and ``root_imag`` (both eigenvalues with damping [1/s]), ``shape`` per coordinate of
-            velocity, to unit modal mass, ``body_motion`` (at the mass centre, world axes), ``kinetic_share``
-            by body, ``strain_share`` by what stores it, and with a base that is held ``participation``
-            [sqrt(kg), sqrt(kg) m] and ``effective_mass`` [kg, kg m^2] about the base's origin in its axes,
-            with ``rigid_mass`` of the whole. ``shape`` and ``body_motion`` are complex about a state that
-            moves.
-        linearisation: The linearised equations.
-        notes: Assumptions and limits, in sentences.
-        scenario: Of the mechanism; None for a system built in Python.
     """
 
+    # along ``mode``, in rising order of frequency: ``frequency`` and ``damped_modulus`` [Hz],
+    # ``damping_ratio`` [-] (NaN of what does not vibrate), ``kind`` (rigid, free, elastic, unstable),
+    # ``root_real`` and ``root_imag`` (both eigenvalues with damping [1/s]), ``shape`` per coordinate of
+    # velocity, to unit modal mass, ``body_motion`` (at the mass centre, world axes), ``kinetic_share`` by
+    # body, ``strain_share`` by what stores it, and with a base that is held ``participation`` [sqrt(kg),
+    # sqrt(kg) m] and ``effective_mass`` [kg, kg m^2] about the base's origin in its axes, with ``rigid_mass``
+    # of the whole. ``shape`` and ``body_motion`` are complex about a state that moves
     data: xr.Dataset
-    linearisation: Linearisation
-    notes: tuple[str, ...]
-    scenario: Scenario | None = None
+    linearisation: Linearisation  # the linearised equations
+    notes: tuple[str, ...]  # assumptions and limits, in sentences
+    scenario: Scenario | None = None  # of the mechanism; None for a system built in Python
 
     plot = View[ResponsePlotter]()
     record = View[ModesRecorder]()
@@ -185,8 +169,7 @@ class Modes:
     def shape(self, mode: int) -> NDArray[np.complex128]:
         """Return the shape of a mode, (nv,), normalized to unit modal mass.
 
-        Args:
-            mode: Its number, from 1.
+        Modes are numbered from 1.
         """
         numbers = [int(m) for m in self.data["mode"].values]
         if mode not in numbers:
@@ -246,12 +229,7 @@ def _plain(values: ArrayLike) -> Any:
 
 @takes()
 def modes_at(at: At, scenario: Scenario | None = None) -> Modes:
-    """Return the modes about a state.
-
-    Args:
-        at: The operating point.
-        scenario: Of the mechanism, if it comes from one.
-    """
+    """Return the modes about a state."""
     linear = linearise(at)
     eigen = solve(linear)
     return Modes(_table(linear, eigen, scenario), linear, tuple(_notes(linear, eigen)), scenario)

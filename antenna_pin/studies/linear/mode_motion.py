@@ -17,10 +17,6 @@ from antenna_pin.studies.linear.modal_analysis import Modes, bodies_of
 from antenna_pin.studies.linear.operating_point import At
 from antenna_pin.trajectory import Counts, Outcome, Trajectory
 
-__all__ = ["swing"]
-
-Array = NDArray[np.float64]
-
 # What a body moves or turns by at most where nothing else is said: of the mechanism's size, and [rad].
 _WAY, _TURN = 0.08, 0.25
 # Swings shown, pictures of each.

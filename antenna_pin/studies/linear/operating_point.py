@@ -11,6 +11,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import gradient
 from antenna_pin.base.readable import brief, number
 from antenna_pin.base.records import CONTACT, POSE, memory_records
@@ -20,14 +21,6 @@ from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.mechanism import JointSlot
 from antenna_pin.studies.linear.force_derivatives import Forces
-
-__all__ = [
-    "At",
-    "Play",
-    "prepared",
-]
-
-Array = NDArray[np.float64]
 
 # --- a journal under load -----------------------------------------------------------------------------------
 
@@ -254,30 +247,20 @@ Play = Literal["ideal", "free", "contact"]
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class At:
-    """Operating point: a state, and the treatment of its joints.
-
-    Attributes:
-        system: The system.
-        time: Time of the state [s].
-        y: The state [q, v, x].
-        memory: Contact memory, with the closed contacts.
-        play: Treatment of each joint with play, by name.
-        loads: Forces on journals that press them into contact, in bearing axes, by joint, (3,) [N].
-        hold: Names of joints that do not move; ``base`` is a free base.
-        rest: Whether the state is at rest, with unbalanced forces compensated.
-        adjusted: Numbers of drives and springs that events have changed: (place, value).
-    """
+    """Operating point: a state, and the treatment of its joints."""
 
     __repr__ = brief
 
-    system: System
-    time: float
-    y: Array
-    memory: NDArray[Any]
-    play: Mapping[str, Play]
+    system: System  # the system
+    time: float  # time of the state [s]
+    y: Array  # the state [q, v, x]
+    memory: NDArray[Any]  # contact memory, with the closed contacts
+    play: Mapping[str, Play]  # treatment of each joint with play, by name
+    # forces on journals that press them into contact, in bearing axes, by joint, (3,) [N]
     loads: Mapping[str, Array]
-    hold: tuple[str, ...] = ()
-    rest: bool = True
+    hold: tuple[str, ...] = ()  # names of joints that do not move; ``base`` is a free base
+    rest: bool = True  # whether the state is at rest, with unbalanced forces compensated
+    # numbers of drives and springs that events have changed: (place, value)
     adjusted: tuple[tuple[str, float], ...] = ()
 
     @property

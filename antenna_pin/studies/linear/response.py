@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.analysis import Antenna, QuantityName
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import slope
 from antenna_pin.dynamics import JointMotion, System, Workspace
 from antenna_pin.elements import ConstantDrive, Motion, Shake
@@ -19,10 +20,6 @@ from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.studies.linear.linearisation import Linearisation
 from antenna_pin.studies.linear.modal_analysis import COMPONENTS, Modes
 from antenna_pin.studies.linear.operating_point import At
-
-__all__ = ["BORESIGHT", "Plant", "first_source", "frequency_response", "plant_of", "sources_of", "targets_of"]
-
-Array = NDArray[np.float64]
 
 # --- what a shaken base does to small motions: it enters as an acceleration ---
 #
@@ -135,9 +132,7 @@ def sources_of(modes: Modes) -> list[str]:
 def first_source(modes: Modes, label: str = "source") -> str:
     """Return the default source of a response.
 
-    Args:
-        modes: The modes.
-        label: Name of the option or argument in the message.
+    The label is the name of the option or argument in the message.
 
     Raises:
         InvalidParameterError: The mechanism has no source.
@@ -251,29 +246,17 @@ def frequency_response(
 
 
 class Plant(NamedTuple):
-    """Linear system from the effort of a drive to the position of a joint.
+    """Linear system from the effort of a drive to the position of a joint."""
 
-    Attributes:
-        matrix: A, (n, n).
-        input: B, (n,), for 1 N m (1 N) of the drive.
-        angle: Row of the joint's angle [rad] (way [m]), (n,).
-        rate: Row of the joint's rate, (n,).
-    """
-
-    matrix: Array
-    input: Array
-    angle: Array
-    rate: Array
+    matrix: Array  # A, (n, n)
+    input: Array  # B, (n,), for 1 N m (1 N) of the drive
+    angle: Array  # row of the joint's angle [rad] (way [m]), (n,)
+    rate: Array  # row of the joint's rate, (n,)
 
 
 @takes()
 def plant_of(modes: Modes, drive: str, joint: str) -> Plant:
     """Return the linear system between a drive's effort and a joint.
-
-    Args:
-        modes: The modes.
-        drive: Name of the drive.
-        joint: Name of a joint with an axis.
 
     Raises:
         UnknownNameError: The drive or joint is unknown.

@@ -18,18 +18,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array, Complex
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import Scenario
 from antenna_pin.studies.linear.modal_analysis import modes
 from antenna_pin.studies.linear.response import Plant, plant_of
-
-__all__ = ["LoopMargins", "SampledLoop", "loop_margins", "margins_of"]
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 # Frequencies of a response: points, and the lowest one as a share of half the sampling rate.
 _POINTS, _LOWEST = 20_000, 1e-5
@@ -39,19 +34,12 @@ _SAME = 1e-7
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class SampledLoop:
-    """Open loop at the sampling times, from commands to the controller's next command, sign reversed.
+    """Open loop at the sampling times, from commands to the controller's next command, sign reversed."""
 
-    Attributes:
-        period: h [s].
-        matrix: Phi of plant, delayed commands and controller, (n, n).
-        input: Column of the command, (n,).
-        output: Row of the loop's output, (n,).
-    """
-
-    period: float
-    matrix: Array
-    input: Array
-    output: Array
+    period: float  # h [s]
+    matrix: Array  # phi of plant, delayed commands and controller, (n, n)
+    input: Array  # column of the command, (n,)
+    output: Array  # row of the loop's output, (n,)
 
     def response(self, frequency: Array) -> Complex:
         """Return the open loop's frequency response, (frequencies,) [-]; frequencies in Hz."""
@@ -79,32 +67,20 @@ class SampledLoop:
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class LoopMargins:
-    """Stability margins of a sampled loop, and its frequency response.
+    """Stability margins of a sampled loop, and its frequency response."""
 
-    Attributes:
-        controller: Name of the controller.
-        gain_margin: Factor on the loop's gain at which it becomes unstable: the least above 1, or the inverse
-            of the largest below 1, whichever is smaller [-]; infinite without one.
-        phase_margin: Least phase lag that makes the loop unstable [rad]; infinite without a gain of 1.
-        delay_margin: Least further delay that makes the loop unstable [s].
-        modulus_margin: Least distance of the response from -1 [-].
-        loop_damping: Least damping ratio of the closed loop's vibrations [-].
-        bandwidth: Highest frequency with a gain of 1 [Hz]; NaN without one.
-        stable: True if the closed loop is stable.
-        frequency: Frequencies of the response [Hz].
-        response: Open loop's frequency response [-].
-    """
-
-    controller: str
+    controller: str  # name of the controller
+    # factor on the loop's gain at which it becomes unstable: the least above 1, or the inverse of the largest
+    # below 1, whichever is smaller [-]; infinite without one
     gain_margin: float
-    phase_margin: float
-    delay_margin: float
-    modulus_margin: float
-    loop_damping: float
-    bandwidth: float
-    stable: bool
-    frequency: Array
-    response: Complex
+    phase_margin: float  # least phase lag that makes the loop unstable [rad]; infinite without a gain of 1
+    delay_margin: float  # least further delay that makes the loop unstable [s]
+    modulus_margin: float  # least distance of the response from -1 [-]
+    loop_damping: float  # least damping ratio of the closed loop's vibrations [-]
+    bandwidth: float  # highest frequency with a gain of 1 [Hz]; NaN without one
+    stable: bool  # true if the closed loop is stable
+    frequency: Array  # frequencies of the response [Hz]
+    response: Complex  # open loop's frequency response [-]
 
 
 @takes()

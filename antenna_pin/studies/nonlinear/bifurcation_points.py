@@ -20,30 +20,11 @@ from numpy.typing import NDArray
 from scipy.interpolate import KroghInterpolator
 from scipy.optimize import brentq
 
+from antenna_pin.base.arrays import Array, Complex
 from antenna_pin.base.calculus import root_between
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.studies.nonlinear.orbits import NoOrbitError, Orbit
 from antenna_pin.studies.nonlinear.pseudo_arclength import BranchStepper, Node, Point
-
-__all__ = [
-    "GrazeAhead",
-    "Located",
-    "BranchStep",
-    "Test",
-    "curved_predictor",
-    "graze_ahead",
-    "flip_test",
-    "hidden_change",
-    "is_torus",
-    "torus_test",
-    "locate_crossing",
-    "locate_graze",
-    "locate_fold",
-    "locate_zero",
-]
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 # --- orbits within a step, and points located among them ----------------------------------------------------
 
@@ -72,29 +53,17 @@ class Located(NamedTuple):
 class BranchStep:
     """Step along a branch between two orbits, with the orbits computed between them.
 
-    Args:
-        stepper: Stepper of the branch.
-        begin: Orbit at the start; places are measured along its direction.
-        last: Orbit at the end.
-        arc: Place of the end.
-
-    Attributes:
-        beside: Orbits before the first and after the last, by their places.
+    ``beside`` are orbits before the first and after the last, by their places.
     """
 
     def __init__(self, stepper: BranchStepper, begin: Node, last: Node, arc: float) -> None:
-        """Know both ends."""
         self.stepper, self.first, self.last, self.arc = stepper, begin, last, arc
         self._points = {0.0: begin.point, arc: last.point}
         self._nodes = {0.0: begin, arc: last}
         self.beside: dict[float, Node] = {}
 
     def point(self, along: float) -> Point:
-        """Return the orbit at a place of the step.
-
-        Raises:
-            AntennaPinError: Newton's method finds none.
-        """
+        """Return the orbit at a place of the step."""
         if along not in self._points:
             first, guess = self.first, self._between(along)
             point = self.stepper.correct(first.point, first.tangent, along, guess, guess is not None)
@@ -414,8 +383,7 @@ class GrazeAhead(NamedTuple):
 def curved_predictor(stepper: BranchStepper, node: Node, arc: float, passed: BranchStep | None) -> Array:
     """Return a predicted place an arc ahead, with the curvature of the last step.
 
-    Returns:
-        Coordinates about the orbit, and the distance of the parameter in its unit, (size + 1,).
+    Coordinates are about the orbit, then the distance of the parameter in its unit, (size + 1,).
     """
     point, way = node.point, node.tangent
     if passed is None or passed.last is not node or len(passed.first.tangent) != len(way):
@@ -432,12 +400,6 @@ def graze_ahead(
 
     Only runs are made, from orbits extrapolated to third order of the distance; the result is the more
     reliable, the nearer the orbit.
-
-    Args:
-        stepper: Stepper of the branch.
-        node: The orbit.
-        arc: Largest distance.
-        passed: The last step, which gives the curvature; None without one.
     """
     point, chart = node.point, stepper.chart(node.point)
 
@@ -526,9 +488,6 @@ def locate_graze(stepper: BranchStepper, one: Node, other: Node, precision: floa
 
     The interval is halved by orbits, searched from both sides. Orbits on both sides must converge to one
     another: one branch.
-
-    Raises:
-        NoOrbitError: They do not, or there are none.
     """
     low, high = _Side(one.point, one), _Side(other.point, other)
     whole = abs(other.point.value - one.point.value)

@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.records import memory_records
 from antenna_pin.base.settings import ErrorScales, RunSettings
 from antenna_pin.base.state import OpenContact, State
@@ -30,10 +30,6 @@ from antenna_pin.studies.nonlinear.coordinates import (
     frame_at,
     perturbation_slices,
 )
-
-__all__ = ["Chart", "StatePerturbation", "NotAlikeError", "OutOfReachError", "carried"]
-
-Array = NDArray[np.float64]
 
 # --- modes of elements in a state ---------------------------------------------------------------------------
 
@@ -127,7 +123,6 @@ class Chart:
     """
 
     def __init__(self, system: System, state: State, scales: ErrorScales | None = None) -> None:
-        """Find the freedoms."""
         self.system, self.origin = system, state
         self.units = Units.of(system, scales)
         self._workspace, self._kept = Workspace(system), ElementMemory(system)
@@ -383,15 +378,9 @@ def _shifted(contact: OpenContact, shift: float) -> OpenContact:
 
 
 class StatePerturbation:
-    """Perturbations between states of a system, and perturbed states.
-
-    Attributes:
-        kept: Element memory.
-        parts: Of a perturbation.
-    """
+    """Perturbations between states of a system, and perturbed states."""
 
     def __init__(self, system: System, numbers: int) -> None:
-        """Lay out a perturbation."""
         self._system, self.memory = system, ElementMemory(system)
         self.parts = perturbation_slices(system, len(self.memory), numbers)
         self._bristles = np.asarray(system.bristle_x, dtype=int)

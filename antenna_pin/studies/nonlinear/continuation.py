@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import check_number, takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.capacity import check_count
 from antenna_pin.base.interruption import acknowledge
 from antenna_pin.base.readable import brief
@@ -45,10 +45,6 @@ from antenna_pin.studies.nonlinear.pseudo_arclength import (
     in_first_period,
 )
 
-__all__ = ["Bifurcation", "BifurcationKind", "Branch", "check_steps", "continued"]
-
-Array = NDArray[np.float64]
-
 # --- bifurcations between two orbits of a branch ------------------------------------------------------------
 
 BifurcationKind = Literal["fold", "branch-point", "flip", "neimark-sacker", "grazing"]
@@ -57,19 +53,12 @@ of it comes or goes."""
 
 
 class Bifurcation(NamedTuple):
-    """Bifurcation of a branch.
+    """Bifurcation of a branch."""
 
-    Attributes:
-        kind: Kind of the bifurcation.
-        value: Value of the parameter.
-        doubt: Half of the interval around it.
-        after: Number of the preceding point.
-    """
-
-    kind: BifurcationKind
-    value: float
-    doubt: float
-    after: int
+    kind: BifurcationKind  # kind of the bifurcation
+    value: float  # value of the parameter
+    doubt: float  # half of the interval around it
+    after: int  # number of the preceding point
 
 
 class _Occurrence(NamedTuple):
@@ -167,21 +156,14 @@ _BACK = "it came back to the beginning of the range"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Branch:
-    """Branch of periodic orbits.
-
-    Attributes:
-        points: Orbits in their order along it.
-        bifurcations: Likewise.
-        message: Reason of its end.
-        interrupted: Whether Ctrl-C has ended it.
-    """
+    """Branch of periodic orbits."""
 
     __repr__ = brief
 
-    points: tuple[Point, ...]
-    bifurcations: tuple[Bifurcation, ...]
-    message: str
-    interrupted: bool = False
+    points: tuple[Point, ...]  # orbits in their order along it
+    bifurcations: tuple[Bifurcation, ...]  # likewise
+    message: str  # reason of its end
+    interrupted: bool = False  # whether Ctrl-C has ended it
 
 
 @takes()

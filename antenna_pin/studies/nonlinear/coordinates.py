@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.settings import ErrorScales
 from antenna_pin.base.state import State
 from antenna_pin.dynamics import System, Workspace, acting_in, kernels
@@ -19,23 +20,6 @@ from antenna_pin.dynamics.mode_kernels import is_held, mode_of
 from antenna_pin.elements import Modal, kind_of
 from antenna_pin.integrate import KINDS
 from antenna_pin.run.simulation.steps import scale_vector
-
-__all__ = [
-    "TIME_UNIT",
-    "Frame",
-    "ElementMemory",
-    "Lift",
-    "Lifts",
-    "CONTACT_MEMORY",
-    "RateJacobian",
-    "Units",
-    "frame_at",
-    "own_coordinates",
-    "perturbation_slices",
-    "configuration_difference",
-]
-
-Array = NDArray[np.float64]
 
 # --- memory of elements with modes --------------------------------------------------------------------------
 
@@ -65,16 +49,9 @@ class _MemoryNumber(NamedTuple):
 
 
 class ElementMemory:
-    """Numbers that the elements of a system store at changes of mode.
-
-    Attributes:
-        numbers: The numbers, in the order of their elements.
-        words: Places in a program, (kept,).
-        masses: For each contact, whether its law depends on the stored effective mass.
-    """
+    """Numbers that the elements of a system store at changes of mode."""
 
     def __init__(self, system: System) -> None:
-        """Collect them."""
         self.numbers = tuple(_memory_numbers(system))
         self.words = np.array([one.word for one in self.numbers], dtype=int)
         self.masses = tuple(takes for joint in system.clearances for takes in joint.takes_mass)
@@ -205,12 +182,6 @@ def perturbation_slices(system: System, memory: int, parameters: int = 0) -> tup
     """Return the slices of a perturbation.
 
     They are displacement, rate, bristles, approach speeds, masses, parameters, stored numbers, time.
-
-    Args:
-        system: The system.
-        memory: Number of numbers stored by its elements.
-        parameters: Number of perturbed system numbers
-            (:mod:`antenna_pin.studies.nonlinear.perturbed_system`).
     """
     nv, contacts = system.model.nv, len(system.contact_names)
     sizes = [nv, nv, len(system.bristle_x), contacts, contacts, parameters, memory, 1]
@@ -225,12 +196,6 @@ def own_coordinates(
 
     The memory of a contact is constant while it lasts: over that time it is a parameter of the motion, common
     to perturbed states. The same holds for constant element memory.
-
-    Args:
-        frame: The axes; contact memory is behind all other coordinates, element memory before it.
-        size: Number of coordinates.
-        lasting: Contacts that last over the examined time.
-        constant: Numbers of elements that are constant over it.
     """
     own = np.ones(size, dtype=bool)
     remembered = size - len(frame.contact_memory)
@@ -318,15 +283,9 @@ class _ConstraintsAt(NamedTuple):
 class Lifts:
     """Lifts of coordinates to perturbations, with a cache.
 
-    Args:
-        workspace: Workspace at its present program.
-        units: Units of perturbations.
-        element_memory: Element memory.
-        parts: Slices of a perturbation.
-        speeds: ``(time, y, positions) -> (rows, k)``: derivatives of constraint velocities along
-            perturbations, at constant numbers of the system.
-        over_numbers: ``(time, y) -> (2, rows, numbers)``: derivatives of constraint residuals and velocities
-            over these.
+    ``speeds(time, y, positions) -> (rows, k)`` are derivatives of constraint velocities along perturbations,
+    at constant numbers of the system; ``over_numbers(time, y) -> (2, rows, numbers)`` those of residuals and
+    velocities over these.
     """
 
     def __init__(
@@ -338,7 +297,6 @@ class Lifts:
         speeds: Callable[[float, Array, Array], Array],
         over_numbers: Callable[[float, Array], Array],
     ) -> None:
-        """Begin with none."""
         self._workspace, self._units, self._kept, self._parts = workspace, units, element_memory, parts
         self._kept_units = element_memory.units(units.position, units.rate)
         self._speeds, self._over_numbers = speeds, over_numbers

@@ -20,8 +20,6 @@ from antenna_pin.scenario.spec import Count
 from antenna_pin.studies.nonlinear.diagrams import Branch
 from antenna_pin.studies.nonlinear.sections import Section, section_of
 
-__all__ = ["DiagramPlan", "is_plan", "list_plans", "load_plan", "values_of"]
-
 
 @takes()
 def values_of(text: str) -> list[float | str]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import math
 import os
-import shutil
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import (
@@ -16,10 +15,9 @@ from concurrent.futures import (
     ThreadPoolExecutor,
     wait,
 )
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from multiprocessing import get_context
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -40,11 +38,8 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.studies.nonlinear.chart import carried
 from antenna_pin.studies.nonlinear.returns import SectionRun, check_counts, settled_points
 from antenna_pin.studies.nonlinear.sections import Crossing, Section, Stroboscope
-from antenna_pin.studies.sweep.journal import Journal, open_journal
+from antenna_pin.studies.sweep.journal import Parts, scenario_content
 from antenna_pin.trajectory import library_versions, open_table, save_table, table_attributes
-
-__all__ = ["Branch", "DiagramProgress", "bifurcation", "open_diagram", "interrupting"]
-
 
 # --- one value of a diagram ---------------------------------------------------------------------------------
 
@@ -135,18 +130,26 @@ def _diagram_table(
     b, n, most = len(branches), len(values), max((len(one["times"]) for one in entries.values()), default=0)
     times = np.full((b, n, most), np.nan)
     points = np.full((b, n, most, len(settings.quantities)), np.nan)
-    found: dict[str, np.ndarray] = {
-        "settled": np.zeros((b, n), dtype=bool),
-        "drift": np.full((b, n), np.nan),
-        "points": np.zeros((b, n), dtype=np.int64),
-        "transient": np.zeros((b, n), dtype=np.int64),
-        "period": np.full((b, n), np.nan),
-        "outcome": np.full((b, n), "", dtype=object),
-        "message": np.full((b, n), "", dtype=object),
+    shape = b, n
+    about: dict[str, tuple[np.ndarray, dict[str, str]]] = {
+        "settled": (np.zeros(shape, dtype=bool), {"long_name": "whether the points have settled"}),
+        "drift": (
+            np.full(shape, np.nan),
+            {"units": "1", "long_name": "largest drift of a statistic of the points"},
+        ),
+        "points": (np.zeros(shape, dtype=np.int64), {"units": "1", "long_name": "points kept"}),
+        "transient": (
+            np.zeros(shape, dtype=np.int64),
+            {"units": "1", "long_name": "points cut before these"},
+        ),
+        "period": (np.full(shape, np.nan), {"units": "s", "long_name": "period of the stroboscope"}),
+        "outcome": (np.full(shape, "", dtype=object), {"long_name": "why the run ended"}),
+        "message": (np.full(shape, "", dtype=object), {"long_name": "that in words"}),
     }
+    found = {name: values for name, (values, _) in about.items()}
     units, titles = [""] * len(settings.quantities), [""] * len(settings.quantities)
     for number, entry in entries.items():
-        place = np.unravel_index(number, (b, n))
+        place = np.unravel_index(number, shape)
         here = len(entry["times"])
         if here:
             times[place][:here] = entry["times"]
@@ -161,21 +164,12 @@ def _diagram_table(
     unit = next((one[1] for one in numbers if one is not None and one[1]), "")
     said = {"long_name": settings.parameter, "units": unit, "key": settings.parameter}
     over = ("branch", "value")
-    about = {
-        "settled": {"long_name": "whether the points have settled"},
-        "drift": {"units": "1", "long_name": "largest drift of a statistic of the points"},
-        "points": {"units": "1", "long_name": "points kept"},
-        "transient": {"units": "1", "long_name": "points cut before these"},
-        "period": {"units": "s", "long_name": "period of the stroboscope"},
-        "outcome": {"long_name": "why the run ended"},
-        "message": {"long_name": "that in words"},
-    }
     variables: dict[str, Any] = {
         name: ((*over, "point"), points[..., k], {"units": units[k], "long_name": titles[k]})
         for k, name in enumerate(settings.quantities)
     }
     variables["time"] = ((*over, "point"), times, {"units": "s", "long_name": "when the section is passed"})
-    variables |= {name: (over, found[name], about[name]) for name in found}
+    variables |= {name: (over, *one) for name, one in about.items()}
     return xr.Dataset(
         variables,
         coords={
@@ -197,9 +191,6 @@ def _diagram_table(
 def open_diagram(path: str | os.PathLike[str]) -> xr.Dataset:
     """Return a bifurcation diagram from its file.
 
-    Args:
-        path: The file, as :func:`antenna_pin.studies.nonlinear.bifurcation` wrote it.
-
     Returns:
         Over ``branch`` (fresh, forward, backward), ``value`` of the parameter, SI, and ``point``: ``time``
         [s] and each quantity, NaN where a run had fewer points. Over ``branch`` and ``value``: ``settled``,
@@ -216,54 +207,13 @@ def open_diagram(path: str | os.PathLike[str]) -> xr.Dataset:
     return table
 
 
-# --- entries on the disk, a line of a journal for each value ------------------------------------------------
-
-_SUFFIX = ".parts"
-
-
-class _EntryStore:
-    """Entries of a diagram, stored on the disk if it has a folder.
-
-    Attributes:
-        entries: By number: of the branch, then of the value.
-        folder: Folder of the entries; None for memory only.
-    """
-
-    def __init__(self, folder: Path | None) -> None:
-        self.folder = folder
-        self.entries: dict[int, _Entry] = {}
-        self._journal: Journal | None = None
-
-    @classmethod
-    @contextmanager
-    def of(
-        cls, target: Path | None, settings: _Settings, values: Sequence[Any], branches: Sequence[str]
-    ) -> Iterator[_EntryStore]:
-        """Yield the stored entries of a diagram."""
-        if target is None:
-            yield cls(None)
-            return
-        folder = target.with_name(target.name + _SUFFIX)
-        parts = cls(folder)
-        parts.entries, journal = open_journal(folder, _identity(settings, values, branches), "diagram")
-        parts._journal = journal
-        try:
-            yield parts
-        finally:
-            journal.close()
-
-    def add(self, entry: _Entry) -> None:
-        """Store an entry."""
-        if self._journal is not None:
-            self._journal.add(entry)
-        self.entries[int(entry["run"])] = entry
+# --- diagrams, whose entries are stored until they are whole ------------------------------------------------
 
 
 def _identity(settings: _Settings, values: Sequence[Any], branches: Sequence[str]) -> dict[str, Any]:
     """Return the identity of a diagram as JSON types."""
-    scenario = json.loads(settings.scenario.model_dump_json())
-    for name in ("name", "folder", "overrides", "description"):
-        scenario.pop(name, None)
+    scenario = scenario_content(settings.scenario.model_dump_json())
+    scenario.pop("name", None)
     section = settings.section
     if isinstance(section, Crossing) and not (
         isinstance(section.when, Angle | Rate | Gap | Force) or section.name
@@ -285,17 +235,11 @@ def _identity(settings: _Settings, values: Sequence[Any], branches: Sequence[str
 
 @dataclass(frozen=True, slots=True)
 class DiagramProgress:
-    """Progress of a diagram.
+    """Progress of a diagram."""
 
-    Attributes:
-        done: Finished values, including those of an earlier call [-].
-        count: Values in all, of all branches [-].
-        unsettled: Values whose points have not settled, failures included [-].
-    """
-
-    done: int
-    count: int
-    unsettled: int
+    done: int  # finished values, including those of an earlier call [-]
+    count: int  # values in all, of all branches [-]
+    unsettled: int  # values whose points have not settled, failures included [-]
 
 
 @takes()
@@ -371,14 +315,13 @@ def bifurcation(
     chosen = tuple(branch for branch in _BRANCHES if branch in branches)
     _check(asked, given)
     target = None if out is None else check_writable(out, ".nc")
-    with _EntryStore.of(target, asked, given, chosen) as parts:
+    parts = Parts(target, lambda: _identity(asked, given, chosen), "diagram")
+    with closing(parts):
         _Driver(asked, given, chosen, parts, workers, progress).run()
         table = _diagram_table(asked, given, chosen, parts.entries)
-        table.attrs |= table_attributes("bifurcation", scenario)
         if target is not None:
             save_table(table, target)
-    if parts.folder is not None:
-        shutil.rmtree(parts.folder)
+    parts.remove()
     return table
 
 
@@ -417,7 +360,7 @@ class _Driver:
         settings: _Settings,
         values: list[Any],
         branches: tuple[Branch, ...],
-        parts: _EntryStore,
+        parts: Parts,
         workers: int | None,
         progress: Callable[[DiagramProgress], None] | None,
     ) -> None:

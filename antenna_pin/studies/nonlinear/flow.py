@@ -8,9 +8,9 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import Slope, slope
 from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.base.records import memory_records
@@ -29,10 +29,6 @@ from antenna_pin.studies.nonlinear.coordinates import Frame, Lift
 from antenna_pin.studies.nonlinear.perturbed_system import ParameterSlopes
 from antenna_pin.studies.nonlinear.variational import TangentPropagation
 from antenna_pin.trajectory import Outcome, Trajectory
-
-__all__ = ["Flow", "FlowError", "Tangent", "flow_of"]
-
-Array = NDArray[np.float64]
 
 # Difference steps in error scales: the noise of a run is some 1e-12 of a scale.
 _STEPS = (1e-1, 2e-2, 4e-3, 8e-4)
@@ -56,21 +52,16 @@ class _SpanRun(NamedTuple):
 
 
 class Tangent(NamedTuple):
-    """Derivative of a flow over a span, in coordinates at both ends.
+    """Derivative of a flow over a span, in coordinates at both ends."""
 
-    Attributes:
-        matrix: (size at the end, size at the start).
-        doubt: Error estimate of each column: difference from less exact differences, or a hundred times the
-            run's tolerance. Differences of runs include events that appear or disappear with the perturbed
-            state (a graze).
-        end: End state of the unperturbed one.
-        lost: Number of directions of perturbed states lost at changes of mode, as where a joint comes to
-            rest; 0 for differences of runs.
-    """
-
-    matrix: Array
+    matrix: Array  # (size at the end, size at the start)
+    # error estimate of each column: difference from less exact differences, or a hundred times the run's
+    # tolerance. Differences of runs include events that appear or disappear with the perturbed state (a
+    # graze)
     doubt: Array
-    end: State
+    end: State  # end state of the unperturbed one
+    # number of directions of perturbed states lost at changes of mode, as where a joint comes to rest; 0 for
+    # differences of runs
     lost: int = 0
 
 

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import WEIGHTS
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.dynamics import Workspace
@@ -33,10 +34,6 @@ from antenna_pin.run.simulation.steps import stepper_of
 from antenna_pin.studies.nonlinear.coordinates import Frame, configuration_difference
 from antenna_pin.studies.nonlinear.saltation import RunTangents
 from antenna_pin.studies.nonlinear.vector_field import VectorField
-
-__all__ = ["JacobianPropagation", "KinkDefects", "StepPart", "CutStep", "StepStates", "coincidence"]
-
-Array = NDArray[np.float64]
 
 # --- parts of a step ----------------------------------------------------------------------------------------
 
@@ -202,7 +199,6 @@ class KinkDefects:
     """
 
     def __init__(self, count: int, rtol: float) -> None:
-        """Begin with nothing."""
         self._count, self._least = count, _OFF * rtol
         self._parts: list[Array] = []
 
@@ -313,16 +309,9 @@ class CutStep:
 
 
 class StepStates:
-    """States within a step of a run, which is repeated on demand.
-
-    Attributes:
-        workspace: Its contact memory and program are those of the step.
-        time: When the step begins [s].
-        size: How long it is [s].
-    """
+    """States within a step of a run, which is repeated on demand."""
 
     def __init__(self, run: Run) -> None:
-        """Allocate once."""
         self.workspace = Workspace(run.system)
         method = method_named(run.settings.method)
         self._dense = stepper_of(self.workspace, method, run.stepper.scales, run.settings)
@@ -430,7 +419,6 @@ class JacobianPropagation:
     def __init__(
         self, field: VectorField, states: StepStates, cut_step: CutStep, defects: KinkDefects, good: float
     ) -> None:
-        """Begin with nothing."""
         self._field, self._states, self._cut_step, self._defects = field, states, cut_step, defects
         self._good, self.made, self.left_over = good, 0, 0.0
         self.opening: Array | None = None
@@ -440,13 +428,7 @@ class JacobianPropagation:
         self._propagator = Propagator(0)
 
     def begin(self, time: float, y: Array, reordered: bool) -> None:
-        """Begin a step in a state.
-
-        Args:
-            time: Time [s].
-            y: State.
-            reordered: Whether the round-off of rates may differ.
-        """
+        """Begin a step in a state."""
         self._steps += 1
         if reordered or self._steps > self._looked_at + _LOOKS:
             self._unseen = time, y

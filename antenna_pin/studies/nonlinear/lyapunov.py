@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg import qr
 
 from antenna_pin.base.arguments import check_number, takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.capacity import MOST, check_count
 from antenna_pin.base.readable import brief
 from antenna_pin.base.state import State
@@ -23,17 +24,6 @@ from antenna_pin.studies.nonlinear.chart import Chart, NotAlikeError
 from antenna_pin.studies.nonlinear.coordinates import ElementMemory, Frame, own_coordinates
 from antenna_pin.studies.nonlinear.flow import Flow
 from antenna_pin.trajectory import open_table, table_attributes
-
-__all__ = [
-    "Exponents",
-    "Verdict",
-    "exponents_table",
-    "largest_exponent",
-    "lyapunov_spectrum",
-    "open_exponents",
-]
-
-Array = NDArray[np.float64]
 
 # --- independent directions of perturbed states -------------------------------------------------------------
 
@@ -111,28 +101,19 @@ _FEWEST, _BLOCKS, _SIGMAS, _NEUTRAL = 32, 8, 3.0, 0.01
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Exponents:
-    """Lyapunov exponents of one motion from its start: attractors may coexist.
-
-    Attributes:
-        values: The largest first, (n,) [1/s].
-        errors: One standard error of each, from blocks of intervals so long that they depend little on one
-            another, (n,) [1/s].
-        interval: Between two renormalisations, a period of the section if there is one [s].
-        growth: Logarithm of what each has grown by in each interval, (intervals, n) [-].
-        lengths: Of the intervals, (intervals,) [s]; some are longer, to where the same contacts touch.
-        start: State after the transient.
-        end: State that was come to.
-    """
+    """Lyapunov exponents of one motion from its start: attractors may coexist."""
 
     __repr__ = brief
 
-    values: Array
+    values: Array  # the largest first, (n,) [1/s]
+    # one standard error of each, from blocks of intervals so long that they depend little on one another,
+    # (n,) [1/s]
     errors: Array
-    interval: float
-    growth: Array
-    lengths: Array
-    start: State
-    end: State
+    interval: float  # between two renormalisations, a period of the section if there is one [s]
+    growth: Array  # logarithm of what each has grown by in each interval, (intervals, n) [-]
+    lengths: Array  # of the intervals, (intervals,) [s]; some are longer, to where the same contacts touch
+    start: State  # state after the transient
+    end: State  # state that was come to
 
     @property
     def running(self) -> Array:
@@ -306,10 +287,6 @@ def lyapunov_spectrum(
 def exponents_table(exponents: Exponents, scenario: Scenario | None = None) -> xr.Dataset:
     """Return exponents as a dataset, which :func:`antenna_pin.studies.nonlinear.save_table` writes.
 
-    Args:
-        exponents: The exponents.
-        scenario: Scenario of the run; None for a system built in Python.
-
     Returns:
         Over ``exponent``, from 1 on: ``value`` and ``error`` [1/s]. Over ``interval``: ``length`` [s], and
         ``time``, when it ends, from the end of the transient on [s]. Over both: ``growth`` [-] and
@@ -352,12 +329,5 @@ def exponents_table(exponents: Exponents, scenario: Scenario | None = None) -> x
 
 @takes()
 def open_exponents(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return Lyapunov exponents from their file, as ``antenna-pin lyapunov --out`` writes it.
-
-    Returns:
-        See :func:`exponents_table`.
-
-    Raises:
-        FileFormatError: It is none, or damaged.
-    """
+    """Return an :func:`exponents_table` from a file of ``antenna-pin lyapunov --out``."""
     return open_table(path, "exponents")

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from antenna_pin.analysis import quantity
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.capacity import check_count
 from antenna_pin.base.state import State
 from antenna_pin.dynamics import System
@@ -24,18 +24,6 @@ from antenna_pin.studies.nonlinear.orbits import Orbit
 from antenna_pin.studies.nonlinear.pseudo_arclength import SolutionFamily
 from antenna_pin.studies.nonlinear.sections import Section, Stroboscope, drive_period
 from antenna_pin.trajectory import open_table, table_attributes
-
-__all__ = [
-    "amplitudes",
-    "branch_table",
-    "family_of",
-    "open_branch",
-    "open_orbit",
-    "orbit_table",
-    "orbits_in_section",
-]
-
-Array = NDArray[np.float64]
 
 # --- families of flows over a key of a scenario -------------------------------------------------------------
 
@@ -82,11 +70,6 @@ def amplitudes(
 
     Each orbit is run once more; between 400 even samples, and those at changes and peaks of contact, nothing
     is seen, so that half of a smooth range is short by some 1e-5 of it.
-
-    Args:
-        branch: The branch.
-        family: That it is of.
-        quantities: By the names of :func:`antenna_pin.analysis.quantity`.
 
     Returns:
         By name: (points,) in the unit beside it.
@@ -182,11 +165,6 @@ def _way(system: System, name: str) -> str:
 def orbit_table(orbit: Orbit, system: System, scenario: Scenario | None = None) -> xr.Dataset:
     """Return a periodic solution as a dataset, which :func:`antenna_pin.studies.nonlinear.save_table` writes.
 
-    Args:
-        orbit: The orbit.
-        system: Of the flow that it is of: it names the numbers.
-        scenario: What that was made from; None for a system built in Python.
-
     Returns:
         ``period`` [s], ``residual`` and ``doubt`` [-], ``neutral``, how many multipliers are 1 for what
         lasting contacts remember and are not among the others, ``stability`` (stable, unstable, neutral),
@@ -216,13 +194,7 @@ def branch_table(
 ) -> xr.Dataset:
     """Return a branch of periodic solutions as a dataset, which :func:`save_table` writes.
 
-    Args:
-        branch: The branch.
-        system: Of any of its flows: it names the numbers.
-        parameter: What was changed.
-        units: Its unit.
-        scenario: What the parameter is laid over; None for systems built in Python.
-        amplitudes: Half of the range over a period of quantities, (points,), and their units, by name.
+    The parameter has ``units``; amplitudes are those of :func:`amplitudes`.
 
     Returns:
         Over ``point``, which has the ``value`` of the parameter: what :func:`orbit_table` has of an orbit,
@@ -268,27 +240,13 @@ def branch_table(
 
 @takes()
 def open_orbit(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return a periodic solution from its file, as ``antenna-pin orbit --out`` writes it.
-
-    Returns:
-        See :func:`orbit_table`.
-
-    Raises:
-        FileFormatError: It is none, or damaged.
-    """
+    """Return an :func:`orbit_table` from a file of ``antenna-pin orbit --out``."""
     return open_table(path, "orbit")
 
 
 @takes()
 def open_branch(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return a branch of periodic solutions from a file of ``antenna-pin orbit --over``.
-
-    Returns:
-        See :func:`branch_table`.
-
-    Raises:
-        FileFormatError: It is none, or damaged.
-    """
+    """Return a :func:`branch_table` from a file of ``antenna-pin orbit --over``."""
     return open_table(path, "branch")
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array, Complex
 from antenna_pin.base.readable import brief
 from antenna_pin.base.rules import AtLeastOne, Positive
 from antenna_pin.base.state import State
@@ -20,18 +21,6 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.studies.nonlinear.chart import Chart
 from antenna_pin.studies.nonlinear.coordinates import own_coordinates
 from antenna_pin.studies.nonlinear.flow import Flow, Tangent
-
-__all__ = [
-    "NoOrbitError",
-    "Orbit",
-    "changing_coordinates",
-    "default_tolerance",
-    "evaluate_orbit",
-    "periodic_orbit",
-]
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 # Relative singular values of (M - 1) below which a direction is neutral, with adjacent orbits: Newton's
 # method takes no step along it.
@@ -57,41 +46,28 @@ class Orbit:
     the place of a joint that sticks. A change of mode that brings a joint to rest removes a direction: a
     multiplier is 0.
 
-    Attributes:
-        start: A state of the orbit.
-        period: [s].
-        residual: Distance between the ends of a period, in error scales [-].
-        iterations: Newton's iterations.
-        multipliers: Floquet multipliers, the largest first, (n,), without those that are 1 for constant
-            memory of contacts and elements. Their number does not depend on the start: directions that
-            elements hold there have 0.
-        neutral: Number of multipliers left out [-].
-        doubt: Error estimate of the multipliers [-].
-        names: Names of the coordinates.
-        tangent: Monodromy matrix, over one period, (coordinates, coordinates).
-        free_period: Whether the period was found too, of an autonomous system; one multiplier, along the
-            orbit, is 1 then.
-        onsets: Contacts that begin in a period, and events that happen, changes of mode among them.
-        system: Of the flow, which names the numbers.
-        scenario: Of the mechanism; None for a system built in Python.
-
     It shows itself: ``plot()``, its multipliers, and ``report("orbit.html")``.
     """
 
     __repr__ = brief
 
-    start: State
-    period: float
-    residual: float
-    iterations: int
+    start: State  # a state of the orbit
+    period: float  # [s]
+    residual: float  # distance between the ends of a period, in error scales [-]
+    iterations: int  # newton's iterations
+    # floquet multipliers, the largest first, (n,), without those that are 1 for constant memory of contacts
+    # and elements. Their number does not depend on the start: directions that elements hold there have 0
     multipliers: Complex
-    neutral: int
-    doubt: float
-    names: tuple[str, ...]
-    tangent: Array
+    neutral: int  # number of multipliers left out [-]
+    doubt: float  # error estimate of the multipliers [-]
+    names: tuple[str, ...]  # names of the coordinates
+    tangent: Array  # monodromy matrix, over one period, (coordinates, coordinates)
+    # whether the period was found too, of an autonomous system; one multiplier, along the orbit, is 1 then
     free_period: bool
+    # contacts that begin in a period, and events that happen, changes of mode among them
     onsets: tuple[int, int]
-    system: System | None = field(default=None, repr=False)
+    system: System | None = field(default=None, repr=False)  # of the flow, which names the numbers
+    # of the mechanism; None for a system built in Python
     scenario: Scenario | None = field(default=None, repr=False)
 
     plot = View[Plotter]()

@@ -18,6 +18,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import WEIGHTS, few
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.dynamics import System, Workspace, acting_in
@@ -27,17 +28,6 @@ from antenna_pin.mechanism import BODY, body_tree
 from antenna_pin.run.engine import Carrying, CompiledStepper, SystemSlopes, Tangents, moves_rows
 from antenna_pin.run.simulation.steps import scale_vector, stepper_of
 from antenna_pin.studies.nonlinear.coordinates import ElementMemory, Units, perturbation_slices
-
-__all__ = [
-    "PerturbedParameters",
-    "StateFunction",
-    "ParameterShift",
-    "PerturbedSystem",
-    "ParameterSlopes",
-    "STEP",
-]
-
-Array = NDArray[np.float64]
 
 # --- numbers of a system that parameters change -------------------------------------------------------------
 
@@ -60,7 +50,6 @@ class ParameterSlopes:
     def __init__(
         self, system: System, built: Sequence[Callable[[float], System]], names: Sequence[str]
     ) -> None:
-        """Build the perturbed systems, and differentiate."""
         self._system, self.count = system, len(built)
         elements = list(_element_numbers(system))
         here = _system_arrays(system, elements)
@@ -84,17 +73,12 @@ class ParameterSlopes:
 class ParameterShift:
     """Shifts of parameters applied in place to a system's copy, its workspace and its stepper.
 
-    Args:
-        numbers: Which, and by how much.
-        workspace: Of the copy; its model and program are changed.
-        stepper: Its arrays are.
-        whole: Whether the copy's own program is changed as well, from which other workspaces take theirs.
+    If ``whole``, the copy's own program is changed as well, from which other workspaces take theirs.
     """
 
     def __init__(
         self, numbers: ParameterSlopes, workspace: Workspace, stepper: CompiledStepper, *, whole: bool = False
     ) -> None:
-        """Collect the numbers that change."""
         self.count, model = numbers.count, workspace.model
         self._of_elements = numbers.element_slopes
         own = stepper.numbers
@@ -257,15 +241,6 @@ class PerturbedSystem:
 
     Perturbations include the parameters ``numbers``; if ``whole``, these displace the system's own program,
     too.
-
-    Attributes:
-        system: The system; of a copy of its own if parameters displace it.
-        workspace: Its contact memory and program are those of the moment.
-        stepper: Whose rates they are.
-        kept: Element memory.
-        bristles: Where these stand in x, (bristles,).
-        parts: Of a perturbation.
-        numbers: The system's numbers, if parameters displace them.
     """
 
     def __init__(
@@ -276,7 +251,6 @@ class PerturbedSystem:
         *,
         whole: bool = False,
     ) -> None:
-        """Allocate once."""
         self.system = system = system if numbers is None else numbers.copy_system()
         self.workspace, self.memory = Workspace(system), ElementMemory(system)
         scales = scale_vector(system, settings.scales)
@@ -432,7 +406,6 @@ class PerturbedParameters:
         numbers: ParameterSlopes,
         built: Callable[[int, float], System],
     ) -> None:
-        """Copy the system."""
         self._settings, self._built = settings, built
         self._near = near = PerturbedSystem(system, settings, numbers, whole=True)
         bodies = numbers.slopes["tree"].view(BODY)

@@ -8,9 +8,9 @@ import math
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import slope
 from antenna_pin.base.state import State
 from antenna_pin.studies.nonlinear.chart import Chart
@@ -22,10 +22,6 @@ from antenna_pin.studies.nonlinear.orbits import (
     evaluate_orbit,
     periodic_orbit,
 )
-
-__all__ = ["SolutionFamily", "BranchStepper", "Node", "Point", "in_first_period"]
-
-Array = NDArray[np.float64]
 
 # Difference steps over a parameter, in its unit: the small ones serve near a graze.
 _STEPS = (1e-3, 2e-4, 4e-5, 8e-6, 1.6e-6)
@@ -46,15 +42,10 @@ class SolutionFamily(Protocol):
 
 
 class Point(NamedTuple):
-    """An orbit of a branch.
+    """An orbit of a branch."""
 
-    Attributes:
-        value: Of the parameter.
-        orbit: The orbit.
-    """
-
-    value: float
-    orbit: Orbit
+    value: float  # of the parameter
+    orbit: Orbit  # the orbit
 
 
 def in_first_period(state: State, period: float) -> State:
@@ -88,7 +79,6 @@ class BranchStepper:
     """Predictor and corrector of a branch: orbits x of the map P(x, value) = x."""
 
     def __init__(self, family: SolutionFamily, unit: float, tolerance: float) -> None:
-        """Store the constants of a branch."""
         self.family, self.unit, self.tolerance = family, unit, tolerance
 
     def orbit(self, guess: State, value: float, iterations: int = 12) -> Orbit:
@@ -116,12 +106,7 @@ class BranchStepper:
         Where closures or motions move with the parameter, the start is brought onto them across the
         coordinates, which so are those of the origin still: of all that moves only the end counts.
 
-        Args:
-            chart: Coordinates about the state.
-            value: Of the parameter.
-            matrix: Derivative of the map over the state, (size, size).
-            way: Where the branch leads, about, (size + 1,); None if that is not known.
-            step: Of the differences, over the parameter's unit.
+        The branch leads along ``way``, (size + 1,), if that is known; the step is over the parameter's unit.
         """
         along = np.append(np.zeros(chart.size), 1.0)
         if way is not None and abs(way[-1]) > _LEADS:
@@ -168,11 +153,8 @@ class BranchStepper:
         They turn little, and their chord lies half way between them, to the turn's second order. An orbit of
         a branch that crosses this one is aside.
 
-        Args:
-            one: An orbit.
-            other: The next.
-            corner: Whether the branch may have a corner between them, as at a graze: of less than a right
-                angle, so that what is farther away than the step is long is another branch still.
+        At a ``corner``, as at a graze, of less than a right angle, what is farther away than the step is long
+        is another branch.
         """
         if len(one.tangent) != len(other.tangent):
             return True
@@ -226,16 +208,8 @@ class BranchStepper:
     ) -> Point:
         """Return the orbit an arc ahead, square to the direction (Keller's pseudo-arclength).
 
-        Args:
-            point: From where.
-            way: The direction there.
-            arc: How far along it.
-            guess: Coordinates about the point, and the parameter in its unit from there, of a place that
-                is so far ahead, (size + 1,); straight ahead if left out.
-            twice: Whether Newton's method goes once more than it must.
-
-        Raises:
-            AntennaPinError: Newton's method finds none.
+        The guess, (size + 1,), straight ahead by default, is of coordinates about the point and the distance
+        of the parameter in its unit; ``twice`` is for one more step of Newton's method than necessary.
         """
         found = self._solve(point, way, arc, guess, twice)
         flow, period = self.family(found.value)
@@ -278,11 +252,7 @@ class BranchStepper:
         return good
 
     def orbit_ahead(self, node: Node, value: float) -> tuple[Point, float]:
-        """Return the orbit at a value straight ahead of another, and the arc to it.
-
-        Raises:
-            AntennaPinError: Newton's method finds none.
-        """
+        """Return the orbit at a value straight ahead of another, and the arc to it."""
         point, way = node.point, node.tangent
         ahead = (value - point.value) / (way[-1] * self.unit)
         origin = self.chart(point)
@@ -302,13 +272,6 @@ class BranchStepper:
 
         Along the arc, where the branch cannot be mistaken for another, until it is near; from there by
         Newton's method at the value itself.
-
-        Args:
-            point: That the step begins with, on this side of the value.
-            way: The direction there.
-            arc: Of the step.
-            beyond: What it came to, on the other side.
-            value: Of the parameter.
         """
         known = {arc: beyond.value}
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from antenna_pin.analysis import quantity
 from antenna_pin.analysis.transients import LEAST, RULE, Settled, settled
 from antenna_pin.base.arguments import check_number, takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.capacity import check_count
 from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.base.state import State
@@ -26,10 +27,6 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.assemble import build_system, initial_angles, initial_state
 from antenna_pin.studies.nonlinear.sections import Crossing, Section, Stroboscope
 from antenna_pin.trajectory import Outcome, Trajectory, open_table, table_attributes
-
-__all__ = ["SectionRun", "check_counts", "open_section", "poincare", "settled_points"]
-
-Array = NDArray[np.float64]
 
 # Rate of even samples so low that none occurs [1/s].
 _NO_RATE = 1e-12
@@ -52,13 +49,6 @@ class _Points(NamedTuple):
 
 class SectionRun:
     """Run of a scenario that stores its returns to a section only.
-
-    Args:
-        scenario: What to run.
-        section: Where to sample it.
-        quantities: Quantities to record, by the names of :func:`antenna_pin.analysis.quantity`.
-        start: State to start from; the scenario's own start if left out.
-        progress: Called about ten times a second while it runs.
 
     Attributes:
         state: To continue from; None before anything was run.
@@ -383,9 +373,6 @@ def _fate(returns: SectionRun) -> str:
 @takes()
 def open_section(path: str | os.PathLike[str]) -> xr.Dataset:
     """Return the points of a section from their file.
-
-    Args:
-        path: The file, as :func:`save_table` wrote it.
 
     Returns:
         As :func:`antenna_pin.studies.nonlinear.poincare` does.

@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.records import MEMORY
 from antenna_pin.dynamics import Workspace, acting_in, impulse, kernels, reduced_inertia
 from antenna_pin.elements import Met
@@ -26,18 +27,6 @@ from antenna_pin.run.simulation.loop import Run
 from antenna_pin.studies.nonlinear.coordinates import ElementMemory, Frame, configuration_difference
 from antenna_pin.studies.nonlinear.perturbed_system import ParameterShift, StateFunction
 from antenna_pin.studies.nonlinear.vector_field import VectorField
-
-__all__ = [
-    "RunTangents",
-    "ElementTransition",
-    "EventShift",
-    "ElementReplay",
-    "Saltation",
-    "at_equal_times",
-    "with_time",
-]
-
-Array = NDArray[np.float64]
 
 # --- tangents at equal times, and at the perturbed times of an event ----------------------------------------
 
@@ -99,7 +88,6 @@ class ElementReplay:
     def __init__(
         self, workspace: Workspace, element_memory: ElementMemory, numbers: ParameterShift | None = None
     ) -> None:
-        """Collect the elements."""
         self._workspace, self._kept, self._numbers = workspace, element_memory, numbers
         self._holds = [one.name for one in workspace.system.holds]
         #: Element transitions of the last call, in order.
@@ -217,7 +205,6 @@ class Saltation:
     """Propagation of tangents across events of a run."""
 
     def __init__(self, field: VectorField, run: Run, count: int) -> None:
-        """Begin without events."""
         self._field = field
         self._moment = Moment(field.workspace)
         self._replay = ElementReplay(field.workspace, field.memory, field.numbers)

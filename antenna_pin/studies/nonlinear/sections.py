@@ -16,9 +16,6 @@ from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.run.simulation import Angle, Force, Gap, Moment, Rate
 from antenna_pin.scenario import Scenario
 
-__all__ = ["Crossing", "Section", "Stroboscope", "drive_period", "section_of"]
-
-
 # Relative difference of equal periods written in different units.
 _SAME = 1e-12
 
@@ -28,16 +25,12 @@ _DIRECTIONS: dict[str, Literal[-1, 0, 1]] = {"rising": 1, "falling": -1, "both":
 @takes()
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Stroboscope:
-    """Section once a period, at the times ``(phase + k) period``.
+    """Section once a period, at the times ``(phase + k) period``."""
 
-    Attributes:
-        period: [s]; None for that of the scenario's drives, which then have to have one and the same.
-        drive: Whose period it is, where drives differ; None otherwise.
-        phase: Part of the period at which it is examined, from 0 to below 1 [-].
-    """
-
+    # [s]; None for that of the scenario's drives, which then have to have one and the same
     period: Positive | None = None
-    drive: str | None = None
+    drive: str | None = None  # whose period it is, where drives differ; None otherwise
+    # part of the period at which it is examined, from 0 to below 1 [-]
     phase: Annotated[float, NumberRule("from 0 to below 1, a part of the period")] = 0.0
 
     def __post_init__(self) -> None:
@@ -63,18 +56,13 @@ class Stroboscope:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crossing:
-    """Section at zeros of a function of the state, located on the dense output.
+    """Section at zeros of a function of the state, located on the dense output."""
 
-    Attributes:
-        when: The function: a condition of :mod:`antenna_pin.run.simulation`, as ``Angle("hinge", 0.0)``, or
-            one of your own, ``(moment) -> float``, with which the compiled engine is slower.
-        direction: +1: rising; -1: falling; 0: both.
-        name: Its name; made from the condition if left out.
-    """
-
+    # the function: a condition of :mod:`antenna_pin.run.simulation`, as ``Angle("hinge", 0.0)``, or one of
+    # your own, ``(moment) -> float``, with which the compiled engine is slower
     when: Callable[[Moment], float]
-    direction: Literal[-1, 0, 1] = 1
-    name: str = ""
+    direction: Literal[-1, 0, 1] = 1  # +1: rising; -1: falling; 0: both
+    name: str = ""  # its name; made from the condition if left out
 
     def __post_init__(self) -> None:
         """Check the kinds."""

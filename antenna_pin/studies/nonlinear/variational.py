@@ -33,6 +33,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.run.engine import Carrying, Steps
 from antenna_pin.run.simulation.loop import Run
 from antenna_pin.run.simulation.steps import LoggedStep
@@ -54,10 +55,6 @@ from antenna_pin.studies.nonlinear.saltation import (
     with_time,
 )
 from antenna_pin.studies.nonlinear.vector_field import VectorField
-
-__all__ = ["TangentPropagation"]
-
-Array = NDArray[np.float64]
 
 # --- tangents by the stages of the integrator ---------------------------------------------------------------
 
@@ -88,10 +85,6 @@ class _StagePropagation:
     """Propagation of tangents along parts of a step by the integrator's stages.
 
     Ways, rates and bristles, ``moving``, are the parts of a tangent that change between events.
-
-    Attributes:
-        since: When contacts or drives have changed last [s].
-        made: Pieces along which tangents were carried.
     """
 
     def __init__(self, carrying: Carrying, moving: slice) -> None:
@@ -260,17 +253,8 @@ _TOGETHER = 64
 class TangentPropagation:
     """Observer of a run that propagates tangents along it.
 
-    Args:
-        run: Before its first step; its steps are logged.
-        frame: Axes in its first state.
-        ways: Tangents to propagate, in coordinates along these, (size, k), or what makes them of these; all
-            of them if left out.
-        numbers: Parameters of the system that are coordinates too; none if left out.
-        looks: When to be shown to ``seen`` within steps, ascending [s].
-
-    Attributes:
-        field: The rates, with the contacts that count.
-        states: States within the steps, before what changes behind them.
+    Tangents ``ways``, (size, k), are in coordinates along the axes of the first state, or a function of
+    these; all by default. ``looks`` are rising times of ``on_look`` [s].
     """
 
     def __init__(

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import WEIGHTS, roughness
 from antenna_pin.base.records import CONTACT
 from antenna_pin.base.settings import RunSettings
@@ -29,10 +30,6 @@ from antenna_pin.studies.nonlinear.perturbed_system import (
     StateFunction,
 )
 
-__all__ = ["VectorField"]
-
-Array = NDArray[np.float64]
-
 # --- gaps along perturbations -------------------------------------------------------------------------------
 
 # Difference steps over the scale of a play, and over a parameter's.
@@ -46,11 +43,7 @@ _NEW = 1e-3
 
 
 class _GapSlopes:
-    """Derivatives of functions of poses in joints' play, with steps far coarser than forces'.
-
-    Attributes:
-        tangents: Know the derivatives of what is met at contacts; None where differences have to do.
-    """
+    """Derivatives of functions of poses in joints' play, with steps far coarser than forces'."""
 
     def __init__(self, perturbed: PerturbedSystem, units: Units) -> None:
         self._near, self._coarse = perturbed, perturbed.coarseness(units, _GAP_STEP)
@@ -212,18 +205,10 @@ class VectorField:
 
     Perturbations include the parameters ``numbers``, if given.
 
-    Attributes:
-        workspace: Its contact memory and program are those of the moment.
-        units: Of perturbations.
-        kept: Element memory.
-        bristles: Where these stand in x, (bristles,).
-        depths: How far contacts open along perturbations.
-        round_off: Of the rates near where it was last looked (:meth:`estimate_round_off`), in units per
-            second.
+    ``round_off`` is that of the rates where it was last estimated, in units per second.
     """
 
     def __init__(self, system: System, settings: RunSettings, numbers: ParameterSlopes | None = None) -> None:
-        """Allocate once."""
         self._near = near = PerturbedSystem(system, settings, numbers)
         self.system, self.workspace, self._stepper = near.system, near.workspace, near.stepper
         self.memory, self.numbers = near.memory, near.numbers
@@ -290,13 +275,8 @@ class VectorField:
     ) -> Array:
         """Return the derivatives of a function of time and state along perturbations, (values, k).
 
-        Args:
-            function: ``(time, y) -> values``, of the contacts and program of the moment.
-            time: [s].
-            y: State.
-            ways: Perturbations of any size, by columns, (perturbation, k).
-            of_forces: Whether it may depend on forces, which are smooth on the scale of depths only. Where it
-                does not, steps so short leave round-off alone: of both, those count that are in less doubt.
+        Perturbations, (perturbation, k), are of any size. Forces are smooth on the scale of depths only: if
+        the function may depend on them, of long and short steps those count that are less uncertain.
         """
         clock = np.zeros_like(ways)  # time is of no size that those of ways would tell, nor they of its
         clock[self.parts[-1]] = ways[self.parts[-1]]
@@ -322,11 +302,7 @@ class VectorField:
         Of a tree they are put together from its parts (:class:`antenna_pin.run.engine.Tangents`). Steps of
         differences of the whole are made finer where the two orders part: there they straddle a kink.
 
-        Args:
-            time: [s].
-            y: State.
-            ways: Perturbations of a size of about 1 in units, by columns, (perturbation, k).
-            chosen_steps: Steps of differences that are chosen for them, if they are known already, (k,).
+        Perturbations, (perturbation, k), are of a size of about 1 in units; the steps, (k,), may be given.
 
         Returns:
             By differences of sixth and of fourth order, (nv + nx, k) each; and steps, (k,).

@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import WEIGHTS
 from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.base.settings import RunSettings
@@ -29,13 +30,6 @@ from antenna_pin.studies.sensitivity.parameters import (
     shifted_start,
 )
 from antenna_pin.trajectory import Column, Trajectory, columns_of
-
-__all__ = [
-    "FiniteDifferences",
-    "VariableDerivatives",
-]
-
-Array = NDArray[np.float64]
 
 # --- first difference of two runs in contacts, events or mode changes ---------------------------------------
 
@@ -191,14 +185,8 @@ def _longest(data: xr.Dataset) -> float:
 class FiniteDifferences:
     """Derivatives of a scenario's results by differences of runs.
 
-    Args:
-        scenario: The scenario.
-        settings: Settings of all runs.
-        duration: Duration of all runs [s].
-        times: Times of differentiated samples, (times,) [s].
-        start: State from which runs continue; the scenario's start if None.
-        processes: Number of processes that make runs.
-        order: Order of differences: 6, of six runs a parameter, or 2, of two.
+    Of order 6 by six runs a parameter, of order 2 by two; runs begin at a given state, or at the scenario's
+    start.
     """
 
     def __init__(
@@ -211,7 +199,6 @@ class FiniteDifferences:
         processes: int = 1,
         order: int = 6,
     ) -> None:
-        """Make the nominal run."""
         self._order, self._first = order, 0
         self._scenario, self._settings, self._duration = scenario, settings, duration
         self._times, self._start, self._processes = times, start, processes

@@ -13,13 +13,13 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import few
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.state import State
@@ -45,18 +45,49 @@ from antenna_pin.studies.sensitivity.parameters import (
 from antenna_pin.studies.sensitivity.state_series import StateSeries, TimeDerivatives
 from antenna_pin.studies.sensitivity.tangent_run import ContactShift, TangentRecord
 
-__all__ = [
-    "ForwardSensitivity",
-    "named_derivatives",
-    "maximum_times",
-]
-
-Array = NDArray[np.float64]
-
 # --- tangents of a scenario over its parameters -------------------------------------------------------------
 
 # Difference step of first states, in a parameter's scale.
 _START = 1e-3
+
+
+class ParameterTangents:
+    """Parameters of a system, and the perturbations of a first state by them.
+
+    Each of ``builds`` builds the system so many scales farther, ``(s) -> System``; names are for messages.
+    """
+
+    def __init__(
+        self, system: System, builds: Sequence[Callable[[float], System]], names: Sequence[str]
+    ) -> None:
+        self._names, self.perturbation = names, StatePerturbation(system, len(builds))
+        self.numbers = ParameterSlopes(system, builds, names)
+        # A perturbed run begins with its own numbers of elements; their memory is perturbed separately.
+        self.numbers.slopes["program"][:, self.perturbation.memory.words] = 0.0
+
+    def of_start(self, here: State, there: Sequence[Callable[[float], State]]) -> Array:
+        """Return the perturbations of a first state, (perturbation, n).
+
+        Its functions ``there``, (s) -> State, are of the parameters and of others behind them.
+        """
+        parts, count = self.perturbation.parts, self.numbers.count
+        ways = np.zeros((parts[-1].stop, len(there)))
+        for k, one in enumerate(there):
+            ways[:, k] = few(functools.partial(self._apart, k, here, one), _START)[0]
+        ways[parts[-3], :count] = np.eye(count)
+        return ways
+
+    def _apart(self, k: int, here: State, there: Callable[[float], State], j: int) -> Array:
+        """Return the perturbation of a first state, without that of the parameter itself."""
+        found = self.perturbation.between(here, there(j * _START) if j else here)
+        if found is None:
+            name = (*self._names, "a start")[min(k, len(self._names))]
+            raise GrazeError(
+                f"sensitivities: with {name} changed by {j * _START:g} of its scale other contacts touch at "
+                "the start, where there is no derivative; start apart, or deeper",
+                here.time,
+            )
+        return found
 
 
 class _PerturbedScenario(NamedTuple):
@@ -81,7 +112,6 @@ class ForwardSensitivity:
         settings: RunSettings,
         start: State | None = None,
     ) -> None:
-        """Build the system and its perturbations."""
         check_without_controllers("sensitivities", scenario)
         self._scenario, self.parameters, self.settings = scenario, tuple(parameters), settings
         self._from = start
@@ -90,14 +120,13 @@ class ForwardSensitivity:
         system = self._here.system
         self.flow = Flow(system, settings, events_of(scenario), scenario)
         builds = [functools.partial(self._system, k) for k in range(len(self.parameters))]
-        self._numbers = ParameterSlopes(system, builds, [one.key for one in self.parameters])
-        self._next = StatePerturbation(system, len(self.parameters))
-        # A perturbed run begins with its own numbers of elements; their memory is perturbed separately.
-        self._numbers.slopes["program"][:, self._next.memory.words] = 0.0
-        beside = PerturbedParameters(system, settings, self._numbers, self._system)
+        self._tangents = ParameterTangents(system, builds, [one.key for one in self.parameters])
+        beside = PerturbedParameters(system, settings, self._tangents.numbers, self._system)
         scales = np.array([one.scale for one in self.parameters])
         #: Series of the result at its states, and at perturbed ones.
-        self.state_series = StateSeries(beside, self._next, settings, self._here.first, scales)
+        self.state_series = StateSeries(
+            beside, self._tangents.perturbation, settings, self._here.first, scales
+        )
 
     def _neighbour(self, k: int, s: float) -> _PerturbedScenario:
         """Return the scenario with a parameter shifted by s scales."""
@@ -127,25 +156,11 @@ class ForwardSensitivity:
 
     def _start(self, lift: Lift) -> Array:
         """Return the perturbations of the first state in coordinates, (size, parameters)."""
-        columns = []
-        for k in range(len(self.parameters)):
-            columns.append(few(functools.partial(self._apart, k), _START)[0])
-        ways = np.column_stack(columns)
-        ways[self._next.parts[-3]] = np.eye(len(self.parameters))
-        return np.asarray(lift.down @ ways)
+        firsts = [functools.partial(self._first_state, k) for k in range(len(self.parameters))]
+        return np.asarray(lift.down @ self._tangents.of_start(self._here.first, firsts))
 
-    def _apart(self, k: int, j: int) -> Array:
-        """Return the perturbation of the first state, without that of the parameter itself."""
-        here, s = self._here.first, j * _START
-        found = self._next.between(here, self.at(k, s).first if j else here)
-        if found is None:
-            one = self.parameters[k]
-            raise GrazeError(
-                f"sensitivities: with {one.key} = {one.value + s * one.scale:.9g} other contacts touch at "
-                f"the start, where there is no derivative; start apart, or deeper",
-                here.time,
-            )
-        return found
+    def _first_state(self, k: int, s: float) -> State:
+        return self.at(k, s).first
 
     def run(self, times: Array, duration: float, moments: Array) -> TangentRecord:
         """Return the run with its tangents, recorded at times and depth maxima.
@@ -162,10 +177,9 @@ class ForwardSensitivity:
         every = np.unique(np.concatenate([[begin, end], times, moments]))
         samples = every[(every >= begin) & (every <= end)].tolist()
         run = flow.logged_run(first, span)
-        carrier = TangentPropagation(
-            run, Chart(flow.system, first).frame, self._start, self._numbers, samples
-        )
-        along = TangentRecord(run, carrier, self._numbers, begin, len(self.parameters))
+        frame, numbers = Chart(flow.system, first).frame, self._tangents.numbers
+        carrier = TangentPropagation(run, frame, self._start, numbers, samples)
+        along = TangentRecord(run, carrier, numbers, begin, len(self.parameters))
         run.advance(observer=along)
         flow.check_ended(run, span, first)
         return along
@@ -361,15 +375,7 @@ def named_derivatives(
     run: xr.Dataset,
     parameters: tuple[Parameter, ...],
 ) -> list[VariableDerivatives]:
-    """Return derivatives over each parameter, by the result's names; NaN where unknown.
-
-    Args:
-        equation: Forward sensitivity that propagated the tangents.
-        along: Record of its run.
-        here: Result at the requested times.
-        run: The result.
-        parameters: The parameters.
-    """
+    """Return derivatives over each parameter, by the result's names; NaN where unknown."""
     displaced, system = along.samples, equation.flow.system
     series, in_time = (
         equation.state_series.series(displaced),

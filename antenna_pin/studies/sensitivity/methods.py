@@ -10,9 +10,10 @@ from typing import Literal
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.state import State
 from antenna_pin.errors import InvalidParameterError
@@ -34,10 +35,6 @@ from antenna_pin.studies.sensitivity.parameters import (
     parameters_of,
 )
 from antenna_pin.studies.sensitivity.result import Sensitivities, dataset_of
-
-__all__ = ["Method", "sensitivities"]
-
-Array = NDArray[np.float64]
 
 # Shortest piece over the whole; relative round-off of equal times.
 _SHORTEST, _ONE = 1e-6, 1e-12

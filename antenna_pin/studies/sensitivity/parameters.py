@@ -18,17 +18,6 @@ from antenna_pin.scenario import Scenario, number_of
 from antenna_pin.scenario.assemble import initial_angles, initial_state
 from antenna_pin.studies.nonlinear.coordinates import configuration_difference
 
-__all__ = [
-    "GrazeError",
-    "Parameter",
-    "SensitivityError",
-    "shifted_start",
-    "check_start_keys",
-    "is_initial",
-    "parameters_of",
-]
-
-
 # Tables of computation and output, of which no motion is a differentiable function.
 _NOT_OF_THE_MOTION = ("duration", "integrator", "output", "format")
 
@@ -45,25 +34,17 @@ class GrazeError(SensitivityError):
     """
 
     def __init__(self, message: str, time: float = math.nan) -> None:
-        """Store message and time."""
         super().__init__(message)
         self.time = time
 
 
 class Parameter(NamedTuple):
-    """Number of a scenario that results are differentiated by.
+    """Number of a scenario that results are differentiated by."""
 
-    Attributes:
-        key: Key in the scenario.
-        value: Value in SI units.
-        unit: SI unit; "" if it depends on other entries.
-        scale: Scale in the same unit, relative to which changes are small.
-    """
-
-    key: str
-    value: float
-    unit: str
-    scale: float
+    key: str  # key in the scenario
+    value: float  # value in SI units
+    unit: str  # SI unit; "" if it depends on other entries
+    scale: float  # scale in the same unit, relative to which changes are small
 
 
 def parameters_of(

@@ -11,29 +11,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import check_number, takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import WEIGHTS
 from antenna_pin.base.readable import brief
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.scenario import Scenario
 from antenna_pin.studies.sensitivity.parameters import Parameter
 from antenna_pin.trajectory import Trajectory, open_table, table_attributes
-
-__all__ = [
-    "Changed",
-    "DerivativeGrowth",
-    "Sensitivities",
-    "dataset_of",
-    "growth_said",
-    "open_sensitivities",
-    "refused_in",
-    "results_of",
-    "sensitivity_table",
-]
-
-Array = NDArray[np.float64]
 
 # --- growth of derivatives ----------------------------------------------------------------------------------
 
@@ -42,23 +28,16 @@ _FEWEST = 5
 
 
 class DerivativeGrowth(NamedTuple):
-    """Growth of the velocities' derivative over one parameter along a run.
+    """Growth of the velocities' derivative over one parameter along a run."""
 
-    Attributes:
-        key: Key of the parameter.
-        largest: Largest change of velocities per scale of it [m/s] ([rad/s]).
-        when: Time of the largest change [s].
-        exponent: Rate of growth as exp(exponent t), by a straight line through the logarithm over all
-            samples: the exponent of this motion over this span, not of an attractor [1/s]. NaN for fewer
-            than five samples.
-        believed: Time from which on, to the end, the error estimate exceeds the given share of the largest
-            derivative so far; infinity if it does not at the end [s].
-    """
-
-    key: str
-    largest: float
-    when: float
+    key: str  # key of the parameter
+    largest: float  # largest change of velocities per scale of it [m/s] ([rad/s])
+    when: float  # time of the largest change [s]
+    # rate of growth as exp(exponent t), by a straight line through the logarithm over all samples: the
+    # exponent of this motion over this span, not of an attractor [1/s]. NaN for fewer than five samples
     exponent: float
+    # time from which on, to the end, the error estimate exceeds the given share of the largest derivative so
+    # far; infinity if it does not at the end [s]
     believed: float
 
 
@@ -95,17 +74,12 @@ _STEP = 1e-4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sensitivities:
-    """Derivatives of all results of a run, over numbers of its scenario.
+    """Derivatives of all results of a run, over numbers of its scenario."""
 
-    Attributes:
-        run: The run itself.
-        parameters: The numbers, in the order of ``parameter``.
-        data: By the names of the result's variables, at the requested times: ``NAME``, its derivatives
-            ``d_NAME`` over (..., parameter), and their error estimates ``doubt_NAME``.
-    """
-
-    run: Trajectory
-    parameters: tuple[Parameter, ...]
+    run: Trajectory  # the run itself
+    parameters: tuple[Parameter, ...]  # the numbers, in the order of ``parameter``
+    # by the names of the result's variables, at the requested times: ``NAME``, its derivatives ``d_NAME``
+    # over (..., parameter), and their error estimates ``doubt_NAME``
     data: xr.Dataset
 
     __repr__ = brief
@@ -230,21 +204,13 @@ _OF_VELOCITIES = "m/s or rad/s"
 
 
 class Changed(NamedTuple):
-    """Number of a result, with its changes over parameters.
+    """Number of a result, with its changes over parameters."""
 
-    Attributes:
-        result: Name of the number.
-        unit: Its unit.
-        value: The number.
-        slopes: Its change per scale of each parameter, (parameters,).
-        doubts: Error estimates of the changes.
-    """
-
-    result: str
-    unit: str
-    value: float
-    slopes: Array
-    doubts: Array
+    result: str  # name of the number
+    unit: str  # its unit
+    value: float  # the number
+    slopes: Array  # its change per scale of each parameter, (parameters,)
+    doubts: Array  # error estimates of the changes
 
     @property
     def most(self) -> float:
@@ -318,10 +284,6 @@ def _labels(here: xr.DataArray, index: tuple[int, ...], without: str = "") -> st
 @takes()
 def sensitivity_table(sensitivities: Sensitivities, scenario: Scenario | None = None) -> xr.Dataset:
     """Return sensitivities as a dataset, which :func:`antenna_pin.studies.nonlinear.save_table` writes.
-
-    Args:
-        sensitivities: The sensitivities.
-        scenario: Scenario of the run.
 
     Returns:
         Over ``result``, those of :func:`results_of`: ``value``, ``unit``; over ``result`` and ``parameter``:
@@ -427,9 +389,5 @@ def refused_in(sensitivities: Sensitivities) -> list[dict[str, float | str]]:
 
 @takes()
 def open_sensitivities(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Return a :func:`sensitivity_table` from a file of ``antenna-pin sensitivity --out``.
-
-    Raises:
-        FileFormatError: The file is of another kind, or damaged.
-    """
+    """Return a :func:`sensitivity_table` from a file of ``antenna-pin sensitivity --out``."""
     return open_table(path, "sensitivity")

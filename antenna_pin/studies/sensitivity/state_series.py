@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import WEIGHTS
 from antenna_pin.base.settings import RunSettings
 from antenna_pin.base.state import State
@@ -26,13 +27,6 @@ from antenna_pin.studies.nonlinear.chart import StatePerturbation
 from antenna_pin.studies.nonlinear.perturbed_system import PerturbedParameters, PerturbedSystem
 from antenna_pin.studies.sensitivity.tangent_run import PerturbedSamples
 from antenna_pin.trajectory.schema import VARIABLES
-
-__all__ = [
-    "TimeDerivatives",
-    "StateSeries",
-]
-
-Array = NDArray[np.float64]
 
 # --- series over parameters ---------------------------------------------------------------------------------
 
@@ -102,15 +96,7 @@ class _SeriesTable:
 
 
 class StateSeries:
-    """Series of a result at states of a run, and their derivatives over parameters.
-
-    Args:
-        parameters: Perturbed parameters of the run's system.
-        displacer: Perturbation of states.
-        settings: Settings of the run.
-        start: First state of the run.
-        scales: Scales of the parameters, (parameters,).
-    """
+    """Series of a result at states of a run, and their derivatives over parameters."""
 
     def __init__(
         self,
@@ -120,7 +106,6 @@ class StateSeries:
         start: State,
         scales: Array,
     ) -> None:
-        """Store the arguments."""
         self.beside, self._displacer, self._settings, self._first = parameters, displacer, settings, start
         self.scales = scales
         self._shown: Run | None = None
@@ -261,17 +246,13 @@ class TimeDerivatives:
     """Derivatives over time of series at perturbed samples."""
 
     def __init__(self, source: StateSeries, displaced: PerturbedSamples) -> None:
-        """Store the samples."""
         self._told, self._all = source, displaced
         self._rates: dict[tuple[int, float], dict[str, tuple[Array, Array]]] = {}
 
     def forces(self, places: NDArray[np.int_], contacts: NDArray[np.int_], long: Array) -> _ForceCurvature:
         """Return normal forces of contacts with their derivatives.
 
-        Args:
-            places: Indices of samples, (n,).
-            contacts: Contact at each, (n,).
-            long: Duration of each contact [s].
+        ``long`` is the duration of each contact [s].
         """
         told, part, n = self._told, self._part(places), len(places)
 

@@ -16,8 +16,8 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.calculus import root_between
 from antenna_pin.base.records import CONTACT
 from antenna_pin.dynamics import System, Workspace, acting_in, audit, kernels
@@ -34,14 +34,6 @@ from antenna_pin.studies.nonlinear.saltation import ElementReplay, ElementTransi
 from antenna_pin.studies.nonlinear.variational import TangentPropagation
 from antenna_pin.studies.nonlinear.vector_field import VectorField
 from antenna_pin.studies.sensitivity.parameters import GrazeError
-
-__all__ = [
-    "TangentRecord",
-    "PerturbedSamples",
-    "ContactShift",
-]
-
-Array = NDArray[np.float64]
 
 # --- integrals of elements between two changes --------------------------------------------------------------
 
@@ -159,11 +151,7 @@ def _stored_energy(workspace: Workspace, y: Array) -> float:
 
 
 class _DepthMaxima:
-    """Search for maxima of contact depths within steps.
-
-    Attributes:
-        found: Contacts and times of their largest depths [s], in order.
-    """
+    """Search for maxima of contact depths within steps."""
 
     def __init__(self, states: StepStates) -> None:
         self._within = states
@@ -240,24 +228,12 @@ class _BeforeChange(NamedTuple):
 class TangentRecord:
     """Observer that records the tangents of a run: samples, contacts, events, transitions.
 
-    Args:
-        run: The run.
-        carrier: Propagation of its tangents.
-        numbers: Parameters of the system.
-        begin: Time from which depth maxima are recorded [s].
-        count: Number of parameters.
-
-    Attributes:
-        carrier: The argument.
-        transitions: Derivatives of element transitions.
-        events: Derivatives of events, in order.
-        contacts: Contacts from onset to release.
+    Depth maxima are recorded from the time ``begin`` on [s].
     """
 
     def __init__(
         self, run: Run, carrier: TangentPropagation, numbers: ParameterSlopes, begin: float, count: int
     ) -> None:
-        """Begin at the run's start."""
         system = run.system
         self.carrier, self._begin, self._count = carrier, begin, count
         self._deepest = _DepthMaxima(carrier.states)
@@ -336,7 +312,7 @@ class TangentRecord:
         touching, touched = run.workspace.memory["touching"], self._memory["touching"]
         flipped = np.flatnonzero(touching != touched).tolist()
         if new:
-            self._check(run.stepper.t, self.carrier.tangents.matrix)
+            check_finite(self.carrier, run.stepper.t, self.carrier.tangents.matrix)
         for mark in self._marks.values():
             there = [one for one in passages if one.time == mark.time]
             if there:
@@ -365,21 +341,10 @@ class TangentRecord:
 
     # --- between changes ------------------------------------------------------------------------------------
 
-    def _check(self, time: float, ways: Array) -> None:
-        """Refuse tangents that are not finite."""
-        if not np.isfinite(ways).all():
-            when = max((one.time for one in self.carrier.event_shifts if one.time <= time), default=time)
-            raise GrazeError(
-                f"sensitivities: at {when:.9g} s a contact or an event comes with no speed, or coupled blows "
-                "come together: there is no derivative behind that; take other values, or a span that ends "
-                "before",
-                when,
-            )
-
     def _see(self, time: float, y: Array, ways: Array) -> None:
         """Record perturbations at a sample."""
         carrier = self.carrier
-        self._check(time, ways)
+        check_finite(self.carrier, time, ways)
         self._remember(ways)
         field, carried = carrier.field, carrier.tangents
         assert field.numbers is not None
@@ -392,7 +357,7 @@ class TangentRecord:
 
     def _mark(self, time: float, y: Array, ways: Array) -> None:
         """Record perturbations before a change."""
-        self._check(time, ways)
+        check_finite(self.carrier, time, ways)
         self._remember(ways)
         self._marks[time] = _BeforeChange(time, y.copy(), ways.copy(), self.integrals)
 
@@ -446,6 +411,18 @@ class TangentRecord:
             if struck and found.place in self._losses:
                 self.carrier.add_integral(self._losses[found.place], slope[3])
             slope[3:5] += self._taken.of(step, found, time, y[-len(own) :], own)
+
+
+def check_finite(carrier: TangentPropagation, time: float, ways: Array) -> None:
+    """Refuse tangents at a time [s] that are not finite."""
+    if not np.isfinite(ways).all():
+        when = max((one.time for one in carrier.event_shifts if one.time <= time), default=time)
+        raise GrazeError(
+            f"sensitivities: at {when:.9g} s a contact or an event comes with no speed, or coupled blows "
+            "come together: there is no derivative behind that; take other values, or a span that ends "
+            "before",
+            when,
+        )
 
 
 def _losses(system: System) -> dict[str, int]:

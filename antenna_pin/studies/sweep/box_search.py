@@ -11,15 +11,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.base.rules import AtLeastOne
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["MOST_CORNERS", "WorstCase", "corners_of", "worst_case"]
-
-Array = NDArray[np.float64]
 Response = Callable[[Array], Array]
 
 #: Largest number of corners: those of twelve variables.
@@ -32,21 +30,13 @@ _MEMBERS, _FEWEST, _MOST = 4, 8, 40
 
 @dataclass(frozen=True, slots=True)
 class WorstCase:
-    """Largest value found over a box.
+    """Largest value found over a box."""
 
-    Attributes:
-        point: Its coordinates in the unit cube, (variables,) [-].
-        value: The value; NaN where no point has one.
-        corner: Coordinates of the largest corner, (variables,) [-].
-        at_corner: Value there.
-        runs: Number of evaluations [-].
-    """
-
-    point: Array
-    value: float
-    corner: Array
-    at_corner: float
-    runs: int
+    point: Array  # its coordinates in the unit cube, (variables,) [-]
+    value: float  # the value; NaN where no point has one
+    corner: Array  # coordinates of the largest corner, (variables,) [-]
+    at_corner: float  # value there
+    runs: int  # number of evaluations [-]
 
     @property
     def inside(self) -> bool:
@@ -57,9 +47,6 @@ class WorstCase:
 @takes()
 def corners_of(levels: ArrayLike) -> Array:
     """Return all combinations of levels in the unit cube, (combinations, variables) [-].
-
-    Args:
-        levels: Number of levels of each variable: 2 for its limits.
 
     Raises:
         InvalidParameterError: There are more than :data:`MOST_CORNERS`.

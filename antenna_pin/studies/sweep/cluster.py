@@ -40,9 +40,6 @@ from antenna_pin.studies.sweep.scheduler import (
     words_of,
 )
 
-__all__ = ["Cluster", "ClusterLostError"]
-
-
 # --- why processes that were to make runs did not start: how they ended, and what may be the cause ---
 
 _ENDED = re.compile(r"Worker process \d+ (?:was killed by signal (\d+)|exited with status (\d+))")
@@ -181,7 +178,6 @@ class Cluster:
     def __init__(
         self, workers: int | None = None, scheduler: str | None = None, tls: dict[str, str] | None = None
     ) -> None:
-        """Check the arguments."""
         take_back("dask")  # the command goes without it, for a quick start
         try:
             distributed: Any = importlib.import_module("distributed")

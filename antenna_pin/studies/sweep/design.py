@@ -19,8 +19,6 @@ from antenna_pin.scenario.merge import key_parts
 from antenna_pin.scenario.parameters import Settings
 from antenna_pin.studies.sweep.study import SamplingSpec, Study
 
-__all__ = ["ParameterColumn", "Design", "design_of", "put_value"]
-
 SAMPLE = "sample"
 _LONGEST = 60  # characters of a value in a message
 _INDEXED = re.compile(r"(.*)\[([0-9]{1,9})\]")
@@ -39,21 +37,14 @@ class ParameterColumn:
 
 @dataclass(frozen=True, slots=True)
 class Design:
-    """All runs of a study, numbered through its dimensions, the last one fastest.
+    """All runs of a study, numbered through its dimensions, the last one fastest."""
 
-    Attributes:
-        sizes: Sizes of the dimensions, by name: those of the grid, then ``sample``.
-        columns: The parameters.
-        probability: Cumulative probability of each sample in its distribution, (sample, factor) [-]; or None.
-        factors: Names of the sampled parameters.
-        seeds: Seed of each run, (runs,) [-].
-    """
-
-    sizes: dict[str, int]
-    columns: tuple[ParameterColumn, ...]
+    sizes: dict[str, int]  # sizes of the dimensions, by name: those of the grid, then ``sample``
+    columns: tuple[ParameterColumn, ...]  # the parameters
+    # cumulative probability of each sample in its distribution, (sample, factor) [-]; or None
     probability: NDArray[np.float64] | None
-    factors: tuple[str, ...]
-    seeds: NDArray[np.int64]
+    factors: tuple[str, ...]  # names of the sampled parameters
+    seeds: NDArray[np.int64]  # seed of each run, (runs,) [-]
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -21,8 +21,6 @@ from antenna_pin.studies.sweep.preparation import PreparedStudy, prepare, trial
 from antenna_pin.studies.sweep.store import LOST, SUFFIX, Store, identity_of, open_study
 from antenna_pin.studies.sweep.study import Study
 
-__all__ = ["StudyProgress", "run_study"]
-
 _BATCH_SECONDS = 1.0  # of work in one batch
 _LARGEST_BATCH = 200
 _CHECKED_AT_ONCE = 100
@@ -33,19 +31,12 @@ _TABLE_SHARE = 0.02  # of the time, at most, goes into writing the dataset
 
 @dataclass(frozen=True, slots=True)
 class StudyProgress:
-    """Progress of a study.
+    """Progress of a study."""
 
-    Attributes:
-        stage: ``check`` of the runs, or ``run``.
-        done: Runs made or checked, including those of an earlier command.
-        count: Number of all runs.
-        failed: Runs that did not complete, or do not balance.
-    """
-
-    stage: str
-    done: int
-    count: int
-    failed: int
+    stage: str  # ``check`` of the runs, or ``run``
+    done: int  # runs made or checked, including those of an earlier command
+    count: int  # number of all runs
+    failed: int  # runs that did not complete, or do not balance
 
 
 @takes()

@@ -11,9 +11,6 @@ from antenna_pin.base.capacity import cores
 from antenna_pin.base.interruption import ended_with
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Executor", "Here", "Lost", "Threads"]
-
-
 T = TypeVar("T")
 
 
@@ -71,7 +68,6 @@ class Threads:
     """
 
     def __init__(self, threads: int | None = None) -> None:
-        """Check the number."""
         if not (threads is None or threads > 0):
             raise InvalidParameterError("Threads", "threads", "positive", threads)
         self.width = threads or cores()

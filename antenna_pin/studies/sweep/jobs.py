@@ -24,8 +24,6 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.studies.sweep.responses import ResponseSpec, evaluate
 from antenna_pin.trajectory import Trajectory, library_versions
 
-__all__ = ["FinishedRun", "Job", "Work", "check_jobs", "do_jobs", "failed_entry"]
-
 
 @dataclass(frozen=True, slots=True)
 class Job:
@@ -114,6 +112,7 @@ def _do(work: Work, job: Job) -> FinishedRun:
     began, busy = time.perf_counter(), time.thread_time()
     entry: dict[str, Any] = {"run": job.run, "seed": job.seed, "values": {}}
     reference: Trajectory | None = None
+    result = b""
     try:
         with _told_of(job):
             run = simulate(scenario_of(work, job))
@@ -135,30 +134,22 @@ def _do(work: Work, job: Job) -> FinishedRun:
                     message += f"; response {name}: it is {value} for this run, not a number"
             except Exception as error:
                 entry["values"][name] = float("nan")
-                words = (
-                    str(error) if isinstance(error, AntennaPinError) else f"{type(error).__name__}: {error}"
-                )
-                message += f"; response {name}: {words}"
+                kind = "" if isinstance(error, AntennaPinError) else f"{type(error).__name__}: "
+                message += f"; response {name}: {kind}{error}"
         entry |= {
             "outcome": run.outcome.name,
             "message": " ".join(message.split()),
             "end_time": float(run.data.attrs["end_time"]),
             "steps": counts.accepted,
-            "rejected": counts.rejected,
-            "relocated": counts.relocated,
-            "evaluations": counts.evaluations,
+            **{name: getattr(counts, name) for name in ("rejected", "relocated", "evaluations")},
             "simulated": simulated,
             "cpu": cpu,
         }
-        keep = work.results == "all" or (work.results == "failed" and not run.completed)
-        result = b""
-        if keep:
+        if work.results == "all" or (work.results == "failed" and not run.completed):
             with tempfile.TemporaryDirectory() as folder:
                 result = run.save(Path(folder, "run.nc")).read_bytes()
-        return FinishedRun(
-            entry | {"wall_time": time.perf_counter() - began, "worker": platform.node()}, result
-        )
-    return FinishedRun(entry | {"wall_time": time.perf_counter() - began, "worker": platform.node()})
+    entry |= {"wall_time": time.perf_counter() - began, "worker": platform.node()}
+    return FinishedRun(entry, result)
 
 
 class _NumberedWarnings:

@@ -11,15 +11,14 @@ import fcntl
 import hashlib
 import json
 import os
+import shutil
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from antenna_pin.base.files import is_there, replacing
 from antenna_pin.errors import OutputError
-
-__all__ = ["Journal", "ReadJournal", "deleted", "open_journal", "read_journal"]
 
 _DIGEST = 24
 _SYNC_EVERY = 1.0  # [s]
@@ -72,11 +71,7 @@ def deleted(path: Path, what: str = "study") -> OutputError:
 class Journal:
     """Journal open for writing; one process at a time has it.
 
-    Args:
-        path: The journal, made if missing.
-        key: Digest of the study.
-        keep: Entries of a journal rewritten after damage; None to append.
-        what: Kind of the whole, for messages.
+    ``keep`` are the entries of a journal rewritten after damage; None to append.
 
     Raises:
         OutputError: The journal cannot be written, or is in use.
@@ -85,7 +80,6 @@ class Journal:
     def __init__(
         self, path: Path, key: bytes, keep: Iterable[dict[str, Any]] | None = None, what: str = "study"
     ) -> None:
-        """Open the journal."""
         self.path, self._key, self._what = path, key, what
         # The lock is on a file of its own: the journal may be replaced.
         lock = path.with_name(".lock")
@@ -152,18 +146,52 @@ class Journal:
             os.close(self._lock)
 
 
+def scenario_content(text: str) -> dict[str, Any]:
+    """Return a scenario, as JSON text or "", without its origin."""
+    data: dict[str, Any] = json.loads(text) if text else {}
+    return {name: value for name, value in data.items() if name not in ("folder", "overrides", "description")}
+
+
+class Parts:
+    """Entries by number of an unfinished result, stored beside it in the folder ``FILE.parts``.
+
+    Without a result they are in memory only. An entry has its number as ``run``. Identity and errors are
+    those of :func:`open_journal`.
+    """
+
+    def __init__(self, target: Path | None, about: Callable[[], Mapping[str, Any]], what: str) -> None:
+        self.entries: dict[int, dict[str, Any]] = {}
+        self._journal: Journal | None = None
+        self._folder = None if target is None else target.with_name(f"{target.name}.parts")
+        if self._folder is not None:
+            self.entries, self._journal = open_journal(self._folder, about(), what)
+
+    def add(self, entry: dict[str, Any]) -> None:
+        """Store an entry."""
+        if self._journal is not None:
+            self._journal.add(entry)
+        self.entries[int(entry["run"])] = entry
+
+    def close(self) -> None:
+        """Flush and release the folder."""
+        if self._journal is not None:
+            self._journal.close()
+            self._journal = None
+
+    def remove(self) -> None:
+        """Remove the folder of a saved result."""
+        self.close()
+        if self._folder is not None:
+            shutil.rmtree(self._folder)
+
+
 def open_journal(
     folder: Path, about: Mapping[str, Any], what: str
 ) -> tuple[dict[int, dict[str, Any]], Journal]:
     """Begin a journal in its own folder, or continue it.
 
-    Args:
-        folder: The folder, made if missing.
-        about: Identity as JSON types; a journal of another identity is refused.
-        what: Kind of the whole, for messages and the name of the identity's file: "diagram".
-
-    Returns:
-        The entries by their number, and the open journal.
+    Returns the entries by number and the open journal. The identity ``about`` is of JSON types; ``what`` is
+    the kind of the whole, for messages and the name of the identity's file: "diagram".
 
     Raises:
         OutputError: The folder belongs to another, cannot be written, or is in use.

@@ -17,10 +17,6 @@ from antenna_pin.trajectory import Trajectory, blow_numbers, contact_joints, nam
 from antenna_pin.trajectory.columns import Variable
 from antenna_pin.trajectory.quantities import CONTACTS, RUN, SUMMARIES, reduced
 
-__all__ = ["MEASURES", "MeasureArguments", "MeasureDefinition"]
-
-Array = NDArray[np.float64]
-
 
 class MeasureArguments(Protocol):
     """Arguments of a response's measure; a table of a study file."""

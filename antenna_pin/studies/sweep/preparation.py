@@ -21,30 +21,19 @@ from antenna_pin.studies.sweep.responses import evaluate, source_of
 from antenna_pin.studies.sweep.study import Study
 from antenna_pin.trajectory import Trajectory, is_lean, library_versions
 
-__all__ = ["PreparedStudy", "RunTime", "TrialRun", "prepare", "run_seconds", "trial"]
-
-
 _TRIAL_SHARE = 0.02  # of a run's duration
 _LONG_ENOUGH = 1.0  # [s] for a trial to tell the pace of a run
 
 
 @dataclass(frozen=True, slots=True)
 class PreparedStudy:
-    """Study ready to be run.
+    """Study ready to be run."""
 
-    Attributes:
-        study: The study.
-        design: Its runs.
-        base: Scenario before the overrides of parameters.
-        work: Data that all runs share.
-        record: Overrides of what runs record.
-    """
-
-    study: Study
-    design: Design
-    base: Scenario
-    work: Work
-    record: Mapping[str, Any]
+    study: Study  # the study
+    design: Design  # its runs
+    base: Scenario  # scenario before the overrides of parameters
+    work: Work  # data that all runs share
+    record: Mapping[str, Any]  # overrides of what runs record
 
     @property
     def place(self) -> str:
@@ -67,15 +56,10 @@ class PreparedStudy:
 
 @dataclass(frozen=True, slots=True)
 class TrialRun:
-    """Findings of a short part of the first run.
+    """Findings of a short part of the first run."""
 
-    Attributes:
-        seconds: Estimated time of a whole run on this machine [s].
-        notes: Notes, a line each.
-    """
-
-    seconds: float
-    notes: tuple[str, ...] = ()
+    seconds: float  # estimated time of a whole run on this machine [s]
+    notes: tuple[str, ...] = ()  # notes, a line each
 
 
 @takes()
@@ -163,17 +147,11 @@ def trial(plan: PreparedStudy, run: int = 0) -> TrialRun:
 
 
 class RunTime(NamedTuple):
-    """Estimates of the time of a run [s].
+    """Estimates of the time of a run [s]."""
 
-    Attributes:
-        least: Estimate at the greatest measured pace.
-        mean: Estimate at the last pace.
-        most: Estimate at the least pace.
-    """
-
-    least: float
-    mean: float
-    most: float
+    least: float  # estimate at the greatest measured pace
+    mean: float  # estimate at the last pace
+    most: float  # estimate at the least pace
 
 
 @takes()

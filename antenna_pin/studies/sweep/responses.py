@@ -15,8 +15,6 @@ from antenna_pin.studies.sweep.measures import MEASURES
 if TYPE_CHECKING:
     from antenna_pin.trajectory import Trajectory
 
-__all__ = ["ResponseSpec", "evaluate", "source_of"]
-
 
 class ResponseSpec(Spec):
     """Number of each run by a measure or a function; a text alone names either.
@@ -127,12 +125,7 @@ def source_of(response: ResponseSpec, folder: Path, name: str) -> str:
 
 
 def evaluate(
-    name: str,
-    response: ResponseSpec,
-    source: str,
-    run: Trajectory,
-    reference: Trajectory | None,
-    seed: int,
+    name: str, response: ResponseSpec, source: str, run: Trajectory, reference: Trajectory | None, seed: int
 ) -> float:
     """Return a response of a run; exceptions of a user's function pass through."""
     if response.measure is not None:

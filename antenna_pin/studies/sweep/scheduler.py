@@ -16,17 +16,6 @@ from urllib.parse import urlsplit
 
 from antenna_pin.errors import AntennaPinError, MissingToolError
 
-__all__ = [
-    "ANSWERS_WITHIN",
-    "ClusterLostError",
-    "check_address",
-    "check_scheduler",
-    "own_security",
-    "security_of",
-    "words_of",
-]
-
-
 ANSWERS_WITHIN = 20.0  # [s]
 
 
@@ -79,10 +68,7 @@ def security_of(tls: dict[str, str]) -> Any:
             f"PEM, the key without a passphrase, got: {words_of(error)}"
         ) from None
     return importlib.import_module("distributed").Security(
-        tls_ca_file=tls["ca"],
-        tls_client_cert=tls["cert"],
-        tls_client_key=tls["key"],
-        require_encryption=True,
+        tls_ca_file=tls["ca"], tls_client_cert=tls["cert"], tls_client_key=tls["key"], require_encryption=True
     )
 
 

@@ -11,14 +11,10 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.arrays import Array
 from antenna_pin.errors import InvalidParameterError, MissingToolError
-
-__all__ = ["morris_points", "saltelli_points", "sensitivities"]
-
-Array = NDArray[np.float64]
 
 
 def _salib(name: str) -> Any:
@@ -108,11 +104,7 @@ def sensitivities(study: xr.Dataset, response: str, confidence: float = 0.95) ->
         }
     else:
         found = _salib("analyze.sobol").analyze(
-            _problem(names),
-            values,
-            calc_second_order=about["second_order"],
-            conf_level=confidence,
-            seed=0,
+            _problem(names), values, calc_second_order=about["second_order"], conf_level=confidence, seed=0
         )
         columns = {
             "first": ("S1", "1", "share of the variance by itself"),

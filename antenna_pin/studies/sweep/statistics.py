@@ -7,8 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
-__all__ = ["quantiles"]
-
 
 def quantiles(
     study: xr.Dataset,

@@ -24,12 +24,9 @@ from antenna_pin.base.files import check_writable, has_whole_seal, replacing, se
 from antenna_pin.errors import FileFormatError, OutputError
 from antenna_pin.studies.sweep.design import SAMPLE, Design
 from antenna_pin.studies.sweep.jobs import Work
-from antenna_pin.studies.sweep.journal import Journal, ReadJournal, deleted, read_journal
+from antenna_pin.studies.sweep.journal import Journal, ReadJournal, deleted, read_journal, scenario_content
 from antenna_pin.studies.sweep.study import Study
 from antenna_pin.trajectory.file import load_dataset, write
-
-__all__ = ["LOST", "SUFFIX", "Identity", "Store", "identity_of", "open_study"]
-
 
 # --- the dataset of a study: its responses and how its runs ended, labelled by its parameters ---
 
@@ -62,11 +59,7 @@ def empty_table(study: Study, design: Design, about: Mapping[str, str]) -> xr.Da
         labels = [value.number if numeric else value.text for value in values]
         coordinates[column.name] = (column.dim, np.array(labels, dtype=float if numeric else str), attributes)
     found: dict[str, Any] = {
-        name: (
-            dims,
-            np.full(design.shape, np.nan),
-            {"units": response.unit, "long_name": response.meaning},
-        )
+        name: (dims, np.full(design.shape, np.nan), {"units": response.unit, "long_name": response.meaning})
         for name, response in study.responses.items()
     }
     found["outcome"] = (dims, np.full(design.shape, PENDING, dtype=object), {"long_name": "why it ended"})
@@ -134,21 +127,16 @@ def identity_of(study: Study, design: Design, work: Work) -> Identity:
     """Return a study's identity, by which its store is recognised."""
     values = [[list(c.keys), c.dim, [v.set for v in c.settings.values]] for c in design.columns]
     responses = {name: response.model_dump() for name, response in study.responses.items()}
+    follows = study.reference and study.reference.follows
     parts = {
-        "the scenario": _digest(_content(work.base)),
-        "the reference": _digest([_content(work.reference), study.reference and study.reference.follows]),
+        "the scenario": _digest(scenario_content(work.base)),
+        "the reference": _digest([scenario_content(work.reference), follows]),
         "the parameters": _digest([list(study.parameters), values, design.seeds.tolist()]),
         "the responses": _digest([responses, work.sources]),
         "the results kept": _digest(study.results if study.keep is None else [study.results, study.keep]),
         "the versions": _digest(work.versions),
     }
     return Identity(_digest(parts), parts, work.versions)
-
-
-def _content(text: str) -> Any:
-    """Return a scenario without its origin."""
-    data = json.loads(text) if text else {}
-    return {name: value for name, value in data.items() if name not in ("folder", "overrides", "description")}
 
 
 def _digest(value: Any) -> str:
@@ -331,9 +319,6 @@ def _read_about(path: Path) -> dict[str, Any] | None:
 @takes()
 def open_study(path: str | os.PathLike[str]) -> xr.Dataset:
     """Return the dataset of a study's finished runs; it may still be running.
-
-    Args:
-        path: Folder of the store.
 
     Returns:
         Over the parameters of a grid, and ``sample`` if any is sampled, labelled by the parameters' values:

@@ -21,8 +21,6 @@ from antenna_pin.studies.sweep.measures import MEASURES
 from antenna_pin.studies.sweep.responses import ResponseSpec
 from antenna_pin.trajectory.kept_quantities import KEEPABLE, needs_samples
 
-__all__ = ["ComparisonSpec", "SamplingSpec", "Study", "list_studies", "load_study"]
-
 #: Names that the dataset of a study has for itself.
 RESERVED = (
     "sample",
