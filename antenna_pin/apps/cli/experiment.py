@@ -8,15 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.apps.cli._common import FigureFormatOption, FigureOutOption, Width, WidthOption
-from antenna_pin.apps.cli._export import (
-    CsvOption,
-    JsonOption,
-    csv_target,
-    exported,
-    figures_asked,
-    save_figures,
-)
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._export import csv_target, exported, figures_asked, save_figures
+from antenna_pin.apps.cli._options import option
 from antenna_pin.apps.cli._tables import formatted, length_text, print_rows
 from antenna_pin.apps.cli._usage import positive_quantity
 
@@ -51,13 +45,13 @@ as the laws differ, and so does taking the displacement for that of one contact 
 
 
 def experiment(
-    journal_radius: Annotated[str, typer.Option(help="Radius of the pin; the paper gives none.")] = "5 mm",
-    length: Annotated[str, typer.Option(help="Length of the contact; the paper takes 1 mm.")] = "1 mm",
-    out: FigureOutOption = None,
-    formats: FigureFormatOption = "png",
-    width: WidthOption = Width.PAGE,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    journal_radius: Annotated[str, option("Radius of the pin; the paper gives none.")] = "5 mm",
+    length: Annotated[str, option("Length of the contact; the paper takes 1 mm.")] = "1 mm",
+    out: options.FigureFolder = None,
+    formats: options.FigureFormats = "png",
+    width: options.FigureWidth = options.Width.PAGE,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Compare the laws with the pin joint measured by Liu et al. (2013)."""
     from antenna_pin.analysis.law_studies import experiment_findings

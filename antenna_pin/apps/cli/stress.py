@@ -6,18 +6,10 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from antenna_pin.apps.cli._common import (
-    ResultArgument,
-    Width,
-    WidthOption,
-    figure_target,
-    label_of,
-    load_result,
-    say,
-)
-from antenna_pin.apps.cli._export import CsvOption, JsonOption, csv_target, exported, save_plot
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import figure_target, label_of, load_result, say
+from antenna_pin.apps.cli._export import csv_target, exported, save_plot
+from antenna_pin.apps.cli._options import option
 from antenna_pin.apps.cli._tables import length_text, number_text, print_rows
 
 if TYPE_CHECKING:
@@ -25,27 +17,24 @@ if TYPE_CHECKING:
 
 
 def stress(
-    file: ResultArgument,
-    joint: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Clearance joint; all surfaces if left out.")
-    ] = None,
+    file: options.Result,
+    joint: Annotated[str | None, option("Clearance joint; all surfaces if left out.", "NAME")] = None,
     surfaces: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="TOML file of what the result does not hold: stops, teeth, edges."),
+        Path | None, option("TOML file of what the result does not hold: stops, teeth, edges.", "FILE")
     ] = None,
     yield_share: Annotated[
-        float, typer.Option(help="Share of the yield limit that a pressure may reach (ECSS-E-ST-33-01C).")
+        float, option("Share of the yield limit that a pressure may reach (ECSS-E-ST-33-01C).")
     ] = 0.93,
-    factor: Annotated[float, typer.Option(help="Factor on the pressure.")] = 1.0,
+    factor: Annotated[float, option("Factor on the pressure.")] = 1.0,
     conformal_above: Annotated[
-        float, typer.Option(help="Half-width over radius above which a bore is conformal (Persson).")
+        float, option("Half-width over radius above which a bore is conformal (Persson).")
     ] = 0.1,
     plot: Annotated[
-        Path | None, typer.Option("--plot", metavar="FILE", help="Figure of the pressures: png, pdf or svg.")
+        Path | None, option("Figure of the pressures: png, pdf or svg.", "FILE", "--plot")
     ] = None,
-    width: WidthOption = Width.PAGE,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    width: options.FigureWidth = options.Width.PAGE,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Compute the contact stress of a run: pressure, width, shear, share of the yield limit.
 

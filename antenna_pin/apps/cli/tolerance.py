@@ -6,20 +6,10 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from antenna_pin.apps.cli._common import (
-    CaseOption,
-    ScenarioArgument,
-    SetOption,
-    Width,
-    WidthOption,
-    figure_target,
-    load,
-    say,
-    stem,
-)
-from antenna_pin.apps.cli._export import CsvOption, JsonOption, csv_target, exported, save_plot
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import figure_target, load, say, stem
+from antenna_pin.apps.cli._export import csv_target, exported, save_plot
+from antenna_pin.apps.cli._options import option
 from antenna_pin.apps.cli._tables import length_text, print_rows
 from antenna_pin.base.rules import ABOVE_ZERO, Positive
 from antenna_pin.errors import InvalidParameterError
@@ -32,26 +22,21 @@ _POINTS = 81
 
 
 def tolerance(
-    scenario: ScenarioArgument,
-    case: CaseOption = None,
-    settings: SetOption = None,
-    capability: Annotated[
-        Positive, typer.Option(help="C_p of the processes that make holes and shafts.")
-    ] = 1.0,
+    scenario: options.Scenario,
+    case: options.Case = None,
+    settings: options.Set = None,
+    capability: Annotated[Positive, option("C_p of the processes that make holes and shafts.")] = 1.0,
     least_ratio: Annotated[
-        Positive, typer.Option(help="Least play over its own tolerance (3: ECSS-E-ST-33-01C, 2009).")
+        Positive, option("Least play over its own tolerance (3: ECSS-E-ST-33-01C, 2009).")
     ] = 3.0,
     plot: Annotated[
-        Path | None,
-        typer.Option("--plot", metavar="FILE", help="Figure of the play over temperature: png, pdf or svg."),
+        Path | None, option("Figure of the play over temperature: png, pdf or svg.", "FILE", "--plot")
     ] = None,
-    coldest: Annotated[
-        str, typer.Option(metavar="TEMPERATURE", help="Lowest temperature of the figure.")
-    ] = "-60 degC",
-    hottest: Annotated[str, typer.Option(metavar="TEMPERATURE", help="Highest temperature.")] = "100 degC",
-    width: WidthOption = Width.PAGE,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    coldest: Annotated[str, option("Lowest temperature of the figure.", "TEMPERATURE")] = "-60 degC",
+    hottest: Annotated[str, option("Highest temperature.", "TEMPERATURE")] = "100 degC",
+    width: options.FigureWidth = options.Width.PAGE,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Compute fits, plays at temperature, and chains of tolerances.
 
