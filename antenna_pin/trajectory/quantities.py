@@ -446,17 +446,12 @@ for _one in rows(
 
 
 class Group(NamedTuple):
-    """Things of one kind in a summary, a row of a table for each.
+    """Things of one kind in a summary, a row of a table for each."""
 
-    Attributes:
-        title: Heading of their names.
-        dim: Dimension of the result that they are labels of; that of :data:`TABLES` without one of their own.
-        prefix: Whether headings of its quantities begin with the group.
-    """
-
-    title: str
+    title: str  # heading of their names
+    # Dimension of the result that they are labels of; that of :data:`TABLES` without one of their own.
     dim: str
-    prefix: bool = False
+    prefix: bool = False  # whether headings of its quantities begin with the group
 
     @property
     def variables(self) -> tuple[Variable, ...]:

@@ -54,19 +54,12 @@ def interleaved(
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """One number of a benchmark.
+    """One number of a benchmark."""
 
-    Attributes:
-        name: What it is.
-        value: The number.
-        unit: Its unit, "-" for a ratio.
-        limit: What it must not exceed; None where nothing is promised.
-    """
-
-    name: str
-    value: float
-    unit: str = "-"
-    limit: float | None = None
+    name: str  # what it is
+    value: float  # the number
+    unit: str = "-"  # its unit, "-" for a ratio
+    limit: float | None = None  # what it must not exceed; None where nothing is promised
 
     @property
     def kept(self) -> bool:

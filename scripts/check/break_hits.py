@@ -101,15 +101,10 @@ def put_probes(tree: Path, drawn: Iterable[tuple[int, Break]]) -> set[int]:
 
 @dataclass(frozen=True)
 class Hits:
-    """Tests that run a place, and the seconds that they take.
+    """Tests that run a place, and the seconds that they take."""
 
-    Attributes:
-        of: Names of tests of each number.
-        seconds: Of each test [s].
-    """
-
-    of: dict[int, list[str]]
-    seconds: dict[str, float]
+    of: dict[int, list[str]]  # names of tests of each number
+    seconds: dict[str, float]  # of each test [s]
 
     @classmethod
     def read(cls, folder: Path, numbers: Iterable[int]) -> Hits:

@@ -27,17 +27,11 @@ _BOUNDS = (
 
 @dataclass(frozen=True)
 class Hand:
-    """A URDF of a hand.
+    """A URDF of a hand."""
 
-    Attributes:
-        name: Of the file, without suffix.
-        text: Its XML.
-        moves: Whether it is a mechanism.
-    """
-
-    name: str
-    text: str
-    moves: bool
+    name: str  # of the file, without suffix
+    text: str  # its XML
+    moves: bool  # whether it is a mechanism
 
 
 def draw_hand(seed: int, number: int) -> Hand:

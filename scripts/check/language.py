@@ -61,17 +61,11 @@ _RULES = ("openings", "long", "persons", "names", "shared", "british", "idiom", 
 
 
 class Place(NamedTuple):
-    """Place where a rule is broken.
+    """Place where a rule is broken."""
 
-    Attributes:
-        file: Path below the root.
-        line: Number of the line.
-        text: Name, or text that breaks the rule.
-    """
-
-    file: str
-    line: int
-    text: str
+    file: str  # path below the root
+    line: int  # number of the line
+    text: str  # name, or text that breaks the rule
 
 
 def places() -> dict[str, list[Place]]:

@@ -74,45 +74,28 @@ _MAY_BE_NAN = ("release_time", "change_energy", "change_peak_effort", "change_pe
 
 @dataclass(slots=True)
 class Row:
-    """What became of one scenario.
+    """What became of one scenario."""
 
-    Attributes:
-        number: Its number.
-        outcome: Name of the outcome; REFUSED where the package raised an error, FAILED where there is none.
-        message: What it says.
-        linear: Drift of linear momentum over its scale; NaN where it is not conserved [-].
-        angular: The same of angular momentum [-].
-        energy: Error of the energy's ledger over what there was to spend [-].
-        energy_error: The same [J].
-        gross_work: Of the drives [J].
-        to_spend: Gross work and what was stored at the start or given by gravity [J].
-        episodes: Of contact.
-        steps: Accepted.
-        evaluations: Of the equations of motion.
-        gap_difference: Coal's gaps less those in closed form, the largest [m].
-        engines: How far apart the engines are after a part of the run, over what has moved [-].
-        wall: Time of the run [s].
-        classes: What it is an example of: names by kind, such as ``law`` or ``load``.
-        failures: What is wrong.
-    """
-
-    number: int
+    number: int  # its number
+    # Name of the outcome; REFUSED where the package raised an error, FAILED where there is none.
     outcome: str = "FAILED"
-    message: str = ""
-    linear: float = math.nan
-    angular: float = math.nan
-    energy: float = math.nan
-    energy_error: float = math.nan
-    gross_work: float = math.nan
-    to_spend: float = math.nan
-    episodes: int = 0
-    steps: int = 0
-    evaluations: int = 0
-    gap_difference: float = math.nan
+    message: str = ""  # what it says
+    linear: float = math.nan  # drift of linear momentum over its scale; NaN where it is not conserved [-]
+    angular: float = math.nan  # the same of angular momentum [-]
+    energy: float = math.nan  # error of the energy's ledger over what there was to spend [-]
+    energy_error: float = math.nan  # the same [J]
+    gross_work: float = math.nan  # of the drives [J]
+    to_spend: float = math.nan  # gross work and what was stored at the start or given by gravity [J]
+    episodes: int = 0  # of contact
+    steps: int = 0  # accepted
+    evaluations: int = 0  # of the equations of motion
+    gap_difference: float = math.nan  # coal's gaps less those in closed form, the largest [m]
+    # How far apart the engines are after a part of the run, over what has moved [-].
     engines: float = math.nan
-    wall: float = math.nan
+    wall: float = math.nan  # time of the run [s]
+    # What it is an example of: names by kind, such as ``law`` or ``load``.
     classes: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    failures: list[str] = field(default_factory=list)
+    failures: list[str] = field(default_factory=list)  # what is wrong
 
     @property
     def momentum(self) -> float:

@@ -139,19 +139,12 @@ def _latch_with_play(chance: Chance, joint: str) -> Latch:
 
 @dataclass
 class Drawn:
-    """A tree of a number.
+    """A tree of a number."""
 
-    Attributes:
-        system: Links, joints, elements.
-        v: The velocity that it is set going with.
-        controllers: What commands motors.
-        elements: Names of the kinds that it has.
-    """
-
-    system: System
-    v: np.ndarray
-    controllers: dict[str, Pid]
-    elements: list[str] = field(default_factory=list)
+    system: System  # links, joints, elements
+    v: np.ndarray  # the velocity that it is set going with
+    controllers: dict[str, Pid]  # what commands motors
+    elements: list[str] = field(default_factory=list)  # names of the kinds that it has
 
     def run(self, engine: str, duration: float, **more: Any) -> Any:
         """Run it."""

@@ -17,7 +17,7 @@ def argument(text: str, metavar: str | None = None) -> Any:
 
 
 def option(text: str, metavar: str | None = None, *flags: str, **more: Any) -> Any:
-    """Return an option with its help, the name of its value, and flags other than its parameter's name."""
+    """Return an option with its help, the name of its value, and its own flags."""
     return typer.Option(*flags, metavar=metavar, help=text, **more)
 
 

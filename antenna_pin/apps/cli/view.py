@@ -31,10 +31,6 @@ _SCREENS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
 def browser_for_pages(command: str, way_out: str) -> webbrowser.BaseBrowser:
     """Return the browser.
 
-    Args:
-        command: Name of the caller, for messages.
-        way_out: What to do where there is none.
-
     Raises:
         MissingToolError: There is no screen, or no browser.
     """

@@ -63,11 +63,6 @@ def sought(goal: Event | Callable[[Moment], float]) -> Event:
 def checked_up_to(ready: PreparedRun, run: Run, end: float) -> float:
     """Refuse a time beyond the data of an element or motion, or beyond its limits.
 
-    Args:
-        ready: Checked inputs of the run.
-        run: Run.
-        end: Time [s].
-
     Returns:
         Time up to which the run may continue at least [s]: far ahead, so that checks are rare.
 

@@ -46,11 +46,6 @@ def check_sets(events: Sequence[Event], system: System, y: Array) -> None:
     Known are the numbers that an event sets at its times, if no other event sets a number of the same motion;
     a position, at any time; and an element switched on at a joint that motions move at the start.
 
-    Args:
-        events: Events of the run.
-        system: The system.
-        y: First state [q, v, x].
-
     Raises:
         InvalidParameterError: A motion would jump.
         NotFollowedError: A joint would be held where motions move it.

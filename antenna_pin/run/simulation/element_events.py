@@ -252,13 +252,6 @@ def effects_of(
 
     Independent impulses belong to their own events each; interacting ones, with the effects at their
     elements, to the last event, and so do effects without an event.
-
-    Args:
-        done: Effects at elements, in order.
-        events: Events of their functions.
-        program: Program of force elements before.
-        workspace: Workspace of the run, with the program after.
-        t: Time [s].
     """
     ranges = {one.place: _words_of(one) for one in acting_in(workspace.system)}
     left, found, before = _apart(done), list[EventEffect](), program

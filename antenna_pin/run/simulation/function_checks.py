@@ -56,14 +56,7 @@ class ExchangeableFunction(Protocol):
 
 
 class CompiledFunction:
-    """Compiled function, and the places of its address in a program.
-
-    Args:
-        function: Function with checked results.
-        users: Function of the user.
-        arguments: Number of arguments.
-        block: Place of the function's element in the program.
-    """
+    """Compiled function, and the places of its address in a program."""
 
     def __init__(self, function: AskedFunction, users: Any, arguments: int, block: int) -> None:
         """Find the address of the function."""
@@ -451,13 +444,7 @@ class RepeatabilityCheck:
         self._next = 0
 
     def check(self, t: float, y: Array, evaluations: int) -> str:
-        """Repeat calls at a state of the run, if due; return the contradiction as text.
-
-        Args:
-            t: Time [s].
-            y: State [q, v, x].
-            evaluations: Evaluations of the run so far.
-        """
+        """Repeat calls at a state of the run, if due; return the contradiction as text."""
         if not self._histories or (self._at_first <= 0 and evaluations < self._next):
             return ""
         self._at_first -= 1

@@ -189,14 +189,7 @@ def _actions(scenario: Scenario, name: str) -> Action | tuple[Mark | Stop | Set,
 
 
 def check_sizes(system: System, state: State, place: str = "simulate", name: str = "start") -> None:
-    """Refuse a state that no run leaves, or that is of another system.
-
-    Args:
-        system: The system.
-        state: State from which to continue.
-        place: Function that receives the state, for the message.
-        name: Name of its argument.
-    """
+    """Refuse a state that no run leaves, or that is of another system."""
     if not isinstance(state, State):
         raise InvalidParameterError(place, name, "a State", type(state).__name__)
     breach = breach_of_state(state)

@@ -203,13 +203,7 @@ class LedgerAudit:
     # --- block by block -------------------------------------------------------------------------------------
 
     def add(self, block: SampleBlock, values: Values, labels: Mapping[str, Any]) -> None:
-        """Add a block of samples.
-
-        Args:
-            block: The samples.
-            values: Their series by name.
-            labels: Names along the dimensions of the series.
-        """
+        """Add a block of samples."""
         audit, kept = block.found.audit, block.found.kept.sum(axis=1)
         if not self._start:
             self._begin(block, float(audit["gravity"][0]), float(kept[0]))

@@ -116,11 +116,6 @@ class ImpactSolver:
     ) -> tuple[dict[str, ChangeResult], tuple[StruckElement, ...], bool]:
         """Apply simultaneous impulses; y is changed in place.
 
-        Args:
-            together: Stops that joints reach, or rigid latches that now hold them, by place.
-            t: Time [s].
-            y: State.
-
         Returns:
             Changes of elements, by place: of these, unless others keep their joint from its stop; of stops
             that a resting joint leaves; of friction that no longer sticks. Further the elements at which
@@ -256,12 +251,7 @@ class RunningPeaks:
     def with_open(
         self, changed: Sequence[ModeChangeEvent], modes: Mapping[str, int]
     ) -> list[ModeChangeEvent]:
-        """Return recorded changes, with the peaks so far at the onsets of touches that last.
-
-        Args:
-            changed: Recorded changes of mode, in order.
-            modes: Present modes, by place.
-        """
+        """Return recorded changes, with the peaks so far at the onsets of touches that last."""
         found = list(changed)
         for own, (place, name, bit) in zip(self.numbers, self._sides, strict=False):
             mine = [k for k, one in enumerate(found) if one.element == place and one.what.startswith(name)]
@@ -377,11 +367,6 @@ class ModeChanges:
         In rounds: all captures; else all impulses, as one problem; else all other changes; else sticking and
         slipping. After each round all functions are evaluated again, so that the result does not depend on
         the order of elements.
-
-        Args:
-            located: Functions located at this time.
-            t: Time [s].
-            y: State.
 
         Returns:
             Whether anything was changed.

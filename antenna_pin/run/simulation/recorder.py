@@ -461,13 +461,7 @@ class Recorder:
             self._tops.add(block)
 
     def unlabelled(self, series: Values, about: Mapping[str, Any], *, lean: bool = False) -> Unlabelled:
-        """Return the data of the blocks so far with these series.
-
-        Args:
-            series: Series by name, ``time`` among them; none for a lean result.
-            about: Attributes that identify the run.
-            lean: Whether to leave out the series.
-        """
+        """Return the data of the blocks so far with these series."""
         assert self._last is not None
         first, last, kept = self._last.start, self._last.end, self.run.settings.output_keep
         attributes = {

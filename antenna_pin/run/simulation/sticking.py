@@ -123,11 +123,6 @@ class RestingJoints:
     def settle(self, t: float, y: Array, located: Sequence[Switch] = ()) -> list[RestingChange]:
         """Find consistent modes of the joints at rest; y is changed in place, by round-off.
 
-        Args:
-            t: Time [s].
-            y: State.
-            located: Located functions of joints that come to rest or let go.
-
         Returns:
             The changes of mode.
 

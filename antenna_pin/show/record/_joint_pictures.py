@@ -59,17 +59,11 @@ def drawn_axes(up: Array | None) -> Array:
 
 
 class JointPicture:
-    """Picture of a clearance joint; each kind defines its drawing.
+    """Picture of a clearance joint; each kind defines its drawing."""
 
-    Attributes:
-        radius: Of the bore or socket as drawn [m].
-        clearance: Radial, as it is [m].
-        factor: Magnification of gaps [-].
-    """
-
-    radius: float
-    factor: float
-    clearance: float
+    radius: float  # of the bore or socket as drawn [m]
+    factor: float  # magnification of gaps [-]
+    clearance: float  # radial, as it is [m]
 
     def __init__(
         self,
