@@ -11,7 +11,7 @@ import typer
 from antenna_pin.apps.cli import _options as options
 from antenna_pin.apps.cli._export import csv_target, exported, figures_asked, save_figures
 from antenna_pin.apps.cli._options import option
-from antenna_pin.apps.cli._tables import formatted, length_text, print_rows
+from antenna_pin.apps.cli._tables import Columns, formatted, length_text, print_columns, print_rows
 from antenna_pin.apps.cli._usage import positive_quantity
 
 if TYPE_CHECKING:
@@ -102,24 +102,19 @@ def _print(findings: ExperimentFindings, radius: float, line: float) -> None:
     """Print the table, the errors of the laws, and what follows."""
     from antenna_pin.analysis.law_studies import LIU_2013, LIU_2013_PLAYS, ranked
 
-    print_rows(
-        "Table 1 of Liu et al. 2013: loads [N], as printed and reproduced",
-        "row|play [mm]|displacement [1e-2 mm]|measured|Hertz|by (6)|conformal|by (14)|".split("|"),
-        [
-            (
-                str(row + 1),
-                f"{1e3 * point.clearance:.3f}",
-                f"{1e5 * point.depth:.3f}",
-                f"{point.load:.0f}",
-                f"{point.hertz:.0f}",
-                f"{findings.table.hertz(row):.1f}",
-                f"{point.conformal:.0f}",
-                f"{findings.table.conformal(row):.1f}",
-                _remark(findings, row),
-            )
-            for row, point in enumerate(LIU_2013)
-        ],
-    )
+    rows: Columns = {
+        "row": lambda row: str(row + 1),
+        "play [mm]": lambda row: f"{1e3 * LIU_2013[row].clearance:.3f}",
+        "displacement [1e-2 mm]": lambda row: f"{1e5 * LIU_2013[row].depth:.3f}",
+        "measured": lambda row: f"{LIU_2013[row].load:.0f}",
+        "Hertz": lambda row: f"{LIU_2013[row].hertz:.0f}",
+        "by (6)": lambda row: f"{findings.table.hertz(row):.1f}",
+        "conformal": lambda row: f"{LIU_2013[row].conformal:.0f}",
+        "by (14)": lambda row: f"{findings.table.conformal(row):.1f}",
+        "": lambda row: _remark(findings, row),
+    }
+    title = "Table 1 of Liu et al. 2013: loads [N], as printed and reproduced"
+    print_columns(title, range(len(LIU_2013)), rows)
     plays = (f"play {1e3 * play:g} mm" for play in LIU_2013_PLAYS)
     print_rows(
         f"size of the errors [%], the displacement that of 1 contact or of 2 in series; pin radius"
