@@ -248,8 +248,9 @@ def info(
     if any(map(names_scenario, files)):
         if len(files) > 1:
             refuse(f"{' '.join(files)}: give result files (NAME.nc), any number, or one scenario alone")
-        if csv is not None:
-            refuse(f"--csv: writes results, but {files[0]} is a scenario; use --json for its description")
+        for name, given in (("--all", everything), ("--csv", csv), ("--quantity", quantities)):
+            if given:
+                refuse(f"{name}: is for results only, and {files[0]} is a scenario; leave it out")
         say_scenario(files[0], case, settings, as_json)
         return
     for name, given in (("--case", case), ("--set", settings)):

@@ -43,6 +43,10 @@ def tolerance(
     Worst case, root sum square and distribution; clearances over their own tolerance.
     """
     target, figure = csv_target(csv), figure_target(plot, "tolerance", "--plot")
+    if figure is not None:
+        low, high = _kelvin(coldest, "--coldest"), _kelvin(hottest, "--hottest")
+        if not low < high:
+            raise InvalidParameterError("tolerance", "--hottest", f"above --coldest = {coldest}", hottest)
     loaded = load(scenario, case, settings)
     joints, chains = _joints(loaded, capability), _chains(loaded)
     facts = {
@@ -63,10 +67,7 @@ def tolerance(
         from antenna_pin.scenario.assemble import play_over_temperature
         from antenna_pin.show.plot import figure_play_over_temperature
 
-        ends = (_kelvin(coldest, "--coldest"), _kelvin(hottest, "--hottest"))
-        if not ends[0] < ends[1]:
-            raise InvalidParameterError("tolerance", "--hottest", f"above --coldest = {coldest}", hottest)
-        steps = [ends[0] + k * (ends[1] - ends[0]) / (_POINTS - 1) for k in range(_POINTS)]
+        steps = [low + k * (high - low) / (_POINTS - 1) for k in range(_POINTS)]
         plays = {one["joint"]: play_over_temperature(loaded, one["joint"], steps) for one in joints}
         save_plot(figure_play_over_temperature(plays, width=width.value), figure, as_json)
 

@@ -63,6 +63,9 @@ def response(
     target, figure = csv_target(csv), figure_target(plot, "vibration", "--plot")
     run = load_result(file, scenario=False)
     swept = to is None and any("pieces" in one["shakes"] for one in shakes_of(run).values())
+    if figure is not None and not swept:
+        rule = "left out: the figure is of a swept base; --csv has the numbers"
+        raise InvalidParameterError("vibration", "--plot", rule, str(figure))
     if swept:
         found = swept_response(run, _name(run, of), periods=periods)
     else:
@@ -86,9 +89,6 @@ def response(
             values = (row["frequency"], row["gain"], row["coherence"], 100.0 * row["error"])
             shown.append([*map(number_text, values)])
         print_rows(f"{label_of(run, file)}: {found.attrs['target']}, largest gains", head, shown)
-    if figure is not None and not swept:
-        rule = "left out: the figure is of a swept base; --csv has the numbers"
-        raise InvalidParameterError("vibration", "--plot", rule, str(figure))
     if figure is not None:
         from antenna_pin.show.plot import figure_swept
 
