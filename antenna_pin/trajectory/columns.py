@@ -13,21 +13,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "ANY",
-    "ROUND_OFF",
-    "Breach",
-    "Coordinate",
-    "Reduction",
-    "ColumnRule",
-    "Variable",
-    "end",
-    "first_not_finite",
-    "peak",
-    "rows",
-    "total",
-]
-
 Numbers = NDArray[Any]
 
 #: Share of a run's largest number in a unit below which a number of it is zero [-]: 1e-16 of round-off, grown

@@ -11,8 +11,6 @@ import xarray as xr
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
-__all__ = ["Stored", "StoredFile"]
-
 _ROWS = 8192  # of a part that is read at once where single rows or columns are asked for
 
 

@@ -19,28 +19,6 @@ from antenna_pin.trajectory.read import names_along
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "CONTACTS",
-    "COUPLED",
-    "EPISODES",
-    "GROUPS",
-    "HEADINGS",
-    "LOST",
-    "ORDERED",
-    "RUN",
-    "SIZE",
-    "SUMMARIES",
-    "TABLES",
-    "TOTAL",
-    "Group",
-    "dataset_of",
-    "entries_of",
-    "heading_of",
-    "reduced",
-    "slides_along",
-    "table",
-]
-
 SIZE = ColumnRule(least=0.0)
 ORDERED = ColumnRule(rising=True)
 TOTAL = ColumnRule(least=0.0, summed=True)

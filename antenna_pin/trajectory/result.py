@@ -41,9 +41,6 @@ if TYPE_CHECKING:
 
     from antenna_pin.scenario import Scenario
 
-__all__ = ["RunEvent", "Trajectory", "columns_of", "library_versions", "open_run", "summary_of"]
-
-
 _LIBRARIES = ("antenna_pin", "pin", "coal", "numpy", "scipy", "numba", "xarray", "h5netcdf")
 
 

@@ -15,8 +15,6 @@ from antenna_pin.joints.geometry import AxialScenario, RadialScenario
 from antenna_pin.trajectory.columns import ColumnRule, Coordinate, Variable, rows
 from antenna_pin.trajectory.quantities import COUPLED, EPISODES, LOST, ORDERED, SIZE, SUMMARIES, TOTAL
 
-__all__ = ["COORDINATES", "DIMENSIONS", "TIME", "VARIABLES", "variables_of"]
-
 #: Every dimension and what runs along it.
 DIMENSIONS: dict[str, str] = {
     "time": "samples",

@@ -31,8 +31,6 @@ from scipy.optimize import minimize_scalar
 from antenna_pin import System
 from antenna_pin.dynamics import acceleration
 
-__all__ = ["FirstImpact", "damped_over_elastic", "first_impact"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FirstImpact:

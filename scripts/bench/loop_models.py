@@ -19,8 +19,6 @@ from bench_tools import Array
 from scipy.integrate import solve_ivp
 from scipy.special import ellipj, ellipk, ellipkinc
 
-__all__ = ["SQUEEZER", "Problem", "bricard", "four_bars", "pendulum", "squeezer"]
-
 GRAVITY = 9.81  # [m/s^2], along -y
 
 

@@ -19,8 +19,6 @@ from typing import Any
 import pytest
 from break_sites import Break
 
-__all__ = ["Hits", "put_probes", "statement_of"]
-
 #: Of a file of one phase of one test; of the folder with all of them.
 FILE, FOLDER = "BREAK_HITS", "BREAK_HITS_IN"
 PROBE = """

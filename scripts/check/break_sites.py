@@ -17,8 +17,6 @@ from functools import cache
 from itertools import accumulate
 from pathlib import Path
 
-__all__ = ["Break", "draw", "found_again", "rooms", "sites"]
-
 #: First and last character of a place, and what it becomes.
 Change = tuple[int, int, str]
 PACKAGE = "antenna_pin"

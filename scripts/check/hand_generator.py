@@ -12,8 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["NO_MECHANISM", "Hand", "draw_hand"]
-
 #: One file in so many is no mechanism.
 NO_MECHANISM = 40
 

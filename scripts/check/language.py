@@ -32,8 +32,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-__all__ = ["places"]
-
 ROOT = Path(__file__).parents[2]
 CEILINGS = Path(__file__).with_suffix(".toml")
 
@@ -164,20 +162,7 @@ def _misspelt() -> Iterator[Place]:
 
 
 # Words of the field, and names of people, that codespell takes for slips.
-_RIGHT = (
-    "wit",
-    "worstcase",
-    "fro",
-    "lates",
-    "commun",
-    "shepperd",
-    "gere",
-    "numer",
-    "lond",
-    "precesses",
-    "orgin",
-    "statics",
-)
+_RIGHT = "wit worstcase fro lates commun shepperd gere numer lond precesses orgin statics".split()
 
 
 def main(arguments: list[str] | None = None) -> int:

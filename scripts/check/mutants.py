@@ -36,12 +36,7 @@ PASSED, FAILED = 0, 1  # exit codes of pytest
 
 
 class Tree:
-    """A copy of the tree in which tests run.
-
-    Args:
-        folder: An empty folder for the copy, and for what Numba compiles of it.
-        timeout: Of one run of tests [s].
-    """
+    """A copy of the tree in which tests run."""
 
     def __init__(self, folder: Path, timeout: float) -> None:
         """Copy what the tests need."""

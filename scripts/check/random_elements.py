@@ -32,8 +32,6 @@ from random_trees import Drawn, drawn
 
 from antenna_pin import AntennaPinError, RunSettings
 
-__all__ = ["told"]
-
 # How often a start is changed in its last bits; how much further apart engines may be, which round off at
 # each step, than runs that differ at the start.
 _TRIES, _GROWS = 3, 10.0

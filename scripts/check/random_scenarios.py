@@ -109,15 +109,7 @@ class Row:
 def run_number(
     seed: int, number: int, progress: Any = None, engines: bool = False, elements: bool = False
 ) -> Row:
-    """Make and run one scenario; return what became of it, whatever that is.
-
-    Args:
-        seed: Of all scenarios.
-        number: Of this one.
-        progress: Called as the run goes on.
-        engines: Whether both engines make the run.
-        elements: Whether its joints have more than play.
-    """
+    """Make and run one scenario; return what became of it, whatever that is."""
     row = Row(number)
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")

@@ -39,8 +39,6 @@ from antenna_pin.elements import (
 from antenna_pin.elements.control import Pid
 from antenna_pin.mechanism import Urdf, build_mechanism
 
-__all__ = ["Drawn", "drawn"]
-
 _LINK = (
     '<link name="l{k}"><inertial><origin xyz="{c[0]} {c[1]} {c[2]}"/><mass value="{m}"/>'
     '<inertia ixx="{i[0]}" iyy="{i[1]}" izz="{i[2]}" ixy="0" ixz="0" iyz="0"/></inertial></link>'

@@ -36,8 +36,6 @@ from antenna_pin.contact import (
 )
 from antenna_pin.scenario.assemble import initial_state
 
-__all__ = ["draw_scenario", "own_inertias"]
-
 Array = NDArray[np.float64]
 Random = np.random.Generator
 Table = dict[str, Any]

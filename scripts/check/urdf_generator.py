@@ -23,8 +23,6 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
-__all__ = ["ODDITIES", "OddUrdf", "SlippedUrdf", "draw_slip", "draw_urdf"]
-
 Random = np.random.Generator
 
 #: How many of the oddities each file has.

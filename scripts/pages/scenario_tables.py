@@ -63,8 +63,6 @@ from antenna_pin.scenario import (
 from antenna_pin.scenario.parameters import ParameterSpec
 from antenna_pin.scenario.requirements import RequirementSpec
 
-__all__ = ["GROUPS", "overview", "page_of"]
-
 #: Title of each page of tables.
 GROUPS = {
     "mechanism": "Mechanism",

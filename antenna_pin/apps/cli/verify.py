@@ -113,19 +113,8 @@ def _report(
 
 
 def _rows(facts: Mapping[str, Any]) -> tuple[list[str], Iterator[list[Any]]]:
-    names = (
-        "requirement",
-        "quantity",
-        "of",
-        "units",
-        "at_least",
-        "at_most",
-        "nominal",
-        "result",
-        "margin",
-        "verdict",
-    )
-    return list(names), ([one[name] for name in names] for one in facts["requirements"])
+    names = "requirement quantity of units at_least at_most nominal result margin verdict".split()
+    return names, ([one[name] for name in names] for one in facts["requirements"])
 
 
 def _print(facts: Mapping[str, Any]) -> None:

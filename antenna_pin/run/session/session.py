@@ -44,9 +44,6 @@ from antenna_pin.run.simulation.run import result_of
 from antenna_pin.scenario import Scenario, scenario_named
 from antenna_pin.trajectory import Outcome, Trajectory
 
-__all__ = ["EndedError", "InUseError", "Session", "start"]
-
-
 # --- goals: times and conditions ----------------------------------------------------------------------------
 
 _LINES = 8  # of a kind, as text

@@ -51,15 +51,6 @@ from antenna_pin.trajectory import Outcome, library_versions
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
 
-__all__ = [
-    "Checkpoint",
-    "CheckpointStore",
-    "CheckpointsWaitedWarning",
-    "NotKeptWarning",
-    "about_run",
-    "check_same",
-]
-
 Array = NDArray[np.float64]
 
 # --- checkpoint ---------------------------------------------------------------------------------------------

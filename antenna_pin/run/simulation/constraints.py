@@ -21,8 +21,6 @@ from antenna_pin.elements.prescribed import continued
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.run.simulation.events import Event, Set, Time
 
-__all__ = ["CourseChecks", "Motions", "SingularPosition", "Singularities", "check_sets"]
-
 Array = NDArray[np.float64]
 
 # --- prescribed motions whose rate jumps --------------------------------------------------------------------

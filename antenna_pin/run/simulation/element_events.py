@@ -28,23 +28,6 @@ from antenna_pin.run.simulation.events import (
 )
 from antenna_pin.trajectory import Outcome
 
-__all__ = [
-    "CoincidentChange",
-    "CoincidentEvents",
-    "EventEffect",
-    "ImpulseEffect",
-    "KinkFunction",
-    "ModeChangeEvent",
-    "ModeEffect",
-    "ModeFunction",
-    "NeverSettlesError",
-    "StruckElement",
-    "ZERO",
-    "effects_of",
-    "met_at",
-    "own_events",
-]
-
 Array = NDArray[np.float64]
 
 # --- kinks, ranges and pulses of elements -------------------------------------------------------------------

@@ -32,8 +32,6 @@ from antenna_pin.run.simulation.events import (
     Time,
 )
 
-__all__ = ["ZeroCrossing", "EventWatch", "WatchTable", "is_known"]
-
 Array = NDArray[np.float64]
 
 # --- zero crossings -----------------------------------------------------------------------------------------

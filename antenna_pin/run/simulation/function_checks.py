@@ -35,8 +35,6 @@ from antenna_pin.joints.python_path import coefficient_of, functions_of_law, has
 from antenna_pin.run.simulation.event_watch import is_known
 from antenna_pin.run.simulation.events import Event, Moment, moment_text
 
-__all__ = ["RepeatabilityCheck", "failure_in", "functions_in_kernels"]
-
 Array = NDArray[np.float64]
 
 # --- compiled functions called from Python ------------------------------------------------------------------

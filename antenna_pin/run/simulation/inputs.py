@@ -53,22 +53,6 @@ from antenna_pin.scenario import Scenario, settings_key
 from antenna_pin.scenario.assemble import build_system, initial_angles, initial_state, reference_for
 from antenna_pin.trajectory.kept_quantities import KEEPABLE
 
-__all__ = [
-    "PreparedRun",
-    "RunStart",
-    "as_run",
-    "check_events",
-    "check_scenario",
-    "check_sizes",
-    "check_spans",
-    "check_without_controllers",
-    "controllers_of",
-    "events_of",
-    "prepare_run",
-    "settings_of",
-]
-
-
 # --- settings, events and controllers of a scenario ---------------------------------------------------------
 
 _DIRECTIONS: dict[str, Literal[-1, 0, 1]] = {"both": 0, "rising": 1, "falling": -1}

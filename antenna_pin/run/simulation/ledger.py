@@ -40,8 +40,6 @@ from antenna_pin.run.simulation.loop import Run
 from antenna_pin.run.simulation.variables import SampleBlock
 from antenna_pin.trajectory.schema import VARIABLES
 
-__all__ = ["LedgerAudit", "FIXED_STEP", "GROWTH", "MOST"]
-
 Array = NDArray[np.float64]
 
 Values = Mapping[str, Any]

@@ -48,8 +48,6 @@ from antenna_pin.run.simulation.samples import Samples
 from antenna_pin.run.simulation.steps import LoopParts, StepBatches, StepControl, scale_vector, stepper_of
 from antenna_pin.trajectory import Counts, Outcome
 
-__all__ = ["Progress", "Run"]
-
 Array = NDArray[np.float64]
 
 # --- progress -----------------------------------------------------------------------------------------------

@@ -51,8 +51,6 @@ from antenna_pin.run.simulation.element_events import (
 from antenna_pin.run.simulation.events import STILL, Switch
 from antenna_pin.run.simulation.sticking import RestingJoints
 
-__all__ = ["ModeChanges"]
-
 Array = NDArray[np.float64]
 
 # --- impulses -----------------------------------------------------------------------------------------------

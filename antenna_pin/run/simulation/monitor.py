@@ -28,8 +28,6 @@ from antenna_pin.run.simulation.function_checks import RepeatabilityCheck, failu
 from antenna_pin.run.simulation.steps import StepControl, StepCounts, scale_vector
 from antenna_pin.trajectory import Outcome
 
-__all__ = ["Monitor"]
-
 Array = NDArray[np.float64]
 
 # --- time estimate ------------------------------------------------------------------------------------------

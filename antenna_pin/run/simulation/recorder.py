@@ -38,8 +38,6 @@ from antenna_pin.trajectory.labelled import Unlabelled
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Recorder", "at_present", "labelled_at", "open_ledger", "result_data", "series_at"]
-
 Array = NDArray[np.float64]
 Values = Mapping[str, Any]
 

@@ -44,9 +44,6 @@ from antenna_pin.trajectory.labelled import Unlabelled
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
 
-__all__ = ["UnsavedError", "result_of", "simulate"]
-
-
 # --- simulate -----------------------------------------------------------------------------------------------
 
 

@@ -23,16 +23,6 @@ from antenna_pin.run.simulation.event_watch import EventWatch, WatchTable
 from antenna_pin.run.simulation.samples import Samples
 from antenna_pin.trajectory import Outcome
 
-__all__ = [
-    "LoggedStep",
-    "LoopParts",
-    "StepBatches",
-    "StepControl",
-    "StepCounts",
-    "scale_vector",
-    "stepper_of",
-]
-
 Array = NDArray[np.float64]
 
 # --- error scales -------------------------------------------------------------------------------------------

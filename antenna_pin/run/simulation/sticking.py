@@ -47,8 +47,6 @@ from antenna_pin.elements.sticking_friction import BACKWARD, FORWARD, PULLED, PU
 from antenna_pin.run.simulation.element_events import NeverSettlesError, met_at
 from antenna_pin.run.simulation.events import Switch
 
-__all__ = ["RestingJoints"]
-
 Array = NDArray[np.float64]
 
 _AT_REST = 1e-11

@@ -97,12 +97,7 @@ def draft_of_words(
 
 
 def problem_of(draft: Draft, folder: Path) -> str | None:
-    """Return a fault in what comes of an input; None if there is none.
-
-    Args:
-        draft: The input, with all its changes.
-        folder: An empty one, to work in.
-    """
+    """Return a fault in what comes of an input; None if there is none."""
     wrong = len(draft.changes) == 1 and draft.changes[0].wrong
     try:
         refusal = _refusal(draft.made(draft.changes), folder)
