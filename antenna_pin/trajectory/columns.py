@@ -123,13 +123,7 @@ class Breach(NamedTuple):
 
 
 def first_not_finite(values: Numbers, *, lacks: bool = False, infinite: bool = False) -> int:
-    """Return the first row with numbers that are not finite, or the row count.
-
-    Args:
-        values: Of any shape, floats or whole numbers.
-        lacks: Whether NaN may stand among them.
-        infinite: Whether infinity may.
-    """
+    """Return the first row with numbers that are not finite, or the row count."""
     if values.dtype.kind != "f":
         return len(values)
     good = np.isfinite(values)

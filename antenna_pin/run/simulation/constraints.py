@@ -117,12 +117,6 @@ class Motions:
     def goes_on(self, place: str, value: float, t: float, who: str = "Set") -> dict[str, float]:
         """Return the numbers to set, by place, for a motion to continue from its position.
 
-        Args:
-            place: Place of the number.
-            value: New value.
-            t: Time [s].
-            who: Event or command that sets the number, for the refusal.
-
         Raises:
             InvalidParameterError: The position would jump, or the rate, where refused.
         """

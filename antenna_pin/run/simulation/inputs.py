@@ -303,16 +303,6 @@ def prepare_run(
 ) -> PreparedRun:
     """Return the checked inputs of a run, or refuse them before any work.
 
-    Args:
-        place: Calling function, for messages.
-        model: Scenario or system.
-        origin: Start of the run.
-        settings: Settings of integration and sampling; by default the scenario's.
-        events: Events besides the scenario's.
-        duration: Duration [s]; by default the scenario's.
-        begin: Time from which the run records; by default its start [s].
-        controllers: Controllers besides the scenario's.
-
     Raises:
         AntennaPinError: The input is not valid.
     """

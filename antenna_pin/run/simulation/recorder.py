@@ -307,15 +307,7 @@ def controller_values(records: Sequence[ControllerRecord]) -> dict[str, Any]:
 def result_data(
     run: Run, title: str, case: str, versions: dict[str, str], *, lean: bool = False
 ) -> Unlabelled:
-    """Return the data of a finished run's dataset (docs/trajectory.md lists the variables).
-
-    Args:
-        run: Run with all of its samples in memory.
-        title: Title of the scenario.
-        case: Case of the scenario.
-        versions: Versions of the libraries.
-        lean: Whether to leave out the series: a result of numbers and contact episodes only.
-    """
+    """Return the data of a finished run's dataset (docs/trajectory.md lists the variables)."""
     recording = Recorder(run)
     whole: dict[str, Any] = {}
     for first, values in recording.blocks():

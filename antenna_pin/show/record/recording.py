@@ -42,16 +42,7 @@ def joint_view(
     joint: str | None = None,
     magnify: float | None = None,
 ) -> dict[str, Any]:
-    """Return the data of a recording that depend on the view (see :class:`Recording`).
-
-    Args:
-        run: The run.
-        frames: Key frames of the run.
-        impacts: Contact episodes in the span.
-        places: Shapes of the clearance joints (the run's attribute ``clearance_joints``).
-        joint: Name of the joint; the first one with clearance if left out.
-        magnify: Magnification of gaps [-]; chosen by the play if left out.
-    """
+    """Return the data of a recording that depend on the view (see :class:`Recording`)."""
     if not places or "gap" not in run.data:
         raise InvalidParameterError(
             "recording",
