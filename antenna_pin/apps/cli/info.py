@@ -248,8 +248,8 @@ def info(
     if any(map(names_scenario, files)):
         if len(files) > 1:
             refuse(f"{' '.join(files)}: give result files (NAME.nc), any number, or one scenario alone")
-        for name, given in (("--all", everything), ("--csv", csv), ("--quantity", quantities)):
-            if given:
+        for name, of_results in (("--all", everything), ("--csv", csv), ("--quantity", quantities)):
+            if of_results:
                 refuse(f"{name}: is for results only, and {files[0]} is a scenario; leave it out")
         say_scenario(files[0], case, settings, as_json)
         return
