@@ -13,13 +13,13 @@ from antenna_pin.apps.cli import _options as options
 from antenna_pin.apps.cli._common import FIGURES, load_result, not_interrupted, say
 from antenna_pin.apps.cli._export import save_both, targets_of
 from antenna_pin.apps.cli._options import flag, option
-from antenna_pin.base.readable import bare
+from antenna_pin.base.readable import DECIMAL, bare
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
     from antenna_pin.analysis import Periods
 
-_PERIODS = re.compile(r"\s*([0-9.]+)\s*periods?\s*")
+_PERIODS = re.compile(rf"\s*({DECIMAL})\s*periods?\s*")
 
 
 class Colour(StrEnum):
