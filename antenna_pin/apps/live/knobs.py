@@ -153,7 +153,7 @@ def _joints(spec: Any) -> tuple[Any, ...]:
 
 
 def _ranged(value: float, wide: float = _USUAL) -> tuple[float, float, bool]:
-    """Return the ends of a range of which no more is known than a value, and whether it goes by factors."""
+    """Return ends of a range about a value, and whether it goes by factors."""
     if value > 0.0:
         return value / wide, value * wide, True
     reach = 3.0 * abs(value) or 1.0
@@ -161,7 +161,7 @@ def _ranged(value: float, wide: float = _USUAL) -> tuple[float, float, bool]:
 
 
 def _ranged_by(key: str, value: float, *wide: str) -> tuple[float, float, bool]:
-    """Return the range of a number by its key; that of stiffness and of ``wide`` ones is wider."""
+    """Return the range of a number by its key; wider of stiffness or ``wide``."""
     if key in _FROM_0_TO_1:
         return 0.0, 1.0, False
     return _ranged(value, _WIDE if key in ("stiffness", *wide) else _USUAL)

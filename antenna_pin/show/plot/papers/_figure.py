@@ -40,7 +40,7 @@ def _chosen(figure: str, what: str, names: Iterable[str], known: Mapping[str, T]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Figure:
-    """What figures of papers have in common.
+    """Name, number and content of a paper's figure.
 
     Attributes:
         name: File name without a format; it starts with the number in the paper.
