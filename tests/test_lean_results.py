@@ -70,6 +70,14 @@ def test_who_needs_series_says_so_in_one_line(both, read):
     assert "\n" not in str(refusal.value)
 
 
+def test_figures_of_a_lean_result_are_none_and_say_so(both):
+    plot = both[1].plot
+    assert dir(plot) == [] and repr(plot) == "<no figures: the run has no series>"
+    assert "<tr>" not in plot._repr_html_()
+    with pytest.raises(FileFormatError, match="needs the series of case3"):
+        plot()
+
+
 def test_the_command_line_writes_and_shows_a_lean_result(cli):
     said = cli("run", "impact_pair", "--duration", "2 ms", "--lean", "--out", "lean.nc", "--no-progress")
     assert said.code == 0, said.err

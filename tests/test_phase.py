@@ -125,6 +125,10 @@ def test_the_command(cli):
         (("-x", X, "-y", "rate", "-o", "p.png"), "quantity: "),
         (("-x", X, "-y", Y, "--from", "3 periods", "-o", "p.png"), "--from must be given with --period TIME"),
         (
+            ("-x", X, "-y", Y, "--from", "3e0 periods", "-o", "p.png"),
+            "--from must be given with --period TIME",
+        ),
+        (
             ("-x", X, "-y", Y, "--period", "1 s", "-o", "p.png"),
             "--period must be given with --from 'N periods'",
         ),

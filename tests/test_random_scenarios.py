@@ -149,11 +149,13 @@ def test_a_refusal_is_no_failure_but_an_outcome_with_a_message(script, monkeypat
     assert not script.completed_with_contacts(row)
 
 
-@pytest.mark.slow
-def test_a_run_that_takes_too_long_is_ended_and_listed(script):
-    """With no time at all every run is such a one; the next number gets a new process."""
-    rows = list(script.run_numbers(SEED, [5, 6], jobs=1, wall=0.0))
-    assert [row.number for row in rows] == [5, 6]
-    assert all("wall time" in row.failures[0] for row in rows)
-    assert all(row.classes for row in rows)  # counted among its like all the same
-    assert f"--seed {SEED} --only 5: over 0 s" in script.failure_lines(rows, SEED)[0]
+def test_a_run_that_takes_too_long_is_listed(script, monkeypatch):
+    """``robust.trials`` ends it; it is counted among its like all the same."""
+
+    def stalled(act, items, limit, jobs):
+        yield from ((number, None, f"computes for more than {limit:g} s", limit) for number in items)
+
+    monkeypatch.setattr(script, "tried", stalled)
+    rows = list(script.run_numbers(SEED, [5, 6], jobs=1, seconds=3.0))
+    assert [row.number for row in rows] == [5, 6] and all(row.classes for row in rows)
+    assert f"--seed {SEED} --only 5: computes for more than 3 s" in script.failure_lines(rows, SEED)[0]

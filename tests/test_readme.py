@@ -86,7 +86,7 @@ def test_every_example_is_shown_and_run():
 
 # Of these the numbers are the machine's, or round-off. A limit that is exceeded fails the command; limits of
 # time are for those who run it to judge, since tests run beside each other.
-_TIMED = "rhs run engine loop threads sweep scaling startup result figures recording report session tangent"
+_TIMED = "rhs run engine loop threads sweep scaling startup result figures pages session tangent"
 _TIMINGS = tuple(f"bench/{name}.py" for name in _TIMED.split())
 _OWN_NUMBERS = (
     *_TIMINGS,

@@ -21,9 +21,6 @@ from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, TIME, variabl
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["problem_of", "problems_of_numbers"]
-
-
 _ROWS = 65536  # that are looked at at once
 # What sums may be off by: of their own largest number, for the dense output of an integral, and of the
 # largest in their unit, for round-off.

@@ -13,21 +13,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "ANY",
-    "ROUND_OFF",
-    "Breach",
-    "Coordinate",
-    "Reduction",
-    "ColumnRule",
-    "Variable",
-    "end",
-    "first_not_finite",
-    "peak",
-    "rows",
-    "total",
-]
-
 Numbers = NDArray[Any]
 
 #: Share of a run's largest number in a unit below which a number of it is zero [-]: 1e-16 of round-off, grown
@@ -138,13 +123,7 @@ class Breach(NamedTuple):
 
 
 def first_not_finite(values: Numbers, *, lacks: bool = False, infinite: bool = False) -> int:
-    """Return the first row with numbers that are not finite, or the row count.
-
-    Args:
-        values: Of any shape, floats or whole numbers.
-        lacks: Whether NaN may stand among them.
-        infinite: Whether infinity may.
-    """
+    """Return the first row with numbers that are not finite, or the row count."""
     if values.dtype.kind != "f":
         return len(values)
     good = np.isfinite(values)

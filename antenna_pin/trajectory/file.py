@@ -27,9 +27,6 @@ if TYPE_CHECKING:
 
     from antenna_pin.trajectory.on_disk import StoredFile
 
-__all__ = ["FORMAT", "load_dataset", "open_hdf5", "read", "write", "write_blocks"]
-
-
 _NO_NUMBERS = b"This is a netCDF dimension"  # such a dataset stands for a size, and has no numbers
 _DEFLATED = 1032  # by this share deflate packs at most
 _LITTLE = 2**20  # bytes, which do no harm

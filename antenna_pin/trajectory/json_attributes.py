@@ -11,8 +11,6 @@ from pydantic import AfterValidator, AllowInfNan, BaseModel, Field, TypeAdapter,
 
 from antenna_pin.trajectory.quantities import RUN
 
-__all__ = ["JSON_ATTRIBUTES", "JsonAttribute", "problem_of_json"]
-
 
 def _closure_kind(kind: str) -> str:
     """Refuse a kind of closure that there is not."""

@@ -11,8 +11,6 @@ from antenna_pin.trajectory.read import json_in
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["KEEPABLE", "OF_SAMPLES", "left_out_of", "needs_samples"]
-
 #: Quantities of a record that need all its samples: peaks at samples, located efforts, the ledger.
 OF_SAMPLES = frozenset(
     one.name

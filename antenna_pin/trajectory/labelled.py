@@ -14,8 +14,6 @@ from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, variables_of
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Column", "Content", "Unlabelled"]
-
 
 @dataclass(frozen=True, slots=True)
 class Column:

@@ -11,18 +11,11 @@ import xarray as xr
 from xarray.backends import BackendArray
 from xarray.core import indexing
 
-__all__ = ["Stored", "StoredFile"]
-
 _ROWS = 8192  # of a part that is read at once where single rows or columns are asked for
 
 
 class StoredFile:
-    """HDF5 file that stays open as long as its variables are used.
-
-    Args:
-        path: Of the file.
-        opened: Returns the open file, or refuses it.
-    """
+    """HDF5 file that stays open as long as its variables are used."""
 
     def __init__(self, path: Path, opened: Callable[[Path], Any]) -> None:
         """Open it."""
@@ -40,12 +33,7 @@ class StoredFile:
 
 
 class Stored(BackendArray):
-    """A variable of a file, as xarray takes them.
-
-    Args:
-        source: The file.
-        name: Of the variable.
-    """
+    """A variable of a file, as xarray takes them."""
 
     def __init__(self, source: StoredFile, name: str) -> None:
         """Look how large it is."""

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-__all__ = ["ENDED_WELL", "REACHED_END", "Counts", "Outcome"]
-
 
 class Outcome(Enum):
     """Reason why a run ended."""

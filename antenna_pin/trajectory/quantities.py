@@ -19,28 +19,6 @@ from antenna_pin.trajectory.read import names_along
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "CONTACTS",
-    "COUPLED",
-    "EPISODES",
-    "GROUPS",
-    "HEADINGS",
-    "LOST",
-    "ORDERED",
-    "RUN",
-    "SIZE",
-    "SUMMARIES",
-    "TABLES",
-    "TOTAL",
-    "Group",
-    "dataset_of",
-    "entries_of",
-    "heading_of",
-    "reduced",
-    "slides_along",
-    "table",
-]
-
 SIZE = ColumnRule(least=0.0)
 ORDERED = ColumnRule(rising=True)
 TOTAL = ColumnRule(least=0.0, summed=True)
@@ -446,17 +424,12 @@ for _one in rows(
 
 
 class Group(NamedTuple):
-    """Things of one kind in a summary, a row of a table for each.
+    """Things of one kind in a summary, a row of a table for each."""
 
-    Attributes:
-        title: Heading of their names.
-        dim: Dimension of the result that they are labels of; that of :data:`TABLES` without one of their own.
-        prefix: Whether headings of its quantities begin with the group.
-    """
-
-    title: str
+    title: str  # heading of their names
+    # Dimension of the result that they are labels of; that of :data:`TABLES` without one of their own.
     dim: str
-    prefix: bool = False
+    prefix: bool = False  # whether headings of its quantities begin with the group
 
     @property
     def variables(self) -> tuple[Variable, ...]:

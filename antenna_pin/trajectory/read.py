@@ -10,17 +10,6 @@ from antenna_pin.errors import FileFormatError
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "contact_ends",
-    "contact_joints",
-    "contact_kinds",
-    "contacts_of",
-    "is_lean",
-    "json_in",
-    "names_along",
-    "series",
-]
-
 #: The kind of contact at a flange; all others are those of a bore, a socket or a guide.
 _FLANGE = "axial"
 

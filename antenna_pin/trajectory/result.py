@@ -41,9 +41,6 @@ if TYPE_CHECKING:
 
     from antenna_pin.scenario import Scenario
 
-__all__ = ["RunEvent", "Trajectory", "columns_of", "library_versions", "open_run", "summary_of"]
-
-
 _LIBRARIES = ("antenna_pin", "pin", "coal", "numpy", "scipy", "numba", "xarray", "h5netcdf")
 
 
@@ -280,13 +277,7 @@ def columns_of(run: Trajectory) -> dict[str, Column]:
 
 
 def summary_of(data: xr.Dataset, ended: Mapping[str, Any], constraints: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a run in plain numbers (SI units).
-
-    Args:
-        data: Of the run.
-        ended: Its ``outcome``, ``message`` and ``counts``.
-        constraints: What holds it; {} if nothing.
-    """
+    """Return a run in plain numbers (SI units)."""
     title = data.attrs.get("title", "")
     result: dict[str, Any] = {
         "title": title,

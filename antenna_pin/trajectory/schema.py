@@ -15,8 +15,6 @@ from antenna_pin.joints.geometry import AxialScenario, RadialScenario
 from antenna_pin.trajectory.columns import ColumnRule, Coordinate, Variable, rows
 from antenna_pin.trajectory.quantities import COUPLED, EPISODES, LOST, ORDERED, SIZE, SUMMARIES, TOTAL
 
-__all__ = ["COORDINATES", "DIMENSIONS", "TIME", "VARIABLES", "variables_of"]
-
 #: Every dimension and what runs along it.
 DIMENSIONS: dict[str, str] = {
     "time": "samples",
@@ -237,12 +235,7 @@ VARIABLES: dict[str, Variable] = {
 
 
 def variables_of(dimensions: Collection[str], free_base: bool | None = None) -> Iterator[Variable]:
-    """Yield the variables of a result with these dimensions.
-
-    Args:
-        dimensions: Those that it has.
-        free_base: Whether its base is free; None yields what every base has.
-    """
+    """Yield the variables of a result with these dimensions."""
     for variable in VARIABLES.values():
         if all(dim in dimensions for dim in variable.dims) and (free_base or not variable.free_base):
             yield variable

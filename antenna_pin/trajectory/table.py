@@ -31,22 +31,6 @@ from antenna_pin.trajectory.result import library_versions
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
 
-__all__ = [
-    "ATTRIBUTES",
-    "Attribute",
-    "TableColumn",
-    "FORMATS",
-    "KINDS",
-    "TABLES",
-    "TableKind",
-    "format_of",
-    "kind_of",
-    "open_table",
-    "problem_of_table",
-    "save_table",
-    "table_attributes",
-]
-
 
 @dataclass(frozen=True, slots=True)
 class TableColumn:

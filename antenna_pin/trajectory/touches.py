@@ -18,23 +18,6 @@ from antenna_pin.trajectory.read import contact_joints, contact_kinds, is_lean, 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "ModeChange",
-    "Span",
-    "Touch",
-    "blow_counts",
-    "blow_numbers",
-    "elements_of",
-    "latch_changes",
-    "mesh_spans",
-    "mesh_touches",
-    "met_by_elements",
-    "met_by_meshes",
-    "mode_changes",
-    "surfaces",
-    "touches",
-]
-
 
 class ModeChange(NamedTuple):
     """Change of mode of an element."""

@@ -11,13 +11,12 @@ import argparse
 import sys
 
 import numpy as np
-from numpy.typing import NDArray
+from bench_tools import Array, off_centre, print_table
 
 from antenna_pin import Trajectory, load_scenario, simulate
 from antenna_pin.analysis import deviation, time_mean, time_rms
 
 JOINT = "elevation"
-OFF_CENTRE = 10e-6  # [m], a twentieth of the clearance
 # The paper's cases, and case 3 with less axial clearance than its 0.2 mm.
 VARIANTS = {
     "2-planar": ("case2-planar",),
@@ -41,15 +40,6 @@ ROWS = (
     "rms axial force [N]",
     "contacts [-]",
 )
-
-Array = NDArray[np.float64]
-
-
-def starts(count: int) -> list[str]:
-    """Return initial positions of the journal: the centre, then places off it."""
-    places = np.random.default_rng(1).uniform(-OFF_CENTRE, OFF_CENTRE, (count, 2))
-    places[0] = 0.0
-    return [f"initial.joints.{JOINT}.journal_position=[{x:.9f}, {y:.9f}, 0]" for x, y in places]
 
 
 def look(run: Trajectory, ideal: Trajectory) -> list[float]:
@@ -82,20 +72,11 @@ def look(run: Trajectory, ideal: Trajectory) -> list[float]:
 def measure(case: str, ideal: Trajectory, count: int, duration: float, *overrides: str) -> Array:
     """Return what the runs of a case show, (runs, rows)."""
     seen = []
-    for start in starts(count):
+    for start in off_centre(JOINT, count):
         changes = [f"clearance.{JOINT}.geometry=closed-form", start, *overrides]
         scenario = load_scenario("bai2020", case=case, overrides=changes)
         seen.append(look(simulate(scenario, duration=duration), ideal))
     return np.array(seen)
-
-
-def print_table(columns: dict[str, Array]) -> None:
-    """Print a row per quantity and a column per case."""
-    width = max(map(len, ROWS))
-    print(" " * width, *(f"{label:>9}" for label in columns))
-    for k, row in enumerate(ROWS):
-        texts = [f"{column[k]:.3g}" if np.isfinite(column[k]) else "-" for column in columns.values()]
-        print(f"{row:<{width}}", *(f"{text:>9}" for text in texts))
 
 
 def main() -> int:
@@ -118,7 +99,7 @@ def main() -> int:
     for title, statistic in (("median", np.median), ("least", np.min), ("largest", np.max)):
         if title == "median" or arguments.spread:
             print(f"{title} of {count} runs of {duration:g} s")
-            print_table({label: statistic(columns, axis=0) for label, columns in seen.items()})
+            print_table(ROWS, {label: statistic(columns, axis=0) for label, columns in seen.items()}, 9)
     return 0
 
 

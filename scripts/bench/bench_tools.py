@@ -8,7 +8,7 @@ import os
 import platform
 import time
 import timeit
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,6 +27,22 @@ CLOSED_FORM = "clearance.elevation.geometry=closed-form"
 def scenario(case: str = "case3", *overrides: str) -> Scenario:
     """Return a case of the shipped antenna with some entries changed."""
     return load_scenario("bai2020", case=case, overrides=overrides)
+
+
+def off_centre(joint: str, count: int) -> list[str]:
+    """Return initial positions of a journal: the centre, then places off it by up to 10 um."""
+    places = np.random.default_rng(1).uniform(-1e-5, 1e-5, (count, 2))
+    places[0] = 0.0
+    return [f"initial.joints.{joint}.journal_position=[{x:.9f}, {y:.9f}, 0]" for x, y in places]
+
+
+def print_table(rows: Sequence[str], columns: Mapping[str, Array], column_width: int) -> None:
+    """Print a row per quantity and a column per case; a dash for NaN."""
+    width = max(map(len, rows))
+    print(" " * width, *(f"{label:>{column_width}}" for label in columns))
+    for k, row in enumerate(rows):
+        texts = [f"{column[k]:.3g}" if np.isfinite(column[k]) else "-" for column in columns.values()]
+        print(f"{row:<{width}}", *(f"{text:>{column_width}}" for text in texts))
 
 
 def interleaved(
@@ -54,19 +70,12 @@ def interleaved(
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """One number of a benchmark.
+    """One number of a benchmark."""
 
-    Attributes:
-        name: What it is.
-        value: The number.
-        unit: Its unit, "-" for a ratio.
-        limit: What it must not exceed; None where nothing is promised.
-    """
-
-    name: str
-    value: float
-    unit: str = "-"
-    limit: float | None = None
+    name: str  # what it is
+    value: float  # the number
+    unit: str = "-"  # its unit, "-" for a ratio
+    limit: float | None = None  # what it must not exceed; None where nothing is promised
 
     @property
     def kept(self) -> bool:

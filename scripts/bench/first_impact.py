@@ -31,28 +31,17 @@ from scipy.optimize import minimize_scalar
 from antenna_pin import System
 from antenna_pin.dynamics import acceleration
 
-__all__ = ["FirstImpact", "damped_over_elastic", "first_impact"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FirstImpact:
-    """What is expected of the first impact.
+    """What is expected of the first impact."""
 
-    Attributes:
-        ideal_force: On the journal across the axis if the joint were ideal, in bearing axes, (2,) [N].
-        acceleration: Of the journal's centre against the bearing's with the joint open [m/s^2].
-        mass: Effective, along that acceleration [kg].
-        approach_speed: [m/s].
-        onset: [s].
-        peak_force: With both corrections [N].
-    """
-
-    ideal_force: Array
-    acceleration: float
-    mass: float
-    approach_speed: float
-    onset: float
-    peak_force: float
+    ideal_force: Array  # on the journal across the axis if the joint were ideal, in bearing axes, (2,) [N]
+    acceleration: float  # of the journal's centre against the bearing's with the joint open [m/s^2]
+    mass: float  # effective, along that acceleration [kg]
+    approach_speed: float  # [m/s]
+    onset: float  # [s]
+    peak_force: float  # with both corrections [N]
 
 
 def damped_over_elastic(restitution: float) -> float:

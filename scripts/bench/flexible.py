@@ -16,8 +16,8 @@ from pathlib import Path
 
 import matplotlib
 import numpy as np
+from bench_tools import Array, off_centre, print_table
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from antenna_pin import Trajectory, load_scenario, simulate
 from antenna_pin.analysis import (
@@ -35,7 +35,6 @@ from antenna_pin.analysis import (
 from antenna_pin.base.files import replacing
 
 JOINT = "elevation"
-OFF_CENTRE = 10e-6  # [m], a twentieth of the clearance
 PAIRS = {
     "rigid": ("case1", "case3"),
     "modes": ("flexible-ideal", "flexible"),
@@ -61,8 +60,6 @@ ROWS = (
     "largest pointing error [mrad]",
 )
 
-Array = NDArray[np.float64]
-
 
 def run(case: str, duration: float, start: Sequence[str] = (), *overrides: str) -> Trajectory:
     """Return a run of a case of bai2020, by the compiled engine."""
@@ -73,13 +70,6 @@ def run(case: str, duration: float, start: Sequence[str] = (), *overrides: str) 
     if not found.completed:
         raise SystemExit(f"{case} ended early: {found.message}")
     return found
-
-
-def starts(count: int) -> list[list[str]]:
-    """Return initial positions of the journal: the centre, then places off it."""
-    places = np.random.default_rng(1).uniform(-OFF_CENTRE, OFF_CENTRE, (count, 2))
-    places[0] = 0.0
-    return [[f"initial.joints.{JOINT}.journal_position=[{x:.9f}, {y:.9f}, 0]"] for x, y in places]
 
 
 def ringing(found: Trajectory, part: str) -> float:
@@ -142,7 +132,7 @@ class Seen:
 def seen(name: str, count: int, duration: float) -> Seen:
     """Run a pair of cases."""
     ideal = run(PAIRS[name][0], duration)
-    runs = [run(PAIRS[name][1], duration, start) for start in starts(count)]
+    runs = [run(PAIRS[name][1], duration, [start]) for start in off_centre(JOINT, count)]
     found = np.array([look(one, ideal) for one in runs])
     columns = {f"{name}, ideal": np.array(look(ideal, ideal)), f"{name}, play": np.median(found, axis=0)}
     return Seen(ideal, runs[0], columns)
@@ -155,18 +145,9 @@ def swept(count: int, duration: float) -> dict[int, tuple[float, float]]:
     for frequency in SWEEP:
         case = f"nod-{frequency}hz"
         ideal = ringing(run(case, duration, (), ideal_joint), "reflector_nod")
-        play = [ringing(run(case, duration, start), "reflector_nod") for start in starts(count)]
+        play = [ringing(run(case, duration, [start]), "reflector_nod") for start in off_centre(JOINT, count)]
         found[frequency] = ideal, float(np.median(play))
     return found
-
-
-def print_table(columns: dict[str, Array]) -> None:
-    """Print a row per quantity and a column per case."""
-    width = max(map(len, ROWS))
-    print(" " * width, *(f"{label:>13}" for label in columns))
-    for k, row in enumerate(ROWS):
-        texts = [f"{column[k]:.3g}" if np.isfinite(column[k]) else "-" for column in columns.values()]
-        print(f"{row:<{width}}", *(f"{text:>13}" for text in texts))
 
 
 def draw(modes: Seen, sweep: dict[int, tuple[float, float]], path: Path) -> None:
@@ -219,7 +200,7 @@ def main() -> int:
     count, duration = (1, 0.2) if arguments.quick else (3, 5.0)
     found = {name: seen(name, count, duration) for name in PAIRS}
     print(f"medians of {count} run{'s' * (count > 1)} of {duration:g} s with play")
-    print_table({label: column for one in found.values() for label, column in one.columns.items()})
+    print_table(ROWS, {label: column for one in found.values() for label, column in one.columns.items()}, 13)
     sweep = swept(count, duration)
     print("\nringing of a mode that nods, rms [mrad], by its frequency with the hub held [Hz]")
     print(" " * 8, *(f"{frequency:>9}" for frequency in sweep))

@@ -19,33 +19,21 @@ from bench_tools import Array
 from scipy.integrate import solve_ivp
 from scipy.special import ellipj, ellipk, ellipkinc
 
-__all__ = ["SQUEEZER", "Problem", "bricard", "four_bars", "pendulum", "squeezer"]
-
 GRAVITY = 9.81  # [m/s^2], along -y
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Problem:
-    """A benchmark problem.
+    """A benchmark problem."""
 
-    Attributes:
-        name: Number and name.
-        urdf: Its tree.
-        closures: What closes it and where it starts, TOML.
-        duration: [s].
-        angle: Joint by which it is known.
-        reference: Angle [rad] and rate [rad/s] of that joint at times [s]; None where something else is
-            known.
-        gravity: Along -y [m/s^2].
-    """
-
-    name: str
-    urdf: str
-    closures: str
-    duration: float
-    angle: str
+    name: str  # number and name
+    urdf: str  # its tree
+    closures: str  # what closes it and where it starts, TOML
+    duration: float  # [s]
+    angle: str  # joint by which it is known
+    # Angle [rad] and rate [rad/s] of that joint at times [s]; None where something else is known.
     reference: Callable[[Array], tuple[Array, Array]] | None = None
-    gravity: float = GRAVITY
+    gravity: float = GRAVITY  # along -y [m/s^2]
 
     @property
     def scenario(self) -> str:

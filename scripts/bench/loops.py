@@ -9,9 +9,6 @@ numbers, and what its assembled start has against those [rad]. Energy is over th
 A row of four-bars passes singular positions, at each of which any of its parallelograms could fold; a run
 goes on as it came, and names them. With 40 of them the tree has 81 freedoms and the closures 200 equations,
 80 of them independent.
-
-A spatial mechanism of a paper (4UPS-UPU, a ball joint with play, closed form, compiled) tells what a
-simulated second costs at a coarse tolerance, with samples at 1 kHz, and by how much that is off.
 """
 
 from __future__ import annotations
@@ -27,7 +24,6 @@ from loop_models import SQUEEZER, Problem, bricard, four_bars, pendulum, squeeze
 from antenna_pin import Trajectory, load_scenario, simulate
 
 TOLERANCES = {"default": 1e-8, "tight": 1e-12}
-COARSE, COARSE_METHOD = 1e-3, "bogacki-shampine-32"
 # Error and energy at most, at the default and at the tight tolerance. In each singular position an equation
 # is let go of for a moment, which leaves an error that does not go with the tolerance, and more of them with
 # more four-bars. The published numbers of A03 are good to 1e-7: in the equations that they solve their rates
@@ -89,19 +85,6 @@ def add(report: Report, problem: Problem, label: str) -> None:
     report.add(f"{name}, wall time", found.counts.wall_seconds, "s")
 
 
-def add_parallel(report: Report) -> None:
-    """Run the 4UPS-UPU mechanism coarsely and finely and add what it costs and by how much it is off."""
-    changes = ["clearance.s2.geometry=closed-form", "integrator.engine=compiled"]
-    coarse = [*changes, f"integrator.method={COARSE_METHOD}", f"integrator.rtol={COARSE}"]
-    rough = load_scenario("chen2021", overrides=coarse)
-    runs = [simulate(rough) for _ in range(5)]
-    fine = simulate(load_scenario("chen2021", overrides=[*changes, "integrator.rtol=1e-10"]))
-    seconds = float(np.median([one.counts.wall_seconds for one in runs])) / rough.duration
-    report.add(f"4UPS-UPU, {COARSE_METHOD}, rtol {COARSE:g}, wall time of a second", seconds, "s", 0.06)
-    angles = [one.data["motion_angle"].interp(time=np.arange(0.0, 4.0, 0.01)) for one in (runs[0], fine)]
-    report.add("4UPS-UPU, error of angles there", float(np.abs(angles[0] - angles[1]).max()), "rad", 1e-3)
-
-
 def main() -> int:
     """Run the problems."""
     report = Report("loops", __doc__ or "")
@@ -112,7 +95,6 @@ def main() -> int:
             add(report, problem, label)
     if not quick:
         add(report, four_bars(40), "default")
-        add_parallel(report)
     return report.finish()
 
 

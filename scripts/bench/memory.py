@@ -89,15 +89,7 @@ def peak(words: Words, folder: str) -> tuple[float, float]:
 
 
 def measure(report: Report, name: str, run: Words, readers: Mapping[str, Words], least: float) -> None:
-    """Make a result, and measure that and its readers.
-
-    Args:
-        report: Of the numbers.
-        name: Of the result.
-        run: The command that makes it.
-        readers: Commands that read it, beside those that read any.
-        least: Memory of a run of 1 ms [MB].
-    """
+    """Make a result, and measure that and its readers."""
     with tempfile.TemporaryDirectory() as folder:
         megabytes, seconds = peak(run, folder)
         report.add(f"{name}: run, above that", megabytes - least, "MB", 300.0)

@@ -35,15 +35,10 @@ def run(case: str, *overrides: str, span: float = 5.0) -> Trajectory:
 
 @dataclass(frozen=True, slots=True)
 class Load:
-    """Size of the force through joint 2 over time.
+    """Size of the force through joint 2 over time."""
 
-    Attributes:
-        time: [s].
-        force: [N].
-    """
-
-    time: Array
-    force: Array
+    time: Array  # [s]
+    force: Array  # [N]
 
     @classmethod
     def of(cls, trajectory: Trajectory) -> Load:

@@ -19,8 +19,6 @@ from typing import Any
 import pytest
 from break_sites import Break
 
-__all__ = ["Hits", "put_probes", "statement_of"]
-
 #: Of a file of one phase of one test; of the folder with all of them.
 FILE, FOLDER = "BREAK_HITS", "BREAK_HITS_IN"
 PROBE = """
@@ -101,15 +99,10 @@ def put_probes(tree: Path, drawn: Iterable[tuple[int, Break]]) -> set[int]:
 
 @dataclass(frozen=True)
 class Hits:
-    """Tests that run a place, and the seconds that they take.
+    """Tests that run a place, and the seconds that they take."""
 
-    Attributes:
-        of: Names of tests of each number.
-        seconds: Of each test [s].
-    """
-
-    of: dict[int, list[str]]
-    seconds: dict[str, float]
+    of: dict[int, list[str]]  # names of tests of each number
+    seconds: dict[str, float]  # of each test [s]
 
     @classmethod
     def read(cls, folder: Path, numbers: Iterable[int]) -> Hits:

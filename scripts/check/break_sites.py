@@ -17,8 +17,6 @@ from functools import cache
 from itertools import accumulate
 from pathlib import Path
 
-__all__ = ["Break", "draw", "found_again", "rooms", "sites"]
-
 #: First and last character of a place, and what it becomes.
 Change = tuple[int, int, str]
 PACKAGE = "antenna_pin"
@@ -69,29 +67,17 @@ def _compiled() -> frozenset[Path]:
 
 @dataclass(frozen=True, slots=True)
 class Break:
-    """One wrong change of one place.
+    """One wrong change of one place."""
 
-    Attributes:
-        room: Folder of the package.
-        path: Of the file, from the root of the tree.
-        line: Of the place, from 1.
-        start: First character in the text.
-        old: What is there.
-        new: What it becomes.
-        before: Rest of the first line before it.
-        after: Rest of the last line behind it.
-        names: Public names of the module.
-    """
-
-    room: str
-    path: Path
-    line: int
-    start: int
-    old: str
-    new: str
-    before: str
-    after: str
-    names: frozenset[str]
+    room: str  # folder of the package
+    path: Path  # of the file, from the root of the tree
+    line: int  # of the place, from 1
+    start: int  # first character in the text
+    old: str  # what is there
+    new: str  # what it becomes
+    before: str  # rest of the first line before it
+    after: str  # rest of the last line behind it
+    names: frozenset[str]  # public names of the module
 
     @property
     def plain(self) -> bool:

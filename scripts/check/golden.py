@@ -45,8 +45,6 @@ import numpy as np
 from antenna_pin import Scenario, list_scenarios, load_scenario, simulate
 from antenna_pin.errors import AntennaPinError
 
-__all__ = ["compared"]
-
 Entry = dict[str, Any]
 Job = tuple[str, str, tuple[Any, ...]]
 
@@ -54,19 +52,7 @@ ENGINES = ("compiled", "pinocchio")
 STEPS, RANDOM_STEPS = 600, 150  # trial steps of a run
 RANDOM = 200
 # What results say of the machine and of libraries, not of the motion.
-_MACHINE = (
-    "wall",
-    "created",
-    "version",
-    "hash",
-    "git",
-    "platform",
-    "history",
-    "host",
-    "checksum",
-    "finished",
-    "folder",
-)
+_MACHINE = "wall created version hash git platform history host checksum finished folder".split()
 _TEXT = (
     (r"antenna-pin: note: \w+ is at work.*\n", ""),
     (r"simulated in .*? s(?: \(and .*?\))?,", "simulated in ~,"),

@@ -12,8 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-__all__ = ["NO_MECHANISM", "Hand", "draw_hand"]
-
 #: One file in so many is no mechanism.
 NO_MECHANISM = 40
 
@@ -27,17 +25,11 @@ _BOUNDS = (
 
 @dataclass(frozen=True)
 class Hand:
-    """A URDF of a hand.
+    """A URDF of a hand."""
 
-    Attributes:
-        name: Of the file, without suffix.
-        text: Its XML.
-        moves: Whether it is a mechanism.
-    """
-
-    name: str
-    text: str
-    moves: bool
+    name: str  # of the file, without suffix
+    text: str  # its XML
+    moves: bool  # whether it is a mechanism
 
 
 def draw_hand(seed: int, number: int) -> Hand:

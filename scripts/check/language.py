@@ -32,8 +32,6 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-__all__ = ["places"]
-
 ROOT = Path(__file__).parents[2]
 CEILINGS = Path(__file__).with_suffix(".toml")
 
@@ -61,17 +59,11 @@ _RULES = ("openings", "long", "persons", "names", "shared", "british", "idiom", 
 
 
 class Place(NamedTuple):
-    """Place where a rule is broken.
+    """Place where a rule is broken."""
 
-    Attributes:
-        file: Path below the root.
-        line: Number of the line.
-        text: Name, or text that breaks the rule.
-    """
-
-    file: str
-    line: int
-    text: str
+    file: str  # path below the root
+    line: int  # number of the line
+    text: str  # name, or text that breaks the rule
 
 
 def places() -> dict[str, list[Place]]:
@@ -170,20 +162,7 @@ def _misspelt() -> Iterator[Place]:
 
 
 # Words of the field, and names of people, that codespell takes for slips.
-_RIGHT = (
-    "wit",
-    "worstcase",
-    "fro",
-    "lates",
-    "commun",
-    "shepperd",
-    "gere",
-    "numer",
-    "lond",
-    "precesses",
-    "orgin",
-    "statics",
-)
+_RIGHT = "wit worstcase fro lates commun shepperd gere numer lond precesses orgin statics".split()
 
 
 def main(arguments: list[str] | None = None) -> int:

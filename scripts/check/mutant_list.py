@@ -24,27 +24,17 @@ _FOLDER = Path(__file__).with_name("mutants")
 
 @dataclass(frozen=True, slots=True)
 class Mutant:
-    """One wrong change.
+    """One wrong change."""
 
-    Attributes:
-        note: What is wrong then.
-        file: Where, from the root of the tree; in the list, from the package on.
-        old: Text that stands there exactly once.
-        new: What it becomes.
-        tests: What pytest is given: files, node ids, options; in the list one text, as in a shell.
-        equivalent: Why nothing can notice it, if nothing can; it has no tests then, and is not run.
-        compiled: Whether kernels are compiled, which takes up to a minute, or run as Python.
-        room: File of the list that it stands in.
-    """
-
-    note: str
-    file: str
-    old: str
-    new: str
+    note: str  # what is wrong then
+    file: str  # where, from the root of the tree; in the list, from the package on
+    old: str  # text that stands there exactly once
+    new: str  # what it becomes
+    # What pytest is given: files, node ids, options; in the list one text, as in a shell.
     tests: tuple[str, ...] = ()
-    equivalent: str = ""
-    compiled: bool = False
-    room: str = ""
+    equivalent: str = ""  # why nothing can notice it, if nothing can; it has no tests then, and is not run
+    compiled: bool = False  # whether kernels are compiled, which takes up to a minute, or run as Python
+    room: str = ""  # file of the list that it stands in
 
     @classmethod
     def of(cls, table: dict[str, Any], room: str) -> Mutant:

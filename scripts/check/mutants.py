@@ -20,8 +20,6 @@ from __future__ import annotations
 import argparse
 import os
 import shutil
-import signal
-import subprocess
 import sys
 import tempfile
 import time
@@ -30,55 +28,25 @@ from functools import cache
 from pathlib import Path
 
 from mutant_list import MUTANTS, Mutant
+from random_breaks import copied, run_tests
 
 ROOT = Path(__file__).resolve().parents[2]
 PASSED, FAILED = 0, 1  # exit codes of pytest
 
 
 class Tree:
-    """A copy of the tree in which tests run.
-
-    Args:
-        folder: An empty folder for the copy, and for what Numba compiles of it.
-        timeout: Of one run of tests [s].
-    """
+    """A copy of the tree in which tests run, for at most a time each [s]."""
 
     def __init__(self, folder: Path, timeout: float) -> None:
         """Copy what the tests need."""
-        self.root = folder / "tree"
-        self.timeout = timeout
+        self.root, self.timeout = copied(folder), timeout
         self._compiled = folder / "numba"
-        leave = shutil.ignore_patterns(".git", "__pycache__", ".*_cache", ".venv", "dist", "build")
-        shutil.copytree(ROOT, self.root, ignore=leave)
-        self.intact = cache(self._intact)
+        self.intact = cache(lambda tests, compiled: self.run(tests, compiled, "intact") == PASSED)
 
-    def run(self, mutant: Mutant, cache_name: str) -> int | None:
-        """Return pytest's exit code on a mutant's tests, as the tree stands; None if it took too long."""
-        environment = {
-            **os.environ,
-            "PYTHONPATH": str(self.root),
-            "NUMBA_CACHE_DIR": str(self._compiled / cache_name),
-            "NUMBA_DISABLE_JIT": "0" if mutant.compiled else "1",
-        }
-        command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "-n", "0"]
-        started = subprocess.Popen(
-            [*command, *mutant.tests],
-            cwd=self.root,
-            env=environment,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=True,
-        )
-        try:
-            return started.wait(self.timeout)
-        except subprocess.TimeoutExpired:
-            os.killpg(started.pid, signal.SIGKILL)
-            started.wait()
-            return None
-
-    def _intact(self, tests: tuple[str, ...], compiled: bool) -> bool:
-        same = next(m for m in MUTANTS if m.tests == tests and m.compiled == compiled)
-        return self.run(same, "intact") == PASSED
+    def run(self, tests: tuple[str, ...], compiled: bool, cache_name: str) -> int | None:
+        """Return pytest's exit code on some tests, as the tree stands; None if it took too long."""
+        os.environ["NUMBA_CACHE_DIR"] = str(self._compiled / cache_name)
+        return run_tests(self.root, list(tests), not compiled, self.timeout)
 
     def verdict(self, mutant: Mutant) -> str:
         """Make a mutant, run its tests, and put the tree right again."""
@@ -88,11 +56,10 @@ class Tree:
         text = path.read_text(encoding="utf-8")
         if not self.intact(mutant.tests, mutant.compiled):
             return "broken"
-        kernels = path.name.endswith("kernels.py")
-        name = "mutant" if kernels else "intact"
+        name = "mutant" if path.name.endswith("kernels.py") else "intact"
         path.write_text(text.replace(mutant.old, mutant.new), encoding="utf-8")
         try:
-            code = self.run(mutant, name)
+            code = self.run(mutant.tests, mutant.compiled, name)
         finally:
             path.write_text(text, encoding="utf-8")
             shutil.rmtree(self._compiled / "mutant", ignore_errors=True)

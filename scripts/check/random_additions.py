@@ -12,8 +12,6 @@ from scenario_generator import dealt, own_inertias
 from antenna_pin import Scenario, build_system
 from antenna_pin.scenario.assemble import initial_state
 
-__all__ = ["with_more"]
-
 _KINDS = ("none", "stop", "rigid stop", "sticking", "lugre", "gear", "closure", "modes", "motion")
 # Part of its link's mass that a mode has, and how stiff elements are [Hz].
 _OF_MODE, _STIFF = 0.2, 100.0

@@ -212,9 +212,8 @@ def main() -> int:
         kept = json.loads(asked.again.read_text(encoding="utf-8"))
         drawn = [found_again(ROOT, one) for one in kept]
     if asked.keep:
-        asked.keep.write_text(
-            json.dumps([one.kept(ROOT) for one in drawn if one], indent=0), encoding="utf-8"
-        )
+        lines = [json.dumps(one.kept(ROOT)) for one in drawn if one]  # a line for each break
+        asked.keep.write_text("[\n" + ",\n".join(lines) + "\n]\n", encoding="utf-8")
         return 0
     numbers = asked.only or list(range(1, len(drawn) + 1))
     if not all(1 <= number <= len(drawn) for number in numbers):

@@ -46,8 +46,6 @@ from antenna_pin.mechanism import Urdf, build_mechanism
 from antenna_pin.run.simulation import Event, Set, Time
 from antenna_pin.run.simulation.events import Angle, Mark
 
-__all__ = ["Mechanism", "told"]
-
 DURATION = 1.5  # [s]
 APART = 1e-7
 _GROWS, _TRIES = 10.0, 2
@@ -243,20 +241,7 @@ class Mechanism:
         return made, simulate(made, q=q, v=v, duration=DURATION, settings=settings, events=events)
 
 
-_NUMBERS = (
-    "preload",
-    "stiffness",
-    "friction",
-    "static",
-    "restitution",
-    "most",
-    "rate",
-    "holding",
-    "torque",
-    "off",
-    "sine",
-    "drive",
-)
+_NUMBERS = "preload stiffness friction static restitution most rate holding torque off sine drive".split()
 
 
 def _at_rims(text: str, names: tuple[str, ...], panels: int) -> str:

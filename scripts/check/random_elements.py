@@ -32,8 +32,6 @@ from random_trees import Drawn, drawn
 
 from antenna_pin import AntennaPinError, RunSettings
 
-__all__ = ["told"]
-
 # How often a start is changed in its last bits; how much further apart engines may be, which round off at
 # each step, than runs that differ at the start.
 _TRIES, _GROWS = 3, 10.0
@@ -78,23 +76,15 @@ def _growth(tree: Drawn, run: Any, duration: float) -> float:
 
 @dataclass
 class Told:
-    """What was found of a tree.
+    """What was found of a tree."""
 
-    Attributes:
-        momentum: What the momenta drift by, by the engine of which that is more, over their largest.
-        energy: What the ledger is open by, over the kinetic energy at the start.
-        apart: How far the engines' configurations are apart at most [rad] ([m]).
-        changes: How many changes of mode there were.
-        said: Explanations of what is beyond a limit and no failure.
-        failed: What is one.
-    """
-
+    # What the momenta drift by, by the engine of which that is more, over their largest.
     momentum: float = 0.0
-    energy: float = 0.0
-    apart: float = 0.0
-    changes: int = 0
-    said: list[str] = field(default_factory=list)
-    failed: list[str] = field(default_factory=list)
+    energy: float = 0.0  # what the ledger is open by, over the kinetic energy at the start
+    apart: float = 0.0  # how far the engines' configurations are apart at most [rad] ([m])
+    changes: int = 0  # how many changes of mode there were
+    said: list[str] = field(default_factory=list)  # explanations of what is beyond a limit and no failure
+    failed: list[str] = field(default_factory=list)  # what is one
 
     @property
     def verdict(self) -> str:

@@ -21,8 +21,8 @@ What must hold, of runs that end early as well:
   live from their initial motion, their springs or their weight, and a share of next to nothing says nothing.
 - It ends ``COMPLETED``, or early with an outcome whose message says why and where, or is refused with an
   error of the package. An exception of another kind, a warning, a number in the result that is not finite
-  (but for the release of contacts that still touch), a process that dies, or a run that takes longer than
-  ``--wall`` seconds counts as a failure.
+  (but for the release of contacts that still touch), a process that dies, or a run that takes more than
+  ``--seconds`` of a processor counts as a failure.
 - Of all runs together at least 90 % are completed and had contacts.
 - With ``--engines`` the compiled engine makes the run, and the other one makes it again: both end alike, keep
   their ledgers, and are in the same place after a tenth of the time, to 1e-6; what impacts make of round-off
@@ -34,85 +34,64 @@ Exit code 1 on any failure.
 from __future__ import annotations
 
 import argparse
-import contextlib
 import csv
 import dataclasses
+import functools
 import itertools
 import math
-import multiprocessing
 import sys
 import time
 import traceback
 import warnings
-from collections import Counter, defaultdict, deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
-from multiprocessing.connection import Connection, wait
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
+from robust.trials import tried
 from scenario_elements import with_elements
 from scenario_generator import draw_scenario
 
 from antenna_pin import AntennaPinError, Scenario, Trajectory, simulate
 from antenna_pin.errors import LongRunWarning, StiffRunWarning
-from antenna_pin.run.simulation import Progress
 
 MOMENTUM = 1e-9
 ENERGY = 1e-5
 COMPLETED = 0.9  # least share of runs completed with contacts
-WALL = 120.0  # [s]; coal under distributed load takes most, about half a millisecond an evaluation
+SECONDS = 120.0  # [s]; coal under distributed load takes most, about half a millisecond an evaluation
 
 AGREE, PART = 1e-6, 0.1  # how near engines come, after which part of a run
 
-_REPORT_INTERVAL = 0.5  # [s]
 # Of a contact that still touches; of a change of what is no latch; of what a controller does not have yet.
 _MAY_BE_NAN = ("release_time", "change_energy", "change_peak_effort", "change_peak_time", "tick_signal")
 
 
 @dataclass(slots=True)
 class Row:
-    """What became of one scenario.
+    """What became of one scenario."""
 
-    Attributes:
-        number: Its number.
-        outcome: Name of the outcome; REFUSED where the package raised an error, FAILED where there is none.
-        message: What it says.
-        linear: Drift of linear momentum over its scale; NaN where it is not conserved [-].
-        angular: The same of angular momentum [-].
-        energy: Error of the energy's ledger over what there was to spend [-].
-        energy_error: The same [J].
-        gross_work: Of the drives [J].
-        to_spend: Gross work and what was stored at the start or given by gravity [J].
-        episodes: Of contact.
-        steps: Accepted.
-        evaluations: Of the equations of motion.
-        gap_difference: Coal's gaps less those in closed form, the largest [m].
-        engines: How far apart the engines are after a part of the run, over what has moved [-].
-        wall: Time of the run [s].
-        classes: What it is an example of: names by kind, such as ``law`` or ``load``.
-        failures: What is wrong.
-    """
-
-    number: int
+    number: int  # its number
+    # Name of the outcome; REFUSED where the package raised an error, FAILED where there is none.
     outcome: str = "FAILED"
-    message: str = ""
-    linear: float = math.nan
-    angular: float = math.nan
-    energy: float = math.nan
-    energy_error: float = math.nan
-    gross_work: float = math.nan
-    to_spend: float = math.nan
-    episodes: int = 0
-    steps: int = 0
-    evaluations: int = 0
-    gap_difference: float = math.nan
+    message: str = ""  # what it says
+    linear: float = math.nan  # drift of linear momentum over its scale; NaN where it is not conserved [-]
+    angular: float = math.nan  # the same of angular momentum [-]
+    energy: float = math.nan  # error of the energy's ledger over what there was to spend [-]
+    energy_error: float = math.nan  # the same [J]
+    gross_work: float = math.nan  # of the drives [J]
+    to_spend: float = math.nan  # gross work and what was stored at the start or given by gravity [J]
+    episodes: int = 0  # of contact
+    steps: int = 0  # accepted
+    evaluations: int = 0  # of the equations of motion
+    gap_difference: float = math.nan  # coal's gaps less those in closed form, the largest [m]
+    # How far apart the engines are after a part of the run, over what has moved [-].
     engines: float = math.nan
-    wall: float = math.nan
+    wall: float = math.nan  # time of the run [s]
+    # What it is an example of: names by kind, such as ``law`` or ``load``.
     classes: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    failures: list[str] = field(default_factory=list)
+    failures: list[str] = field(default_factory=list)  # what is wrong
 
     @property
     def momentum(self) -> float:
@@ -123,18 +102,8 @@ class Row:
 # --- one scenario ------------------------------------------------------------------------------------------
 
 
-def run_number(
-    seed: int, number: int, progress: Any = None, engines: bool = False, elements: bool = False
-) -> Row:
-    """Make and run one scenario; return what became of it, whatever that is.
-
-    Args:
-        seed: Of all scenarios.
-        number: Of this one.
-        progress: Called as the run goes on.
-        engines: Whether both engines make the run.
-        elements: Whether its joints have more than play.
-    """
+def run_number(seed: int, number: int, engines: bool = False, elements: bool = False) -> Row:
+    """Make and run one scenario; return what became of it, whatever that is."""
     row = Row(number)
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
@@ -144,9 +113,9 @@ def run_number(
                 scenario = with_elements(scenario, seed, number)
             row.classes = classes_of(scenario)
             if engines:
-                _run_with_both(row, scenario, progress)
+                _run_with_both(row, scenario)
             else:
-                _run(row, scenario, progress)
+                _run(row, scenario)
         except Exception as error:  # whatever it is, it is what is looked for
             where = traceback.extract_tb(error.__traceback__)[-1]
             text = f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})"
@@ -158,11 +127,11 @@ def run_number(
     return row
 
 
-def _run(row: Row, scenario: Scenario, progress: Any) -> Trajectory | None:
+def _run(row: Row, scenario: Scenario) -> Trajectory | None:
     """Run a scenario and write what became of it into its row; return the run, or None if it was refused."""
     began = time.perf_counter()
     try:
-        run = simulate(scenario, progress=progress)
+        run = simulate(scenario)
     except AntennaPinError as error:
         row.outcome, row.message = "REFUSED", str(error)
         return None
@@ -171,12 +140,12 @@ def _run(row: Row, scenario: Scenario, progress: Any) -> Trajectory | None:
     return run
 
 
-def _run_with_both(row: Row, scenario: Scenario, progress: Any) -> None:
+def _run_with_both(row: Row, scenario: Scenario) -> None:
     """Run a scenario with both engines, and write into its row where they do not agree."""
     closed = {f"clearance.{name}.geometry": "closed-form" for name in scenario.clearance}
     other = Row(row.number)
     runs = [
-        _run(each, scenario.with_overrides({**closed, "integrator.engine": engine}), progress)
+        _run(each, scenario.with_overrides({**closed, "integrator.engine": engine}))
         for each, engine in ((row, "compiled"), (other, "pinocchio"))
     ]
     row.failures += [f"by pinocchio: {text}" for text in other.failures]
@@ -271,104 +240,13 @@ def classes_of(scenario: Scenario) -> dict[str, tuple[str, ...]]:
 # --- many, in processes of their own -----------------------------------------------------------------------
 
 
-def _work(pipe: Connection, seed: int, how: Mapping[str, bool]) -> None:
-    """Run the numbers that come through a pipe, and send back where they are and what became of them."""
-    last = time.perf_counter()
-
-    def report(seen: Progress) -> None:
-        nonlocal last
-        if time.perf_counter() - last > _REPORT_INTERVAL:
-            last = time.perf_counter()
-            pipe.send(seen)
-
-    with contextlib.suppress(EOFError, OSError):  # nobody listens any more
-        pipe.send("ready")
-        while True:
-            pipe.send(run_number(seed, pipe.recv(), report, **how))
-
-
-class _Worker:
-    """A process that runs one number after another, and is ended if one takes too long."""
-
-    def __init__(self, seed: int, how: Mapping[str, bool]) -> None:
-        """Start the process; it says when it is ready."""
-        context = multiprocessing.get_context("spawn")
-        self.pipe, other = context.Pipe()
-        self.process = context.Process(target=_work, args=(other, seed, how), daemon=True)
-        self.process.start()
-        other.close()
-        self.number: int | None = None
-        self.ready = False
-        self.began = math.inf
-        self.seen: Progress | None = None
-
-    def begin(self, number: int) -> None:
-        """Give it a number."""
-        self.number, self.began, self.seen = number, time.monotonic(), None
-        self.pipe.send(number)
-
-    def take(self) -> Row | None:
-        """Take what it has sent: a result, or None where it only says how far it is."""
-        try:
-            sent = self.pipe.recv()
-        except (EOFError, OSError):
-            self.process.join()
-            return self.failed(f"the process died with exit code {self.process.exitcode}")
-        if isinstance(sent, Row):
-            return sent
-        if isinstance(sent, Progress):
-            self.seen = sent
-        else:
-            self.ready = True
-        return None
-
-    def failed(self, text: str) -> Row:
-        """Return the row of a number that came to no end."""
-        if self.number is None:
-            raise RuntimeError(f"a process for scenarios does not start: {text}")
-        if self.seen is not None:
-            at = self.seen
-            text += f"; at t = {at.time:.6g} of {at.end:.6g} s"
-            text += f" after {at.steps} steps, the last of {at.step:.3g} s"
-        return Row(self.number, wall=time.monotonic() - self.began, failures=[text])
-
-    def end(self) -> None:
-        """End the process, busy or not."""
-        self.process.terminate()
-        self.process.join()
-        self.pipe.close()
-
-
-def run_numbers(seed: int, numbers: Iterable[int], jobs: int, wall: float, **how: bool) -> Iterator[Row]:
+def run_numbers(seed: int, numbers: Iterable[int], jobs: int, seconds: float, **how: bool) -> Iterator[Row]:
     """Run numbers in several processes, each at most some seconds; yield rows as they come."""
-    waiting = deque(numbers)
-    workers: list[_Worker] = []
-    try:
-        while waiting or any(worker.number is not None for worker in workers):
-            while len(workers) < min(jobs, len(waiting)):
-                workers.append(_Worker(seed, how))
-            for worker in workers:
-                if waiting and worker.ready and worker.number is None:
-                    worker.begin(waiting.popleft())
-            heard = wait([worker.pipe for worker in workers], timeout=0.5)
-            for worker in list(workers):
-                row = worker.take() if worker.pipe in heard else None
-                late = f"over {wall:g} s of wall time" if time.monotonic() - worker.began > wall else ""
-                if row is None and late:
-                    row = worker.failed(late)
-                    worker.end()
-                elif row is None:
-                    continue
-                elif late:
-                    row.failures.append(late)
-                if not worker.process.is_alive():
-                    workers.remove(worker)
-                worker.number, worker.began = None, math.inf
-                row.classes = row.classes or _classes_without_running(seed, row.number)
-                yield row
-    finally:
-        for worker in workers:
-            worker.end()
+    act = functools.partial(run_number, seed, **how)
+    for number, row, fault, spent in tried(act, list(numbers), seconds, jobs):
+        found = Row(number, wall=spent, failures=[fault]) if row is None else row
+        found.classes = found.classes or _classes_without_running(seed, number)
+        yield found
 
 
 def _classes_without_running(seed: int, number: int) -> dict[str, tuple[str, ...]]:
@@ -468,9 +346,7 @@ def main() -> int:
     add("--first", type=int, default=0, metavar="K", help="number of the first (%(default)s)")
     add("--only", type=int, metavar="K", help="run this number alone")
     add("--jobs", type=int, default=2, help="processes (%(default)s)")
-    add(
-        "--wall", type=float, default=WALL, metavar="S", help="longest time of a run in seconds (%(default)s)"
-    )
+    add("--seconds", type=float, default=SECONDS, help="of a processor that a run may take (%(default)s)")
     add("--engines", action="store_true", help="have both engines make each run")
     add("--elements", action="store_true", help="give joints what they may have besides play")
     add("--brief", action="store_true", help="without the table of classes")
@@ -482,7 +358,7 @@ def main() -> int:
     _compile()
     rows = []
     how = {"engines": given.engines, "elements": given.elements}
-    for row in run_numbers(given.seed, numbers, min(given.jobs, len(numbers)), given.wall, **how):
+    for row in run_numbers(given.seed, numbers, min(given.jobs, len(numbers)), given.seconds, **how):
         rows.append(row)
         for line in failure_lines([row], given.seed):
             print(f"FAILED {line}", flush=True)

@@ -50,21 +50,13 @@ _SHOWS = 200.0
 
 
 class Verdict(NamedTuple):
-    """What a comparison said.
+    """What a comparison said."""
 
-    Attributes:
-        apart: By how much both differ, over the largest.
-        moved: By how much finer steps have moved runs, likewise; infinite where none were made.
-        equation: In how much doubt the equation is, likewise.
-        contacts: How many contacts began.
-        parameters: How many numbers were varied.
-    """
-
-    apart: float
-    moved: float
-    equation: float
-    contacts: int
-    parameters: int
+    apart: float  # by how much both differ, over the largest
+    moved: float  # by how much finer steps have moved runs, likewise; infinite where none were made
+    equation: float  # in how much doubt the equation is, likewise
+    contacts: int  # how many contacts began
+    parameters: int  # how many numbers were varied
 
     def word(self, limit: float) -> str:
         """Return it in a word, if both may be apart by so much."""

@@ -39,8 +39,6 @@ from antenna_pin.elements import (
 from antenna_pin.elements.control import Pid
 from antenna_pin.mechanism import Urdf, build_mechanism
 
-__all__ = ["Drawn", "drawn"]
-
 _LINK = (
     '<link name="l{k}"><inertial><origin xyz="{c[0]} {c[1]} {c[2]}"/><mass value="{m}"/>'
     '<inertia ixx="{i[0]}" iyy="{i[1]}" izz="{i[2]}" ixy="0" ixz="0" iyz="0"/></inertial></link>'
@@ -139,19 +137,12 @@ def _latch_with_play(chance: Chance, joint: str) -> Latch:
 
 @dataclass
 class Drawn:
-    """A tree of a number.
+    """A tree of a number."""
 
-    Attributes:
-        system: Links, joints, elements.
-        v: The velocity that it is set going with.
-        controllers: What commands motors.
-        elements: Names of the kinds that it has.
-    """
-
-    system: System
-    v: np.ndarray
-    controllers: dict[str, Pid]
-    elements: list[str] = field(default_factory=list)
+    system: System  # links, joints, elements
+    v: np.ndarray  # the velocity that it is set going with
+    controllers: dict[str, Pid]  # what commands motors
+    elements: list[str] = field(default_factory=list)  # names of the kinds that it has
 
     def run(self, engine: str, duration: float, **more: Any) -> Any:
         """Run it."""

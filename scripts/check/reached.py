@@ -19,8 +19,6 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-__all__ = ["changed_files", "reached"]
-
 ROOT = Path(__file__).parents[2]
 _OF_ALL = ("pyproject.toml", "constraints.txt", "tests/conftest.py")
 

@@ -38,8 +38,6 @@ import tomllib
 import zipfile
 from pathlib import Path
 
-__all__ = ["changelog_faults", "contents_faults", "metadata_faults", "pythons"]
-
 ROOT = Path(__file__).parents[2]
 NEWEST = 14
 LARGEST = 25.0  # of a wheel with machine code [MB]
@@ -227,15 +225,7 @@ def run_by(command: Path, folder: Path) -> str:
 
 
 def tried(python: str, wheel: Path, folder: Path, code: bool = False, suite: bool = False) -> str:
-    """Install a wheel into an empty environment of a Python, run a scenario; return what came of it.
-
-    Args:
-        python: The Python.
-        wheel: The wheel.
-        folder: An empty folder to work in.
-        code: Whether it has machine code; the plain wheel is installed with what compiles it.
-        suite: Whether tests run under that machine code.
-    """
+    """Install a wheel into an empty environment of a Python, run a scenario; return what came of it."""
     told(python, "-m", "venv", folder / "env")
     there = folder / "env" / "bin"
     given = wheel if code else f"{wheel}[compile]"
@@ -247,14 +237,7 @@ def tried(python: str, wheel: Path, folder: Path, code: bool = False, suite: boo
 
 
 def with_code(python: str, wheel: Path, folder: Path, out: Path) -> Path:
-    """Return a wheel for this platform that holds the machine code of all kernels.
-
-    Args:
-        python: The Python that it is made with.
-        wheel: The plain wheel.
-        folder: An empty folder to work in.
-        out: Folder of the result.
-    """
+    """Return a wheel for this platform that holds the machine code of all kernels."""
     told(python, "-m", "venv", folder / "env")
     there = folder / "env" / "bin" / "python"
     packages = (f"{wheel}[compile]", "wheel", "cmeel-eigen")
@@ -291,13 +274,7 @@ def with_code(python: str, wheel: Path, folder: Path, out: Path) -> Path:
 
 
 def without_numba(there: Path, folder: Path, suite: bool) -> str:
-    """Return that a package with machine code does all without Numba; end this program where it does not.
-
-    Args:
-        there: Folder of the environment's commands.
-        folder: Folder to work in.
-        suite: Whether tests run under that machine code.
-    """
+    """Return that a package with machine code does all without Numba; end this program where it does not."""
     found = told(
         there / "python", "-W", "ignore", "-c", _WITHOUT, cwd=folder, ANTENNA_PIN_NATIVE="required"
     ).split()

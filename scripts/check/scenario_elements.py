@@ -15,8 +15,6 @@ from scenario_generator import own_inertias
 
 from antenna_pin import Scenario, build_system
 
-__all__ = ["with_elements"]
-
 Random = np.random.Generator
 Table = dict[str, Any]
 

@@ -36,8 +36,6 @@ from antenna_pin.contact import (
 )
 from antenna_pin.scenario.assemble import initial_state
 
-__all__ = ["draw_scenario", "own_inertias"]
-
 Array = NDArray[np.float64]
 Random = np.random.Generator
 Table = dict[str, Any]
@@ -96,17 +94,11 @@ def _sign(rng: Random) -> float:
 
 @dataclass(frozen=True, slots=True)
 class _Tree:
-    """A mechanism as it was drawn.
+    """A mechanism as it was drawn."""
 
-    Attributes:
-        urdf: Its text.
-        kinds: Type of each joint, by name.
-        play: The joints with play, and what each is: point, distributed, planar or spherical.
-    """
-
-    urdf: str
-    kinds: dict[str, str]
-    play: dict[str, str]
+    urdf: str  # its text
+    kinds: dict[str, str]  # type of each joint, by name
+    play: dict[str, str]  # the joints with play, and what each is: point, distributed, planar or spherical
 
 
 def _tree(seed: int, number: int, rng: Random) -> _Tree:
@@ -295,19 +287,12 @@ def _initial_journal(rng: Random, joint: Mapping[str, Any]) -> Table:
 
 @dataclass(frozen=True, slots=True)
 class _Laws:
-    """What the parameters of a joint's laws are drawn around.
+    """What the parameters of a joint's laws are drawn around."""
 
-    Attributes:
-        rng: Where they are drawn from.
-        stiffness: Of Hertz's law [N/m^1.5].
-        mass: That a contact sees [kg].
-        speed: Of its impacts [m/s].
-    """
-
-    rng: Random
-    stiffness: float
-    mass: float
-    speed: float
+    rng: Random  # where they are drawn from
+    stiffness: float  # of Hertz's law [N/m^1.5]
+    mass: float  # that a contact sees [kg]
+    speed: float  # of its impacts [m/s]
 
     @classmethod
     def of(cls, rng: Random, joint: Mapping[str, Any], modulus: float, mass: float, speed: float) -> _Laws:

@@ -20,8 +20,6 @@ from antenna_pin.dynamics import Workspace, acceleration
 from antenna_pin.joints.geometry import RevoluteClearance
 from antenna_pin.scenario.assemble import initial_state
 
-__all__ = ["DURATIONS", "SPEEDS", "at_speed", "effective_mass", "inverse_mass", "numbers"]
-
 Array = NDArray[np.float64]
 Random = np.random.Generator
 Table = dict[str, Any]

@@ -23,8 +23,6 @@ from typing import Any
 import numpy as np
 from lxml import etree
 
-__all__ = ["ODDITIES", "OddUrdf", "SlippedUrdf", "draw_slip", "draw_urdf"]
-
 Random = np.random.Generator
 
 #: How many of the oddities each file has.
@@ -35,36 +33,22 @@ _TYPES = ("revolute", "continuous", "prismatic", "fixed", "fixed", "floating")
 
 @dataclass(frozen=True)
 class OddUrdf:
-    """A URDF as an exporter might write it, and its plain twin.
+    """A URDF as an exporter might write it, and its plain twin."""
 
-    Attributes:
-        name: Of the file, without suffix.
-        odd: Its bytes.
-        plain: The text of the twin.
-        oddities: What is odd about it, by the names of :data:`ODDITIES`.
-    """
-
-    name: str
-    odd: bytes
-    plain: str
-    oddities: tuple[str, ...]
+    name: str  # of the file, without suffix
+    odd: bytes  # its bytes
+    plain: str  # the text of the twin
+    oddities: tuple[str, ...]  # what is odd about it, by the names of :data:`ODDITIES`
 
 
 @dataclass(frozen=True)
 class SlippedUrdf:
-    """A URDF in which one name is written almost right.
+    """A URDF in which one name is written almost right."""
 
-    Attributes:
-        name: Of the file, without suffix.
-        text: Its XML.
-        written: The name with the slip.
-        meant: The name of the format.
-    """
-
-    name: str
-    text: str
-    written: str
-    meant: str
+    name: str  # of the file, without suffix
+    text: str  # its XML
+    written: str  # the name with the slip
+    meant: str  # the name of the format
 
 
 ODDITIES: dict[str, Callable[[Any, Random], None]] = {}

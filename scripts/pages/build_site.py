@@ -26,8 +26,6 @@ from antenna_pin.base.interruption import ended_by, ending_by_signals
 ROOT = Path(__file__).parents[2]
 BUILT = ROOT / "build" / "docs"
 
-__all__ = ["build"]
-
 
 def build(built: Path = BUILT, *, anew: bool = False) -> Path:
     """Build the site and return its folder; the process ends where Sphinx has a warning.

@@ -9,8 +9,6 @@ from typer.main import get_command
 
 from antenna_pin.apps.cli import app
 
-__all__ = ["commands_page"]
-
 
 def commands(command: Any, name: str) -> Iterator[tuple[str, Any]]:
     """Yield each command with its whole name, groups before what they hold."""

@@ -7,7 +7,6 @@ import shutil
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-__all__ = ["GALLERIES", "as_page", "forget_galleries", "lay_out_examples"]
 
 #: What the build makes of a folder of scripts.
 GALLERIES = {"scripts/gallery": "docs/gallery", "scripts/examples": "docs/scripts"}

@@ -9,8 +9,6 @@ from antenna_pin import load_scenario, simulate
 from antenna_pin.base.interruption import uninterrupted
 from antenna_pin.show.record import record
 
-__all__ = ["add_recording"]
-
 _NAME = "recording.html"  # beside the site's own index
 _DURATION = 0.6  # [s] with blows at both ends of the bore
 _CURVES = ("|contact_force[elevation.radial-]|", "motion_acceleration[elevation]")

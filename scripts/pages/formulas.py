@@ -19,16 +19,6 @@ from antenna_pin.contact import DISSIPATIONS, FRICTION_LAWS, NORMAL_LAWS, Parame
 from antenna_pin.contact.registry import ALIASES
 from antenna_pin.elements import FAMILIES
 
-__all__ = [
-    "element_formulas",
-    "formulas_table",
-    "has_formula",
-    "law_default",
-    "parts_of",
-    "source_of",
-    "sources_table",
-]
-
 #: Laws that are nothing: there is no formula of none.
 NOTHING = ("none",)
 _LISTED = 8  # laws that have a parameter; that of more is described once

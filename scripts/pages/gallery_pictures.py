@@ -8,8 +8,6 @@ from typing import Any
 from matplotlib.figure import Figure
 from sphinx_gallery.scrapers import figure_rst
 
-__all__ = ["figures_of_example"]
-
 _DPI = 130
 
 

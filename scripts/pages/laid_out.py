@@ -16,7 +16,6 @@ from model_pages import models_page
 from name_pages import name_pages
 
 ROOT = Path(__file__).parents[2]
-__all__ = ["lay_out"]
 
 _FILES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "CITATION.cff", "LICENSE")
 _FOLDERS = ("docs", "models", "antenna_pin")

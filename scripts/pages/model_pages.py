@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-__all__ = ["models_page"]
 
 
 def models_page() -> str:

@@ -29,8 +29,6 @@ from scenario_tables import GROUPS, overview, page_of
 from antenna_pin.show.plot import CATALOGUE, PAPERS
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, VARIABLES
 
-__all__ = ["TABLES", "documents", "filled", "names_of_tables"]
-
 ROOT = Path(__file__).parents[2]
 PLACE = re.compile(r"(<!-- table: (\w+) -->\n)(.*?)(<!-- end -->)", re.DOTALL)
 

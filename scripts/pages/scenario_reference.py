@@ -17,9 +17,6 @@ from antenna_pin.base.parameters import attribute_docs, parameters_of
 from antenna_pin.contact import Parameter
 from antenna_pin.scenario import MadeSpec
 
-__all__ = ["Row", "first_line", "keys_of", "kinds_of", "listed", "said_once"]
-
-
 # --- what code says of a key ---
 
 

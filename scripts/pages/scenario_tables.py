@@ -63,8 +63,6 @@ from antenna_pin.scenario.clearance import CLEARANCES
 from antenna_pin.scenario.parameters import ParameterSpec
 from antenna_pin.scenario.requirements import RequirementSpec
 
-__all__ = ["GROUPS", "overview", "page_of"]
-
 #: Title of each page of tables.
 GROUPS = {
     "mechanism": "Mechanism",
@@ -76,23 +74,16 @@ GROUPS = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Part:
-    """A table of a scenario.
+    """A table of a scenario."""
 
-    Attributes:
-        title: Its head, as a file has it.
-        line: What it is, for the overview.
-        more: What else is to be said of it.
-        rows: Its keys, or those of each of its kinds.
-        said: What each kind is, in a line.
-    """
-
-    title: str
-    line: str
-    more: str = ""
+    title: str  # its head, as a file has it
+    line: str  # what it is, for the overview
+    # Its keys, or those of each of its kinds.
     rows: list[Row] | dict[str, list[Row]] = field(default_factory=list)
-    said: Mapping[str, str] = field(default_factory=dict)
+    more: str = ""  # what else is to be said of it
+    said: Mapping[str, str] = field(default_factory=dict)  # what each kind is, in a line
 
 
 # --- tables that have kinds ---
@@ -124,7 +115,7 @@ def _family_part(name: str, line: str, more: str = "", said: Mapping[str, str] |
     rows, own = _family(name)
     default = FAMILIES[name].default
     kinds = f"`kind` is one of these{f'; `{default}` where it is left out' if default in rows else ''}. "
-    return Part(title=f"[{name}.NAME]", line=line, more=kinds + more, rows=rows, said=own | dict(said or {}))
+    return Part(f"[{name}.NAME]", line, rows, more=kinds + more, said=own | dict(said or {}))
 
 
 def _columns(kinds: Mapping[str, Any], kind: str) -> str:
@@ -236,29 +227,18 @@ def _mechanism() -> list[Part]:
     ratio = keys_of(CouplingSpec, without=("kind", "follower", "motion", "conversion"))
     follower = Row("`follower`", "text", "the coupling's name", "Name of the joint that follows")
     return [
+        Part("Top of the file", "format, title, duration", [*keys_of(Scenario, *simple), default_case]),
+        Part("[mechanism]", "URDF, base, gravity", keys_of(MechanismSpec, without=("links", "joints"))),
         Part(
-            title="Top of the file",
-            line="format, title, duration",
-            rows=[*keys_of(Scenario, *simple), default_case],
+            "[mechanism.links.LINK]",
+            "mass, inertia and mass centre of a link, in place of the URDF's",
+            keys_of(LinkSpec, without=("shapes",)),
         ),
+        Part("[mechanism.links.LINK.shapes.NAME]", "size of a visual shape", keys_of(ShapeSpec)),
         Part(
-            title="[mechanism]",
-            line="URDF, base, gravity",
-            rows=keys_of(MechanismSpec, without=("links", "joints")),
-        ),
-        Part(
-            title="[mechanism.links.LINK]",
-            line="mass, inertia and mass centre of a link, in place of the URDF's",
-            rows=keys_of(LinkSpec, without=("shapes",)),
-        ),
-        Part(
-            title="[mechanism.links.LINK.shapes.NAME]",
-            line="size of a visual shape",
-            rows=keys_of(ShapeSpec),
-        ),
-        Part(
-            title="[mechanism.joints.JOINT]",
-            line="kind, frame, bounds, damping and friction of a joint, in place of the URDF's",
+            "[mechanism.joints.JOINT]",
+            "kind, frame, bounds, damping and friction of a joint, in place of the URDF's",
+            keys_of(JointSpec, without=("motion",)),
             more="`damping` c and `friction` T, else those of the URDF's `<dynamics>`, act as "
             "-c w - T sign(w), and T holds what it sticks, as `[frictions.NAME]`. Where a joint has play or "
             "no axis of its own, is moved by a motion, or has `sticks = false` or a "
@@ -269,56 +249,49 @@ def _mechanism() -> list[Part]:
             "`friction = 0` leaves that alone. A joint without an axis has none of them, and a run says "
             "so. Little inertia I behind much friction that is rounded off is stiff (time scale w_r I / T): "
             "`radau5`, or a larger `regularisation_speed` w_r.",
-            rows=keys_of(JointSpec, without=("motion",)),
         ),
         Part(
-            title="[materials.NAME]",
-            line="elastic constants of a material that is not known, or in place of one",
+            "[materials.NAME]",
+            "elastic constants of a material that is not known, or in place of one",
+            keys_of(MaterialSpec),
             more=f"Known are {', '.join(first)} and {last}; `antenna-pin contact list` prints their numbers.",
-            rows=keys_of(MaterialSpec),
         ),
         Part(
-            title="[flexible.NAME]",
-            line="a rigid link made a hub with elastic parts on springs ([more](../flexible.md))",
-            rows={
-                kind: [Row("`link`", "text", "the table's name", ""), *own] for kind, own in flexible.items()
-            },
+            "[flexible.NAME]",
+            "a rigid link made a hub with elastic parts on springs ([more](../flexible.md))",
+            {kind: [Row("`link`", "text", "the table's name", ""), *own] for kind, own in flexible.items()},
             said={kind: first_line(cls) for kind, cls in _FLEXIBLE.items()},
         ),
         Part(
-            title="[flexible.NAME.modes.MODE]",
-            line='a mode of `kind = "modes"`',
-            rows=keys_of(ModeSpec, without=("motion",)),
+            "[flexible.NAME.modes.MODE]", 'a mode of `kind = "modes"`', keys_of(ModeSpec, without=("motion",))
         ),
         Part(
-            title="[closures.NAME]",
-            line="a joint that closes a loop ([more](../closed-loops.md))",
-            rows=keys_of(ClosureSpec, without=("first", "second")),
+            "[closures.NAME]",
+            "a joint that closes a loop ([more](../closed-loops.md))",
+            keys_of(ClosureSpec, without=("first", "second")),
         ),
         Part(
-            title="[closures.NAME.first], [closures.NAME.second]",
-            line="the two sides of a closure",
-            rows=keys_of(AnchorSpec),
+            "[closures.NAME.first], [closures.NAME.second]", "the two sides of a closure", keys_of(AnchorSpec)
         ),
         Part(
-            title="[couplings.NAME]",
-            line="a joint that follows others, as by `<mimic>` ([more](../closed-loops.md#coupled-joints))",
-            more="`kind` is one of these; `ratio` where it is left out. A follower that is locked drops it.",
-            rows={
+            "[couplings.NAME]",
+            "a joint that follows others, as by `<mimic>` ([more](../closed-loops.md#coupled-joints))",
+            {
                 "ratio": [follower, *ratio],
                 "differential": _coupling_rows(DifferentialSpec),
                 "planetary": _coupling_rows(PlanetarySpec),
             },
+            more="`kind` is one of these; `ratio` where it is left out. A follower that is locked drops it.",
         ),
         Part(
-            title="[rotors.NAME]",
-            line="the rotor of a motor, a body geared to its joint",
-            more="Its joint is called `NAME_rotor`; what its carrier feels of it, gyroscopic torques too, "
-            "is exact.",
-            rows=[
+            "[rotors.NAME]",
+            "the rotor of a motor, a body geared to its joint",
+            [
                 Row("`joint`", "text", "the rotor's name", "Name of the joint that it turns with"),
                 *keys_of(RotorSpec, without=("joint",)),
             ],
+            more="Its joint is called `NAME_rotor`; what its carrier feels of it, gyroscopic torques too, "
+            "is exact.",
         ),
     ]
 
@@ -326,19 +299,16 @@ def _mechanism() -> list[Part]:
 def _play() -> list[Part]:
     return [
         Part(
-            title="[clearance.JOINT]",
-            line="model, dimensions and materials of a joint with play",
+            "[clearance.JOINT]",
+            "model, dimensions and materials of a joint with play",
+            {"": _clearance_rows()},
             more="`model` is required, and one of these:",
-            rows={"": _clearance_rows()},
             said=_clearance_models(),
         ),
         Part(
-            title="[clearance.JOINT.normal]",
-            line="the law of contact, of all contacts of the joint",
-            more="Beside `law` stand its own [parameters](../theory/laws.md#parameters). "
-            "`[clearance.JOINT.radial]` and "
-            "`[clearance.JOINT.axial]` change any of them for the bore or the flanges.",
-            rows=[
+            "[clearance.JOINT.normal]",
+            "the law of contact, of all contacts of the joint",
+            [
                 Row(
                     "`law`",
                     "name of an [elastic law](../theory/laws.md#elastic-laws) or a "
@@ -353,13 +323,16 @@ def _play() -> list[Part]:
                     "beside an elastic law; its parameters stand in the same table",
                 ),
             ],
+            more="Beside `law` stand its own [parameters](../theory/laws.md#parameters). "
+            "`[clearance.JOINT.radial]` and "
+            "`[clearance.JOINT.axial]` change any of them for the bore or the flanges.",
         ),
         Part(
-            title="[clearance.JOINT.friction]",
-            line="the law of friction",
+            "[clearance.JOINT.friction]",
+            "the law of friction",
+            [Row("`law`", "name of a [law of friction](../theory/laws.md#friction)", "required", "")],
             more="Beside `law` stand its own [parameters](../theory/laws.md#parameters). Without a table "
             "there is none.",
-            rows=[Row("`law`", "name of a [law of friction](../theory/laws.md#friction)", "required", "")],
         ),
     ]
 
@@ -383,24 +356,24 @@ def _driven() -> list[Part]:
             _DRIVES,
         ),
         Part(
-            title="[references.NAME]",
-            line='a course over time, followed by `follows = "NAME"` ([more](../references.md))',
+            "[references.NAME]",
+            'a course over time, followed by `follows = "NAME"` ([more](../references.md))',
+            {kind: [_choice(REFERENCE_SPECS), *own] for kind, own in references.items()},
             more="Units are those of the joint that follows it; a [`file`](../tables.md) "
             f"has the columns {_columns(REFERENCES, 'table')}.",
-            rows={kind: [_choice(REFERENCE_SPECS), *own] for kind, own in references.items()},
         ),
         Part(
-            title="[controllers.NAME]",
-            line="a sampled controller, at instants phase + k period ([more](../control.md))",
-            rows={kind: [_choice(controllers), *own] for kind, own in controllers.items()},
+            "[controllers.NAME]",
+            "a sampled controller, at instants phase + k period ([more](../control.md))",
+            {kind: [_choice(controllers), *own] for kind, own in controllers.items()},
             said=_CONTROLLERS,
         ),
         Part(
-            title="[controllers.NAME.sensor], [controllers.NAME.rate_sensor], [[controllers.NAME.sensors]]",
-            line="bias, noise and resolution of what it measures",
+            "[controllers.NAME.sensor], [controllers.NAME.rate_sensor], [[controllers.NAME.sensors]]",
+            "bias, noise and resolution of what it measures",
+            keys_of(SensorSpec),
             more="Of `pid` and `bang-bang` one each; of `state-feedback` one for each measure, or one for "
             "all.",
-            rows=keys_of(SensorSpec),
         ),
     ]
 
@@ -410,9 +383,9 @@ def _outside() -> list[Part]:
         _family_part("forces", "a force, thruster or gravity gradient on a link ([more](../forces.md))"),
         _family_part("shake", "a shaken base ([more](../vibration.md))"),
         Part(
-            title="[events.NAME]",
-            line="what is located, marked, or ends the run or sets a number ([more](../python.md#events))",
-            rows={kind: [_choice(_EVENTS), *own] for kind, own in _event_rows().items()},
+            "[events.NAME]",
+            "what is located, marked, or ends the run or sets a number ([more](../python.md#events))",
+            {kind: [_choice(_EVENTS), *own] for kind, own in _event_rows().items()},
             said={kind: first_line(cls) for kind, cls in _EVENTS.items()},
         ),
     ]
@@ -422,9 +395,9 @@ def _elements() -> list[Part]:
     return [
         _family_part("springs", "springs, dampers, hysteresis, friction that does not stick", said=_SPRINGS),
         Part(
-            title="[springs.NAME.first], [springs.NAME.second], [forces.NAME.at]",
-            line="points between which a spring acts, or at which a force does",
-            rows=keys_of(PlaceSpec),
+            "[springs.NAME.first], [springs.NAME.second], [forces.NAME.at]",
+            "points between which a spring acts, or at which a force does",
+            keys_of(PlaceSpec),
         ),
         _family_part("stops", "end stops ([more](../stops.md))"),
         _family_part("latches", "latches ([more](../stops.md))"),
@@ -437,79 +410,71 @@ def _elements() -> list[Part]:
 def _run() -> list[Part]:
     return [
         Part(
-            title="[initial.joints.JOINT]",
-            line="where a joint starts, and how fast; zero by default",
-            rows=keys_of(InitialJointSpec, without=("motion",)),
+            "[initial.joints.JOINT]",
+            "where a joint starts, and how fast; zero by default",
+            keys_of(InitialJointSpec, without=("motion",)),
         ),
+        Part("[initial.base]", "where the base starts, and how fast", keys_of(InitialBaseSpec)),
         Part(
-            title="[initial.base]", line="where the base starts, and how fast", rows=keys_of(InitialBaseSpec)
+            "[integrator]", "engine, method, tolerance, limits", keys_of(IntegratorSpec, without=("scales",))
         ),
+        Part("[integrator.scales]", "what errors are measured against", keys_of(ScalesSpec)),
         Part(
-            title="[integrator]",
-            line="engine, method, tolerance, limits",
-            rows=keys_of(IntegratorSpec, without=("scales",)),
-        ),
-        Part(title="[integrator.scales]", line="what errors are measured against", rows=keys_of(ScalesSpec)),
-        Part(
-            title="[output]",
-            line="when samples are taken",
+            "[output]",
+            "when samples are taken",
+            keys_of(OutputSpec),
             more="`times` are met to the bit, stand beside those of the `rate`, and change no step.",
-            rows=keys_of(OutputSpec),
         ),
         Part(
-            title="[temperature]",
-            line="temperatures of the parts: play, lengths, preload follow ([more](../fits.md))",
-            more='One temperature for all parts is `temperature = "60 degC"`.',
-            rows=[
+            "[temperature]",
+            "temperatures of the parts: play, lengths, preload follow ([more](../fits.md))",
+            [
                 *keys_of(TemperatureSpec, without=("parts", "tables", "bearings")),
                 Row("`parts`", "K", "", "Of links, a table by their names"),
             ],
+            more='One temperature for all parts is `temperature = "60 degC"`.',
         ),
         Part(
-            title="[temperature.tables.NAME]",
-            line="a number of the scenario over temperature",
-            rows=keys_of(TemperatureTable),
+            "[temperature.tables.NAME]",
+            "a number of the scenario over temperature",
+            keys_of(TemperatureTable),
         ),
         Part(
-            title="[temperature.bearings.NAME]",
-            line="materials around a pair of ball bearings, whose preload follows",
-            rows=keys_of(ThermalBearing),
+            "[temperature.bearings.NAME]",
+            "materials around a pair of ball bearings, whose preload follows",
+            keys_of(ThermalBearing),
         ),
         Part(
-            title="[tolerances.NAME]",
-            line="a chain of dimensions and the play that it leaves ([more](../fits.md))",
-            rows=keys_of(ChainSpec, without=("dimensions",)),
+            "[tolerances.NAME]",
+            "a chain of dimensions and the play that it leaves ([more](../fits.md))",
+            keys_of(ChainSpec, without=("dimensions",)),
         ),
         Part(
-            title="[tolerances.NAME.dimensions.NAME]",
-            line="a dimension of a chain with its limits",
-            rows=keys_of(DimensionSpec),
+            "[tolerances.NAME.dimensions.NAME]",
+            "a dimension of a chain with its limits",
+            keys_of(DimensionSpec),
         ),
         Part(
-            title="[pointing]",
-            line="what looks where, for [analysis](../pointing.md) only",
-            rows=keys_of(PointingSpec, without=("orbit",)),
+            "[pointing]",
+            "what looks where, for [analysis](../pointing.md) only",
+            keys_of(PointingSpec, without=("orbit",)),
         ),
+        Part("[pointing.orbit]", "the circular orbit of a commanded direction", keys_of(OrbitSpec)),
         Part(
-            title="[pointing.orbit]",
-            line="the circular orbit of a commanded direction",
-            rows=keys_of(OrbitSpec),
-        ),
-        Part(
-            title="[uncertain.NAME]",
-            line="uncertain numbers, for [verification](../verification.md)",
+            "[uncertain.NAME]",
+            "uncertain numbers, for [verification](../verification.md)",
+            keys_of(ParameterSpec, without=("start", "stop", "count", "zip")),
             more="One of `values`, `between`, `distribution`, `tolerance`.",
-            rows=keys_of(ParameterSpec, without=("start", "stop", "count", "zip")),
         ),
         Part(
-            title="[requirements.NAME]",
-            line="what has to be shown ([more](../verification.md))",
-            rows=keys_of(RequirementSpec),
+            "[requirements.NAME]",
+            "what has to be shown ([more](../verification.md))",
+            keys_of(RequirementSpec),
         ),
         Part(
-            title="[cases.NAME]",
-            line="variants, each laid over all of the above",
-            rows=[
+            "[cases.NAME]",
+            "variants, each laid over all of the above",
+            [
                 Row("`description`", "text", "", "A line for `antenna-pin list`"),
                 Row("`base`", "name of a case", "", "That this one builds on, laid over the tables first"),
                 Row("any other", "", "", "Laid over the tables; `replace = true` in one replaces its like"),

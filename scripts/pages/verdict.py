@@ -8,8 +8,6 @@ from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
-__all__ = ["LARGEST", "complaints"]
-
 #: A page larger than this is not for reading [bytes].
 LARGEST = 5_000_000
 _HELD = {

@@ -78,6 +78,9 @@ def test_info_takes_one_scenario_or_results(cli, folder, refused):
     assert "give result files (NAME.nc), any number, or one scenario alone" in said
     assert "--case: is for scenarios only" in refused(cli("info", folder / "ideal.nc", "--case", "play"))
     assert "--set: is for scenarios only" in refused(cli("info", folder / "ideal.nc", "--set", "duration=1"))
+    for option in (("--all",), ("--csv", "numbers.csv"), ("--quantity", "own.py:number")):
+        said = refused(cli("info", folder / "driven", *option))
+        assert f"{option[0]}: is for results only" in said
 
 
 # --- info of results ---

@@ -94,9 +94,11 @@ def test_tolerance_of_a_chain(cli, tmp_path):
         (("--set", "clearance.hinge.fit=20 H7/p6"), "fit must leave play"),
         (("--capability", "0"), "'--capability': must be positive, got 0"),
         ((*FIT, "--plot", "a.png", "--coldest", "3 mm"), "--coldest must be a temperature [K], got '3 mm'"),
+        ((*FIT, "--plot", "a.png", "--hottest", "-70 degC"), "--hottest must be above --coldest = -60 degC"),
     ],
 )
 def test_refusals_of_tolerance(cli, tmp_path, monkeypatch, options, words):
     monkeypatch.chdir(tmp_path)
     said = cli("tolerance", "pendulum", *options)
     assert said.code == 2 and words in said.err and said.err.count("\n") == 1
+    assert said.out == ""  # refused before anything is printed

@@ -62,6 +62,13 @@ def test_refusals(cli, refused, swept, command, words):
     assert words in refused(cli("vibration", name, swept, *options))
 
 
+def test_the_figure_of_a_response_is_of_a_swept_base_alone(cli, swept, tmp_path):
+    options = ("--to", "body_acceleration[fixture].y", "--plot", tmp_path / "response.png")
+    said = cli("vibration", "response", swept, *options)
+    assert said.code == 2 and "the figure is of a swept base" in said.err
+    assert said.out == ""  # refused before anything is printed
+
+
 def test_json_and_csv_hold_the_same_rows(cli, swept, tmp_path):
     """Rows of each analysis in a file, and in an object that also says what they are of."""
     for command, key, facts in (

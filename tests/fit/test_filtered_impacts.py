@@ -47,7 +47,7 @@ def test_a_record_without_noise_is_met_and_its_bands_are_those_of_the_closed_for
 
 @pytest.mark.slow
 def test_bands_of_noisy_records_hold_the_true_numbers(tmp_path):
-    """Errors over what is stated have the chi2 of their number; bench/blow_coverage.py counts bands."""
+    """Errors over what is stated have the chi2 of their number; bench/fit_coverage.py counts bands."""
     total = 0.0
     for seed in range(6):
         noise = NOISE * np.random.default_rng(seed).standard_normal(len(TIME))

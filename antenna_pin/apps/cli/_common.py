@@ -1,4 +1,4 @@
-"""Parts shared by the commands: one-line refusals, common options, files, figures.
+"""Parts shared by the commands: one-line refusals, files, figures.
 
 Rooms are imported inside the functions, so ``--help`` does not wait for them.
 """
@@ -15,14 +15,13 @@ import sys
 import tempfile
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NoReturn, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, NoReturn, ParamSpec, TypeVar
 
 import typer
 
+from antenna_pin.apps.cli import _options as options
 from antenna_pin.base.interruption import acknowledge, ended_by, held_back, is_interruption
-from antenna_pin.base.rules import NumberRule
 from antenna_pin.errors import (
     AntennaPinError,
     InvalidParameterError,
@@ -36,16 +35,6 @@ if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
     from antenna_pin.studies.sweep import Executor
     from antenna_pin.trajectory import Trajectory
-
-
-PackagePathOption = Annotated[
-    list[Path] | None,
-    typer.Option(
-        "--package-path",
-        metavar="DIR",
-        help="Folder with packages of package:// names, before ROS_PACKAGE_PATH. May be repeated.",
-    ),
-]
 
 
 def package_folders(folders: list[Path] | None) -> list[Path]:
@@ -68,27 +57,6 @@ FIGURES = (".png", ".pdf", ".svg")
 
 P = ParamSpec("P")
 R = TypeVar("R")
-
-
-class Engine(StrEnum):
-    """Engine of a run."""
-
-    PINOCCHIO = "pinocchio"
-    COMPILED = "compiled"
-
-
-class Geometry(StrEnum):
-    """Backends that find where journal and bearing touch."""
-
-    COAL = "coal"
-    CLOSED_FORM = "closed-form"
-
-
-class Width(StrEnum):
-    """Widths of figures."""
-
-    COLUMN = "column"
-    PAGE = "page"
 
 
 STANDARD_OUTPUT = "standard output cannot be written"
@@ -192,54 +160,11 @@ def _discard(number: int) -> None:
     os.close(nowhere)
 
 
-ScenarioArgument = Annotated[
-    str, typer.Argument(metavar="SCENARIO", help="Name of a shipped scenario, or path of a TOML file.")
-]
-CaseOption = Annotated[str | None, typer.Option(help="Case of the scenario; its default case if left out.")]
-
-
-def setting_option(what: str, examples: str) -> Any:
-    """Return the option ``--set`` of a command whose file is not a scenario."""
-    text = f"Change one entry of {what}, such as {examples}. May be repeated."
-    return typer.Option("--set", metavar="KEY=VALUE", help=text)
-
-
-SetOption = Annotated[
-    list[str] | None,
-    setting_option("the scenario", "integrator.rtol=1e-9 or 'clearance.elevation.radial_clearance=0.1 mm'"),
-]
-WorkersOption = Annotated[
-    int | None,
-    typer.Option(metavar="N", help="Processes; one for each core if left out, 0 for this one alone."),
-    NumberRule("zero or more"),
-]
-FigureOutOption = Annotated[
-    Path | None,
-    typer.Option(
-        metavar="DIR", help="Folder for figures, created if missing; without it no figures are drawn."
-    ),
-]
-FigureFormatOption = Annotated[
-    str, typer.Option("--format", metavar="LIST", help="Any of png, pdf, svg, separated by commas.")
-]
-WidthOption = Annotated[Width, typer.Option(help="Width of the figures: 88 mm or 180 mm.")]
-ProgressOption = Annotated[bool, typer.Option(help="Show a progress bar.")]
-QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but errors.")]
-DurationOption = Annotated[
-    str | None, typer.Option(help="Simulated time, in seconds or with a unit ('20 ms').")
-]
-GeometryOption = Annotated[
-    Geometry | None, typer.Option(help="Method that finds gaps, for all joints with clearance.")
-]
-ResultArgument = Annotated[Path, typer.Argument(metavar="FILE", help="Result file of a run.")]
-FilesArgument = Annotated[list[Path], typer.Argument(metavar="FILES...", help="Result files of runs.")]
-
-
 def load(
     name: str,
     case: str | None,
     settings: Sequence[str] | None,
-    geometry: Geometry | None = None,
+    geometry: options.Geometry | None = None,
     duration: str | None = None,
 ) -> Scenario:
     """Return the scenario with the changes of the command line."""

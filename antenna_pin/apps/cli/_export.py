@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -18,20 +18,6 @@ from antenna_pin.base.files import replacing
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
-
-JsonOption = Annotated[
-    bool, typer.Option("--json", help="Print one JSON object, in SI units, instead of tables.")
-]
-CsvOption = Annotated[
-    Path | None,
-    typer.Option("--csv", metavar="FILE", help="Write the numbers to a CSV file, in SI units, instead."),
-]
-TableOption = Annotated[
-    Path | None, typer.Option("--out", metavar="FILE", help="Dataset of the result, NAME.nc.")
-]
-PlotOption = Annotated[
-    Path | None, typer.Option("--plot", metavar="FILE", help="Figure of the result: png, pdf or svg.")
-]
 
 
 def targets_of(out: Path | None, plot: Path | None) -> tuple[Path | None, Path | None]:

@@ -108,12 +108,7 @@ _FIRST = 10.0  # [s] after which a command says that it is at work; then after t
 
 @contextlib.contextmanager
 def said_at_work(command: str, say: Callable[[str], None]) -> Iterator[None]:
-    """Report a long command at growing intervals, unless a bar is on the terminal.
-
-    Args:
-        command: Its name.
-        say: How.
-    """
+    """Report a long command at growing intervals, unless a bar is on the terminal."""
     done, began = threading.Event(), time.monotonic()
 
     def beat() -> None:

@@ -6,10 +6,10 @@ import math
 import shutil
 import sys
 import textwrap
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import typer
 
@@ -19,6 +19,9 @@ from antenna_pin.errors import printable
 if TYPE_CHECKING:
     from antenna_pin.trajectory import Trajectory
     from antenna_pin.trajectory.columns import Variable
+
+#: Text of a thing in each column of a table, by heading.
+Columns: TypeAlias = Mapping[str, Callable[[Any], str]]
 
 # What the first column is not narrowed below as long as that saves a block, in characters.
 _LABEL = 30
@@ -351,6 +354,11 @@ def print_table(title: str, name: str, entries: Sequence[Mapping[str, Any]], zer
 def print_rows(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], numbers: bool = True) -> None:
     """Print a table; ``numbers``: those of all columns but the first stand at the right."""
     _print(TextTable(title=title, head=head, rows=rows, numbers=numbers), pipe=_ENDLESS)
+
+
+def print_columns(title: str, things: Iterable[Any], columns: Columns, numbers: bool = True) -> None:
+    """Print a table with a row for each thing."""
+    print_rows(title, [*columns], [[text(one) for text in columns.values()] for one in things], numbers)
 
 
 # A pipe has no width to keep to; but files go down at some point, not across.

@@ -8,21 +8,15 @@ from typing import Annotated, Any
 
 import typer
 
-from antenna_pin.apps.cli._common import ResultArgument, complain, label_of, load_result, refuse, say
-from antenna_pin.apps.cli._export import (
-    CsvOption,
-    JsonOption,
-    csv_target,
-    exported,
-    parts_of,
-    say_json,
-    write_csv,
-)
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import complain, label_of, load_result, refuse, say
+from antenna_pin.apps.cli._export import csv_target, exported, parts_of, say_json, write_csv
+from antenna_pin.apps.cli._options import option
 from antenna_pin.apps.cli._tables import Zeros, print_rows, print_table, text_of
 from antenna_pin.base.readable import bare
 from antenna_pin.base.rules import NumberRule
 
-JointOption = Annotated[str | None, typer.Option(help="Joint with clearance; all of them if left out.")]
+JointOption = Annotated[str | None, option("Joint with clearance; all of them if left out.")]
 
 _PEAKS = 3
 # Parts in a CSV file, which has one row for each number.
@@ -33,15 +27,13 @@ _PARTS = (
 
 
 def analyse(
-    file: ResultArgument,
-    ideal: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Result with the ideal joint, as reference.")
-    ] = None,
+    file: options.Result,
+    ideal: Annotated[Path | None, option("Result with the ideal joint, as reference.", "FILE")] = None,
     longest_gap: Annotated[
-        str, typer.Option(help="Longest time apart that counts as lasting contact ('1 ms').")
+        str, option("Longest time apart that counts as lasting contact ('1 ms').")
     ] = "1 ms",
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Analyse a run: deviation, impacts, loads, settling, closed loops, frequencies."""
     from antenna_pin.base.units import quantity
@@ -173,15 +165,13 @@ _FLAGS = ("ended", "floored")
 
 
 def impacts(
-    file: ResultArgument,
+    file: options.Result,
     joint: JointOption = None,
     strongest: Annotated[
-        int | None,
-        typer.Option(metavar="N", help="List only the N impacts of largest force."),
-        NumberRule("1 or more"),
+        int | None, option("List only the N impacts of largest force.", "N"), NumberRule("1 or more")
     ] = None,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """List the impacts of a run, or export them.
 

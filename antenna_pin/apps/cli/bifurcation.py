@@ -9,18 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.apps.cli._common import (
-    CaseOption,
-    ProgressOption,
-    SetOption,
-    Width,
-    WidthOption,
-    load,
-    not_interrupted,
-    refuse,
-    say,
-)
-from antenna_pin.apps.cli._export import PlotOption, save_both, targets_of
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import load, not_interrupted, refuse, say
+from antenna_pin.apps.cli._export import save_both, targets_of
+from antenna_pin.apps.cli._options import argument, option
 from antenna_pin.apps.cli._progress import diagram_bar
 from antenna_pin.apps.cli._tables import print_rows
 from antenna_pin.apps.cli.poincare import (
@@ -57,16 +49,15 @@ def bifurcation(
     context: typer.Context,
     scenario: Annotated[
         str,
-        typer.Argument(
-            metavar="SCENARIO|DIAGRAM",
-            help="Name of a shipped scenario, or path of a TOML file; or a diagram, NAME.diagram.toml or a"
+        argument(
+            "Name of a shipped scenario, or path of a TOML file; or a diagram, NAME.diagram.toml or a"
             " shipped one as chen2021/friction, whose keys the options replace.",
+            "SCENARIO|DIAGRAM",
         ),
     ],
-    over: Annotated[str | None, typer.Option(metavar="KEY", help="Key of the scenario, as in --set.")] = None,
+    over: Annotated[str | None, option("Key of the scenario, as in --set.", "KEY")] = None,
     values: Annotated[
-        str | None,
-        typer.Option(metavar="FIRST:LAST:COUNT", help="Values, as '0 mm:0.9 mm:10', or a list with commas."),
+        str | None, option("Values, as '0 mm:0.9 mm:10', or a list with commas.", "FIRST:LAST:COUNT")
     ] = None,
     quantity: Annotated[list[str] | None, QUANTITY] = None,
     section: Annotated[str | None, SECTION] = None,
@@ -74,8 +65,8 @@ def bifurcation(
     phase: Annotated[float | None, PHASE] = None,
     branch: Annotated[
         list[BranchName] | None,
-        typer.Option(
-            help="fresh: each value from the scenario's start; forward, backward: from the end of the one"
+        option(
+            "fresh: each value from the scenario's start; forward, backward: from the end of the one"
             " before. May be repeated; fresh if left out."
         ),
     ] = None,
@@ -83,26 +74,23 @@ def bifurcation(
     transient: TransientOption = None,
     most: MostOption = None,
     tolerance: Annotated[float | None, TOLERANCE] = None,
-    case: CaseOption = None,
-    settings: SetOption = None,
-    out: Annotated[Path, typer.Option(metavar="FILE", help="Dataset of the diagram, NAME.nc.")] = Path(
-        "bifurcation.nc"
-    ),
-    plot: PlotOption = None,
+    case: options.Case = None,
+    settings: options.Set = None,
+    out: Annotated[Path, option("Dataset of the diagram, NAME.nc.", "FILE")] = Path("bifurcation.nc"),
+    plot: options.Plot = None,
     orbits: Annotated[
         list[Path] | None,
-        typer.Option(
-            metavar="FILE",
-            help="Saved branch of orbits over the same key ('orbit --over KEY --out FILE'), drawn over"
+        option(
+            "Saved branch of orbits over the same key ('orbit --over KEY --out FILE'), drawn over"
             " the points of the figure with its stability. May be repeated.",
+            "FILE",
         ),
     ] = None,
-    width: WidthOption = Width.PAGE,
+    width: options.FigureWidth = options.Width.PAGE,
     workers: Annotated[
-        int | None,
-        typer.Option(metavar="N", help="Number of simultaneous runs; one for each core if left out."),
+        int | None, option("Number of simultaneous runs; one for each core if left out.", "N")
     ] = None,
-    progress: ProgressOption = True,
+    progress: options.Progress = True,
 ) -> None:
     """Draw how the points of a section change over a parameter.
 
@@ -157,19 +145,19 @@ def _orbits(path: Path, plan: DiagramPlan) -> xr.Dataset:
 def _planned(
     name: str, replaced: Mapping[str, Any], settings: Sequence[str] | None
 ) -> tuple[DiagramPlan, Scenario]:
-    """Return the plan, from a diagram's file or from options, and the scenario."""
+    """Return the plan, from a diagram's file or from given, and the scenario."""
     from antenna_pin.studies.nonlinear import DiagramPlan, load_plan
     from antenna_pin.studies.nonlinear.diagram_plan import is_plan
 
-    options = {key: value for key, value in replaced.items() if value is not None}
+    given = {key: value for key, value in replaced.items() if value is not None}
     if is_plan(name):
-        plan = load_plan(name, options)
+        plan = load_plan(name, given)
         return plan, plan.base(settings or ())
-    for key, option in (("parameter", "--over"), ("values", "--values"), ("quantities", "--quantity")):
-        if key not in options:
-            refuse(f"bifurcation: {option} must be given; or name a diagram, as chen2021/friction")
+    for key, asked in (("parameter", "--over"), ("values", "--values"), ("quantities", "--quantity")):
+        if key not in given:
+            refuse(f"bifurcation: {asked} must be given; or name a diagram, as chen2021/friction")
     # What is wrong with the rest is said where it is used.
-    return DiagramPlan.model_construct(scenario=name, **options), load(name, replaced["case"], settings)
+    return DiagramPlan.model_construct(scenario=name, **given), load(name, replaced["case"], settings)
 
 
 def _print(diagram: xr.Dataset) -> None:

@@ -14,15 +14,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.apps.cli._common import FigureFormatOption, FigureOutOption, Width, WidthOption
-from antenna_pin.apps.cli._export import (
-    CsvOption,
-    JsonOption,
-    csv_target,
-    exported,
-    figures_asked,
-    save_figures,
-)
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._export import csv_target, exported, figures_asked, save_figures
+from antenna_pin.apps.cli._options import argument, option
 from antenna_pin.apps.cli._tables import formatted, length_text, number_text, power_above, print_rows
 from antenna_pin.apps.cli._usage import clearance_of, command_group, list_of, positive_quantity
 from antenna_pin.apps.cli.experiment import experiment
@@ -34,19 +28,17 @@ if TYPE_CHECKING:
 
 
 def scenarios(
-    bearing_radius: Annotated[str, typer.Option(help="Radius of the bearing.")] = "10 mm",
-    radial_clearance: Annotated[str, typer.Option(help="Bearing radius minus journal radius.")] = "0.2 mm",
-    bearing_length: Annotated[str, typer.Option(help="Length of the bearing.")] = "50 mm",
+    bearing_radius: Annotated[str, option("Radius of the bearing.")] = "10 mm",
+    radial_clearance: Annotated[str, option("Bearing radius minus journal radius.")] = "0.2 mm",
+    bearing_length: Annotated[str, option("Length of the bearing.")] = "50 mm",
     axial_clearance: Annotated[
-        str, typer.Option(help="Half the difference of the flanges' distance and the bearing's length.")
+        str, option("Half the difference of the flanges' distance and the bearing's length.")
     ] = "0.2 mm",
-    bearing_outer_radius: Annotated[str, typer.Option(help="Outer radius of the bearing.")] = "12 mm",
-    flange_radius: Annotated[str, typer.Option(help="Radius of the journal's flanges.")] = "14 mm",
-    penetration: Annotated[
-        str, typer.Option(help="Largest depth at any contact; 0 for rigid parts.")
-    ] = "0 mm",
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    bearing_outer_radius: Annotated[str, option("Outer radius of the bearing.")] = "12 mm",
+    flange_radius: Annotated[str, option("Radius of the journal's flanges.")] = "14 mm",
+    penetration: Annotated[str, option("Largest depth at any contact; 0 for rigid parts.")] = "0 mm",
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """List the 16 contact scenarios and which of them a joint's shape allows."""
     from antenna_pin.analysis import SCENARIO_COLUMNS, possible_scenarios, scenario_rows
@@ -90,7 +82,7 @@ app = command_group("contact", "Contact laws: by name, side by side, certified, 
 # --- list ---
 
 
-def list_laws(as_json: JsonOption = False, csv: CsvOption = None) -> None:
+def list_laws(as_json: options.Json = False, csv: options.Csv = None) -> None:
     """List the laws of every family, their parameters with units, and known materials."""
     from antenna_pin.contact import (
         DISSIPATIONS,
@@ -209,21 +201,19 @@ def _chosen(
 
 
 def curve(
-    laws: Annotated[
-        list[str] | None, typer.Argument(metavar="[LAWS]...", help="Elastic laws; all if left out.")
-    ] = None,
-    bearing_radius: Annotated[str, typer.Option(help="Radius of the bearing.")] = "10 mm",
-    radial_clearance: Annotated[str, typer.Option(help="Bearing radius minus journal radius.")] = "0.2 mm",
-    length: Annotated[str, typer.Option(help="Length of the line of contact.")] = "50 mm",
-    material: Annotated[str, typer.Option(help="Material of bearing and journal.")] = "steel",
+    laws: Annotated[list[str] | None, argument("Elastic laws; all if left out.", "[LAWS]...")] = None,
+    bearing_radius: Annotated[str, option("Radius of the bearing.")] = "10 mm",
+    radial_clearance: Annotated[str, option("Bearing radius minus journal radius.")] = "0.2 mm",
+    length: Annotated[str, option("Length of the line of contact.")] = "50 mm",
+    material: Annotated[str, option("Material of bearing and journal.")] = "steel",
     depths: Annotated[
-        str, typer.Option(metavar="LIST", help="Depths of the table; one unit at the end counts for all.")
+        str, option("Depths of the table; one unit at the end counts for all.", "LIST")
     ] = "0.1, 1, 5, 20 um",
-    out: FigureOutOption = None,
-    formats: FigureFormatOption = "png",
-    width: WidthOption = Width.PAGE,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    out: options.FigureFolder = None,
+    formats: options.FigureFormats = "png",
+    width: options.FigureWidth = options.Width.PAGE,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Compare the forces of the elastic laws of one joint at the same depth."""
     from antenna_pin.analysis.law_studies import (
@@ -292,23 +282,19 @@ def curve(
 def restitution(
     dissipations: Annotated[
         list[str] | None,
-        typer.Argument(
-            metavar="[DISSIPATIONS]...", help="Dissipations that take a restitution; all if left out."
-        ),
+        argument("Dissipations that take a restitution; all if left out.", "[DISSIPATIONS]..."),
     ] = None,
     asked: Annotated[
-        str, typer.Option(metavar="LIST", help="Restitutions, separated by commas.")
+        str, option("Restitutions, separated by commas.", "LIST")
     ] = "0.05, 0.1, 0.3, 0.5, 0.7, 0.9, 1",
-    mass: Annotated[str, typer.Option(help="Effective mass.")] = "1 kg",
-    speed: Annotated[str, typer.Option(help="Approach speed.")] = "0.1 m/s",
-    simulate: Annotated[
-        bool, typer.Option(help="Also integrate impacts, to compare with the closed forms.")
-    ] = True,
-    out: FigureOutOption = None,
-    formats: FigureFormatOption = "png",
-    width: WidthOption = Width.PAGE,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    mass: Annotated[str, option("Effective mass.")] = "1 kg",
+    speed: Annotated[str, option("Approach speed.")] = "0.1 m/s",
+    simulate: Annotated[bool, option("Also integrate impacts, to compare with the closed forms.")] = True,
+    out: options.FigureFolder = None,
+    formats: options.FigureFormats = "png",
+    width: options.FigureWidth = options.Width.PAGE,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Certify dissipations: the restitution each delivers, in closed form and in integrated impacts.
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from antenna_pin.apps.cli._common import DurationOption, figure_folder, load
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import figure_folder, load
+from antenna_pin.apps.cli._options import option
 from antenna_pin.apps.cli.info import info, plot
 from antenna_pin.apps.cli.report import report
 from antenna_pin.apps.cli.run import run
@@ -16,10 +16,8 @@ _CASES = ("case1", "case3")
 
 
 def demo(
-    out: Annotated[
-        Path, typer.Option(metavar="DIR", help="Folder for all results; created if missing.")
-    ] = Path("demo"),
-    duration: DurationOption = "5 s",
+    out: Annotated[Path, option("Folder for all results; created if missing.", "DIR")] = Path("demo"),
+    duration: options.Duration = "5 s",
 ) -> None:
     """Run the shipped antenna without and with play; save results, figures, a report."""
     figure_folder(out)

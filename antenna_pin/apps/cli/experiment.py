@@ -8,16 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.apps.cli._common import FigureFormatOption, FigureOutOption, Width, WidthOption
-from antenna_pin.apps.cli._export import (
-    CsvOption,
-    JsonOption,
-    csv_target,
-    exported,
-    figures_asked,
-    save_figures,
-)
-from antenna_pin.apps.cli._tables import formatted, length_text, print_rows
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._export import csv_target, exported, figures_asked, save_figures
+from antenna_pin.apps.cli._options import option
+from antenna_pin.apps.cli._tables import Columns, formatted, length_text, print_columns, print_rows
 from antenna_pin.apps.cli._usage import positive_quantity
 
 if TYPE_CHECKING:
@@ -51,13 +45,13 @@ as the laws differ, and so does taking the displacement for that of one contact 
 
 
 def experiment(
-    journal_radius: Annotated[str, typer.Option(help="Radius of the pin; the paper gives none.")] = "5 mm",
-    length: Annotated[str, typer.Option(help="Length of the contact; the paper takes 1 mm.")] = "1 mm",
-    out: FigureOutOption = None,
-    formats: FigureFormatOption = "png",
-    width: WidthOption = Width.PAGE,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    journal_radius: Annotated[str, option("Radius of the pin; the paper gives none.")] = "5 mm",
+    length: Annotated[str, option("Length of the contact; the paper takes 1 mm.")] = "1 mm",
+    out: options.FigureFolder = None,
+    formats: options.FigureFormats = "png",
+    width: options.FigureWidth = options.Width.PAGE,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Compare the laws with the pin joint measured by Liu et al. (2013)."""
     from antenna_pin.analysis.law_studies import experiment_findings
@@ -108,24 +102,19 @@ def _print(findings: ExperimentFindings, radius: float, line: float) -> None:
     """Print the table, the errors of the laws, and what follows."""
     from antenna_pin.analysis.law_studies import LIU_2013, LIU_2013_PLAYS, ranked
 
-    print_rows(
-        "Table 1 of Liu et al. 2013: loads [N], as printed and reproduced",
-        "row|play [mm]|displacement [1e-2 mm]|measured|Hertz|by (6)|conformal|by (14)|".split("|"),
-        [
-            (
-                str(row + 1),
-                f"{1e3 * point.clearance:.3f}",
-                f"{1e5 * point.depth:.3f}",
-                f"{point.load:.0f}",
-                f"{point.hertz:.0f}",
-                f"{findings.table.hertz(row):.1f}",
-                f"{point.conformal:.0f}",
-                f"{findings.table.conformal(row):.1f}",
-                _remark(findings, row),
-            )
-            for row, point in enumerate(LIU_2013)
-        ],
-    )
+    rows: Columns = {
+        "row": lambda row: str(row + 1),
+        "play [mm]": lambda row: f"{1e3 * LIU_2013[row].clearance:.3f}",
+        "displacement [1e-2 mm]": lambda row: f"{1e5 * LIU_2013[row].depth:.3f}",
+        "measured": lambda row: f"{LIU_2013[row].load:.0f}",
+        "Hertz": lambda row: f"{LIU_2013[row].hertz:.0f}",
+        "by (6)": lambda row: f"{findings.table.hertz(row):.1f}",
+        "conformal": lambda row: f"{LIU_2013[row].conformal:.0f}",
+        "by (14)": lambda row: f"{findings.table.conformal(row):.1f}",
+        "": lambda row: _remark(findings, row),
+    }
+    title = "Table 1 of Liu et al. 2013: loads [N], as printed and reproduced"
+    print_columns(title, range(len(LIU_2013)), rows)
     plays = (f"play {1e3 * play:g} mm" for play in LIU_2013_PLAYS)
     print_rows(
         f"size of the errors [%], the displacement that of 1 contact or of 2 in series; pin radius"

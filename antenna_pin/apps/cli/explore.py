@@ -6,9 +6,9 @@ import contextlib
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
-from antenna_pin.apps.cli._common import CaseOption, ScenarioArgument, SetOption, complain, load, say
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import complain, load, say
+from antenna_pin.apps.cli._options import option
 from antenna_pin.apps.cli._progress import waiting_for_the_user
 from antenna_pin.apps.cli.view import browser_for_pages, opened_by_file
 from antenna_pin.base.interruption import acknowledge
@@ -20,27 +20,21 @@ def _say_stage(stage: str) -> None:
 
 
 def explore(
-    scenario: ScenarioArgument,
-    case: CaseOption = None,
-    settings: SetOption = None,
-    joint: Annotated[
-        str | None, typer.Option(help="Joint shown first; the first one with play if left out.")
-    ] = None,
-    duration: Annotated[
-        str, typer.Option(metavar="TIME", help="Duration of the run after each change.")
-    ] = "0.5 s",
+    scenario: options.Scenario,
+    case: options.Case = None,
+    settings: options.Set = None,
+    joint: Annotated[str | None, option("Joint shown first; the first one with play if left out.")] = None,
+    duration: Annotated[str, option("Duration of the run after each change.", "TIME")] = "0.5 s",
     out: Annotated[
         Path | None,
-        typer.Option(
-            metavar="PATH",
-            help="Where 'Save as scenario' writes: a file, replaced each time, or a folder for numbered"
+        option(
+            "Where 'Save as scenario' writes: a file, replaced each time, or a folder for numbered"
             " files; the working folder if left out.",
+            "PATH",
         ),
     ] = None,
-    port: Annotated[int, typer.Option(help="Port on this machine; a free one if 0.")] = 0,
-    browser: Annotated[
-        bool, typer.Option(help="Open the page, or only serve it and print its address.")
-    ] = True,
+    port: Annotated[int, option("Port on this machine; a free one if 0.")] = 0,
+    browser: Annotated[bool, option("Open the page, or only serve it and print its address.")] = True,
 ) -> None:
     """Change a scenario's numbers by sliders in the browser, and see its run.
 

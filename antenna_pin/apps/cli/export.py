@@ -5,10 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
 from typer.core import TyperCommand
 
-from antenna_pin.apps.cli._common import CaseOption, SetOption, load, say, stem, writable_file
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import load, say, stem, writable_file
+from antenna_pin.apps.cli._options import argument, option
 from antenna_pin.apps.cli._usage import command_group
 
 app = command_group("export", "Export scenarios: as a functional mock-up unit.")
@@ -35,25 +36,20 @@ class WithLists(TyperCommand):
 
 @app.command("fmu", cls=WithLists)
 def fmu(
-    scenario: Annotated[str, typer.Argument(metavar="SCENARIO", help="Name of a shipped one, or a file.")],
-    case: CaseOption = None,
+    scenario: Annotated[str, argument("Name of a shipped one, or a file.", "SCENARIO")],
+    case: options.Case = None,
     outputs: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME...", help="Outputs: hinge.angle, hinge.rate, motion_angle[hinge]."),
+        list[str] | None, option("Outputs: hinge.angle, hinge.rate, motion_angle[hinge].", "NAME...")
     ] = None,
-    inputs: Annotated[
-        list[str] | None,
-        typer.Option(metavar="NAME...", help="Inputs: motor, springs.coil.stiffness."),
-    ] = None,
+    inputs: Annotated[list[str] | None, option("Inputs: motor, springs.coil.stiffness.", "NAME...")] = None,
     parameters: Annotated[
         list[str] | None,
-        typer.Option(
-            metavar="PLACE...",
-            help="Numbers of the scenario to be set before the start: initial.joints.hinge.position.",
+        option(
+            "Numbers of the scenario to be set before the start: initial.joints.hinge.position.", "PLACE..."
         ),
     ] = None,
-    out: Annotated[Path | None, typer.Option(help="File, NAME.fmu; NAME-CASE.fmu here if left out.")] = None,
-    settings: SetOption = None,
+    out: Annotated[Path | None, option("File, NAME.fmu; NAME-CASE.fmu here if left out.")] = None,
+    settings: options.Set = None,
 ) -> None:
     """Write a scenario as an FMU for co-simulation (FMI 3.0), URDF and meshes included.
 

@@ -12,16 +12,9 @@ from urllib.parse import quote
 
 import typer
 
+from antenna_pin.apps.cli import _options as options
 from antenna_pin.apps.cli._common import (
     ENDED_EARLY,
-    DurationOption,
-    FigureFormatOption,
-    Geometry,
-    GeometryOption,
-    ScenarioArgument,
-    SetOption,
-    Width,
-    WidthOption,
     complain,
     figure_folder,
     figure_formats,
@@ -29,6 +22,7 @@ from antenna_pin.apps.cli._common import (
     not_interrupted,
     refuse,
 )
+from antenna_pin.apps.cli._options import option
 from antenna_pin.apps.cli._run_store import AttractorStore, CaseRuns
 from antenna_pin.base.files import replacing
 from antenna_pin.base.rules import AtLeastTwo, NumberRule
@@ -101,45 +95,38 @@ def _cell(text: str) -> str:
 
 
 def figures(
-    scenario: ScenarioArgument,
+    scenario: options.Scenario,
     out: Annotated[
-        Path | None,
-        typer.Option(metavar="DIR", help="Folder for the figures; NAME-figures here if left out."),
+        Path | None, option("Folder for the figures; NAME-figures here if left out.", "DIR")
     ] = None,
     runs: Annotated[
         Path | None,
-        typer.Option(
-            metavar="DIR",
-            help="Folder of results. Results of the same scenario are reused; others "
+        option(
+            "Folder of results. Results of the same scenario are reused; others "
             "are simulated and saved there."
             " OUT/runs if left out.",
+            "DIR",
         ),
     ] = None,
     cases: Annotated[
         list[str] | None,
-        typer.Option(
-            "--case",
-            help="Case to draw the standard figures of, instead of a paper's. May be repeated.",
+        option(
+            "Case to draw the standard figures of, instead of a paper's. May be repeated.", None, "--case"
         ),
     ] = None,
     numbers: Annotated[
-        list[int] | None,
-        typer.Option("--figure", metavar="N", help="Number of a figure in the paper; all if left out."),
+        list[int] | None, option("Number of a figure in the paper; all if left out.", "N", "--figure")
     ] = None,
-    count: Annotated[
-        AtLeastTwo, typer.Option(metavar="N", help="Values of a parameter in figures over one.")
-    ] = 20,
+    count: Annotated[AtLeastTwo, option("Values of a parameter in figures over one.", "N")] = 20,
     points: Annotated[
-        int,
-        typer.Option(metavar="N", help="Points of each Poincare map, behind its transient."),
-        NumberRule("32 or more"),
+        int, option("Points of each Poincare map, behind its transient.", "N"), NumberRule("32 or more")
     ] = 400,
-    duration: DurationOption = None,
-    settings: SetOption = None,
-    geometry: GeometryOption = None,
-    formats: FigureFormatOption = "png,pdf",
-    width: WidthOption = Width.PAGE,
-    progress: Annotated[bool, typer.Option(help="Show a progress bar for each run.")] = True,
+    duration: options.Duration = None,
+    settings: options.Set = None,
+    geometry: options.Gaps = None,
+    formats: options.FigureFormats = "png,pdf",
+    width: options.FigureWidth = options.Width.PAGE,
+    progress: Annotated[bool, option("Show a progress bar for each run.")] = True,
 ) -> None:
     """Draw the figures of the paper that a shipped scenario repeats, runs included.
 
@@ -220,7 +207,7 @@ def _command(
     cases: Sequence[str] | None,
     duration: str | None,
     settings: Sequence[str] | None,
-    geometry: Geometry | None,
+    geometry: options.Geometry | None,
 ) -> str:
     """Return the command that makes the same figures, but for folders and formats."""
     words = ["antenna-pin", "figures", scenario]
@@ -236,7 +223,7 @@ def _draw_settled(
     store: AttractorStore,
     index: FigureIndex,
     suffixes: Sequence[str],
-    width: Width,
+    width: options.Width,
 ) -> None:
     """Draw figures of settled motions, each as soon as what it takes is there."""
     from antenna_pin.show.plot import AttractorFigure
@@ -255,7 +242,9 @@ def _draw_settled(
         _draw(each, taken, index, suffixes, width)
 
 
-def _draw(each: AnyFigure, content: Any, index: FigureIndex, suffixes: Sequence[str], width: Width) -> None:
+def _draw(
+    each: AnyFigure, content: Any, index: FigureIndex, suffixes: Sequence[str], width: options.Width
+) -> None:
     """Draw a figure and enter it into the index."""
     from antenna_pin.show.plot import save_figure
 
@@ -280,7 +269,9 @@ def _left_out(each: AnyFigure, index: FigureIndex, error: AntennaPinError) -> No
 _VERDICTS = {True: "**agrees**: ", False: "**differs**: ", None: ""}
 
 
-def _draw_standard(store: CaseRuns, index: FigureIndex, suffixes: Sequence[str], width: Width) -> None:
+def _draw_standard(
+    store: CaseRuns, index: FigureIndex, suffixes: Sequence[str], width: options.Width
+) -> None:
     """Draw the standard figures of all cases."""
     from antenna_pin.show.plot import processes_to_draw, save_figures
 

@@ -9,16 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from antenna_pin.apps.cli._common import (
-    DOUBTFUL,
-    QuietOption,
-    executor_of,
-    not_interrupted,
-    refuse,
-    say,
-    setting_option,
-    writable_file,
-)
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import DOUBTFUL, executor_of, not_interrupted, refuse, say, writable_file
+from antenna_pin.apps.cli._options import argument, flag, option
 from antenna_pin.apps.cli._progress import fit_bar
 from antenna_pin.apps.cli._tables import print_rows
 from antenna_pin.apps.cli._usage import command_of
@@ -202,57 +195,38 @@ _SHOWN = 8  # parameters, so that an answer is seen at a glance
 
 def fit(
     context: typer.Context,
-    file: Annotated[
-        str, typer.Argument(metavar="FIT", help="Fit file, NAME.fit.toml, or name of a shipped fit.")
-    ],
+    file: Annotated[str, argument("Fit file, NAME.fit.toml, or name of a shipped fit.", "FIT")],
     out: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Result, NAME.nc; that of the fit file here if left out."),
+        Path | None, option("Result, NAME.nc; that of the fit file here if left out.", "FILE")
     ] = None,
     write_scenario: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Scenario with the values found, NAME.toml, of the first record."),
+        Path | None, option("Scenario with the values found, NAME.toml, of the first record.", "FILE")
     ] = None,
-    record: Annotated[
-        str | None,
-        typer.Option(metavar="NAME", help="Record of that scenario, if not the first."),
-    ] = None,
+    record: Annotated[str | None, option("Record of that scenario, if not the first.", "NAME")] = None,
     settings: Annotated[
-        list[str] | None, setting_option("the fit", "loss=huber or 'parameters.play.start=0.1 mm'")
+        list[str] | None, options.settings_of("the fit", "loss=huber or 'parameters.play.start=0.1 mm'")
     ] = None,
-    workers: Annotated[
-        NotNegativeInt, typer.Option(metavar="N", help="Processes that make runs; 0 for this one alone.")
-    ] = 0,
+    workers: Annotated[NotNegativeInt, option("Processes that make runs; 0 for this one alone.", "N")] = 0,
     identify: Annotated[
-        bool,
-        typer.Option("--identify", help="Fit nothing: print how well the records determine the parameters."),
+        bool, flag("--identify", "Fit nothing: print how well the records determine the parameters.")
     ] = False,
     experiments: Annotated[
         Path | None,
-        typer.Option(
-            "--next",
-            metavar="FILE",
-            help="Fit nothing: print which experiment of a file would determine most.",
-        ),
+        option("Fit nothing: print which experiment of a file would determine most.", "FILE", "--next"),
     ] = None,
     at: Annotated[
-        Path | None,
-        typer.Option(metavar="FIT.nc", help="With these: a saved fit for the values, instead of the starts."),
+        Path | None, option("With these: a saved fit for the values, instead of the starts.", "FIT.nc")
     ] = None,
     profile: Annotated[
-        bool, typer.Option("--profile", help="Make the profile of each parameter: many fits of the others.")
+        bool, flag("--profile", "Make the profile of each parameter: many fits of the others.")
     ] = False,
     draws: Annotated[
-        int | None,
-        typer.Option(metavar="N", help="Runs at drawn values, for nonlinear bands."),
-        NumberRule("2 or more"),
+        int | None, option("Runs at drawn values, for nonlinear bands.", "N"), NumberRule("2 or more")
     ] = None,
-    seed: Annotated[NotNegativeInt, typer.Option(metavar="N", help="Seed of the draws.")] = 0,
-    report: Annotated[
-        bool, typer.Option("--report", help="Print lmfit's report, with correlations.")
-    ] = False,
-    progress: Annotated[bool, typer.Option(help="Show the number of runs.")] = True,
-    quiet: QuietOption = False,
+    seed: Annotated[NotNegativeInt, option("Seed of the draws.", "N")] = 0,
+    report: Annotated[bool, flag("--report", "Print lmfit's report, with correlations.")] = False,
+    progress: Annotated[bool, option("Show the number of runs.")] = True,
+    quiet: options.Quiet = False,
 ) -> None:
     """Fit numbers of a scenario, such as play, stiffness, friction, to measured records.
 

@@ -10,13 +10,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from antenna_pin.apps.cli import _options as options
 from antenna_pin.apps.cli._common import (
-    CaseOption,
-    FigureFormatOption,
-    FilesArgument,
-    SetOption,
-    Width,
-    WidthOption,
     complain,
     figure_folder,
     figure_formats,
@@ -28,7 +23,8 @@ from antenna_pin.apps.cli._common import (
     say,
     say_notes,
 )
-from antenna_pin.apps.cli._export import CsvOption, csv_target, rows_of, say_json, write_csv
+from antenna_pin.apps.cli._export import csv_target, rows_of, say_json, write_csv
+from antenna_pin.apps.cli._options import argument, flag, option, several
 from antenna_pin.apps.cli._tables import Zeros, flat, print_summaries, print_summary, say_answer, text_of
 
 if TYPE_CHECKING:
@@ -145,12 +141,12 @@ def _by_kind(
     names: dict[str, list[str]] = {}
     for name, kind in kinds.items():
         names.setdefault(kind, []).append(name)
-    for kind, several in names.items():
-        if len(several) == 1:
-            yield f"{noun} {label(several[0])}: {kind}"
+    for kind, mine in names.items():
+        if len(mine) == 1:
+            yield f"{noun} {label(mine[0])}: {kind}"
         else:
             each = " each" * ("equation" in kind)
-            yield f"{len(several)} {nouns or noun + 's'} {', '.join(map(label, several))}: {kind}{each}"
+            yield f"{len(mine)} {nouns or noun + 's'} {', '.join(map(label, mine))}: {kind}{each}"
 
 
 def _links(name: str, closure: Mapping[str, Any]) -> str:
@@ -220,31 +216,25 @@ def _show_versions(wanted: bool) -> None:
 
 
 def info(
-    files: Annotated[
-        list[str], typer.Argument(metavar="FILES...", help="Result files of runs, or one scenario.")
-    ],
-    case: CaseOption = None,
-    settings: SetOption = None,
+    files: Annotated[list[str], argument("Result files of runs, or one scenario.", "FILES...")],
+    case: options.Case = None,
+    settings: options.Set = None,
     everything: Annotated[
-        bool, typer.Option("--all", help="All numbers, by kind of thing; of several results side by side.")
+        bool, flag("--all", "All numbers, by kind of thing; of several results side by side.")
     ] = False,
-    as_json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON object per file, each on one line.")
-    ] = False,
-    csv: CsvOption = None,
+    as_json: Annotated[bool, flag("--json", "Print one JSON object per file, each on one line.")] = False,
+    csv: options.Csv = None,
     quantities: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--quantity", metavar="FILE.py:NAME", help="A number by a function of a run. May be repeated."
-        ),
+        list[str] | None, several("A number by a function of a run.", "FILE.py:NAME", "--quantity")
     ] = None,
     versions: Annotated[
         bool,
-        typer.Option(
+        option(
+            "Print the versions of the libraries, and whether their machine code is called directly.",
+            None,
             "--versions",
             callback=_show_versions,
             is_eager=True,
-            help="Print the versions of the libraries, and whether their machine code is called directly.",
         ),
     ] = False,
 ) -> None:
@@ -258,13 +248,14 @@ def info(
     if any(map(names_scenario, files)):
         if len(files) > 1:
             refuse(f"{' '.join(files)}: give result files (NAME.nc), any number, or one scenario alone")
-        if csv is not None:
-            refuse(f"--csv: writes results, but {files[0]} is a scenario; use --json for its description")
+        for name, of_results in (("--all", everything), ("--csv", csv), ("--quantity", quantities)):
+            if of_results:
+                refuse(f"{name}: is for results only, and {files[0]} is a scenario; leave it out")
         say_scenario(files[0], case, settings, as_json)
         return
-    for option, given in (("--case", case), ("--set", settings)):
+    for name, given in (("--case", case), ("--set", settings)):
         if given:
-            refuse(f"{option}: is for scenarios only, and {files[0]} is a result; leave it out")
+            refuse(f"{name}: is for scenarios only, and {files[0]} is a result; leave it out")
     runs = [(path, load_result(path, scenario=False)) for path in map(Path, files)]
     from antenna_pin.analysis import own_numbers
 
@@ -354,19 +345,16 @@ def _pair(radial: str, axial: str, many: bool) -> str:
 
 
 def plot(
-    files: FilesArgument,
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the figures; created if missing.")],
-    formats: FigureFormatOption = "png",
+    files: options.Results,
+    out: Annotated[Path, option("Folder for the figures; created if missing.", "DIR")],
+    formats: options.FigureFormats = "png",
     joint: Annotated[
-        str | None, typer.Option(help="The one joint to draw; every joint with clearance if left out.")
+        str | None, option("The one joint to draw; every joint with clearance if left out.")
     ] = None,
     names: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--figure", metavar="NAME", help="Figure to draw, instead of the standard ones. May be repeated."
-        ),
+        list[str] | None, several("Figure to draw, instead of the standard ones.", "NAME", "--figure")
     ] = None,
-    width: WidthOption = Width.PAGE,
+    width: options.FigureWidth = options.Width.PAGE,
 ) -> None:
     """Draw the figures of results: runs, fits, orbits, diagrams and other datasets."""
     suffixes = figure_formats(formats)

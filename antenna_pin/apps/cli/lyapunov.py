@@ -7,26 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.apps.cli._common import (
-    CaseOption,
-    ProgressOption,
-    SetOption,
-    Width,
-    WidthOption,
-    load,
-    not_interrupted,
-)
-from antenna_pin.apps.cli._export import (
-    CsvOption,
-    JsonOption,
-    PlotOption,
-    TableOption,
-    csv_target,
-    exported,
-    plain_dict,
-    save_both,
-    targets_of,
-)
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import load, not_interrupted
+from antenna_pin.apps.cli._export import csv_target, exported, plain_dict, save_both, targets_of
+from antenna_pin.apps.cli._options import argument, flag, option
 from antenna_pin.apps.cli._progress import exponent_bar
 from antenna_pin.apps.cli._tables import print_rows
 from antenna_pin.apps.cli._usage import positive_quantity
@@ -39,27 +23,26 @@ if TYPE_CHECKING:
 
 def lyapunov(
     context: typer.Context,
-    scenario: Annotated[str, typer.Argument(metavar="SCENARIO", help="Scenario.")],
-    case: CaseOption = None,
+    scenario: Annotated[str, argument("Scenario.", "SCENARIO")],
+    case: options.Case = None,
     period: PeriodOption = None,
     interval: Annotated[
-        str | None,
-        typer.Option(metavar="TIME", help="Time between renormalisations; the period if left out."),
+        str | None, option("Time between renormalisations; the period if left out.", "TIME")
     ] = None,
-    count: Annotated[int, typer.Option(help="Number of intervals.")] = 200,
-    transient: Annotated[int, typer.Option(help="Intervals of the transient.")] = 20,
+    count: Annotated[int, option("Number of intervals.")] = 200,
+    transient: Annotated[int, option("Intervals of the transient.")] = 20,
     spectrum: Annotated[
-        bool, typer.Option("--spectrum", help="All exponents, by tangents, instead of the largest alone.")
+        bool, flag("--spectrum", "All exponents, by tangents, instead of the largest alone.")
     ] = False,
-    seed: Annotated[int, typer.Option(help="Seed of the first perturbation.")] = 0,
+    seed: Annotated[int, option("Seed of the first perturbation.")] = 0,
     rtol: RtolOption = None,
-    settings: SetOption = None,
-    out: TableOption = None,
-    plot: PlotOption = None,
-    width: WidthOption = Width.PAGE,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
-    progress: ProgressOption = True,
+    settings: options.Set = None,
+    out: options.Dataset = None,
+    plot: options.Plot = None,
+    width: options.FigureWidth = options.Width.PAGE,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
+    progress: options.Progress = True,
 ) -> None:
     """Compute Lyapunov exponents, as natural logarithms per second."""
     table, targets = csv_target(csv), targets_of(out, plot)
@@ -75,11 +58,11 @@ def lyapunov(
         span = period_of(known, period, "lyapunov")
     flow, start = flow_of(known, rtol=rtol)
     with exponent_bar(known.title, count, progress) as report:
-        options: dict[str, Any] = {"transient": transient * span, "progress": report}
+        how: dict[str, Any] = {"transient": transient * span, "progress": report}
         if spectrum:
-            found = lyapunov_spectrum(flow, start, span, count, **options)
+            found = lyapunov_spectrum(flow, start, span, count, **how)
         else:
-            found = largest_exponent(flow, start, span, count, seed=seed, **options)
+            found = largest_exponent(flow, start, span, count, seed=seed, **how)
     rows = [
         plain_dict({"exponent [1/s]": float(value), "error [1/s]": float(error)})
         for value, error in zip(found.values, found.errors, strict=True)

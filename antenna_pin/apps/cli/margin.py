@@ -7,26 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.apps.cli._common import (
-    CaseOption,
-    ScenarioArgument,
-    SetOption,
-    Width,
-    WidthOption,
-    figure_target,
-    load,
-    say,
-    writable_file,
-)
-from antenna_pin.apps.cli._export import (
-    CsvOption,
-    JsonOption,
-    PlotOption,
-    csv_target,
-    exported,
-    plain,
-    save_plot,
-)
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import figure_target, load, say, writable_file
+from antenna_pin.apps.cli._export import csv_target, exported, plain, save_plot
+from antenna_pin.apps.cli._options import flag, option, several
 from antenna_pin.apps.cli._tables import formatted, print_rows
 from antenna_pin.base.readable import bare, printed_unit, readable
 from antenna_pin.errors import InvalidParameterError
@@ -40,79 +24,49 @@ _CASES = 8
 
 
 def margin(
-    scenario: ScenarioArgument,
-    joint: Annotated[str, typer.Option(metavar="JOINT", help="Joint of the function, or a drive at it.")],
-    case: CaseOption = None,
+    scenario: options.Scenario,
+    joint: Annotated[str, option("Joint of the function, or a drive at it.", "JOINT")],
+    case: options.Case = None,
     travel: Annotated[
         str | None,
-        typer.Option(
-            metavar="FROM:TO", help="First and last position ('-90 deg:0'); the joint's limits if left out."
-        ),
+        option("First and last position ('-90 deg:0'); the joint's limits if left out.", "FROM:TO"),
     ] = None,
-    count: Annotated[int, typer.Option(help="Number of positions.")] = 61,
-    factors: Annotated[
-        str, typer.Option(metavar="SET", help="Set of factors: ecss-e-st-33-01c, aiaa-s-114.")
-    ] = ("ecss-e-st-33-01c"),
+    count: Annotated[int, option("Number of positions.")] = 61,
+    factors: Annotated[str, option("Set of factors: ecss-e-st-33-01c, aiaa-s-114.", "SET")] = (
+        "ecss-e-st-33-01c"
+    ),
     factor: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="NAME=NUMBER", help="Factor of your own: F_R=2, motorization=1.5. May be repeated."
-        ),
+        list[str] | None, several("Factor of your own: F_R=2, motorization=1.5.", "NAME=NUMBER")
     ] = None,
     by_measurement: Annotated[
-        list[str] | None,
-        typer.Option("--measured", metavar="SOURCE", help="Source whose value is measured. May be repeated."),
+        list[str] | None, several("Source whose value is measured.", "SOURCE", "--measured")
     ] = None,
     additional: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--add", metavar="CLASS=TORQUE", help="Further resistance, H_D='20 mN*m'. May be repeated."
-        ),
+        list[str] | None, several("Further resistance, H_D='20 mN*m'.", "CLASS=TORQUE", "--add")
     ] = None,
     acceleration: Annotated[
-        str, typer.Option(metavar="ACCELERATION", help="Acceleration asked of the function, for T_D.")
+        str, option("Acceleration asked of the function, for T_D.", "ACCELERATION")
     ] = "0",
-    delivered_torque: Annotated[
-        str, typer.Option(metavar="TORQUE", help="Torque to be delivered beside, T_L.")
-    ] = "0",
-    rate: Annotated[
-        str, typer.Option(metavar="RATE", help="Rate of the joint, for a motor's back-EMF.")
-    ] = "0",
-    available: Annotated[
-        list[str] | None,
-        typer.Option(metavar="DRIVE=TORQUE", help="Torque of a drive at its joint. May be repeated."),
-    ] = None,
-    hold: Annotated[
-        list[str] | None,
-        typer.Option(metavar="JOINT", help="Further joint that does not move. May be repeated."),
-    ] = None,
+    delivered_torque: Annotated[str, option("Torque to be delivered beside, T_L.", "TORQUE")] = "0",
+    rate: Annotated[str, option("Rate of the joint, for a motor's back-EMF.", "RATE")] = "0",
+    available: Annotated[list[str] | None, several("Torque of a drive at its joint.", "DRIVE=TORQUE")] = None,
+    hold: Annotated[list[str] | None, several("Further joint that does not move.", "JOINT")] = None,
     extremes: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--range",
-            metavar="KEY=LOW:HIGH",
-            help="Least and greatest value of a scenario key. May be repeated.",
-        ),
+        list[str] | None, several("Least and greatest value of a scenario key.", "KEY=LOW:HIGH", "--range")
     ] = None,
     cases: Annotated[
         list[str] | None,
-        typer.Option(
-            "--extreme",
-            metavar="NAME:KEY=VALUE",
-            help="Case of extremes, cold:springs.x.rest_angle=0. May be repeated.",
-        ),
+        several("Case of extremes, cold:springs.x.rest_angle=0.", "NAME:KEY=VALUE", "--extreme"),
     ] = None,
     search: Annotated[
-        bool, typer.Option("--search", help="Search the worst case within the ranges, beside their corners.")
+        bool, flag("--search", "Search the worst case within the ranges, beside their corners.")
     ] = False,
-    write_worst: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Scenario of the worst case, NAME.toml.")
-    ] = None,
-    settings: SetOption = None,
-    plot: PlotOption = None,
-    width: WidthOption = Width.PAGE,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    write_worst: Annotated[Path | None, option("Scenario of the worst case, NAME.toml.", "FILE")] = None,
+    settings: options.Set = None,
+    plot: options.Plot = None,
+    width: options.FigureWidth = options.Width.PAGE,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Compute the motorization margin over a travel: what drives over what resists, with factors."""
     table, target = csv_target(csv), figure_target(plot, "margin", "--plot")

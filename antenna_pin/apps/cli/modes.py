@@ -9,19 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.apps.cli._common import (
-    CaseOption,
-    SetOption,
-    Width,
-    WidthOption,
-    figure_target,
-    load,
-    load_result,
-    not_interrupted,
-    say,
-    writable_file,
-)
-from antenna_pin.apps.cli._export import CsvOption, JsonOption, csv_target, exported, plain, save_plot
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import figure_target, load, load_result, not_interrupted, say, writable_file
+from antenna_pin.apps.cli._export import csv_target, exported, plain, save_plot
+from antenna_pin.apps.cli._options import argument, flag, option, several
 from antenna_pin.apps.cli._tables import formatted, print_rows
 from antenna_pin.apps.cli._usage import vector_in
 from antenna_pin.base.readable import bare
@@ -44,62 +35,42 @@ class PlayName(StrEnum):
 
 def modes(
     scenario: Annotated[
-        str,
-        typer.Argument(metavar="SCENARIO", help="Scenario, or a result file: the state that its run left."),
+        str, argument("Scenario, or a result file: the state that its run left.", "SCENARIO")
     ],
-    case: CaseOption = None,
+    case: options.Case = None,
     at: Annotated[
-        str | None,
-        typer.Option(metavar="TIME|FILE", help="Time to run to first, or result that ended in the state."),
+        str | None, option("Time to run to first, or result that ended in the state.", "TIME|FILE")
     ] = None,
     play: Annotated[
-        PlayName | None,
-        typer.Option(help="Model of joints with play; ideal, or contact where they have a load."),
+        PlayName | None, option("Model of joints with play; ideal, or contact where they have a load.")
     ] = None,
     load_on: Annotated[
         list[str] | None,
-        typer.Option(
-            "--load",
-            metavar="[JOINT=]X,Y,Z",
-            help="Force that presses the journal into its bearing, in bearing axes [N]. May be repeated.",
+        several(
+            "Force that presses the journal into its bearing, in bearing axes [N].", "[JOINT=]X,Y,Z", "--load"
         ),
     ] = None,
     approach_speed: Annotated[
-        str | None,
-        typer.Option(help="Approach speed of contacts under a load; their joint's floor if left out."),
+        str | None, option("Approach speed of contacts under a load; their joint's floor if left out.")
     ] = None,
-    hold: Annotated[
-        list[str] | None,
-        typer.Option(metavar="JOINT", help="Joint to hold, or base. May be repeated."),
-    ] = None,
-    moving: Annotated[
-        bool, typer.Option("--moving", help="Include velocities and accelerations of the state.")
-    ] = False,
-    record: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Page that shows the shapes in 3D, NAME.html.")
-    ] = None,
+    hold: Annotated[list[str] | None, several("Joint to hold, or base.", "JOINT")] = None,
+    moving: Annotated[bool, flag("--moving", "Include velocities and accelerations of the state.")] = False,
+    record: Annotated[Path | None, option("Page that shows the shapes in 3D, NAME.html.", "FILE")] = None,
     mode: Annotated[
-        list[int] | None,
-        typer.Option(metavar="NUMBER", help="Mode to record; all vibrations if left out. May be repeated."),
+        list[int] | None, several("Mode to record; all vibrations if left out.", "NUMBER")
     ] = None,
-    amplitude: Annotated[float, typer.Option(help="Factor on the size of drawn shapes.")] = 1.0,
-    plot: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Figure of a frequency response: png, pdf or svg.")
-    ] = None,
+    amplitude: Annotated[float, option("Factor on the size of drawn shapes.")] = 1.0,
+    plot: Annotated[Path | None, option("Figure of a frequency response: png, pdf or svg.", "FILE")] = None,
     source: Annotated[
-        str | None,
-        typer.Option("--from", metavar="SOURCE", help="Excitation: drives.NAME, base.fx to base.mz."),
+        str | None, option("Excitation: drives.NAME, base.fx to base.mz.", "SOURCE", "--from")
     ] = None,
     target: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--to", metavar="TARGET", help="Response: boresight, a joint, base.x to base.rz. May be repeated."
-        ),
+        list[str] | None, several("Response: boresight, a joint, base.x to base.rz.", "TARGET", "--to")
     ] = None,
-    width: WidthOption = Width.PAGE,
-    settings: SetOption = None,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    width: options.FigureWidth = options.Width.PAGE,
+    settings: options.Set = None,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Compute natural frequencies, damping ratios and mode shapes about a state.
 
@@ -113,9 +84,9 @@ def modes(
         ("--mode", mode, page, "--record"),
         ("--amplitude", None if amplitude == 1.0 else amplitude, page, "--record"),
     )
-    for option, given, other, name in needed:
+    for asked, given, other, name in needed:
         if given is not None and other is None:
-            raise InvalidParameterError("modes", option, f"given with {name} FILE", said=str(given))
+            raise InvalidParameterError("modes", asked, f"given with {name} FILE", said=str(given))
     found = _linearised(scenario, case, settings, at, play, load_on, approach_speed, hold, moving)
     if page is not None:
         _record(found, page, mode, amplitude, quiet=as_json)
@@ -196,7 +167,7 @@ def _record(modes: Modes, page: Path, numbers: list[int] | None, amplitude: floa
 
 
 def _plot(
-    modes: Modes, path: Path, source: str | None, targets: list[str] | None, width: Width, quiet: bool
+    modes: Modes, path: Path, source: str | None, targets: list[str] | None, width: options.Width, quiet: bool
 ) -> None:
     from antenna_pin.show.plot import figure_response
     from antenna_pin.studies.linear import first_source, frequency_response

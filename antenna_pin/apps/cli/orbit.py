@@ -9,27 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.apps.cli._common import (
-    CaseOption,
-    SetOption,
-    Width,
-    WidthOption,
-    load,
-    not_interrupted,
-    refuse,
-    say,
-)
-from antenna_pin.apps.cli._export import (
-    CsvOption,
-    JsonOption,
-    PlotOption,
-    TableOption,
-    csv_target,
-    exported,
-    plain_dict,
-    save_both,
-    targets_of,
-)
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import load, not_interrupted, refuse, say
+from antenna_pin.apps.cli._export import csv_target, exported, plain_dict, save_both, targets_of
+from antenna_pin.apps.cli._options import argument, flag, option, several
 from antenna_pin.apps.cli._progress import branch_bar
 from antenna_pin.apps.cli._tables import power_above, print_rows
 from antenna_pin.apps.cli._usage import positive_quantity
@@ -45,26 +28,17 @@ if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
     from antenna_pin.studies.nonlinear import Orbit, Point
 
-OverOption = Annotated[
-    str | None,
-    typer.Option(metavar="KEY", help="Follow the orbit over a key of the scenario, as in --set."),
-]
+OverOption = Annotated[str | None, option("Follow the orbit over a key of the scenario, as in --set.", "KEY")]
 ValuesOption = Annotated[
-    str | None, typer.Option(metavar="FIRST:LAST", help="Range of --over, as '1 N*m:3 N*m'; given with it.")
+    str | None, option("Range of --over, as '1 N*m:3 N*m'; given with it.", "FIRST:LAST")
 ]
 AmplitudeOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--quantity",
-        "-q",
-        metavar="NAME",
-        help="Quantity whose amplitude is stored along --over. May be repeated.",
-    ),
+    list[str] | None, several("Quantity whose amplitude is stored along --over.", "NAME", "--quantity", "-q")
 ]
 ArcOption = Annotated[
-    float, typer.Option(help="First step along --over, in error scales and of the parameter's whole range.")
+    float, option("First step along --over, in error scales and of the parameter's whole range.")
 ]
-MostOrbitsOption = Annotated[int, typer.Option("--most", metavar="N", help="Orbits along --over at most.")]
+MostOrbitsOption = Annotated[int, option("Orbits along --over at most.", "N", "--most")]
 
 
 def ends_of(text: str | None, over: str, known: Scenario) -> tuple[float, float, str]:
@@ -157,8 +131,7 @@ def print_branch(branch: xr.Dataset) -> None:
 
 
 AtOption = Annotated[
-    int | None,
-    typer.Option("--at", metavar="N", help="Orbit of a saved branch to begin with; the first is 1."),
+    int | None, option("Orbit of a saved branch to begin with; the first is 1.", "N", "--at")
 ]
 
 
@@ -212,15 +185,13 @@ def begun_from(name: str, at: int | None, settings: list[str] | None) -> tuple[S
     return known, State.from_json(str(table["state"].item()))
 
 
-PeriodOption = Annotated[
-    str | None, typer.Option(metavar="TIME", help="Period; that of the drives if left out.")
-]
+PeriodOption = Annotated[str | None, option("Period; that of the drives if left out.", "TIME")]
 RtolOption = Annotated[
     float | None,
-    typer.Option(
+    option(
+        "Tolerance of the runs, 1e-12 if left out; a coarser one, as 1e-9, where periods are long.",
+        "NUMBER",
         "--rtol",
-        metavar="NUMBER",
-        help="Tolerance of the runs, 1e-12 if left out; a coarser one, as 1e-9, where periods are long.",
     ),
 ]
 
@@ -234,30 +205,26 @@ def period_of(scenario: Scenario, period: str | None, command: str) -> float:
 
 def orbit(
     context: typer.Context,
-    scenario: Annotated[
-        str, typer.Argument(metavar="SCENARIO|FILE.nc", help="Scenario, or a saved orbit or branch.")
-    ],
-    case: CaseOption = None,
+    scenario: Annotated[str, argument("Scenario, or a saved orbit or branch.", "SCENARIO|FILE.nc")],
+    case: options.Case = None,
     at: AtOption = None,
     period: PeriodOption = None,
-    multiple: Annotated[int, typer.Option(help="Periods of the orbit.")] = 1,
-    free_period: Annotated[
-        bool, typer.Option("--free-period", help="Find the period too, without a drive.")
-    ] = False,
-    transient: Annotated[int, typer.Option(help="Periods to run before Newton's method begins.")] = 20,
+    multiple: Annotated[int, option("Periods of the orbit.")] = 1,
+    free_period: Annotated[bool, flag("--free-period", "Find the period too, without a drive.")] = False,
+    transient: Annotated[int, option("Periods to run before Newton's method begins.")] = 20,
     rtol: RtolOption = None,
     over: OverOption = None,
     values: ValuesOption = None,
     quantity: AmplitudeOption = None,
     arc: ArcOption = 0.1,
     most: MostOrbitsOption = 100,
-    settings: SetOption = None,
-    out: TableOption = None,
-    plot: PlotOption = None,
-    width: WidthOption = Width.COLUMN,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
-    progress: Annotated[bool, typer.Option(help="Show a progress bar along --over.")] = True,
+    settings: options.Set = None,
+    out: options.Dataset = None,
+    plot: options.Plot = None,
+    width: options.FigureWidth = options.Width.COLUMN,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
+    progress: Annotated[bool, option("Show a progress bar along --over.")] = True,
 ) -> None:
     """Find a periodic solution near the settled motion, and its stability.
 
@@ -316,7 +283,7 @@ def orbit(
 
 def _tell(
     branch: xr.Dataset,
-    width: Width,
+    width: options.Width,
     targets: tuple[Path | None, Path | None],
     context: typer.Context,
     as_json: bool,

@@ -9,23 +9,17 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from antenna_pin.apps.cli._common import (
-    FIGURES,
-    ResultArgument,
-    Width,
-    WidthOption,
-    load_result,
-    not_interrupted,
-    say,
-)
-from antenna_pin.apps.cli._export import PlotOption, save_both, targets_of
-from antenna_pin.base.readable import bare
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import FIGURES, load_result, not_interrupted, say
+from antenna_pin.apps.cli._export import save_both, targets_of
+from antenna_pin.apps.cli._options import flag, option
+from antenna_pin.base.readable import DECIMAL, bare
 from antenna_pin.errors import InvalidParameterError
 
 if TYPE_CHECKING:
     from antenna_pin.analysis import Periods
 
-_PERIODS = re.compile(r"\s*([0-9.]+)\s*periods?\s*")
+_PERIODS = re.compile(rf"\s*({DECIMAL})\s*periods?\s*")
 
 
 class Colour(StrEnum):
@@ -37,33 +31,26 @@ class Colour(StrEnum):
 
 def phase(
     context: typer.Context,
-    file: ResultArgument,
-    x: Annotated[str | None, typer.Option("-x", metavar="NAME", help="Quantity across.")] = None,
-    y: Annotated[str | None, typer.Option("-y", metavar="NAME", help="Quantity up.")] = None,
-    z: Annotated[
-        str | None, typer.Option("-z", metavar="NAME", help="Third one, for a portrait in 3D.")
-    ] = None,
+    file: options.Result,
+    x: Annotated[str | None, option("Quantity across.", "NAME", "-x")] = None,
+    y: Annotated[str | None, option("Quantity up.", "NAME", "-y")] = None,
+    z: Annotated[str | None, option("Third one, for a portrait in 3D.", "NAME", "-z")] = None,
     start: Annotated[
         str | None,
-        typer.Option(
+        option(
+            "End of the transient, which is cut; judge: until the statistics drift no more.",
+            "TIME|N periods|judge",
             "--from",
-            metavar="TIME|N periods|judge",
-            help="End of the transient, which is cut; judge: until the statistics drift no more.",
         ),
     ] = None,
-    period: Annotated[str | None, typer.Option(metavar="TIME", help="Period for --from 'N periods'.")] = None,
-    colour: Annotated[
-        Colour, typer.Option(help="Line coloured by time, or the share of time.")
-    ] = Colour.TIME,
+    period: Annotated[str | None, option("Period for --from 'N periods'.", "TIME")] = None,
+    colour: Annotated[Colour, option("Line coloured by time, or the share of time.")] = Colour.TIME,
     out: Annotated[
-        Path | None,
-        typer.Option("-o", "--out", metavar="FILE", help="Dataset, NAME.nc; or a figure, as --plot."),
+        Path | None, option("Dataset, NAME.nc; or a figure, as --plot.", "FILE", "-o", "--out")
     ] = None,
-    plot: PlotOption = None,
-    width: WidthOption = Width.PAGE,
-    names: Annotated[
-        bool, typer.Option("--list", help="List the run's quantities with their units, and stop.")
-    ] = False,
+    plot: options.Plot = None,
+    width: options.FigureWidth = options.Width.PAGE,
+    names: Annotated[bool, flag("--list", "List the run's quantities with their units, and stop.")] = False,
 ) -> None:
     """Draw two or three quantities of a run over each other, its transient cut.
 
@@ -73,12 +60,10 @@ def phase(
     if names:
         _list(file)
         return
-    for option, given in (("-x", x), ("-y", y), ("-o", out or plot)):
+    for name, given in (("-x", x), ("-y", y), ("-o", out or plot)):
         if given is None:
-            what = "FILE" if option == "-o" else "NAME"
-            raise InvalidParameterError(
-                "phase", option, f"given as {option} {what}, or --list", said="nothing"
-            )
+            what = "FILE" if name == "-o" else "NAME"
+            raise InvalidParameterError("phase", name, f"given as {name} {what}, or --list", said="nothing")
     assert x is not None and y is not None
     if out is not None and out.suffix != ".nc" and plot is None:
         if out.suffix not in FIGURES:

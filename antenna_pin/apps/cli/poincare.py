@@ -8,26 +8,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from antenna_pin.apps.cli._common import (
-    CaseOption,
-    ScenarioArgument,
-    SetOption,
-    Width,
-    WidthOption,
-    load,
-    not_interrupted,
-    say,
-)
-from antenna_pin.apps.cli._export import (
-    CsvOption,
-    JsonOption,
-    PlotOption,
-    TableOption,
-    csv_target,
-    exported,
-    save_both,
-    targets_of,
-)
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import load, not_interrupted, say
+from antenna_pin.apps.cli._export import csv_target, exported, save_both, targets_of
+from antenna_pin.apps.cli._options import option
 from antenna_pin.apps.cli._tables import print_rows
 
 if TYPE_CHECKING:
@@ -54,20 +38,14 @@ QUANTITY = typer.Option(
 COUNT = typer.Option(metavar="N", help="Number of points, 32 or more.")
 TOLERANCE = typer.Option(help="Settled: drift below this part of a quantity's largest value.")
 TransientOption = Annotated[
-    int | None,
-    typer.Option(
-        metavar="N", help="Points of the transient, which are cut; until they have settled if left out."
-    ),
+    int | None, option("Points of the transient, which are cut; until they have settled if left out.", "N")
 ]
-MostOption = Annotated[
-    int | None,
-    typer.Option(metavar="N", help="Largest transient; 20 times --count if left out."),
-]
+MostOption = Annotated[int | None, option("Largest transient; 20 times --count if left out.", "N")]
 
 
 def poincare(
     context: typer.Context,
-    scenario: ScenarioArgument,
+    scenario: options.Scenario,
     quantity: Annotated[list[str], QUANTITY],
     section: Annotated[str, SECTION] = "period",
     direction: Annotated[Direction, DIRECTION] = Direction.RISING,
@@ -76,13 +54,13 @@ def poincare(
     transient: TransientOption = None,
     most: MostOption = None,
     tolerance: Annotated[float, TOLERANCE] = 1e-4,
-    case: CaseOption = None,
-    settings: SetOption = None,
-    out: TableOption = None,
-    plot: PlotOption = None,
-    width: WidthOption = Width.COLUMN,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    case: options.Case = None,
+    settings: options.Set = None,
+    out: options.Dataset = None,
+    plot: options.Plot = None,
+    width: options.FigureWidth = options.Width.COLUMN,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Compute the points in which a settled motion returns to a section.
 

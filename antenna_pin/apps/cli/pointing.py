@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.apps.cli._common import FilesArgument, label_of, load_result, refuse, say
-from antenna_pin.apps.cli._export import CsvOption, JsonOption, csv_target, say_json, write_csv
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import label_of, load_result, refuse, say
+from antenna_pin.apps.cli._export import csv_target, say_json, write_csv
+from antenna_pin.apps.cli._options import option
 from antenna_pin.apps.cli._tables import print_rows
 from antenna_pin.apps.cli._usage import direction_of, seconds_in
 from antenna_pin.errors import InvalidParameterError
@@ -35,36 +37,28 @@ _UNITS = ((1e-3, "µrad", 1e6), (0.1, "mrad", 1e3), (math.inf, "deg", 180.0 / ma
 
 
 def pointing(
-    files: FilesArgument,
-    ideal: Annotated[Path | None, typer.Option(metavar="FILE", help="Result of the reference run.")] = None,
+    files: options.Results,
+    ideal: Annotated[Path | None, option("Result of the reference run.", "FILE")] = None,
     direction: Annotated[
-        str | None,
-        typer.Option(metavar="X,Y,Z", help="Commanded direction in world axes, instead of an ideal run."),
+        str | None, option("Commanded direction in world axes, instead of an ideal run.", "X,Y,Z")
     ] = None,
     window: Annotated[
-        str | None,
-        typer.Option(metavar="TIME", help="Length of the windows for MPE, RPE, PDE and PRE ('0.5 s')."),
+        str | None, option("Length of the windows for MPE, RPE, PDE and PRE ('0.5 s').", "TIME")
     ] = None,
-    drift_spacing: Annotated[
-        str | None, typer.Option(metavar="TIME", help="Time between the two windows of the PDE.")
-    ] = None,
+    drift_spacing: Annotated[str | None, option("Time between the two windows of the PDE.", "TIME")] = None,
     period: Annotated[
-        str | None,
-        typer.Option(metavar="TIME", help="Length of the observation periods for PDE and PRE."),
+        str | None, option("Length of the observation periods for PDE and PRE.", "TIME")
     ] = None,
-    confidence: Annotated[float, typer.Option(help="Confidence of the levels.")] = 0.997,
+    confidence: Annotated[float, option("Confidence of the levels.")] = 0.997,
     body: Annotated[
-        str | None, typer.Option(metavar="LINK", help="Link with the boresight; the scenario's if left out.")
+        str | None, option("Link with the boresight; the scenario's if left out.", "LINK")
     ] = None,
     boresight: Annotated[
-        str | None,
-        typer.Option(metavar="X,Y,Z", help="Boresight in the link's frame; the scenario's if left out."),
+        str | None, option("Boresight in the link's frame; the scenario's if left out.", "X,Y,Z")
     ] = None,
-    up: Annotated[
-        str | None, typer.Option(metavar="X,Y,Z", help="Second axis, reference of clocking.")
-    ] = None,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    up: Annotated[str | None, option("Second axis, reference of clocking.", "X,Y,Z")] = None,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Compute pointing error indices of ECSS-E-ST-60-10C.
 

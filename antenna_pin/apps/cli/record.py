@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from antenna_pin.apps.cli import _options as options
 from antenna_pin.apps.cli._common import (
     SIGNALLED,
-    PackagePathOption,
-    ResultArgument,
     complain,
     load_result,
     not_interrupted,
     package_folders,
     say,
 )
+from antenna_pin.apps.cli._options import option
 from antenna_pin.apps.cli._progress import picture_bar
 from antenna_pin.apps.cli._usage import direction_of, seconds_in
 from antenna_pin.base.interruption import ended_by
@@ -63,14 +63,14 @@ def check_options(
     from antenna_pin.base.files import check_writable
     from antenna_pin.show.record import check_film
 
-    for option, given, kinds in (
+    for name, given, kinds in (
         ("--at", at, (Kind.PICTURE,)),
         ("--fps", fps, (Kind.MP4, Kind.GIF, Kind.FRAMES)),
         ("--size", size, (Kind.PICTURE, Kind.MP4, Kind.GIF, Kind.FRAMES)),
     ):
         if given is not None and kind not in kinds:
             names = ", ".join(known.value or "a folder" for known in kinds)
-            raise InvalidParameterError(option, "output", f"one of {names}", str(out))
+            raise InvalidParameterError(name, "output", f"one of {names}", str(out))
     if kind is Kind.PAGE:
         check_writable(out)
     else:
@@ -120,26 +120,23 @@ class ViewName(StrEnum):
     JOINT = "joint"
 
 
-IdealOption = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="Result with ideal joints, drawn as a ghost.")
-]
-ViewOption = Annotated[ViewName, typer.Option(help="The whole mechanism, or a clearance joint close up.")]
-JointOption = Annotated[str | None, typer.Option(help="Clearance joint to show; the first one if left out.")]
+IdealOption = Annotated[Path | None, option("Result with ideal joints, drawn as a ghost.", "FILE")]
+ViewOption = Annotated[ViewName, option("The whole mechanism, or a clearance joint close up.")]
+JointOption = Annotated[str | None, option("Clearance joint to show; the first one if left out.")]
 CurveOption = Annotated[
     list[str] | None,
-    typer.Option(
-        metavar="NAME",
-        help="Quantity that the curve under the slider offers first, one of phase --list; can be repeated.",
+    option(
+        "Quantity that the curve under the slider offers first, one of phase --list; can be repeated.", "NAME"
     ),
 ]
 
 
 def record(
-    file: ResultArgument,
+    file: options.Result,
     out: Annotated[
         Path,
-        typer.Option(
-            help="What to write: NAME.html, a page that opens offline; NAME.mp4 or NAME.gif, a video;"
+        option(
+            "What to write: NAME.html, a page that opens offline; NAME.mp4 or NAME.gif, a video;"
             " NAME.png, a picture; a name without suffix, a folder of frames."
         ),
     ],
@@ -149,45 +146,37 @@ def record(
     curve: CurveOption = None,
     magnify: Annotated[
         float | None,
-        typer.Option(
-            help="How many times wider the joint's play is drawn, by itself a third as wide as its pin; of a"
+        option(
+            "How many times wider the joint's play is drawn, by itself a third as wide as its pin; of a"
             " mechanism how many times larger deflections of flexible links are, 1 by itself."
         ),
     ] = None,
-    body: Annotated[
-        str | None, typer.Option(help="Link whose boresight is drawn; the scenario's if left out.")
-    ] = None,
+    body: Annotated[str | None, option("Link whose boresight is drawn; the scenario's if left out.")] = None,
     boresight: Annotated[
-        str | None, typer.Option(metavar="X,Y,Z", help="Direction of the boresight in the link's frame.")
+        str | None, option("Direction of the boresight in the link's frame.", "X,Y,Z")
     ] = None,
     speed: Annotated[
-        str | None, typer.Option(help="Speed, such as 1 or 1/100; while a page plays it can be changed.")
+        str | None, option("Speed, such as 1 or 1/100; while a page plays it can be changed.")
     ] = None,
-    start: Annotated[
-        str | None, typer.Option(help="First time, in seconds or with a unit ('20 ms').")
-    ] = None,
-    end: Annotated[str | None, typer.Option(help="Last time, in seconds or with a unit.")] = None,
-    at: Annotated[str | None, typer.Option(help="Time of a picture; the start if left out.")] = None,
+    start: Annotated[str | None, option("First time, in seconds or with a unit ('20 ms').")] = None,
+    end: Annotated[str | None, option("Last time, in seconds or with a unit.")] = None,
+    at: Annotated[str | None, option("Time of a picture; the start if left out.")] = None,
     fps: Annotated[
-        float | None, typer.Option(help="Pictures per second of a video or folder; 30, or 20 for a GIF.")
+        float | None, option("Pictures per second of a video or folder; 30, or 20 for a GIF.")
     ] = None,
     size: Annotated[
-        str | None,
-        typer.Option(metavar="WxH", help="Size of pictures in pixels; 1280x720, or 800x450 for a GIF."),
+        str | None, option("Size of pictures in pixels; 1280x720, or 800x450 for a GIF.", "WxH")
     ] = None,
     key_rate: Annotated[
         float | None,
-        typer.Option(
-            help="Key frames per second of the run, besides all impacts; 500, or more where bodies turn fast."
-        ),
+        option("Key frames per second of the run, besides all impacts; 500, or more where bodies turn fast."),
         NumberRule("positive"),
     ] = None,
     max_size: Annotated[
-        Positive,
-        typer.Option(metavar="MB", help="Largest size of a page; key frames are thinned to it."),
+        Positive, option("Largest size of a page; key frames are thinned to it.", "MB")
     ] = 5.0,
-    package_path: PackagePathOption = None,
-    progress: Annotated[bool, typer.Option(help="Show a progress bar while filming.")] = True,
+    package_path: options.PackagePath = None,
+    progress: Annotated[bool, option("Show a progress bar while filming.")] = True,
 ) -> None:
     """Record a run in 3D: one self-contained HTML page with a player.
 

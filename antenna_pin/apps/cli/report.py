@@ -9,32 +9,28 @@ from typing import Annotated
 import typer
 
 from antenna_pin.apps.cli._common import writable_file
+from antenna_pin.apps.cli._options import argument, option, several
 from antenna_pin.base.readable import bare
 
 
 def report(
     files: Annotated[
         list[Path],
-        typer.Argument(
-            metavar="FILES...",
-            help="Result files of runs; also what phase, poincare, bifurcation, orbit and lyapunov save.",
+        argument(
+            "Result files of runs; also what phase, poincare, bifurcation, orbit and lyapunov save.",
+            "FILES...",
         ),
     ],
-    out: Annotated[Path, typer.Option(metavar="FILE", help="The report, an HTML file.")],
-    title: Annotated[str | None, typer.Option(help="Title; that of the runs if left out.")] = None,
-    figures: Annotated[bool, typer.Option(help="Draw figures.")] = True,
-    recordings: Annotated[bool, typer.Option(help="Embed 3D recordings, which play in a browser.")] = True,
+    out: Annotated[Path, option("The report, an HTML file.", "FILE")],
+    title: Annotated[str | None, option("Title; that of the runs if left out.")] = None,
+    figures: Annotated[bool, option("Draw figures.")] = True,
+    recordings: Annotated[bool, option("Embed 3D recordings, which play in a browser.")] = True,
     quantities: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--quantity", metavar="FILE.py:NAME", help="A key number by a function of a run. May be repeated."
-        ),
+        list[str] | None, several("A key number by a function of a run.", "FILE.py:NAME", "--quantity")
     ] = None,
     window: Annotated[
         str | None,
-        typer.Option(
-            help="Length of the windows of pointing indices ('0.5 s'); a tenth of the run if left out."
-        ),
+        option("Length of the windows of pointing indices ('0.5 s'); a tenth of the run if left out."),
     ] = None,
 ) -> None:
     """Write a report that compares runs: one HTML file for screen, phone and paper.

@@ -11,17 +11,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from antenna_pin.apps.cli import _options as options
 from antenna_pin.apps.cli._common import (
     ENDED_EARLY,
     SIGNALLED,
     UNBALANCED,
-    CaseOption,
-    DurationOption,
-    Engine,
-    GeometryOption,
-    ProgressOption,
-    QuietOption,
-    SetOption,
     complain,
     load,
     not_interrupted,
@@ -33,7 +27,8 @@ from antenna_pin.apps.cli._common import (
     stem,
     writable_file,
 )
-from antenna_pin.apps.cli._export import CsvOption, JsonOption, csv_target, rows_of, say_json, write_csv
+from antenna_pin.apps.cli._export import csv_target, rows_of, say_json, write_csv
+from antenna_pin.apps.cli._options import argument, flag, option
 from antenna_pin.apps.cli._progress import progress_bar
 from antenna_pin.apps.cli._tables import flat, say_answer
 from antenna_pin.apps.cli._usage import positive_quantity
@@ -48,9 +43,9 @@ if TYPE_CHECKING:
 def list_scenarios(
     scenario: Annotated[
         str | None,
-        typer.Argument(
-            metavar="[SCENARIO]",
-            help="Shipped name, TOML file or folder to list the cases of; all shipped ones if left out.",
+        argument(
+            "Shipped name, TOML file or folder to list the cases of; all shipped ones if left out.",
+            "[SCENARIO]",
         ),
     ] = None,
 ) -> None:
@@ -68,51 +63,36 @@ def list_scenarios(
 def run(
     scenario: Annotated[
         str | None,
-        typer.Argument(
-            metavar="[SCENARIO]",
-            help="Name of a shipped scenario, or path of a TOML file; left out with --resume.",
-        ),
+        argument("Name of a shipped scenario, or path of a TOML file; left out with --resume.", "[SCENARIO]"),
     ] = None,
-    case: CaseOption = None,
-    duration: DurationOption = None,
-    out: Annotated[Path | None, typer.Option(help="Result file; NAME-CASE.nc here if left out.")] = None,
-    settings: SetOption = None,
-    geometry: GeometryOption = None,
+    case: options.Case = None,
+    duration: options.Duration = None,
+    out: Annotated[Path | None, option("Result file; NAME-CASE.nc here if left out.")] = None,
+    settings: options.Set = None,
+    geometry: options.Gaps = None,
     engine: Annotated[
-        Engine | None, typer.Option(help="Engine of the run; compiled needs --geometry closed-form.")
+        options.Engine | None, option("Engine of the run; compiled needs --geometry closed-form.")
     ] = None,
     accuracy: Annotated[
-        float | None,
-        typer.Option(help="Wanted relative error, such as 1e-3: chooses the method and its tolerance."),
+        float | None, option("Wanted relative error, such as 1e-3: chooses the method and its tolerance.")
     ] = None,
-    lean: Annotated[
-        bool, typer.Option("--lean", help="Keep numbers and contact episodes only, no series.")
-    ] = False,
-    at: Annotated[
-        str | None, typer.Option(help="Sample at these times too, ascending, such as '0.1, 250 ms'.")
-    ] = None,
+    lean: Annotated[bool, flag("--lean", "Keep numbers and contact episodes only, no series.")] = False,
+    at: Annotated[str | None, option("Sample at these times too, ascending, such as '0.1, 250 ms'.")] = None,
     max_wall_time: Annotated[
         str | None,
-        typer.Option(
-            metavar="TIME",
-            help="Wall time after which the run stops; --resume continues it: integrator.max_wall_time.",
+        option(
+            "Wall time after which the run stops; --resume continues it: integrator.max_wall_time.", "TIME"
         ),
     ] = None,
-    checkpoint: Annotated[
-        str, typer.Option(metavar="TIME", help="Wall time from one checkpoint to the next.")
-    ] = "5 min",
+    checkpoint: Annotated[str, option("Wall time from one checkpoint to the next.", "TIME")] = "5 min",
     resume: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="Continue the run of this result from its last checkpoint.",
-        ),
+        Path | None, option("Continue the run of this result from its last checkpoint.", "FILE")
     ] = None,
-    progress: ProgressOption = True,
-    summary: Annotated[bool, typer.Option(help="Print a summary of the result.")] = True,
-    quiet: QuietOption = False,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    progress: options.Progress = True,
+    summary: Annotated[bool, option("Print a summary of the result.")] = True,
+    quiet: options.Quiet = False,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Simulate a scenario and save the result."""
     target = csv_target(csv)

@@ -7,18 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any, cast, get_args
 
 import typer
 
-from antenna_pin.apps.cli._common import CaseOption, SetOption, Width, WidthOption, load, not_interrupted
-from antenna_pin.apps.cli._export import (
-    CsvOption,
-    JsonOption,
-    PlotOption,
-    TableOption,
-    csv_target,
-    exported,
-    plain_dict,
-    save_both,
-    targets_of,
-)
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import load, not_interrupted
+from antenna_pin.apps.cli._export import csv_target, exported, plain_dict, save_both, targets_of
+from antenna_pin.apps.cli._options import argument, option
 from antenna_pin.apps.cli._tables import print_rows
 from antenna_pin.apps.cli._usage import positive_quantity
 from antenna_pin.base.capacity import check_count
@@ -31,32 +23,24 @@ if TYPE_CHECKING:
 
 def sensitivity(
     context: typer.Context,
-    scenario: Annotated[str, typer.Argument(metavar="SCENARIO", help="Scenario.")],
+    scenario: Annotated[str, argument("Scenario.", "SCENARIO")],
     keys: Annotated[
-        list[str],
-        typer.Argument(
-            metavar="KEY[=SCALE]...", help="Numbers of the scenario, as in --set; a scale where one is 0."
-        ),
+        list[str], argument("Numbers of the scenario, as in --set; a scale where one is 0.", "KEY[=SCALE]...")
     ],
-    case: CaseOption = None,
-    settings: SetOption = None,
-    duration: Annotated[str | None, typer.Option(metavar="TIME", help="Duration of the run.")] = None,
-    method: Annotated[
-        str, typer.Option(metavar="NAME", help="runs, quick-runs (two runs a key), or equation.")
-    ] = "runs",
-    start: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="State at the start, JSON of State.to_json.")
-    ] = None,
+    case: options.Case = None,
+    settings: options.Set = None,
+    duration: Annotated[str | None, option("Duration of the run.", "TIME")] = None,
+    method: Annotated[str, option("runs, quick-runs (two runs a key), or equation.", "NAME")] = "runs",
+    start: Annotated[Path | None, option("State at the start, JSON of State.to_json.", "FILE")] = None,
     pieces: Annotated[
-        str | None,
-        typer.Option(metavar="TIME", help="Length of pieces, each from the run's own state at its start."),
+        str | None, option("Length of pieces, each from the run's own state at its start.", "TIME")
     ] = None,
-    most: Annotated[int, typer.Option(help="Largest number of rows, the largest changes first.")] = 12,
-    out: TableOption = None,
-    plot: PlotOption = None,
-    width: WidthOption = Width.PAGE,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    most: Annotated[int, option("Largest number of rows, the largest changes first.")] = 12,
+    out: options.Dataset = None,
+    plot: options.Plot = None,
+    width: options.FigureWidth = options.Width.PAGE,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Differentiate results over numbers of a scenario, through all of its events.
 

@@ -4,27 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from antenna_pin.apps.cli._common import (
-    CaseOption,
-    ScenarioArgument,
-    SetOption,
-    Width,
-    WidthOption,
-    figure_target,
-    load,
-    say,
-)
-from antenna_pin.apps.cli._export import (
-    CsvOption,
-    JsonOption,
-    PlotOption,
-    csv_target,
-    exported,
-    plain,
-    save_plot,
-)
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import figure_target, load, say
+from antenna_pin.apps.cli._export import csv_target, exported, plain, save_plot
+from antenna_pin.apps.cli._options import flag, option, several
 from antenna_pin.apps.cli._tables import formatted, print_rows
 from antenna_pin.base.readable import bare, printed_unit, readable
 from antenna_pin.errors import InvalidParameterError
@@ -37,51 +20,39 @@ _ROWS = 13
 
 
 def statics(
-    scenario: ScenarioArgument,
-    case: CaseOption = None,
+    scenario: options.Scenario,
+    case: options.Case = None,
     joint: Annotated[
-        str | None,
-        typer.Option(
-            metavar="JOINT", help="Joint (or drive) to move quasi-statically; equilibria if left out."
-        ),
+        str | None, option("Joint (or drive) to move quasi-statically; equilibria if left out.", "JOINT")
     ] = None,
     start: Annotated[
-        str | None,
-        typer.Option(metavar="POSITION", help="Start of the travel; the joint's lower limit if left out."),
+        str | None, option("Start of the travel; the joint's lower limit if left out.", "POSITION")
     ] = None,
     stop: Annotated[
-        str | None,
-        typer.Option(metavar="POSITION", help="End of the travel; the joint's upper limit if left out."),
+        str | None, option("End of the travel; the joint's upper limit if left out.", "POSITION")
     ] = None,
-    count: Annotated[int, typer.Option(help="Number of positions of a travel.")] = 61,
-    back: Annotated[bool, typer.Option("--back/--out", help="Move the joint back too, or out only.")] = True,
+    count: Annotated[int, option("Number of positions of a travel.")] = 61,
+    back: Annotated[bool, flag("--back/--out", "Move the joint back too, or out only.")] = True,
     loop: Annotated[
-        str | None,
-        typer.Option(
-            metavar="TORQUE", help="Torque-angle loop of the joint instead of a travel, of this amplitude."
-        ),
+        str | None, option("Torque-angle loop of the joint instead of a travel, of this amplitude.", "TORQUE")
     ] = None,
     small_torque: Annotated[
-        str | None,
-        typer.Option(metavar="TORQUE", help="Torque of the lost motion; twice the friction if left out."),
+        str | None, option("Torque of the lost motion; twice the friction if left out.", "TORQUE")
     ] = None,
-    hold: Annotated[
-        list[str] | None,
-        typer.Option(metavar="JOINT", help="Further joint that does not move. May be repeated."),
-    ] = None,
-    starts: Annotated[int, typer.Option(help="Random poses from which equilibria are searched.")] = 16,
-    settings: SetOption = None,
-    plot: PlotOption = None,
-    width: WidthOption = Width.PAGE,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    hold: Annotated[list[str] | None, several("Further joint that does not move.", "JOINT")] = None,
+    starts: Annotated[int, option("Random poses from which equilibria are searched.")] = 16,
+    settings: options.Set = None,
+    plot: options.Plot = None,
+    width: options.FigureWidth = options.Width.PAGE,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Find equilibria, or move a joint at vanishing rate: needed torque, stiffness, lost motion."""
     table, target = csv_target(csv), figure_target(plot, "statics", "--plot")
     needs = (("--start", start), ("--stop", stop), ("--loop", loop), ("--plot", plot))
-    for option, value in needs:
+    for name, value in needs:
         if value is not None and joint is None:
-            raise InvalidParameterError("statics", option, "given with --joint JOINT", said=str(value))
+            raise InvalidParameterError("statics", name, "given with --joint JOINT", said=str(value))
     if loop is not None and (start is not None or stop is not None):
         rule = "left out with --start or --stop, a travel's; run the command twice"
         raise InvalidParameterError("statics", "--loop", rule, said=loop)

@@ -6,46 +6,35 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from antenna_pin.apps.cli._common import (
-    ResultArgument,
-    Width,
-    WidthOption,
-    figure_target,
-    label_of,
-    load_result,
-    say,
-)
-from antenna_pin.apps.cli._export import CsvOption, JsonOption, csv_target, exported, save_plot
-from antenna_pin.apps.cli._tables import length_text, number_text, print_rows
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import figure_target, label_of, load_result, say
+from antenna_pin.apps.cli._export import csv_target, exported, save_plot
+from antenna_pin.apps.cli._options import option
+from antenna_pin.apps.cli._tables import Columns, length_text, number_text, print_columns
 
 if TYPE_CHECKING:
     from antenna_pin.analysis import ContactStress
 
 
 def stress(
-    file: ResultArgument,
-    joint: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Clearance joint; all surfaces if left out.")
-    ] = None,
+    file: options.Result,
+    joint: Annotated[str | None, option("Clearance joint; all surfaces if left out.", "NAME")] = None,
     surfaces: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="TOML file of what the result does not hold: stops, teeth, edges."),
+        Path | None, option("TOML file of what the result does not hold: stops, teeth, edges.", "FILE")
     ] = None,
     yield_share: Annotated[
-        float, typer.Option(help="Share of the yield limit that a pressure may reach (ECSS-E-ST-33-01C).")
+        float, option("Share of the yield limit that a pressure may reach (ECSS-E-ST-33-01C).")
     ] = 0.93,
-    factor: Annotated[float, typer.Option(help="Factor on the pressure.")] = 1.0,
+    factor: Annotated[float, option("Factor on the pressure.")] = 1.0,
     conformal_above: Annotated[
-        float, typer.Option(help="Half-width over radius above which a bore is conformal (Persson).")
+        float, option("Half-width over radius above which a bore is conformal (Persson).")
     ] = 0.1,
     plot: Annotated[
-        Path | None, typer.Option("--plot", metavar="FILE", help="Figure of the pressures: png, pdf or svg.")
+        Path | None, option("Figure of the pressures: png, pdf or svg.", "FILE", "--plot")
     ] = None,
-    width: WidthOption = Width.PAGE,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    width: options.FigureWidth = options.Width.PAGE,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Compute the contact stress of a run: pressure, width, shear, share of the yield limit.
 
@@ -84,53 +73,58 @@ def stress(
         save_plot(figure_contact_stress(found, case=case, width=width.value), figure, as_json)
 
 
+_MET: Columns = {
+    "": lambda one: one.place,
+    "pressure [MPa]": lambda one: _mega(one.pressure),
+    "force [N]": lambda one: number_text(one.force),
+    "at [s]": lambda one: number_text(one.time),
+    "half-width": lambda one: length_text(one.half_width),
+    "shear [MPa]": lambda one: _mega(one.shear),
+    "at depth": lambda one: length_text(one.shear_depth),
+    "limit [MPa]": lambda one: _mega(one.limit),
+    "share of limit": lambda one: _plain(one.share),
+    "margin": lambda one: _plain(one.margin),
+}
+_ALONG: Columns = {
+    "": lambda one: one.place,
+    "largest / mean load": lambda one: _plain(one.line_load_ratio),
+    "at, along the axis": lambda one: length_text(one.along),
+    "length that touches": lambda one: length_text(one.loaded_length),
+    "edge loaded": lambda one: "yes" if one.edge_loaded else "no",
+}
+_BUSHINGS: Columns = {
+    "bushing": lambda one: one.joint,
+    "pressure [MPa]": lambda one: _mega(one.pressure),
+    "speed [m/s]": lambda one: _plain(one.speed),
+    "PV [MPa m/s]": lambda one: _mega(one.pv),
+    "at [s]": lambda one: number_text(one.time),
+    "mean PV [MPa m/s]": lambda one: _mega(one.mean_pv),
+    "limit [MPa m/s]": lambda one: _mega(one.limit),
+    "share of limit": lambda one: _plain(one.share),
+}
+_BEARINGS: Columns = {
+    "bearing": lambda one: one.place,
+    "ball load [N]": lambda one: number_text(one.ball_load),
+    "ball": lambda one: str(one.ball),
+    "at [s]": lambda one: number_text(one.time),
+    "pressure [MPa]": lambda one: _mega(one.pressure),
+    "s0": lambda one: _plain(one.static_factor),
+    "C0r of a row [N]": lambda one: number_text(one.radial_rating),
+    "C0a of a row [N]": lambda one: number_text(one.axial_rating),
+}
+
+
 def _print(result: ContactStress, label: str) -> None:
     """Print tables of surfaces, bushings and bearings, and the notes."""
     met = [one for one in result.surfaces if one.force > 0.0]
-    head = [
-        "",
-        "pressure [MPa]",
-        "force [N]",
-        "at [s]",
-        "half-width",
-        "shear [MPa]",
-        "at depth",
-        "limit [MPa]",
-    ]
-    head += ["share of limit", "margin"]
-    rows = [
-        [
-            one.place,
-            _mega(one.pressure),
-            number_text(one.force),
-            number_text(one.time),
-            length_text(one.half_width),
-            _mega(one.shear),
-            length_text(one.shear_depth),
-            _mega(one.limit),
-            _plain(one.share),
-            _plain(one.margin),
-        ]
-        for one in met
-    ]
-    if not met:
-        say(f"{label}: no surface with a known geometry has met another")
-    rule = f"margin = {result.yield_share:g} limit / ({result.factor:g} pressure) - 1"
     if met:
-        print_rows(f"{label}: contact stress at its peak; {rule}", head, rows)
+        rule = f"margin = {result.yield_share:g} limit / ({result.factor:g} pressure) - 1"
+        print_columns(f"{label}: contact stress at its peak; {rule}", met, _MET)
+    else:
+        say(f"{label}: no surface with a known geometry has met another")
     if lines := [one for one in met if math.isfinite(one.line_load_ratio)]:
-        head = ["", "largest / mean load", "at, along the axis", "length that touches", "edge loaded"]
-        rows = [
-            [
-                one.place,
-                _plain(one.line_load_ratio),
-                length_text(one.along),
-                length_text(one.loaded_length),
-                "yes" if one.edge_loaded else "no",
-            ]
-            for one in lines
-        ]
-        print_rows("bores: load along the line at that peak, from the middle of the bore", head, rows)
+        title = "bores: load along the line at that peak, from the middle of the bore"
+        print_columns(title, lines, _ALONG)
     said: dict[str, list[str]] = {}
     for one in met:
         theory = one.theory + (f"; limit of {one.material}" if math.isfinite(one.limit) else "")
@@ -141,41 +135,11 @@ def _print(result: ContactStress, label: str) -> None:
     if silent := [one.place for one in result.surfaces if not one.force > 0.0]:
         say(f"never touched: {', '.join(silent)}")
     if result.bushings:
-        head = ["bushing", "pressure [MPa]", "speed [m/s]", "PV [MPa m/s]", "at [s]", "mean PV [MPa m/s]"]
-        head += ["limit [MPa m/s]", "share of limit"]
-        rows = [
-            [
-                bush.joint,
-                _mega(bush.pressure),
-                _plain(bush.speed),
-                _mega(bush.pv),
-                number_text(bush.time),
-                _mega(bush.mean_pv),
-                _mega(bush.limit),
-                _plain(bush.share),
-            ]
-            for bush in result.bushings
-        ]
-        print_rows("bushings: mean pressure F / (L D), largest sliding speed, their product", head, rows)
+        title = "bushings: mean pressure F / (L D), largest sliding speed, their product"
+        print_columns(title, result.bushings, _BUSHINGS)
     if result.bearings:
-        head = ["bearing", "ball load [N]", "ball", "at [s]", "pressure [MPa]", "s0", "C0r of a row [N]"]
-        head += ["C0a of a row [N]"]
-        rows = [
-            [
-                ball.place,
-                number_text(ball.ball_load),
-                str(ball.ball),
-                number_text(ball.time),
-                _mega(ball.pressure),
-                _plain(ball.static_factor),
-                number_text(ball.radial_rating),
-                number_text(ball.axial_rating),
-            ]
-            for ball in result.bearings
-        ]
-        print_rows(
-            "ball bearings: static safety s0 by the pressure of 4200 MPa that ISO 76 permits", head, rows
-        )
+        title = "ball bearings: static safety s0 by the pressure of 4200 MPa that ISO 76 permits"
+        print_columns(title, result.bearings, _BEARINGS)
         for ball in result.bearings:
             for note in ball.notes:
                 say(f"{ball.place}: {note}")

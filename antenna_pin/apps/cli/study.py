@@ -13,16 +13,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.apps.cli._common import (
-    FigureFormatOption,
-    Width,
-    WidthOption,
-    figure_folder,
-    figure_formats,
-    say,
-    writable_file,
-)
-from antenna_pin.apps.cli._export import CsvOption, JsonOption, csv_target, exported
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import figure_folder, figure_formats, say, writable_file
+from antenna_pin.apps.cli._export import csv_target, exported
+from antenna_pin.apps.cli._options import argument, flag, option
 from antenna_pin.apps.cli._tables import number_text, print_rows
 from antenna_pin.apps.cli._usage import command_group
 from antenna_pin.base.readable import lasting, number, prefixed
@@ -147,7 +141,7 @@ def value_text(value: xr.DataArray) -> str:
 
 app = command_group("study", "Results of sweep: tables, figures, a report.")
 
-StoreArgument = Annotated[Path, typer.Argument(metavar="STORE", help="Folder of a study, NAME.study.")]
+StoreArgument = Annotated[Path, argument("Folder of a study, NAME.study.", "STORE")]
 
 _SHARES = (0.05, 0.5, 0.95, 0.997)
 _FAILURES = 20
@@ -155,11 +149,9 @@ _FAILURES = 20
 
 def show(
     store: StoreArgument,
-    failed: Annotated[
-        bool, typer.Option("--failed", help="List all runs that ended early or do not balance.")
-    ] = False,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    failed: Annotated[bool, flag("--failed", "List all runs that ended early or do not balance.")] = False,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Print outcomes and responses of the runs; --csv and --json have every run."""
     import numpy as np
@@ -215,17 +207,12 @@ def show(
 def plot(
     store: StoreArgument,
     names: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="[FIGURES...]", help="Names of figures; all that the study allows if left out."
-        ),
+        list[str] | None, argument("Names of figures; all that the study allows if left out.", "[FIGURES...]")
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="Where to write; STORE/figures if left out.")
-    ] = None,
-    formats: FigureFormatOption = "png",
-    width: WidthOption = Width.COLUMN,
-    listed: Annotated[bool, typer.Option("--list", help="List the figures, draw none.")] = False,
+    out: Annotated[Path | None, option("Where to write; STORE/figures if left out.", "FOLDER")] = None,
+    formats: options.FigureFormats = "png",
+    width: options.FigureWidth = options.Width.COLUMN,
+    listed: Annotated[bool, flag("--list", "List the figures, draw none.")] = False,
 ) -> None:
     """Draw responses over parameters, distributions, all against all, sensitivities."""
     from antenna_pin.show.views import figures_of_study
@@ -253,9 +240,9 @@ def plot(
 
 def report(
     store: StoreArgument,
-    out: Annotated[Path, typer.Option(metavar="FILE", help="The report, an HTML file.")],
-    title: Annotated[str | None, typer.Option(help="Title; that of the study if left out.")] = None,
-    figures: Annotated[bool, typer.Option(help="Draw figures.")] = True,
+    out: Annotated[Path, option("The report, an HTML file.", "FILE")],
+    title: Annotated[str | None, option("Title; that of the study if left out.")] = None,
+    figures: Annotated[bool, option("Draw figures.")] = True,
 ) -> None:
     """Write a report on a study: one HTML file for screen, phone and paper."""
     target = writable_file(out, ".html")

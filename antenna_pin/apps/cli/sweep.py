@@ -8,16 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.apps.cli._common import (
-    ProgressOption,
-    QuietOption,
-    WorkersOption,
-    complain,
-    executor_of,
-    refuse,
-    say,
-    setting_option,
-)
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import complain, executor_of, refuse, say
+from antenna_pin.apps.cli._options import argument, flag, option
 from antenna_pin.apps.cli._progress import study_bar
 from antenna_pin.apps.cli._tables import print_rows
 from antenna_pin.apps.cli.study import is_grid, print_grid, print_outcomes, run_rows, said_of_time
@@ -29,43 +22,34 @@ if TYPE_CHECKING:
 
 def sweep(
     study: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="[STUDY]", help="Study file, or name of a shipped study; lists those if left out."
-        ),
+        str | None, argument("Study file, or name of a shipped study; lists those if left out.", "[STUDY]")
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="Folder of the store; NAME.study here if left out.")
-    ] = None,
+    out: Annotated[Path | None, option("Folder of the store; NAME.study here if left out.", "FOLDER")] = None,
     settings: Annotated[
-        list[str] | None, setting_option("the study", "sampling.count=64 or 'set.duration=0.5 s'")
+        list[str] | None, options.settings_of("the study", "sampling.count=64 or 'set.duration=0.5 s'")
     ] = None,
     dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Print the planned runs and their duration; run nothing.")
+        bool, flag("--dry-run", "Print the planned runs and their duration; run nothing.")
     ] = False,
-    workers: WorkersOption = None,
+    workers: options.Workers = None,
     threads: Annotated[
         int | None,
-        typer.Option(metavar="N", help="Threads of this process, not processes; 0 for one for each core."),
+        option("Threads of this process, not processes; 0 for one for each core.", "N"),
         NumberRule("zero or more"),
     ] = None,
     scheduler: Annotated[
-        str | None, typer.Option(metavar="URL", help="Dask scheduler that has workers: tcp://host:8786.")
+        str | None, option("Dask scheduler that has workers: tcp://host:8786.", "URL")
     ] = None,
     tls_ca: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Certificate of the authority, for a tls:// scheduler."),
+        Path | None, option("Certificate of the authority, for a tls:// scheduler.", "FILE")
     ] = None,
-    tls_cert: Annotated[Path | None, typer.Option(metavar="FILE", help="Certificate of this client.")] = None,
-    tls_key: Annotated[Path | None, typer.Option(metavar="FILE", help="Its private key.")] = None,
+    tls_cert: Annotated[Path | None, option("Certificate of this client.", "FILE")] = None,
+    tls_key: Annotated[Path | None, option("Its private key.", "FILE")] = None,
     apart: Annotated[
-        bool,
-        typer.Option(
-            "--apart", help="If the store belongs to another study or version, create a second store."
-        ),
+        bool, flag("--apart", "If the store belongs to another study or version, create a second store.")
     ] = False,
-    progress: ProgressOption = True,
-    quiet: QuietOption = False,
+    progress: options.Progress = True,
+    quiet: options.Quiet = False,
 ) -> None:
     """Make the runs of a parameter study that its store lacks.
 

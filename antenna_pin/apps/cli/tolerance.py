@@ -6,21 +6,11 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from antenna_pin.apps.cli._common import (
-    CaseOption,
-    ScenarioArgument,
-    SetOption,
-    Width,
-    WidthOption,
-    figure_target,
-    load,
-    say,
-    stem,
-)
-from antenna_pin.apps.cli._export import CsvOption, JsonOption, csv_target, exported, save_plot
-from antenna_pin.apps.cli._tables import length_text, print_rows
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import figure_target, load, say, stem
+from antenna_pin.apps.cli._export import csv_target, exported, save_plot
+from antenna_pin.apps.cli._options import option
+from antenna_pin.apps.cli._tables import Columns, length_text, print_columns
 from antenna_pin.base.rules import ABOVE_ZERO, Positive
 from antenna_pin.errors import InvalidParameterError
 
@@ -32,32 +22,31 @@ _POINTS = 81
 
 
 def tolerance(
-    scenario: ScenarioArgument,
-    case: CaseOption = None,
-    settings: SetOption = None,
-    capability: Annotated[
-        Positive, typer.Option(help="C_p of the processes that make holes and shafts.")
-    ] = 1.0,
+    scenario: options.Scenario,
+    case: options.Case = None,
+    settings: options.Set = None,
+    capability: Annotated[Positive, option("C_p of the processes that make holes and shafts.")] = 1.0,
     least_ratio: Annotated[
-        Positive, typer.Option(help="Least play over its own tolerance (3: ECSS-E-ST-33-01C, 2009).")
+        Positive, option("Least play over its own tolerance (3: ECSS-E-ST-33-01C, 2009).")
     ] = 3.0,
     plot: Annotated[
-        Path | None,
-        typer.Option("--plot", metavar="FILE", help="Figure of the play over temperature: png, pdf or svg."),
+        Path | None, option("Figure of the play over temperature: png, pdf or svg.", "FILE", "--plot")
     ] = None,
-    coldest: Annotated[
-        str, typer.Option(metavar="TEMPERATURE", help="Lowest temperature of the figure.")
-    ] = "-60 degC",
-    hottest: Annotated[str, typer.Option(metavar="TEMPERATURE", help="Highest temperature.")] = "100 degC",
-    width: WidthOption = Width.PAGE,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    coldest: Annotated[str, option("Lowest temperature of the figure.", "TEMPERATURE")] = "-60 degC",
+    hottest: Annotated[str, option("Highest temperature.", "TEMPERATURE")] = "100 degC",
+    width: options.FigureWidth = options.Width.PAGE,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Compute fits, plays at temperature, and chains of tolerances.
 
     Worst case, root sum square and distribution; clearances over their own tolerance.
     """
     target, figure = csv_target(csv), figure_target(plot, "tolerance", "--plot")
+    if figure is not None:
+        low, high = _kelvin(coldest, "--coldest"), _kelvin(hottest, "--hottest")
+        if not low < high:
+            raise InvalidParameterError("tolerance", "--hottest", f"above --coldest = {coldest}", hottest)
     loaded = load(scenario, case, settings)
     joints, chains = _joints(loaded, capability), _chains(loaded)
     facts = {
@@ -78,10 +67,7 @@ def tolerance(
         from antenna_pin.scenario.assemble import play_over_temperature
         from antenna_pin.show.plot import figure_play_over_temperature
 
-        ends = (_kelvin(coldest, "--coldest"), _kelvin(hottest, "--hottest"))
-        if not ends[0] < ends[1]:
-            raise InvalidParameterError("tolerance", "--hottest", f"above --coldest = {coldest}", hottest)
-        steps = [ends[0] + k * (ends[1] - ends[0]) / (_POINTS - 1) for k in range(_POINTS)]
+        steps = [low + k * (high - low) / (_POINTS - 1) for k in range(_POINTS)]
         plays = {one["joint"]: play_over_temperature(loaded, one["joint"], steps) for one in joints}
         save_plot(figure_play_over_temperature(plays, width=width.value), figure, as_json)
 
@@ -154,24 +140,45 @@ def _chains(scenario: Scenario) -> list[dict[str, Any]]:
     return found
 
 
+_FITS: Columns = {
+    "fit": lambda one: one["joint"],
+    "": lambda one: one["fit"],
+    "hole [um]": lambda one: f"{_micro(one['hole_lower'])} to {_micro(one['hole_upper'])}",
+    "shaft [um]": lambda one: f"{_micro(one['shaft_lower'])} to {_micro(one['shaft_upper'])}",
+    "least play": lambda one: length_text(one["least_play"]),
+    "mean": lambda one: length_text(one["mean_play"]),
+    "largest": lambda one: length_text(one["largest_play"]),
+    "standard deviation": lambda one: length_text(one["standard_deviation"]),
+}
+_PLAYS: Columns = {
+    "joint": lambda one: one["joint"],
+    "radial play": lambda one: length_text(one["radial_play"]),
+    "at the reference": lambda one: length_text(one["radial_play_at_reference"]),
+    "axial play": lambda one: length_text(one["axial_play"]),
+    "bearing": lambda one: _degrees(one["bearing_temperature"]),
+    "journal": lambda one: _degrees(one["journal_temperature"]),
+    "play gone at": lambda one: _degrees(one["closing_temperature"]),
+}
+_CHAINS: Columns = {
+    "chain": lambda one: one["chain"],
+    "nominal": lambda one: length_text(one["nominal"]),
+    "mean": lambda one: length_text(one["mean"]),
+    "worst case": lambda one: _span(one["worst_case_least"], one["worst_case_largest"]),
+    "root sum square": lambda one: _span(one["root_sum_square_least"], one["root_sum_square_largest"]),
+    "0.135 % to 99.865 %": lambda one: _span(one["quantile_0_00135"], one["quantile_0_99865"]),
+    "standard deviation": lambda one: length_text(one["standard_deviation"]),
+    "mean over tolerance": lambda one: f"{one['mean_over_tolerance']:.3g}",
+    "below least": lambda one: _share(one["probability_below_least"]),
+    "above most": lambda one: _share(one["probability_above_most"]),
+}
+
+
 def _print(
     label: str, joints: list[dict[str, Any]], chains: list[dict[str, Any]], least_ratio: float
 ) -> None:
     fits = [one for one in joints if "fit" in one]
     if fits:
-        head = ["fit", "", "hole [um]", "shaft [um]", "least play", "mean", "largest", "standard deviation"]
-        rows = [
-            [
-                one["joint"],
-                one["fit"],
-                f"{_micro(one['hole_lower'])} to {_micro(one['hole_upper'])}",
-                f"{_micro(one['shaft_lower'])} to {_micro(one['shaft_upper'])}",
-                *(length_text(one[key]) for key in ("least_play", "mean_play", "largest_play")),
-                length_text(one["standard_deviation"]),
-            ]
-            for one in fits
-        ]
-        print_rows(f"{label}: fits, ISO 286; radial play at the temperatures of the parts", head, rows)
+        print_columns(f"{label}: fits, ISO 286; radial play at the temperatures of the parts", fits, _FITS)
         for one in fits:
             ratio = one["play_over_tolerance"]
             verdict = "at least" if ratio >= least_ratio else "less than"
@@ -181,47 +188,9 @@ def _print(
                 f"{least_ratio:g} {source}"
             )
     if joints:
-        head = [
-            "joint",
-            "radial play",
-            "at the reference",
-            "axial play",
-            "bearing",
-            "journal",
-            "play gone at",
-        ]
-        rows = [
-            [
-                one["joint"],
-                length_text(one["radial_play"]),
-                length_text(one["radial_play_at_reference"]),
-                length_text(one["axial_play"]),
-                _degrees(one["bearing_temperature"]),
-                _degrees(one["journal_temperature"]),
-                _degrees(one["closing_temperature"]),
-            ]
-            for one in joints
-        ]
-        print_rows(f"{label}: play at the temperatures of the parts", head, rows)
+        print_columns(f"{label}: play at the temperatures of the parts", joints, _PLAYS)
     if chains:
-        head = ["chain", "nominal", "mean", "worst case", "root sum square", "0.135 % to 99.865 %"]
-        head += ["standard deviation", "mean over tolerance", "below least", "above most"]
-        rows = [
-            [
-                one["chain"],
-                length_text(one["nominal"]),
-                length_text(one["mean"]),
-                _span(one["worst_case_least"], one["worst_case_largest"]),
-                _span(one["root_sum_square_least"], one["root_sum_square_largest"]),
-                _span(one["quantile_0_00135"], one["quantile_0_99865"]),
-                length_text(one["standard_deviation"]),
-                f"{one['mean_over_tolerance']:.3g}",
-                _share(one["probability_below_least"]),
-                _share(one["probability_above_most"]),
-            ]
-            for one in chains
-        ]
-        print_rows(f"{label}: chains of tolerances", head, rows)
+        print_columns(f"{label}: chains of tolerances", chains, _CHAINS)
         for one in chains:
             shares = sorted(one["shares"].items(), key=lambda item: -item[1])
             parts = ", ".join(f"{name} {100.0 * share:.3g} %" for name, share in shares)

@@ -8,18 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from antenna_pin.apps.cli._common import (
-    REFUSED,
-    CaseOption,
-    PackagePathOption,
-    SetOption,
-    load,
-    package_folders,
-    refuse,
-    say,
-    stem,
-    writable_file,
-)
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import REFUSED, load, package_folders, refuse, say, stem, writable_file
+from antenna_pin.apps.cli._options import argument, flag, option
 
 if TYPE_CHECKING:
     from antenna_pin.mechanism import Mechanism, Urdf, WrittenUrdf
@@ -31,27 +22,21 @@ _SUFFIXES = (".urdf", ".xacro")
 def urdf(
     targets: Annotated[
         list[str],
-        typer.Argument(
-            metavar="SCENARIO|FILE...",
-            help="A scenario; with --check URDF files, folders of them and scenarios, any number.",
+        argument(
+            "A scenario; with --check URDF files, folders of them and scenarios, any number.",
+            "SCENARIO|FILE...",
         ),
     ],
-    check: Annotated[
-        bool, typer.Option("--check", help="Report for each the ignored, assumed or refused parts.")
-    ] = False,
-    case: CaseOption = None,
+    check: Annotated[bool, flag("--check", "Report for each the ignored, assumed or refused parts.")] = False,
+    case: options.Case = None,
     out: Annotated[
-        Path | None,
-        typer.Option(help="URDF file; NAME-CASE.urdf here if left out. With --check a text file."),
+        Path | None, option("URDF file; NAME-CASE.urdf here if left out. With --check a text file.")
     ] = None,
     copy_meshes: Annotated[
-        bool,
-        typer.Option(
-            "--copy-meshes", help="Copy the mesh files into its folder, so that the folder can be moved."
-        ),
+        bool, flag("--copy-meshes", "Copy the mesh files into its folder, so that the folder can be moved.")
     ] = False,
-    package_path: PackagePathOption = None,
-    settings: SetOption = None,
+    package_path: options.PackagePath = None,
+    settings: options.Set = None,
 ) -> None:
     """Write the URDF of a case, or check which parts of URDFs are used (--check).
 

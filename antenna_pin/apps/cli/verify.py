@@ -8,17 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from antenna_pin.apps.cli._common import (
-    ProgressOption,
-    QuietOption,
-    WorkersOption,
-    complain,
-    executor_of,
-    not_interrupted,
-    say,
-    setting_option,
-)
-from antenna_pin.apps.cli._export import JsonOption, csv_target, say_json, write_csv
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import complain, executor_of, not_interrupted, say
+from antenna_pin.apps.cli._export import csv_target, say_json, write_csv
+from antenna_pin.apps.cli._options import argument, option
 from antenna_pin.apps.cli._progress import verification_bar
 from antenna_pin.apps.cli._tables import print_rows
 from antenna_pin.apps.cli._usage import command_of
@@ -34,29 +27,25 @@ def verify(
     context: typer.Context,
     file: Annotated[
         str | None,
-        typer.Argument(
-            metavar="[FILE]",
-            help="Requirements file, scenario with requirements, or name of a shipped one; lists those if"
+        argument(
+            "Requirements file, scenario with requirements, or name of a shipped one; lists those if"
             " left out.",
+            "[FILE]",
         ),
     ] = None,
     output: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="DIR", help="Folder of report, numbers and runs; NAME.verification if left out."
-        ),
+        Path | None, option("Folder of report, numbers and runs; NAME.verification if left out.", "DIR")
     ] = None,
-    workers: WorkersOption = None,
-    settings: Annotated[list[str] | None, setting_option("the file", "'set.duration=0.5 s'")] = None,
-    figures: Annotated[bool, typer.Option(help="Draw figures.")] = True,
-    report: Annotated[bool, typer.Option(help="Write the report.")] = True,
-    as_json: JsonOption = False,
+    workers: options.Workers = None,
+    settings: Annotated[list[str] | None, options.settings_of("the file", "'set.duration=0.5 s'")] = None,
+    figures: Annotated[bool, option("Draw figures.")] = True,
+    report: Annotated[bool, option("Write the report.")] = True,
+    as_json: options.Json = False,
     csv: Annotated[
-        Path | None,
-        typer.Option("--csv", metavar="FILE", help="Write the verification matrix to a CSV file, too."),
+        Path | None, option("Write the verification matrix to a CSV file, too.", "FILE", "--csv")
     ] = None,
-    progress: ProgressOption = True,
-    quiet: QuietOption = False,
+    progress: options.Progress = True,
+    quiet: options.Quiet = False,
 ) -> None:
     """Verify requirements: make the missing runs, and write one report.
 
@@ -124,19 +113,8 @@ def _report(
 
 
 def _rows(facts: Mapping[str, Any]) -> tuple[list[str], Iterator[list[Any]]]:
-    names = (
-        "requirement",
-        "quantity",
-        "of",
-        "units",
-        "at_least",
-        "at_most",
-        "nominal",
-        "result",
-        "margin",
-        "verdict",
-    )
-    return list(names), ([one[name] for name in names] for one in facts["requirements"])
+    names = "requirement quantity of units at_least at_most nominal result margin verdict".split()
+    return names, ([one[name] for name in names] for one in facts["requirements"])
 
 
 def _print(facts: Mapping[str, Any]) -> None:

@@ -9,17 +9,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from antenna_pin.apps.cli._common import (
-    ResultArgument,
-    Width,
-    WidthOption,
-    figure_target,
-    label_of,
-    load_result,
-)
-from antenna_pin.apps.cli._export import CsvOption, JsonOption, csv_target, exported, plain, save_plot
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import figure_target, label_of, load_result
+from antenna_pin.apps.cli._export import csv_target, exported, plain, save_plot
+from antenna_pin.apps.cli._options import option, several
 from antenna_pin.apps.cli._tables import number_text, print_rows
 from antenna_pin.apps.cli._usage import command_group, positive_quantity
 from antenna_pin.base.readable import bare, decimal_in
@@ -36,36 +29,29 @@ app = command_group(
 
 OfOption = Annotated[
     str | None,
-    typer.Option(
+    option(
+        "Quantity of the run (phase --list has all); the last link's acceleration if left out.",
+        "NAME",
         "--of",
-        metavar="NAME",
-        help="Quantity of the run (phase --list has all); the last link's acceleration if left out.",
     ),
 ]
-SegmentOption = Annotated[
-    str | None, typer.Option(metavar="TIME", help="Length of a window; an eighth of the run if left out.")
-]
-FigureOption = Annotated[
-    Path | None, typer.Option("--plot", metavar="FILE", help="Figure of the result: png, pdf or svg.")
-]
+SegmentOption = Annotated[str | None, option("Length of a window; an eighth of the run if left out.", "TIME")]
+FigureOption = Annotated[Path | None, option("Figure of the result: png, pdf or svg.", "FILE", "--plot")]
 
 
 def response(
-    file: ResultArgument,
+    file: options.Result,
     of: OfOption = None,
     to: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAME",
-            help="Quantity of the excitation; the base's acceleration if left out. Not for a sweep.",
-        ),
+        option("Quantity of the excitation; the base's acceleration if left out. Not for a sweep.", "NAME"),
     ] = None,
-    periods: Annotated[float, typer.Option(help="Length of a window of a sweep, in periods.")] = 10.0,
+    periods: Annotated[float, option("Length of a window of a sweep, in periods.")] = 10.0,
     segment: SegmentOption = None,
     plot: FigureOption = None,
-    width: WidthOption = Width.PAGE,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    width: options.FigureWidth = options.Width.PAGE,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Compute the response to a shaken base over the frequency.
 
@@ -77,6 +63,9 @@ def response(
     target, figure = csv_target(csv), figure_target(plot, "vibration", "--plot")
     run = load_result(file, scenario=False)
     swept = to is None and any("pieces" in one["shakes"] for one in shakes_of(run).values())
+    if figure is not None and not swept:
+        rule = "left out: the figure is of a swept base; --csv has the numbers"
+        raise InvalidParameterError("vibration", "--plot", rule, str(figure))
     if swept:
         found = swept_response(run, _name(run, of), periods=periods)
     else:
@@ -100,9 +89,6 @@ def response(
             values = (row["frequency"], row["gain"], row["coherence"], 100.0 * row["error"])
             shown.append([*map(number_text, values)])
         print_rows(f"{label_of(run, file)}: {found.attrs['target']}, largest gains", head, shown)
-    if figure is not None and not swept:
-        rule = "left out: the figure is of a swept base; --csv has the numbers"
-        raise InvalidParameterError("vibration", "--plot", rule, str(figure))
     if figure is not None:
         from antenna_pin.show.plot import figure_swept
 
@@ -110,18 +96,15 @@ def response(
 
 
 def density(
-    file: ResultArgument,
+    file: options.Result,
     of: OfOption = None,
     segment: SegmentOption = None,
-    confidence: Annotated[float, typer.Option(help="Probability of the interval.")] = 0.95,
-    band: Annotated[
-        list[str] | None,
-        typer.Option(metavar="LOW,HIGH", help="Band for a root mean square [Hz]. May be repeated."),
-    ] = None,
+    confidence: Annotated[float, option("Probability of the interval.")] = 0.95,
+    band: Annotated[list[str] | None, several("Band for a root mean square [Hz].", "LOW,HIGH")] = None,
     plot: FigureOption = None,
-    width: WidthOption = Width.PAGE,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    width: options.FigureWidth = options.Width.PAGE,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Compute a quantity's power spectral density with confidence, and rms values of bands."""
     from antenna_pin.analysis import band_rms, power_density, quantity
@@ -146,13 +129,13 @@ def density(
 
 
 def shock(
-    file: ResultArgument,
+    file: options.Result,
     of: OfOption = None,
-    quality: Annotated[float, typer.Option(help="Q of the oscillators, 1/(2 damping ratio).")] = 10.0,
+    quality: Annotated[float, option("Q of the oscillators, 1/(2 damping ratio).")] = 10.0,
     plot: FigureOption = None,
-    width: WidthOption = Width.PAGE,
-    as_json: JsonOption = False,
-    csv: CsvOption = None,
+    width: options.FigureWidth = options.Width.PAGE,
+    as_json: options.Json = False,
+    csv: options.Csv = None,
 ) -> None:
     """Compute the shock response spectrum of an acceleration."""
     from antenna_pin.analysis import quantity, shock_spectrum

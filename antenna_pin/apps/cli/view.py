@@ -14,14 +14,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from antenna_pin.apps.cli._common import (
-    PackagePathOption,
-    ResultArgument,
-    load_result,
-    not_interrupted,
-    package_folders,
-    say,
-)
+from antenna_pin.apps.cli import _options as options
+from antenna_pin.apps.cli._common import load_result, not_interrupted, package_folders, say
+from antenna_pin.apps.cli._options import option
 from antenna_pin.apps.cli.record import CurveOption, IdealOption, JointOption, ViewName, ViewOption
 from antenna_pin.errors import MissingToolError, OutputError
 
@@ -35,10 +30,6 @@ _SCREENS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
 
 def browser_for_pages(command: str, way_out: str) -> webbrowser.BaseBrowser:
     """Return the browser.
-
-    Args:
-        command: Name of the caller, for messages.
-        way_out: What to do where there is none.
 
     Raises:
         MissingToolError: There is no screen, or no browser.
@@ -69,19 +60,17 @@ def opened_by_file(browser: webbrowser.BaseBrowser, address: str) -> Iterator[bo
 
 
 def view(
-    file: ResultArgument,
+    file: options.Result,
     ideal: IdealOption = None,
     view: ViewOption = ViewName.MECHANISM,
     joint: JointOption = None,
     curve: CurveOption = None,
     out: Annotated[
         Path | None,
-        typer.Option(
-            metavar="NAME.html", help="The page; by default in the result's folder, or in a temporary folder."
-        ),
+        option("The page; by default in the result's folder, or in a temporary folder.", "NAME.html"),
     ] = None,
-    package_path: PackagePathOption = None,
-    browser: Annotated[bool, typer.Option(help="Open the page, or only make it and print its path.")] = True,
+    package_path: options.PackagePath = None,
+    browser: Annotated[bool, option("Open the page, or only make it and print its path.")] = True,
 ) -> None:
     """Show a run in 3D in the browser: make its page and open it.
 

@@ -28,22 +28,14 @@ class UnitVariable(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Packed:
-    """A scenario, and which of its numbers are an FMU's.
+    """A scenario, and which of its numbers are an FMU's."""
 
-    Attributes:
-        scenario: The scenario.
-        inputs: What is commanded: names of :attr:`antenna_pin.run.session.Session.command`, or places of
-            numbers.
-        outputs: What is read by name, as a session is.
-        parameters: Places of the scenario's numbers that may be set before the start.
-        token: Token that connects a model description with its unit.
-    """
-
-    scenario: Scenario
+    scenario: Scenario  # the scenario
+    # What is commanded: names of :attr:`antenna_pin.run.session.Session.command`, or places of numbers.
     inputs: tuple[str, ...]
-    outputs: tuple[str, ...]
-    parameters: tuple[str, ...]
-    token: str
+    outputs: tuple[str, ...]  # what is read by name, as a session is
+    parameters: tuple[str, ...]  # places of the scenario's numbers that may be set before the start
+    token: str  # token that connects a model description with its unit
 
     def write(self, folder: Path) -> None:
         """Write it into a folder."""

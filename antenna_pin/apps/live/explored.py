@@ -104,16 +104,8 @@ class Explored:
             raise UnknownNameError("explore", "joint", joint, self.joints)
         self.joint = joint
         span = self._begun.duration
-        time = Knob(
-            group="Run",
-            name="time shown",
-            place="duration",
-            unit="s",
-            value=span,
-            low=min(0.01, 0.1 * span),
-            high=max(self._given.duration, span),
-            logarithmic=True,
-        )
+        ends = min(0.01, 0.1 * span), max(self._given.duration, span)
+        time = Knob("Run", "time shown", "duration", "s", span, *ends, logarithmic=True)
         self.knobs = [*knobs_of(self._begun, joint, self._sliding), time]
         self._all = {knob.place: knob for knob in self.knobs} | getattr(self, "_all", {})
 

@@ -37,7 +37,7 @@ _PLURAL = re.compile(r"(?<=ch)es$|s$")
 _FROM_0_TO_1 = frozenset({"restitution", "efficiency", "efficiency_back"})
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Knob:
     """Adjustable number.
 
@@ -152,12 +152,19 @@ def _joints(spec: Any) -> tuple[Any, ...]:
     return tuple(getattr(spec, key, None) for key in ("joint", "input", "output"))
 
 
-def _ranged(value: float, wide: float = _USUAL) -> dict[str, Any]:
-    """Return the range of a number of which no more is known than its value."""
+def _ranged(value: float, wide: float = _USUAL) -> tuple[float, float, bool]:
+    """Return ends of a range about a value, and whether it goes by factors."""
     if value > 0.0:
-        return {"low": value / wide, "high": value * wide, "logarithmic": True}
+        return value / wide, value * wide, True
     reach = 3.0 * abs(value) or 1.0
-    return {"low": -reach, "high": reach, "logarithmic": False}
+    return -reach, reach, False
+
+
+def _ranged_by(key: str, value: float, *wide: str) -> tuple[float, float, bool]:
+    """Return the range of a number by its key; wider of stiffness or ``wide``."""
+    if key in _FROM_0_TO_1:
+        return 0.0, 1.0, False
+    return _ranged(value, _WIDE if key in ("stiffness", *wide) else _USUAL)
 
 
 def _words(key: str) -> str:
@@ -185,36 +192,20 @@ def _of_play(scenario: Scenario, joint: str | None) -> Iterator[Knob]:
     if spec.fit is not None:  # its radii follow from places in the zones of hole and shaft
         shown -= {"journal_radius"}
         for key, name in (("fit_hole", "hole in its zone"), ("fit_shaft", "shaft in its zone")):
-            ends: dict[str, Any] = {"low": -1.0, "high": 1.0, "logarithmic": False}
             place = f"clearance.{joint}.{key}"
-            yield Knob(
-                group=f"Play in {joint}",
-                name=name,
-                place=place,
-                unit="1",
-                value=getattr(spec, key),
-                **ends,
-            )
+            yield Knob(f"Play in {joint}", name, place, "1", getattr(spec, key), -1.0, 1.0, False)
     for key, (name, start, factor) in sizes.items():
         written = getattr(spec, key)
         if written is None or key not in shown:
             continue
         play = (written - start) / factor
-        about = _ranged(play)
-        if about["logarithmic"]:
-            about["high"] = min(about["high"], max(widest, play))
+        low, high, logarithmic = _ranged(play)
+        if logarithmic:
+            high = min(high, max(widest, play))
         else:  # pressed, or with no play: up to what it may be
-            about = {"low": min(2.0 * play, 0.0), "high": 0.05 * widest, "logarithmic": False}
-        yield Knob(
-            group=f"Play in {joint}",
-            name=name,
-            place=f"clearance.{joint}.{key}",
-            unit="m",
-            value=play,
-            start=start,
-            factor=factor,
-            **about,
-        )
+            low, high = min(2.0 * play, 0.0), 0.05 * widest
+        place, ends = f"clearance.{joint}.{key}", (low, high, logarithmic)
+        yield Knob(f"Play in {joint}", name, place, "m", play, *ends, start, factor)
 
 
 def _of_laws(scenario: Scenario, joint: str | None) -> Iterator[Knob]:
@@ -247,20 +238,13 @@ def _of_law(
         if key in _LEFT or key not in declared:
             continue
         unit = unit_of(key, name, known, values, dissipation)
-        about = _ranged(value, _WIDE if key in ("stiffness", "modulus") else _USUAL)
-        if key in _FROM_0_TO_1:
-            about = {"low": 0.0, "high": 1.0, "logarithmic": False}
-        elif frictional and unit == "1":
-            about = {"low": 0.0, "high": max(1.0, 2.0 * value), "logarithmic": False}
-        word = {"radial": "bore, ", "axial": "flanges, "}.get(table, "")
-        yield Knob(
-            group=f"{'Friction' if frictional else 'Contact'} in {joint}",
-            name=word + _words(key) + (" friction" if frictional and key in ("static", "dynamic") else ""),
-            place=f"{place}.{key}",
-            unit=unit,
-            value=value,
-            **about,
-        )
+        ends = _ranged_by(key, value, "modulus")
+        if frictional and unit == "1" and key not in _FROM_0_TO_1:
+            ends = 0.0, max(1.0, 2.0 * value), False
+        group = f"{'Friction' if frictional else 'Contact'} in {joint}"
+        word = {"radial": "bore, ", "axial": "flanges, "}.get(table, "") + _words(key)
+        word += " friction" if frictional and key in ("static", "dynamic") else ""
+        yield Knob(group, word, f"{place}.{key}", unit, value, *ends)
 
 
 def _of_material(scenario: Scenario, name: str, group: str) -> Knob:
@@ -272,15 +256,9 @@ def _of_material(scenario: Scenario, name: str, group: str) -> Knob:
         for key in (item.name for item in fields(material) if item.name != "young"):
             if getattr(material, key) not in (None, ""):
                 beside[f"{place}.{key}"] = getattr(material, key)
-    return Knob(
-        group=group,
-        name=f"Young's modulus, {name}",
-        place=f"{place}.young",
-        unit="Pa",
-        value=material.young,
-        beside=MappingProxyType(beside),
-        **_ranged(material.young, _WIDE),
-    )
+    title, young = f"Young's modulus, {name}", material.young
+    ends, more = _ranged(young, _WIDE), MappingProxyType(beside)
+    return Knob(group, title, f"{place}.young", "Pa", young, *ends, beside=more)
 
 
 def _of_element(family: str, name: str, spec: Any, sliding: Collection[str]) -> Iterator[Knob]:
@@ -294,18 +272,9 @@ def _of_element(family: str, name: str, spec: Any, sliding: Collection[str]) -> 
             continue
         if not isinstance(value, float) or (value == 0.0 and not about.required):
             continue
-        yield Knob(
-            group=f"{_PLURAL.sub('', _words(family)).capitalize()} {name}",
-            name=_words(key),
-            place=f"{family}.{name}.{key}",
-            unit=about.sliding if slides and about.sliding else about.unit,
-            value=value,
-            **(
-                {"low": 0.0, "high": 1.0, "logarithmic": False}
-                if key in _FROM_0_TO_1
-                else _ranged(value, _WIDE if key == "stiffness" else _USUAL)
-            ),
-        )
+        group = f"{_PLURAL.sub('', _words(family)).capitalize()} {name}"
+        unit, place = about.sliding if slides and about.sliding else about.unit, f"{family}.{name}.{key}"
+        yield Knob(group, _words(key), place, unit, value, *_ranged_by(key, value))
 
 
 def _of_start(scenario: Scenario, sliding: Collection[str]) -> Iterator[Knob]:
@@ -315,11 +284,5 @@ def _of_start(scenario: Scenario, sliding: Collection[str]) -> Iterator[Knob]:
         for key, unit, along in (("velocity", "rad/s", "m/s"), ("rate", "rad/s", "rad/s")):
             value = getattr(spec, key)
             if value:
-                yield Knob(
-                    group=f"Start of {name}",
-                    name=_words(key),
-                    place=f"initial.joints.{name}.{key}",
-                    unit=along if slides else unit,
-                    value=value,
-                    **_ranged(value),
-                )
+                place, own = f"initial.joints.{name}.{key}", along if slides else unit
+                yield Knob(f"Start of {name}", _words(key), place, own, value, *_ranged(value))

@@ -28,8 +28,6 @@ from antenna_pin.run.simulation.events import Moment
 from antenna_pin.run.simulation.loop import Run
 from antenna_pin.run.simulation.recorder import at_present
 
-__all__ = ["StateNumbers", "slides"]
-
 _OF_CONTACT = {"gap": "m", "depth_rate": "m/s", "force": "N", "touching": "1"}
 _SHOWN = 6  # names that a message offers
 

@@ -44,9 +44,6 @@ from antenna_pin.run.simulation.run import result_of
 from antenna_pin.scenario import Scenario, scenario_named
 from antenna_pin.trajectory import Outcome, Trajectory
 
-__all__ = ["EndedError", "InUseError", "Session", "start"]
-
-
 # --- goals: times and conditions ----------------------------------------------------------------------------
 
 _LINES = 8  # of a kind, as text
@@ -62,11 +59,6 @@ def sought(goal: Event | Callable[[Moment], float]) -> Event:
 
 def checked_up_to(ready: PreparedRun, run: Run, end: float) -> float:
     """Refuse a time beyond the data of an element or motion, or beyond its limits.
-
-    Args:
-        ready: Checked inputs of the run.
-        run: Run.
-        end: Time [s].
 
     Returns:
         Time up to which the run may continue at least [s]: far ahead, so that checks are rare.

@@ -25,8 +25,6 @@ from antenna_pin.mechanism import frame_aligning_z, quaternion
 from antenna_pin.mechanism.flexible import Takes
 from antenna_pin.run.simulation.constraints import SingularPosition
 
-__all__ = ["constraint_attributes", "mechanism_attributes"]
-
 Array = NDArray[np.float64]
 
 # By the full name of the class: none is loaded that is not used.

@@ -51,15 +51,6 @@ from antenna_pin.trajectory import Outcome, library_versions
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
 
-__all__ = [
-    "Checkpoint",
-    "CheckpointStore",
-    "CheckpointsWaitedWarning",
-    "NotKeptWarning",
-    "about_run",
-    "check_same",
-]
-
 Array = NDArray[np.float64]
 
 # --- checkpoint ---------------------------------------------------------------------------------------------
@@ -350,17 +341,7 @@ def about_run(
     events: Sequence[Event],
     controllers: Mapping[str, Controller],
 ) -> dict[str, Any]:
-    """Return the identity of a run, as its checkpoints store it.
-
-    Args:
-        system: The system.
-        scenario: Scenario as run; None for a system built in Python.
-        settings: Settings of integration and sampling.
-        span: Duration [s].
-        start: Origin of the start, as text.
-        events: Users' events.
-        controllers: Controllers, by name.
-    """
+    """Return the identity of a run, as its checkpoints store it."""
     made = json.dumps(mechanism_attributes(system), sort_keys=True)
     return {
         "scenario": "" if scenario is None else scenario.model_dump_json(),
@@ -387,10 +368,6 @@ _PARTS = {
 
 def check_same(stood: Checkpoint, about: Mapping[str, Any]) -> None:
     """Refuse to continue a run from the checkpoint of another.
-
-    Args:
-        stood: The checkpoint.
-        about: Identity of the run to continue (:func:`about_run`).
 
     Raises:
         FileFormatError: The runs differ.

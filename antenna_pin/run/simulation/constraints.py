@@ -21,8 +21,6 @@ from antenna_pin.elements.prescribed import continued
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.run.simulation.events import Event, Set, Time
 
-__all__ = ["CourseChecks", "Motions", "SingularPosition", "Singularities", "check_sets"]
-
 Array = NDArray[np.float64]
 
 # --- prescribed motions whose rate jumps --------------------------------------------------------------------
@@ -45,11 +43,6 @@ def check_sets(events: Sequence[Event], system: System, y: Array) -> None:
 
     Known are the numbers that an event sets at its times, if no other event sets a number of the same motion;
     a position, at any time; and an element switched on at a joint that motions move at the start.
-
-    Args:
-        events: Events of the run.
-        system: The system.
-        y: First state [q, v, x].
 
     Raises:
         InvalidParameterError: A motion would jump.
@@ -123,12 +116,6 @@ class Motions:
 
     def goes_on(self, place: str, value: float, t: float, who: str = "Set") -> dict[str, float]:
         """Return the numbers to set, by place, for a motion to continue from its position.
-
-        Args:
-            place: Place of the number.
-            value: New value.
-            t: Time [s].
-            who: Event or command that sets the number, for the refusal.
 
         Raises:
             InvalidParameterError: The position would jump, or the rate, where refused.

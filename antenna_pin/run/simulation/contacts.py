@@ -18,8 +18,6 @@ from antenna_pin.run.engine import CompiledStepper
 from antenna_pin.run.engine import episode_kernels as kernels
 from antenna_pin.run.simulation.samples import Samples
 
-__all__ = ["ContactSearch", "Episodes"]
-
 Array = NDArray[np.float64]
 
 # --- contact episodes ---------------------------------------------------------------------------------------

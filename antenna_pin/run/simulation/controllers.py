@@ -23,8 +23,6 @@ from antenna_pin.errors import AntennaPinError, FunctionError, InvalidParameterE
 from antenna_pin.run.simulation.event_actions import Actions
 from antenna_pin.run.simulation.events import Moment
 
-__all__ = ["ControllerRecord", "Controllers", "check_controllers"]
-
 Array = NDArray[np.float64]
 
 # --- state passed to controllers ----------------------------------------------------------------------------

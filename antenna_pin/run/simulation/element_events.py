@@ -28,23 +28,6 @@ from antenna_pin.run.simulation.events import (
 )
 from antenna_pin.trajectory import Outcome
 
-__all__ = [
-    "CoincidentChange",
-    "CoincidentEvents",
-    "EventEffect",
-    "ImpulseEffect",
-    "KinkFunction",
-    "ModeChangeEvent",
-    "ModeEffect",
-    "ModeFunction",
-    "NeverSettlesError",
-    "StruckElement",
-    "ZERO",
-    "effects_of",
-    "met_at",
-    "own_events",
-]
-
 Array = NDArray[np.float64]
 
 # --- kinks, ranges and pulses of elements -------------------------------------------------------------------
@@ -252,13 +235,6 @@ def effects_of(
 
     Independent impulses belong to their own events each; interacting ones, with the effects at their
     elements, to the last event, and so do effects without an event.
-
-    Args:
-        done: Effects at elements, in order.
-        events: Events of their functions.
-        program: Program of force elements before.
-        workspace: Workspace of the run, with the program after.
-        t: Time [s].
     """
     ranges = {one.place: _words_of(one) for one in acting_in(workspace.system)}
     left, found, before = _apart(done), list[EventEffect](), program

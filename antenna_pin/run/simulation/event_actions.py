@@ -29,8 +29,6 @@ from antenna_pin.run.simulation.samples import Samples
 from antenna_pin.run.simulation.steps import StepControl
 from antenna_pin.trajectory import Outcome
 
-__all__ = ["Actions", "EventRecord"]
-
 Array = NDArray[np.float64]
 
 

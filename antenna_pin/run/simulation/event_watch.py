@@ -32,8 +32,6 @@ from antenna_pin.run.simulation.events import (
     Time,
 )
 
-__all__ = ["ZeroCrossing", "EventWatch", "WatchTable", "is_known"]
-
 Array = NDArray[np.float64]
 
 # --- zero crossings -----------------------------------------------------------------------------------------
@@ -293,12 +291,7 @@ class EventWatch:
     def on_changes(
         self, elements: Mapping[str, ForceElement], changed: Iterable[tuple[str, str]]
     ) -> list[ZeroCrossing]:
-        """Return the events on elements' changes recorded at the present time.
-
-        Args:
-            elements: Elements of the run, by place.
-            changed: Place and description of each change.
-        """
+        """Return the events on elements' changes recorded at the present time."""
         made = tuple(changed)
         whens = {k: self.events[k].when for k in self._on_changes if self._memories[k].last != self.stepper.t}
         return [

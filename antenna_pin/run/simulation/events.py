@@ -29,29 +29,6 @@ from antenna_pin.elements import ForceElement, Modal
 from antenna_pin.errors import FunctionError, InvalidParameterError, UnknownNameError
 from antenna_pin.run.engine.watch_kernels import WEIGHED
 
-__all__ = [
-    "Action",
-    "Angle",
-    "Condition",
-    "Edge",
-    "ElementChange",
-    "Event",
-    "Force",
-    "GRAZE",
-    "Gap",
-    "Jump",
-    "Kink",
-    "Mark",
-    "Moment",
-    "Rate",
-    "STILL",
-    "Set",
-    "Stop",
-    "Switch",
-    "Time",
-    "moment_text",
-]
-
 Array = NDArray[np.float64]
 
 # --- actions of the run itself ------------------------------------------------------------------------------

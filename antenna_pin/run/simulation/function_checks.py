@@ -35,8 +35,6 @@ from antenna_pin.joints.python_path import coefficient_of, functions_of_law, has
 from antenna_pin.run.simulation.event_watch import is_known
 from antenna_pin.run.simulation.events import Event, Moment, moment_text
 
-__all__ = ["RepeatabilityCheck", "failure_in", "functions_in_kernels"]
-
 Array = NDArray[np.float64]
 
 # --- compiled functions called from Python ------------------------------------------------------------------
@@ -56,14 +54,7 @@ class ExchangeableFunction(Protocol):
 
 
 class CompiledFunction:
-    """Compiled function, and the places of its address in a program.
-
-    Args:
-        function: Function with checked results.
-        users: Function of the user.
-        arguments: Number of arguments.
-        block: Place of the function's element in the program.
-    """
+    """Compiled function, and the places of its address in a program."""
 
     def __init__(self, function: AskedFunction, users: Any, arguments: int, block: int) -> None:
         """Find the address of the function."""
@@ -451,13 +442,7 @@ class RepeatabilityCheck:
         self._next = 0
 
     def check(self, t: float, y: Array, evaluations: int) -> str:
-        """Repeat calls at a state of the run, if due; return the contradiction as text.
-
-        Args:
-            t: Time [s].
-            y: State [q, v, x].
-            evaluations: Evaluations of the run so far.
-        """
+        """Repeat calls at a state of the run, if due; return the contradiction as text."""
         if not self._histories or (self._at_first <= 0 and evaluations < self._next):
             return ""
         self._at_first -= 1

@@ -53,22 +53,6 @@ from antenna_pin.scenario import Scenario, settings_key
 from antenna_pin.scenario.assemble import build_system, initial_angles, initial_state, reference_for
 from antenna_pin.trajectory.kept_quantities import KEEPABLE
 
-__all__ = [
-    "PreparedRun",
-    "RunStart",
-    "as_run",
-    "check_events",
-    "check_scenario",
-    "check_sizes",
-    "check_spans",
-    "check_without_controllers",
-    "controllers_of",
-    "events_of",
-    "prepare_run",
-    "settings_of",
-]
-
-
 # --- settings, events and controllers of a scenario ---------------------------------------------------------
 
 _DIRECTIONS: dict[str, Literal[-1, 0, 1]] = {"both": 0, "rising": 1, "falling": -1}
@@ -189,14 +173,7 @@ def _actions(scenario: Scenario, name: str) -> Action | tuple[Mark | Stop | Set,
 
 
 def check_sizes(system: System, state: State, place: str = "simulate", name: str = "start") -> None:
-    """Refuse a state that no run leaves, or that is of another system.
-
-    Args:
-        system: The system.
-        state: State from which to continue.
-        place: Function that receives the state, for the message.
-        name: Name of its argument.
-    """
+    """Refuse a state that no run leaves, or that is of another system."""
     if not isinstance(state, State):
         raise InvalidParameterError(place, name, "a State", type(state).__name__)
     breach = breach_of_state(state)
@@ -325,16 +302,6 @@ def prepare_run(
     controllers: Mapping[str, Controller] = MappingProxyType({}),
 ) -> PreparedRun:
     """Return the checked inputs of a run, or refuse them before any work.
-
-    Args:
-        place: Calling function, for messages.
-        model: Scenario or system.
-        origin: Start of the run.
-        settings: Settings of integration and sampling; by default the scenario's.
-        events: Events besides the scenario's.
-        duration: Duration [s]; by default the scenario's.
-        begin: Time from which the run records; by default its start [s].
-        controllers: Controllers besides the scenario's.
 
     Raises:
         AntennaPinError: The input is not valid.

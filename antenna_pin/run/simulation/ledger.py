@@ -40,8 +40,6 @@ from antenna_pin.run.simulation.loop import Run
 from antenna_pin.run.simulation.variables import SampleBlock
 from antenna_pin.trajectory.schema import VARIABLES
 
-__all__ = ["LedgerAudit", "FIXED_STEP", "GROWTH", "MOST"]
-
 Array = NDArray[np.float64]
 
 Values = Mapping[str, Any]
@@ -203,13 +201,7 @@ class LedgerAudit:
     # --- block by block -------------------------------------------------------------------------------------
 
     def add(self, block: SampleBlock, values: Values, labels: Mapping[str, Any]) -> None:
-        """Add a block of samples.
-
-        Args:
-            block: The samples.
-            values: Their series by name.
-            labels: Names along the dimensions of the series.
-        """
+        """Add a block of samples."""
         audit, kept = block.found.audit, block.found.kept.sum(axis=1)
         if not self._start:
             self._begin(block, float(audit["gravity"][0]), float(kept[0]))

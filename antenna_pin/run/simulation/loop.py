@@ -48,8 +48,6 @@ from antenna_pin.run.simulation.samples import Samples
 from antenna_pin.run.simulation.steps import LoopParts, StepBatches, StepControl, scale_vector, stepper_of
 from antenna_pin.trajectory import Counts, Outcome
 
-__all__ = ["Progress", "Run"]
-
 Array = NDArray[np.float64]
 
 # --- progress -----------------------------------------------------------------------------------------------
@@ -100,12 +98,7 @@ class StepListener(Protocol):
 
 
 class ProgressReporter:
-    """Reports of a run's progress, at intervals of wall time.
-
-    Args:
-        progress: Callback of reports; None for none.
-        before: Wall time of the run so far [s].
-    """
+    """Reports of a run's progress, at intervals of wall time."""
 
     def __init__(self, progress: Callable[[Progress], None] | None, end: float, before: float = 0.0) -> None:
         """Start the clock."""
@@ -284,13 +277,7 @@ class Run:
         interrupted: Callable[[], bool] = lambda: False,
         observer: RunObserver | None = None,
     ) -> None:
-        """Run to the end, or to an earlier stop.
-
-        Args:
-            progress: Callback of progress.
-            interrupted: Callback that requests an interrupt, called between batches of steps.
-            observer: Called between batches of steps, and at the end.
-        """
+        """Run to the end, or to an earlier stop."""
         report = ProgressReporter(progress, self.duration, self.wall)
         with self.monitor.guarded(self._stop):
             self.monitor.begin(self.stepper.t, self.here, self.steps.so_far(self.wall))

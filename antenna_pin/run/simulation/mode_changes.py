@@ -51,8 +51,6 @@ from antenna_pin.run.simulation.element_events import (
 from antenna_pin.run.simulation.events import STILL, Switch
 from antenna_pin.run.simulation.sticking import RestingJoints
 
-__all__ = ["ModeChanges"]
-
 Array = NDArray[np.float64]
 
 # --- impulses -----------------------------------------------------------------------------------------------
@@ -115,11 +113,6 @@ class ImpactSolver:
         self, together: Mapping[str, ChangeResult], t: float, y: Array
     ) -> tuple[dict[str, ChangeResult], tuple[StruckElement, ...], bool]:
         """Apply simultaneous impulses; y is changed in place.
-
-        Args:
-            together: Stops that joints reach, or rigid latches that now hold them, by place.
-            t: Time [s].
-            y: State.
 
         Returns:
             Changes of elements, by place: of these, unless others keep their joint from its stop; of stops
@@ -256,12 +249,7 @@ class RunningPeaks:
     def with_open(
         self, changed: Sequence[ModeChangeEvent], modes: Mapping[str, int]
     ) -> list[ModeChangeEvent]:
-        """Return recorded changes, with the peaks so far at the onsets of touches that last.
-
-        Args:
-            changed: Recorded changes of mode, in order.
-            modes: Present modes, by place.
-        """
+        """Return recorded changes, with the peaks so far at the onsets of touches that last."""
         found = list(changed)
         for own, (place, name, bit) in zip(self.numbers, self._sides, strict=False):
             mine = [k for k, one in enumerate(found) if one.element == place and one.what.startswith(name)]
@@ -377,11 +365,6 @@ class ModeChanges:
         In rounds: all captures; else all impulses, as one problem; else all other changes; else sticking and
         slipping. After each round all functions are evaluated again, so that the result does not depend on
         the order of elements.
-
-        Args:
-            located: Functions located at this time.
-            t: Time [s].
-            y: State.
 
         Returns:
             Whether anything was changed.

@@ -28,8 +28,6 @@ from antenna_pin.run.simulation.function_checks import RepeatabilityCheck, failu
 from antenna_pin.run.simulation.steps import StepControl, StepCounts, scale_vector
 from antenna_pin.trajectory import Outcome
 
-__all__ = ["Monitor"]
-
 Array = NDArray[np.float64]
 
 # --- time estimate ------------------------------------------------------------------------------------------
@@ -139,13 +137,6 @@ def noise_text(run: Workspace, settings: RunSettings, t: float, y: Array, step: 
 
     A change of time and state in their last digits may change accelerations by so much that a step of a usual
     size cannot keep its tolerance.
-
-    Args:
-        run: Workspace of the run; not changed.
-        settings: Settings of the run.
-        t: Time [s].
-        y: State [q, v, x].
-        step: Size of the run's steps [s].
     """
     system = run.system
     workspace = Workspace(system, run.memory)
@@ -173,13 +164,7 @@ def noise_text(run: Workspace, settings: RunSettings, t: float, y: Array, step: 
 
 
 def turning_text(run: Workspace, y: Array, step: float) -> str:
-    """Return as text that steps follow a fast joint; empty if they do not.
-
-    Args:
-        run: Workspace of the run.
-        y: State [q, v, x].
-        step: Size of the run's steps [s].
-    """
+    """Return as text that steps follow a fast joint; empty if they do not."""
     nq, system = run.model.nq, run.system
     rates = {
         name: float(np.abs(y[nq : nq + run.model.nv][slot.v]).max())
@@ -248,13 +233,7 @@ class Stiffness:
         self._next = 0
 
     def check(self, t: float, y: Array, tried: int) -> bool:
-        """Check the present state, if due; return whether stiffness has been detected now.
-
-        Args:
-            t: Time [s].
-            y: State [q, v, x].
-            tried: Trial steps so far.
-        """
+        """Check the present state, if due; return whether stiffness has been detected now."""
         mark = self._mark
         if self._over or tried < (_FIRST_STEPS if mark is None else mark.tried + _WINDOW):
             return False
@@ -414,14 +393,7 @@ class Monitor:
         self._courses.check(t, counts.tried)
 
     def check(self, t: float, y: Array, counts: StepCounts, interrupted: bool) -> tuple[Outcome | None, str]:
-        """Return the reason to end the run, None to continue, and its text.
-
-        Args:
-            t: Time [s].
-            y: State [q, v, x].
-            counts: Counts so far.
-            interrupted: Whether the user has stopped the run.
-        """
+        """Return the reason to end the run, None to continue, and its text."""
         limit = self._control.limit(counts.tried, t, counts.wall - self._began)
         if self._stiffness.check(t, y, counts.tried):
             warnings.warn(f"at t = {t:.9g} s the run is {self.advice}", StiffRunWarning, stacklevel=2)

@@ -25,8 +25,6 @@ from antenna_pin.run.simulation.events import Event, Set, Stop
 from antenna_pin.run.simulation.loop import Run
 from antenna_pin.trajectory import Outcome
 
-__all__ = ["OpenRun", "RecordSnapshot"]
-
 Array = NDArray[np.float64]
 
 # --- snapshots ----------------------------------------------------------------------------------------------

@@ -38,8 +38,6 @@ from antenna_pin.trajectory.labelled import Unlabelled
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Recorder", "at_present", "labelled_at", "open_ledger", "result_data", "series_at"]
-
 Array = NDArray[np.float64]
 Values = Mapping[str, Any]
 
@@ -309,15 +307,7 @@ def controller_values(records: Sequence[ControllerRecord]) -> dict[str, Any]:
 def result_data(
     run: Run, title: str, case: str, versions: dict[str, str], *, lean: bool = False
 ) -> Unlabelled:
-    """Return the data of a finished run's dataset (docs/trajectory.md lists the variables).
-
-    Args:
-        run: Run with all of its samples in memory.
-        title: Title of the scenario.
-        case: Case of the scenario.
-        versions: Versions of the libraries.
-        lean: Whether to leave out the series: a result of numbers and contact episodes only.
-    """
+    """Return the data of a finished run's dataset (docs/trajectory.md lists the variables)."""
     recording = Recorder(run)
     whole: dict[str, Any] = {}
     for first, values in recording.blocks():
@@ -461,13 +451,7 @@ class Recorder:
             self._tops.add(block)
 
     def unlabelled(self, series: Values, about: Mapping[str, Any], *, lean: bool = False) -> Unlabelled:
-        """Return the data of the blocks so far with these series.
-
-        Args:
-            series: Series by name, ``time`` among them; none for a lean result.
-            about: Attributes that identify the run.
-            lean: Whether to leave out the series.
-        """
+        """Return the data of the blocks so far with these series."""
         assert self._last is not None
         first, last, kept = self._last.start, self._last.end, self.run.settings.output_keep
         attributes = {

@@ -44,9 +44,6 @@ from antenna_pin.trajectory.labelled import Unlabelled
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
 
-__all__ = ["UnsavedError", "result_of", "simulate"]
-
-
 # --- simulate -----------------------------------------------------------------------------------------------
 
 
@@ -171,14 +168,6 @@ def result_of(
     compiling: CompileClock | None = None,
 ) -> Trajectory:
     """Return the result of a run after its last step; write it if stored.
-
-    Args:
-        run: Run.
-        scenario: Scenario as run; None for a system built in Python.
-        start: Origin of the start as text; empty for the scenario's start.
-        store: Store of the record on the disk, and path of the result.
-        began: Begin of the recording by ``time.perf_counter`` [s].
-        compiling: Clock of the compilation for the run; None if nothing was compiled.
 
     Raises:
         OutputError: The result cannot be written. It is in memory (:class:`UnsavedError`), or can be

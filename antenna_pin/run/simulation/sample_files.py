@@ -26,24 +26,6 @@ from antenna_pin.base.units import shown
 from antenna_pin.errors import FileFormatError, OutputError
 from antenna_pin.run.simulation.samples import Chunk, LateSample, Samples
 
-__all__ = [
-    "CHECKPOINT",
-    "LATE",
-    "SAMPLED",
-    "SampleFiles",
-    "blocks_of",
-    "changed_words",
-    "chunk_of",
-    "count_of",
-    "folder_of",
-    "late_numbers",
-    "late_of",
-    "numbers_of",
-    "read_sealed",
-    "words_of",
-    "write_sealed",
-]
-
 Array = NDArray[np.float64]
 
 #: Name of the checkpoint's file, which is written after the parts that it lists.

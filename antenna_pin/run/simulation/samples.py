@@ -13,8 +13,6 @@ from antenna_pin.base.capacity import check_fits
 from antenna_pin.base.records import MEMORY
 from antenna_pin.dynamics import System, Workspace
 
-__all__ = ["FEW", "Chunk", "LateSample", "Samples", "check_room"]
-
 Array = NDArray[np.float64]
 
 # Numbers of a result per number of a state, with copies while it is made; measured on shipped scenarios.

@@ -23,16 +23,6 @@ from antenna_pin.run.simulation.event_watch import EventWatch, WatchTable
 from antenna_pin.run.simulation.samples import Samples
 from antenna_pin.trajectory import Outcome
 
-__all__ = [
-    "LoggedStep",
-    "LoopParts",
-    "StepBatches",
-    "StepControl",
-    "StepCounts",
-    "scale_vector",
-    "stepper_of",
-]
-
 Array = NDArray[np.float64]
 
 # --- error scales -------------------------------------------------------------------------------------------
@@ -178,13 +168,7 @@ class StepControl:
         return min(1e-6, settings.max_step, self.end)
 
     def limit(self, trials: int, t: float, wall: float) -> Outcome | None:
-        """Return the limit reached, or NO_PROGRESS of a run that would never end.
-
-        Args:
-            trials: Trial steps so far.
-            t: Present time [s].
-            wall: Wall time since the run was begun or continued [s].
-        """
+        """Return the limit reached, or NO_PROGRESS of a run that would never end."""
         settings = self.settings
         if settings.max_steps is not None and trials >= settings.max_steps:
             return Outcome.STEP_LIMIT

@@ -47,8 +47,6 @@ from antenna_pin.elements.sticking_friction import BACKWARD, FORWARD, PULLED, PU
 from antenna_pin.run.simulation.element_events import NeverSettlesError, met_at
 from antenna_pin.run.simulation.events import Switch
 
-__all__ = ["RestingJoints"]
-
 Array = NDArray[np.float64]
 
 _AT_REST = 1e-11
@@ -122,11 +120,6 @@ class RestingJoints:
 
     def settle(self, t: float, y: Array, located: Sequence[Switch] = ()) -> list[RestingChange]:
         """Find consistent modes of the joints at rest; y is changed in place, by round-off.
-
-        Args:
-            t: Time [s].
-            y: State.
-            located: Located functions of joints that come to rest or let go.
 
         Returns:
             The changes of mode.

@@ -26,18 +26,6 @@ from antenna_pin.elements import BristleFriction, Motion, Motor
 from antenna_pin.run.simulation.loop import Run
 from antenna_pin.trajectory.quantities import SUMMARIES
 
-__all__ = [
-    "MOTORS_SINCE_BEGIN",
-    "SERIES",
-    "SIZES",
-    "SampleBlock",
-    "TOTALS",
-    "bristles_of",
-    "episodes_of",
-    "motors_of",
-    "sizes_of",
-]
-
 Array = NDArray[np.float64]
 
 # --- samples with the quantities that they imply ------------------------------------------------------------

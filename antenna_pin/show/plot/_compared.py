@@ -35,21 +35,13 @@ _TALL = 4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Picked:
-    """Runs of a figure.
+    """Runs of a figure."""
 
-    Attributes:
-        every: All given runs.
-        drawn: Runs in the figure, the reference last, so that it lies on top.
-        reference: Run to compare with, if there is one.
-        why: Reason given for runs that are not drawn.
-        joint: Joint of the figure.
-    """
-
-    every: list[LabelledRun]
-    drawn: list[LabelledRun]
-    reference: LabelledRun | None = None
-    why: str = ""
-    joint: str = ""
+    every: list[LabelledRun]  # all given runs
+    drawn: list[LabelledRun]  # runs in the figure, the reference last, so that it lies on top
+    reference: LabelledRun | None = None  # run to compare with, if there is one
+    why: str = ""  # reason given for runs that are not drawn
+    joint: str = ""  # joint of the figure
 
     @property
     def styled(self) -> list[tuple[LabelledRun, dict[str, Any]]]:

@@ -41,15 +41,10 @@ class JointKind:
 
 @dataclass(frozen=True, slots=True)
 class RunKind:
-    """Runs that a figure can be of.
+    """Runs that a figure can be of."""
 
-    Attributes:
-        words: Requirement on a run, after "with".
-        holds: Predicate of a run.
-    """
-
-    words: str
-    holds: Callable[[LabelledRun], bool]
+    words: str  # requirement on a run, after "with"
+    holds: Callable[[LabelledRun], bool]  # predicate of a run
 
 
 def _described(run: LabelledRun, table: str) -> list[str]:

@@ -33,21 +33,13 @@ Runs: TypeAlias = Iterable[Run] | Run
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LabelledRun:
-    """Run in a figure.
+    """Run in a figure."""
 
-    Attributes:
-        label: Name in legends.
-        data: Samples, with the scenario among their attributes if it is known.
-        source: Dataset as given.
-        kept: Indices of the samples in ``data``, if not all.
-        all: Run with all samples, if ``data`` has not all.
-    """
-
-    label: str
-    data: xr.Dataset
-    source: xr.Dataset
-    kept: NDArray[np.int_] | None = None
-    all: LabelledRun | None = None
+    label: str  # name in legends
+    data: xr.Dataset  # samples, with the scenario among their attributes if it is known
+    source: xr.Dataset  # dataset as given
+    kept: NDArray[np.int_] | None = None  # indices of the samples in ``data``, if not all
+    all: LabelledRun | None = None  # run with all samples, if ``data`` has not all
 
     @property
     def whole(self) -> LabelledRun:
@@ -221,21 +213,13 @@ _MARGIN = 0.6
 
 @dataclass(frozen=True, slots=True)
 class Blow:
-    """Strongest blow of a joint in a run.
+    """Strongest blow of a joint in a run."""
 
-    Attributes:
-        contact: Contact with the largest force.
-        time: Time of that force [s].
-        force: That force [N].
-        window: Span of its close view [s].
-        touching: Contacts that exert a force in the window.
-    """
-
-    contact: str
-    time: float
-    force: float
-    window: tuple[float, float]
-    touching: tuple[str, ...]
+    contact: str  # contact with the largest force
+    time: float  # time of that force [s]
+    force: float  # that force [N]
+    window: tuple[float, float]  # span of its close view [s]
+    touching: tuple[str, ...]  # contacts that exert a force in the window
 
 
 def episodes_of(run: LabelledRun, contacts: list[str]) -> NDArray[np.bool_]:

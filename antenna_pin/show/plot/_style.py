@@ -366,13 +366,7 @@ def draw_pieces(axes: Axes, points: Array, values: Array, order: Any = slice(Non
 
 
 def draw_parts(axes: Axes, parts: Parts, **looks: Any) -> None:
-    """Draw a line that is too long for memory as :func:`draw_pieces` does.
-
-    Args:
-        axes: Axes, whose limits are set elsewhere.
-        parts: Returns the line part by part.
-        looks: Arguments of ``LineCollection``.
-    """
+    """Draw a line that is too long for memory as :func:`draw_pieces` does."""
 
     def pieces() -> Iterable[tuple[Array, Array]]:
         for points, values in parts():

@@ -44,21 +44,14 @@ class PlotMark(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlotCurve:
-    """Line, or dots, through points (n,).
+    """Line, or dots, through points (n,)."""
 
-    Attributes:
-        label: Name in the legend; none if empty.
-        look: Arguments of ``Axes.plot``.
-        smooth: Whether it is the ideal run's: its size must stay legible beside spikes.
-        many: Whether it is drawn as pixels in a vector file.
-    """
-
-    label: str
+    label: str  # name in the legend; none if empty
     x: Array
     y: Array
-    look: Look = field(default_factory=dict)
-    smooth: bool = False
-    many: bool = False
+    look: Look = field(default_factory=dict)  # arguments of ``Axes.plot``
+    smooth: bool = False  # whether it is the ideal run's: its size must stay legible beside spikes
+    many: bool = False  # whether it is drawn as pixels in a vector file
 
     def draw(self, axes: Axes, across: float, up: float) -> None:
         """Draw the line."""
@@ -147,31 +140,20 @@ def close_view(window: tuple[float, float]) -> Ground:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Axis:
-    """Axis of a panel.
+    """Axis of a panel."""
 
-    Attributes:
-        label: Label without the unit, if there is one.
-        unit: SI unit of the values; without it values are drawn as they are.
-        largest: Size that determines the prefix; of the panel's curves if left out.
-        limits: Ends [unit]; None where they follow from the marks.
-        scale: Linear or logarithmic.
-        ticks: Number of ticks, at most; Matplotlib's own if 0.
-        named: Places of ticks with their names.
-        shared: Key of the panels that have this axis in common.
-        labelled: Whether the label is drawn; if left out, where no panel below or to the left has it.
-        wrap: Letters of a line of the label; one line if 0.
-    """
-
-    label: str = ""
-    unit: str | None = None
-    largest: float | None = None
+    label: str = ""  # label without the unit, if there is one
+    unit: str | None = None  # SI unit of the values; without it values are drawn as they are
+    largest: float | None = None  # size that determines the prefix; of the panel's curves if left out
+    # Ends [unit]; None where they follow from the marks.
     limits: tuple[float | None, float | None] | None = None
-    scale: Scale = "linear"
-    ticks: int = 5
-    named: Mapping[float, str] | Mapping[int, str] | None = None
-    shared: str | None = None
+    scale: Scale = "linear"  # linear or logarithmic
+    ticks: int = 5  # number of ticks, at most; Matplotlib's own if 0
+    named: Mapping[float, str] | Mapping[int, str] | None = None  # places of ticks with their names
+    shared: str | None = None  # key of the panels that have this axis in common
+    # Whether the label is drawn; if left out, where no panel below or to the left has it.
     labelled: bool | None = None
-    wrap: int = 0
+    wrap: int = 0  # letters of a line of the label; one line if 0
 
     def scaled(self, largest: float) -> tuple[float, str]:
         """Return factor and full label for values up to a size."""
@@ -186,29 +168,21 @@ TIME = Axis("time [s]")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Panel:
-    """Panel of a sheet.
-
-    Attributes:
-        apart: Whether it has a deviation, with a scale of its own.
-        spiky: Whether the scale is linear as far as smooth curves reach, and logarithmic beyond.
-        span: Size of smooth curves and of spikes, where several panels have one scale.
-        margins: Free shares of the axes beyond the marks, across and up; the style's if left out.
-        named: Whether its curves are in the legend.
-        lettered: Whether it has a letter, where panels have.
-        finish: Called with the drawn axes.
-    """
+    """Panel of a sheet."""
 
     title: str
     marks: Sequence[PlotMark]
     y: Axis = field(default_factory=Axis)
     x: Axis = TIME
-    apart: bool = False
-    spiky: bool = False
+    apart: bool = False  # whether it has a deviation, with a scale of its own
+    spiky: bool = False  # whether the scale is linear as far as smooth curves reach, and logarithmic beyond
+    # Size of smooth curves and of spikes, where several panels have one scale.
     span: tuple[float, float] | None = None
+    # Free shares of the axes beyond the marks, across and up; the style's if left out.
     margins: tuple[float, float] | None = None
-    named: bool = True
-    lettered: bool = True
-    finish: Callable[[Axes], object] | None = None
+    named: bool = True  # whether its curves are in the legend
+    lettered: bool = True  # whether it has a letter, where panels have
+    finish: Callable[[Axes], object] | None = None  # called with the drawn axes
 
     @property
     def curves(self) -> list[PlotCurve]:
@@ -231,35 +205,22 @@ class Panel:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sheet:
-    """Figure as data.
+    """Figure as data."""
 
-    Attributes:
-        rows: Panels; one alone in a row takes all of it, None is an empty place.
-        width: Named width.
-        height: Height [mm].
-        notes: Notes below the panels; empty ones are left out.
-        widths: Relative widths of columns.
-        heights: Relative heights of rows.
-        every: Whether every panel has the label of its x axis, though one below has the same.
-        letters: Whether panels have letters; where there are several if left out.
-        label: Label of the y axes of all panels together.
-        bar: Colour bar: its mappable, its label, and arguments of ``Figure.colorbar``.
-        formulas: Whether dollars in names of the legend enclose formulas.
-        finish: Called with the drawn panels in their order.
-    """
-
+    # Panels; one alone in a row takes all of it, None is an empty place.
     rows: Sequence[Sequence[Panel | None]]
-    width: Width
-    height: float
-    notes: Sequence[str] = ()
-    widths: Sequence[float] | None = None
-    heights: Sequence[float] | None = None
-    every: bool = False
-    letters: bool | None = None
-    label: str = ""
+    width: Width  # named width
+    height: float  # height [mm]
+    notes: Sequence[str] = ()  # notes below the panels; empty ones are left out
+    widths: Sequence[float] | None = None  # relative widths of columns
+    heights: Sequence[float] | None = None  # relative heights of rows
+    every: bool = False  # whether every panel has the label of its x axis, though one below has the same
+    letters: bool | None = None  # whether panels have letters; where there are several if left out
+    label: str = ""  # label of the y axes of all panels together
+    # Colour bar: its mappable, its label, and arguments of ``Figure.colorbar``.
     bar: tuple[ScalarMappable, str, Mapping[str, Any]] | None = None
-    formulas: bool = False
-    finish: Callable[[list[Axes]], object] | None = None
+    formulas: bool = False  # whether dollars in names of the legend enclose formulas
+    finish: Callable[[list[Axes]], object] | None = None  # called with the drawn panels in their order
 
 
 COLUMN_OR_PAGE = {"column": 1, "page": 2}
@@ -484,14 +445,8 @@ ZERO = Rule(0.0, {**IDEAL, "linewidth": 0.6})
 
 
 class DatasetFigure(NamedTuple):
-    """Figure that a dataset, such as a study, allows.
+    """Figure that a dataset, such as a study, allows."""
 
-    Attributes:
-        name: Name of its file.
-        title: Title.
-        draw: Draws it; takes ``width``.
-    """
-
-    name: str
-    title: str
-    draw: Callable[..., Figure]
+    name: str  # name of its file
+    title: str  # title
+    draw: Callable[..., Figure]  # draws it; takes ``width``

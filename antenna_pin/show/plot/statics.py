@@ -20,8 +20,6 @@ from antenna_pin.show.plot.grammar import (
     figure,
 )
 
-__all__ = ["figure_margin", "figure_torque_angle", "figure_travel"]
-
 # Share of the largest torque below which a source is not drawn, and how many are at most.
 _NOTHING, _MOST = 1e-9, 10
 _BACK = (0, (3, 1.5))

@@ -13,8 +13,6 @@ from antenna_pin.scenario import JointPlay
 from antenna_pin.show.plot._style import Width
 from antenna_pin.show.plot.grammar import Axis, Panel, PlotCurve, PlotMark, Points, Rule, Sheet, figure
 
-__all__ = ["figure_contact_stress", "figure_play_over_temperature"]
-
 # Surfaces that a panel shows at most, those with the largest pressures.
 _MOST = 6
 # Largest over mean load of a line, from which on its pressure is drawn along the bore.

@@ -61,22 +61,14 @@ _MOST_TICKS = 7
 
 @dataclass(frozen=True, slots=True)
 class StudyQuantity:
-    """Parameter or response of all runs, in a unit that suits it.
-
-    Attributes:
-        label: Label of its axis, with the unit.
-        values: Values of all runs, (runs,).
-        texts: Values of a parameter of words.
-        ticks: Values of a parameter that has few.
-        logarithmic: Whether it is a parameter whose values are spaced by factors.
-    """
+    """Parameter or response of all runs, in a unit that suits it."""
 
     name: str
-    label: str
-    values: Array
-    texts: tuple[str, ...] = ()
-    ticks: tuple[float, ...] = ()
-    logarithmic: bool = False
+    label: str  # label of its axis, with the unit
+    values: Array  # values of all runs, (runs,)
+    texts: tuple[str, ...] = ()  # values of a parameter of words
+    ticks: tuple[float, ...] = ()  # values of a parameter that has few
+    logarithmic: bool = False  # whether it is a parameter whose values are spaced by factors
 
 
 def names_of(study: xr.Dataset, what: str) -> list[str]:

@@ -13,15 +13,6 @@ from antenna_pin.base.readable import number, printed_unit
 from antenna_pin.show.plot._style import COLOURS, Array, Width, literal
 from antenna_pin.show.plot.grammar import Axis, ByHand, Panel, PlotCurve, PlotMark, Rule, Sheet, figure
 
-__all__ = [
-    "figure_effects",
-    "figure_interface",
-    "figure_loop",
-    "figure_margins",
-    "figure_orders",
-    "figure_spectrum",
-]
-
 _THIN = {"color": "#999999", "linewidth": 0.6, "zorder": 0.8}
 _GOOD, _BAD = COLOURS[0], "#B3261E"
 _ROW = 7.0  # height of a bar [mm]

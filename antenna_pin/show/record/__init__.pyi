@@ -7,7 +7,7 @@ from antenna_pin.show.record.page import viewer_megabytes as viewer_megabytes
 from antenna_pin.show.record.recording import Recording as Recording
 from antenna_pin.show.record.recording import View as View
 from antenna_pin.show.record.recording import record as record
-from antenna_pin.show.record.several import record_several as record_several
+from antenna_pin.show.record.recording import record_several as record_several
 from antenna_pin.show.record.video import Filmed as Filmed
 from antenna_pin.show.record.video import check_film as check_film
 from antenna_pin.show.record.video import film_times as film_times

@@ -8,12 +8,18 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from antenna_pin.show.record.contact_arrows import sparse
 from antenna_pin.show.record.key_frames import Impacts, KeyFrames
-from antenna_pin.show.record.magnified import MagnifiedJournal, MagnifiedSlider, default_magnification
+from antenna_pin.show.record.magnified import (
+    MagnifiedBall,
+    MagnifiedJournal,
+    MagnifiedSlider,
+    default_magnification,
+)
 from antenna_pin.show.record.scene import Scene, camera, nice, packed_doubles, packed_floats, track
-from antenna_pin.show.record.shapes import Box, lathe, line, ring, solid
+from antenna_pin.show.record.shapes import Box, Mesh, Sphere, arc, lathe, line, ring, solid
 from antenna_pin.trajectory import contacts_of
 
 # --- all kinds ----------------------------------------------------------------------------------------------
@@ -59,17 +65,11 @@ def drawn_axes(up: Array | None) -> Array:
 
 
 class JointPicture:
-    """Picture of a clearance joint; each kind defines its drawing.
+    """Picture of a clearance joint; each kind defines its drawing."""
 
-    Attributes:
-        radius: Of the bore or socket as drawn [m].
-        clearance: Radial, as it is [m].
-        factor: Magnification of gaps [-].
-    """
-
-    radius: float
-    factor: float
-    clearance: float
+    radius: float  # of the bore or socket as drawn [m]
+    factor: float  # magnification of gaps [-]
+    clearance: float  # radial, as it is [m]
 
     def __init__(
         self,
@@ -435,3 +435,126 @@ class SliderPicture(JointPicture):
             "slider's size as it is" + ("" if self.shape.length else "; the picture goes along with it"),
             f"play to each side: along the width {width}, along the height {height}",
         ]
+
+
+# --- round slider in a guide -----------------------------------------------------------------------------
+
+
+class RodPicture(JointPicture):
+    """Picture of a round slider in a round guide."""
+
+    def _build(self, place: dict[str, Any], magnify: float | None) -> None:
+        size = {name: float(value) for name, value in place["dimensions"].items()}
+        self.rod = size["journal_radius"]
+        self.clearance = size["bearing_radius"] - self.rod
+        self.factor = default_magnification(self.rod, self.clearance) if magnify is None else magnify
+        self.radius = self.rod + self.factor * self.clearance
+        self.half = 0.5 * size["slider_length"]
+        self.guide = size["guide_length"]
+        self.reach = 0.5 * (self.guide or 1.5 * size["slider_length"])
+        position, attitude = (
+            np.asarray(self.journal[name].values, dtype=float)
+            for name in ("journal_position", "journal_attitude")
+        )
+        self.turns = Rotation.from_quat(attitude).as_matrix()
+        stretch = np.array([self.factor, self.factor, 1.0])
+        # What only turns about the axis is not magnified.
+        angle = 2.0 * np.arctan2(attitude[:, 2], attitude[:, 3])
+        spun = Rotation.from_rotvec(np.outer(angle, [0.0, 0.0, 1.0])).as_matrix()
+        lean = self.turns @ spun.transpose(0, 2, 1)
+        self.matrix = (np.eye(3) + stretch[:, None] * (lean - np.eye(3))) @ spun
+        self.shift = position * [self.factor, self.factor, 1.0 if self.guide else 0.0]
+        self.position = position
+        ends = np.array([-self.reach, self.reach])
+        self.cut_open("run/guide", line(self.radius, ends), line(1.16 * self.radius, ends))
+        self.draw_rims(ends)
+        self.draw_shaft("run/rod", self.rod, np.array([-self.half, self.half]))
+
+    def tracks(self) -> list[dict[str, Any]]:
+        placed = np.concatenate([self.matrix, self.shift[:, :, None]], axis=2)
+        return [track("run/rod", placed)]
+
+    def drawn_points(self) -> Array:
+        """Return contacts on the drawn guide, where the drawn slider is nearest."""
+        own = np.einsum("nji,nkj->nki", self.turns, self.point - self.position[:, None])
+        drawn = np.einsum("nij,nkj->nki", self.matrix, own) + self.shift[:, None]
+        across = np.linalg.norm(drawn[..., :2], axis=2, keepdims=True)
+        drawn[..., :2] *= self.radius / np.where(across > 0.0, across, 1.0)
+        return np.asarray(drawn)
+
+    def extent(self) -> Array:
+        outside = 1.16 * self.radius * circle()
+        long = max(self.reach, float(np.abs(self.shift[:, 2]).max()) + self.half)
+        return np.concatenate([np.vstack([outside, np.full((1, 24), end)]).T for end in (-long, long)])
+
+    def trails(self) -> list[dict[str, Any]]:
+        """Return recent paths of both ends of the slider's axis."""
+        ends = (self.shift + sign * self.half * self.matrix[:, :, 2] for sign in SIGNS)
+        return [self.trail(end, colour) for end, colour in zip(ends, TRACES, strict=True)]
+
+    def facts(self) -> list[str]:
+        drawn = length_text(self.factor * self.clearance)
+        return [
+            f"{self.name}: play, eccentricity and tilt drawn {self.factor:g} times as large",
+            "slider's size and turn about its axis as they are"
+            + ("" if self.guide else "; the picture goes along with it"),
+            f"radial play {length_text(self.clearance)} drawn {drawn}",
+        ]
+
+
+# --- ball in a socket ------------------------------------------------------------------------------------
+
+
+class BallPicture(JointPicture):
+    """Picture of a ball joint."""
+
+    def _build(self, place: dict[str, Any], magnify: float | None) -> None:
+        dimensions = place["dimensions"]
+        ball = float(dimensions["ball_radius"])
+        self.clearance = float(dimensions["socket_radius"]) - ball
+        factor = self.factor = default_magnification(ball, self.clearance) if magnify is None else magnify
+        shape = self.shape = MagnifiedBall.of(dimensions, factor)
+        self.radius = shape.socket_radius
+        self.centre = shape.centre(
+            self.gap[:, 0], np.asarray(self.journal["journal_position"].values, dtype=float)
+        )
+        self.cut_open("run/socket", arc(shape.socket_radius), arc(1.1 * shape.socket_radius))
+        solid = arc(shape.ball_radius)
+        self.scene.add("run/ball/body", lathe(solid * [0.0, 1.0], solid), JOURNAL)
+        for k, turn in enumerate(("xyz", "yzx", "zxy")):
+            hoop = ring(shape.ball_radius, 0.0, 0.02 * shape.ball_radius)
+            order = ["xyz".index(axis) for axis in turn]
+            self.scene.add(f"run/ball/ring{k}", Mesh(hoop.vertices[:, order], hoop.faces), MARK)
+        pole = np.eye(4)
+        pole[2, 3] = shape.ball_radius
+        self.scene.add("run/ball/pole", Sphere(0.1 * shape.ball_radius), MARK, pole)
+
+    def tracks(self) -> list[dict[str, Any]]:
+        attitude = np.asarray(self.journal["journal_attitude"].values, dtype=float)
+        return [track("run/ball", np.hstack([self.centre, attitude]))]
+
+    def drawn_points(self) -> Array:
+        return self.shape.points(self.point[:, 0])[:, None]
+
+    def extent(self) -> Array:
+        r = 1.1 * self.radius
+        k = np.arange(64)
+        z, phi = 1.0 - (2.0 * k + 1.0) / 64.0, 2.4 * k
+        return r * np.stack([np.sqrt(1 - z * z) * np.cos(phi), np.sqrt(1 - z * z) * np.sin(phi), z], axis=1)
+
+    def facts(self) -> list[str]:
+        factor = self.shape.factor
+        return [
+            f"{self.name}: play and eccentricity drawn {factor:g} times as large",
+            "ball's radius and rotation as they are",
+            f"play {length_text(self.clearance)} drawn {length_text(factor * self.clearance)}",
+        ]
+
+
+#: The close-ups that kinds of clearance joints name (:class:`antenna_pin.joints.geometry.Look`).
+PICTURES: dict[str, type[JointPicture]] = {
+    "journal": JournalPicture,
+    "ball": BallPicture,
+    "slider": SliderPicture,
+    "rod": RodPicture,
+}

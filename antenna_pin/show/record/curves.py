@@ -20,22 +20,10 @@ Array = NDArray[np.float64]
 
 # What is offered by itself: variables in this order, then others as the run has them. So many series, by the
 # bytes that they may take.
-_FIRST = (
-    "contact_force",
-    "motion_angle",
-    "slide_position",
-    "motion_rate",
-    "slide_rate",
-    "drive_torque",
-    "element_effort",
-    "joint_force",
-    "closure_force",
-    "coupling_torque",
-    "motion_acceleration",
-    "gap",
-    "journal_tilt",
-    "kinetic_energy",
-)
+_FIRST = """
+    contact_force motion_angle slide_position motion_rate slide_rate drive_torque element_effort
+    joint_force closure_force coupling_torque motion_acceleration gap journal_tilt kinetic_energy
+""".split()
 _FEWEST, _MOST = 4, 40
 # Variables that stand in a result for others to use, or that bodies show by themselves.
 _NOT = ("q", "v", "a", "base_attitude", "journal_attitude", "contact_point")

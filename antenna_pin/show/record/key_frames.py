@@ -21,19 +21,12 @@ _TURN, _SAMPLES, _SHARE = 0.1, 500, 0.99
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Impacts:
-    """Contact episodes within the span of a recording, by the time of their peak.
+    """Contact episodes within the span of a recording, by the time of their peak."""
 
-    Attributes:
-        times: Of the largest force, (episodes,) [s].
-        peaks: Largest normal force, (episodes,) [N].
-        contacts: Index of the contact, (episodes,).
-        events: Onsets, peaks and releases of the episodes, (3, episodes) [s]; NaN where a contact lasts.
-    """
-
-    times: Array
-    peaks: Array
-    contacts: NDArray[np.int64]
-    events: Array
+    times: Array  # of the largest force, (episodes,) [s]
+    peaks: Array  # largest normal force, (episodes,) [N]
+    contacts: NDArray[np.int64]  # index of the contact, (episodes,)
+    events: Array  # onsets, peaks and releases of the episodes, (3, episodes) [s]; NaN where a contact lasts
 
     def hardest(self, otherwise: float) -> float:
         """Return the time of the hardest peak [s], or another without impacts."""
@@ -47,19 +40,12 @@ class Impacts:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KeyFrames:
-    """Samples of a recording.
+    """Samples of a recording."""
 
-    Attributes:
-        indices: Samples of the run, times strictly increasing, (frames,).
-        rate: Regular frames per second [Hz].
-        impacts: Impacts with onset, peak and release among the samples.
-        left_out: Number of weakest impacts left out to meet a limit.
-    """
-
-    indices: Indices
-    rate: float
-    impacts: Impacts
-    left_out: int = 0
+    indices: Indices  # samples of the run, times strictly increasing, (frames,)
+    rate: float  # regular frames per second [Hz]
+    impacts: Impacts  # impacts with onset, peak and release among the samples
+    left_out: int = 0  # number of weakest impacts left out to meet a limit
 
 
 def impacts_of(data: xr.Dataset, start: float, end: float) -> Impacts:

@@ -55,31 +55,18 @@ def _directions(points: Array) -> Array:
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class MagnifiedJournal:
-    """The drawn parts of a revolute or planar joint and their motion, bearing axes.
+    """The drawn parts of a revolute or planar joint and their motion, bearing axes."""
 
-    Attributes:
-        factor: M [-].
-        journal_radius: R_j, drawn as it is [m].
-        bore_radius: Of the drawn bore [m].
-        length: Of bore and bearing as drawn [m]; a long one is shortened.
-        shortened: Real length over the drawn one [-].
-        edge_radius: Of the edge at which flanges touch, as it is [m]; 0 without flanges.
-        drawn_edge: Of the same as drawn [m].
-        outer_radius: Of the drawn bearing [m].
-        flange_radius: Of the drawn flanges [m]; 0 without.
-        flange_gap: C_a as drawn, M times as wide as it is [m].
-    """
-
-    factor: float
-    journal_radius: float
-    bore_radius: float
-    length: float
-    outer_radius: float
-    shortened: float = 1.0
-    edge_radius: float = 0.0
-    drawn_edge: float = 0.0
-    flange_radius: float = 0.0
-    flange_gap: float = 0.0
+    factor: float  # M [-]
+    journal_radius: float  # R_j, drawn as it is [m]
+    bore_radius: float  # of the drawn bore [m]
+    length: float  # of bore and bearing as drawn [m]; a long one is shortened
+    outer_radius: float  # of the drawn bearing [m]
+    shortened: float = 1.0  # real length over the drawn one [-]
+    edge_radius: float = 0.0  # of the edge at which flanges touch, as it is [m]; 0 without flanges
+    drawn_edge: float = 0.0  # of the same as drawn [m]
+    flange_radius: float = 0.0  # of the drawn flanges [m]; 0 without
+    flange_gap: float = 0.0  # C_a as drawn, M times as wide as it is [m]
 
     @classmethod
     def of(cls, dimensions: dict[str, Any], factor: float) -> MagnifiedJournal:
@@ -236,23 +223,14 @@ class MagnifiedBall:
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class MagnifiedSlider:
-    """The drawn parts of a slider in its guide, and their motion.
+    """The drawn parts of a slider in its guide, and their motion."""
 
-    Attributes:
-        factor: M [-].
-        size: Of the slider, drawn as it is, (3,) [m].
-        guide: Width and height of the drawn guide, (2,) [m].
-        corner_radius: Of the slider's edges [m].
-        roll: Of the section, from the bearing's axes [rad].
-        length: Of the guide [m]; 0 for one without end.
-    """
-
-    factor: float
-    size: Array
-    guide: Array
-    corner_radius: float
-    roll: float
-    length: float = 0.0
+    factor: float  # M [-]
+    size: Array  # of the slider, drawn as it is, (3,) [m]
+    guide: Array  # width and height of the drawn guide, (2,) [m]
+    corner_radius: float  # of the slider's edges [m]
+    roll: float  # of the section, from the bearing's axes [rad]
+    length: float = 0.0  # of the guide [m]; 0 for one without end
 
     @classmethod
     def of(cls, dimensions: dict[str, Any], factor: float) -> MagnifiedSlider:

@@ -24,25 +24,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Marking:
-    """Data for marks.
-
-    Attributes:
-        samples: Samples of the run that are key frames, (frames,).
-        scene: Scene of the marks.
-        paths: Paths of the links in the scene, by name; things below one move with it.
-        position: Of the links at the key frames, (frames, links, 3) [m].
-        attitude: Likewise, quaternions xyzw, (frames, links, 4) [-]; links in the order of ``paths``.
-        size: Of the mechanism [m].
-    """
+    """Data for marks."""
 
     run: Trajectory
     mechanism: Mechanism
-    samples: NDArray[np.intp]
-    scene: Scene
-    paths: Mapping[str, str]
-    position: Array
-    attitude: Array
-    size: float
+    samples: NDArray[np.intp]  # samples of the run that are key frames, (frames,)
+    scene: Scene  # scene of the marks
+    paths: Mapping[str, str]  # paths of the links in the scene, by name; things below one move with it
+    position: Array  # of the links at the key frames, (frames, links, 3) [m]
+    attitude: Array  # likewise, quaternions xyzw, (frames, links, 4) [-]; links in the order of ``paths``
+    size: float  # of the mechanism [m]
 
     @property
     def times(self) -> Array:
@@ -76,23 +67,15 @@ class Label:
 
 @dataclass(frozen=True, slots=True)
 class SceneMark:
-    """Group of things in the scene with common visibility.
+    """Group of things in the scene with common visibility."""
 
-    Attributes:
-        text: Name in the page.
-        colour: Colour beside it, ``#RRGGBB``.
-        paths: Paths of the things.
-        tracks: Their motion beside their links, as tracks of an actor of the recording.
-        shown: Whether they are visible at first.
-        labels: Their names.
-    """
-
-    text: str
-    colour: str
-    paths: tuple[str, ...]
+    text: str  # name in the page
+    colour: str  # colour beside it, ``#RRGGBB``
+    paths: tuple[str, ...]  # paths of the things
+    # Their motion beside their links, as tracks of an actor of the recording.
     tracks: tuple[dict[str, Any], ...] = ()
-    shown: bool = True
-    labels: tuple[Label, ...] = ()
+    shown: bool = True  # whether they are visible at first
+    labels: tuple[Label, ...] = ()  # their names
 
     def listed(self) -> dict[str, Any]:
         """Return the mark in the page's format."""

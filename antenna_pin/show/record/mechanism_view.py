@@ -216,17 +216,7 @@ def mechanism_view(
     boresight: tuple[str, ArrayLike] | None = None,
     magnify: float | None = None,
 ) -> dict[str, Any]:
-    """Return the data of a recording that depend on the view (see :class:`Recording`).
-
-    Args:
-        run: The run.
-        frames: Key frames of the run.
-        impacts: Contact episodes in the span.
-        places: Bearings (the run's attribute ``clearance_joints``).
-        ideal: Run drawn as a ghost, and its key frames.
-        boresight: Body and axis of the drawn line.
-        magnify: Magnification of deflections [-]; 1 if left out.
-    """
+    """Return the data of a recording that depend on the view (see :class:`Recording`)."""
     scene = Scene()
     factor = check_bending(run, magnify)
     motion = _Body(run, frames, "run", scene, magnify=factor)

@@ -12,7 +12,6 @@ from typing import Annotated, Any, Literal
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
-from scipy.spatial.transform import Rotation
 
 from antenna_pin.analysis import bearing_up, steady_up
 from antenna_pin.base.arguments import check_number, takes
@@ -23,152 +22,14 @@ from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.joints.geometry import LOOKS
 from antenna_pin.scenario import Scenario
 from antenna_pin.show.record import page
-from antenna_pin.show.record._joint_pictures import (
-    JOURNAL,
-    MARK,
-    SIGNS,
-    TRACES,
-    Array,
-    JointPicture,
-    JournalPicture,
-    SliderPicture,
-    circle,
-    length_text,
-)
+from antenna_pin.show.record._joint_pictures import PICTURES
 from antenna_pin.show.record.curves import curves_of
 from antenna_pin.show.record.key_frames import Impacts, KeyFrames, impacts_of, key_frames, rate_of_turns
-from antenna_pin.show.record.magnified import MagnifiedBall, default_magnification
 from antenna_pin.show.record.mechanism_view import mechanism_view
-from antenna_pin.show.record.scene import packed_doubles, packed_floats, track, triad
-from antenna_pin.show.record.shapes import Mesh, Sphere, arc, lathe, line, ring
+from antenna_pin.show.record.scene import packed_doubles, packed_floats, triad
 from antenna_pin.trajectory import Counts, Outcome, Trajectory, series
 
-__all__ = ["Recording", "View", "record"]
-
-
-# --- a round slider in its guide close up, drawn as :mod:`antenna_pin.show.record.magnified` has it ---
-
-
-class RodPicture(JointPicture):
-    """Picture of a round slider in a round guide."""
-
-    def _build(self, place: dict[str, Any], magnify: float | None) -> None:
-        size = {name: float(value) for name, value in place["dimensions"].items()}
-        self.rod = size["journal_radius"]
-        self.clearance = size["bearing_radius"] - self.rod
-        self.factor = default_magnification(self.rod, self.clearance) if magnify is None else magnify
-        self.radius = self.rod + self.factor * self.clearance
-        self.half = 0.5 * size["slider_length"]
-        self.guide = size["guide_length"]
-        self.reach = 0.5 * (self.guide or 1.5 * size["slider_length"])
-        position, attitude = (
-            np.asarray(self.journal[name].values, dtype=float)
-            for name in ("journal_position", "journal_attitude")
-        )
-        self.turns = Rotation.from_quat(attitude).as_matrix()
-        stretch = np.array([self.factor, self.factor, 1.0])
-        # What only turns about the axis is not magnified.
-        angle = 2.0 * np.arctan2(attitude[:, 2], attitude[:, 3])
-        spun = Rotation.from_rotvec(np.outer(angle, [0.0, 0.0, 1.0])).as_matrix()
-        lean = self.turns @ spun.transpose(0, 2, 1)
-        self.matrix = (np.eye(3) + stretch[:, None] * (lean - np.eye(3))) @ spun
-        self.shift = position * [self.factor, self.factor, 1.0 if self.guide else 0.0]
-        self.position = position
-        ends = np.array([-self.reach, self.reach])
-        self.cut_open("run/guide", line(self.radius, ends), line(1.16 * self.radius, ends))
-        self.draw_rims(ends)
-        self.draw_shaft("run/rod", self.rod, np.array([-self.half, self.half]))
-
-    def tracks(self) -> list[dict[str, Any]]:
-        placed = np.concatenate([self.matrix, self.shift[:, :, None]], axis=2)
-        return [track("run/rod", placed)]
-
-    def drawn_points(self) -> Array:
-        """Return contacts on the drawn guide, where the drawn slider is nearest."""
-        own = np.einsum("nji,nkj->nki", self.turns, self.point - self.position[:, None])
-        drawn = np.einsum("nij,nkj->nki", self.matrix, own) + self.shift[:, None]
-        across = np.linalg.norm(drawn[..., :2], axis=2, keepdims=True)
-        drawn[..., :2] *= self.radius / np.where(across > 0.0, across, 1.0)
-        return np.asarray(drawn)
-
-    def extent(self) -> Array:
-        outside = 1.16 * self.radius * circle()
-        long = max(self.reach, float(np.abs(self.shift[:, 2]).max()) + self.half)
-        return np.concatenate([np.vstack([outside, np.full((1, 24), end)]).T for end in (-long, long)])
-
-    def trails(self) -> list[dict[str, Any]]:
-        """Return recent paths of both ends of the slider's axis."""
-        ends = (self.shift + sign * self.half * self.matrix[:, :, 2] for sign in SIGNS)
-        return [self.trail(end, colour) for end, colour in zip(ends, TRACES, strict=True)]
-
-    def facts(self) -> list[str]:
-        drawn = length_text(self.factor * self.clearance)
-        return [
-            f"{self.name}: play, eccentricity and tilt drawn {self.factor:g} times as large",
-            "slider's size and turn about its axis as they are"
-            + ("" if self.guide else "; the picture goes along with it"),
-            f"radial play {length_text(self.clearance)} drawn {drawn}",
-        ]
-
-
-# --- a ball in a socket close up ---
-
-
-class BallPicture(JointPicture):
-    """Picture of a ball joint."""
-
-    def _build(self, place: dict[str, Any], magnify: float | None) -> None:
-        dimensions = place["dimensions"]
-        ball = float(dimensions["ball_radius"])
-        self.clearance = float(dimensions["socket_radius"]) - ball
-        factor = self.factor = default_magnification(ball, self.clearance) if magnify is None else magnify
-        shape = self.shape = MagnifiedBall.of(dimensions, factor)
-        self.radius = shape.socket_radius
-        self.centre = shape.centre(
-            self.gap[:, 0], np.asarray(self.journal["journal_position"].values, dtype=float)
-        )
-        self.cut_open("run/socket", arc(shape.socket_radius), arc(1.1 * shape.socket_radius))
-        solid = arc(shape.ball_radius)
-        self.scene.add("run/ball/body", lathe(solid * [0.0, 1.0], solid), JOURNAL)
-        for k, turn in enumerate(("xyz", "yzx", "zxy")):
-            hoop = ring(shape.ball_radius, 0.0, 0.02 * shape.ball_radius)
-            order = ["xyz".index(axis) for axis in turn]
-            self.scene.add(f"run/ball/ring{k}", Mesh(hoop.vertices[:, order], hoop.faces), MARK)
-        pole = np.eye(4)
-        pole[2, 3] = shape.ball_radius
-        self.scene.add("run/ball/pole", Sphere(0.1 * shape.ball_radius), MARK, pole)
-
-    def tracks(self) -> list[dict[str, Any]]:
-        attitude = np.asarray(self.journal["journal_attitude"].values, dtype=float)
-        return [track("run/ball", np.hstack([self.centre, attitude]))]
-
-    def drawn_points(self) -> Array:
-        return self.shape.points(self.point[:, 0])[:, None]
-
-    def extent(self) -> Array:
-        r = 1.1 * self.radius
-        k = np.arange(64)
-        z, phi = 1.0 - (2.0 * k + 1.0) / 64.0, 2.4 * k
-        return r * np.stack([np.sqrt(1 - z * z) * np.cos(phi), np.sqrt(1 - z * z) * np.sin(phi), z], axis=1)
-
-    def facts(self) -> list[str]:
-        factor = self.shape.factor
-        return [
-            f"{self.name}: play and eccentricity drawn {factor:g} times as large",
-            "ball's radius and rotation as they are",
-            f"play {length_text(self.clearance)} drawn {length_text(factor * self.clearance)}",
-        ]
-
-
 # --- a clearance joint close up: its bearing cut open, play magnified, contacts coloured by load ---
-
-#: The close-ups that kinds of clearance joints name (:class:`antenna_pin.joints.geometry.Look`).
-PICTURES: dict[str, type[JointPicture]] = {
-    "journal": JournalPicture,
-    "ball": BallPicture,
-    "slider": SliderPicture,
-    "rod": RodPicture,
-}
 
 _DIRECTIONS = 300  # of gravity that a page carries, for bearings that turn
 
@@ -181,16 +42,7 @@ def joint_view(
     joint: str | None = None,
     magnify: float | None = None,
 ) -> dict[str, Any]:
-    """Return the data of a recording that depend on the view (see :class:`Recording`).
-
-    Args:
-        run: The run.
-        frames: Key frames of the run.
-        impacts: Contact episodes in the span.
-        places: Shapes of the clearance joints (the run's attribute ``clearance_joints``).
-        joint: Name of the joint; the first one with clearance if left out.
-        magnify: Magnification of gaps [-]; chosen by the play if left out.
-    """
+    """Return the data of a recording that depend on the view (see :class:`Recording`)."""
     if not places or "gap" not in run.data:
         raise InvalidParameterError(
             "recording",
@@ -517,3 +369,43 @@ def _moving_bytes(data: dict[str, Any]) -> int:
             texts += [item["frames"], item["force"], item["point"]]
     texts += [trail[name] for trail in data["trails"] for name in ("times", "points")]
     return sum(map(len, texts))
+
+
+# --- several runs, one recording below the other ---
+
+# Key frames of each in all; short runs have as many as they have samples.
+_EVERY = 1e6
+
+
+@takes()
+def record_several(
+    runs: Iterable[Trajectory], path: str | os.PathLike[str], title: str, max_megabytes: float = 5.0
+) -> Path:
+    """Write one page with a recording of each run, headed by its case.
+
+    Every sample is a key frame, and there are no curves: for runs of few samples, such as the swings of mode
+    shapes, which have no series but their motion.
+
+    Args:
+        runs: The runs, one or more.
+        path: Path of the page, ``NAME.html``; returned.
+        title: Title of the page.
+        max_megabytes: Largest size of each recording, the viewer included [MB].
+
+    Raises:
+        AntennaPinError: A run that cannot be recorded, or a page that cannot be written.
+    """
+    target = check_writable(path, ".html")
+    made = [
+        (str(run.data.attrs.get("case") or run.data.attrs.get("title") or f"run {k}"), run)
+        for k, run in enumerate(runs, 1)
+    ]
+    if not made:
+        raise InvalidParameterError("recording", "runs", "at least one", 0)
+    parts = [
+        (heading, record(run, fps=_EVERY, curves=(), max_megabytes=max_megabytes).data)
+        for heading, run in made
+    ]
+    with replacing(target) as partial:
+        partial.write_text(page.page_of_several(parts, title), encoding="utf-8", errors="backslashreplace")
+    return target

@@ -31,8 +31,6 @@ from antenna_pin.show.report.results import conservation
 from antenna_pin.studies.verification import point_text, result_text
 from antenna_pin.trajectory import Trajectory
 
-__all__ = ["verification_report"]
-
 # Analyses of figures of runs, by how the name of one begins.
 _FIGURES = {
     "joints": "functional",

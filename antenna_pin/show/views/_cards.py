@@ -312,18 +312,7 @@ def _path(time: Array, values: Array, low: float, span: float) -> str:
 
 
 # What a run in a few words is counted by.
-_COUNTED = (
-    "time",
-    "joint",
-    "sliding_joint",
-    "clearance_joint",
-    "contact",
-    "closure",
-    "episode",
-    "event",
-    "sampled",
-    "tick",
-)
+_COUNTED = "time joint sliding_joint clearance_joint contact closure episode event sampled tick".split()
 _ROWS = 40  # of a table
 _TEXT = 160  # letters of a cell
 
@@ -399,24 +388,10 @@ def _variables(data: xr.Dataset) -> str:
 
 
 # Tables of a scenario that stand by themselves, in the order in which they are read.
-_TABLES = (
-    "clearance",
-    "drives",
-    "springs",
-    "stops",
-    "latches",
-    "gears",
-    "bearings",
-    "forces",
-    "shake",
-    "closures",
-    "couplings",
-    "rotors",
-    "flexible",
-    "references",
-    "controllers",
-    "events",
-)
+_TABLES = """
+    clearance drives springs stops latches gears bearings forces shake closures couplings rotors flexible
+    references controllers events
+""".split()
 _LONGEST = 16_000  # letters of the scenario's text
 
 

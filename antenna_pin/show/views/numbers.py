@@ -40,45 +40,13 @@ def item_of(run: Trajectory, name: str) -> xr.DataArray:
 
 
 #: Functions of ``antenna_pin.analysis`` whose first argument is a run.
-OF_A_RUN = (
-    "answer",
-    "base_loads",
-    "base_motion",
-    "bearing_up",
-    "blow_statistics",
-    "blows",
-    "body_motion",
-    "body_poses",
-    "body_twists",
-    "bore_load",
-    "boresight",
-    "closure_loads",
-    "coupling_loads",
-    "deviation",
-    "deviation_measures",
-    "deviation_over_time",
-    "drive_loads",
-    "drive_power",
-    "elastic_motion",
-    "gear_contacts",
-    "gear_impacts",
-    "impacts",
-    "joint_loads",
-    "journal_motion",
-    "latch_events",
-    "load_statistics",
-    "modal_energy",
-    "orbit_angles",
-    "phase_portrait",
-    "pointing_error",
-    "quantities",
-    "quantity",
-    "scenario_shares",
-    "scenario_spans",
-    "settling",
-    "signals",
-    "stop_impacts",
-)
+OF_A_RUN = """
+    answer base_loads base_motion bearing_up blow_statistics blows body_motion body_poses body_twists
+    bore_load boresight closure_loads coupling_loads deviation deviation_measures deviation_over_time
+    drive_loads drive_power elastic_motion gear_contacts gear_impacts impacts joint_loads journal_motion
+    latch_events load_statistics modal_energy orbit_angles phase_portrait pointing_error quantities
+    quantity scenario_shares scenario_spans settling signals stop_impacts
+""".split()
 
 
 class RunNumbers:

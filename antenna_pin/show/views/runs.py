@@ -12,7 +12,7 @@ import xarray as xr
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.files import check_writable
-from antenna_pin.errors import InvalidParameterError, OutputError, UnknownNameError
+from antenna_pin.errors import FileFormatError, InvalidParameterError, OutputError, UnknownNameError
 from antenna_pin.show.plot import CATALOGUE, RunFigure, allowed_figures, run_figure
 from antenna_pin.show.record import Recording, check_film, record, save_picture, save_video
 from antenna_pin.show.report import Report, report
@@ -94,7 +94,7 @@ class RunFigures:
         """
         if name is not None and not isinstance(name, str):
             raise InvalidParameterError("plot", "name", "the name of a figure", name)
-        chosen = self.__dir__()[0] if name is None else name
+        chosen = self._names()[0] if name is None else name
         drawing = Drawing(self._run, run_figure(chosen))
         return drawing(beside=beside, joint=joint, width=width, **options)
 
@@ -107,13 +107,21 @@ class RunFigures:
         except UnknownNameError as error:
             raise AttributeError(str(error)) from None
 
-    def __dir__(self) -> list[str]:
-        """Return the names of figures that the run allows."""
+    def _names(self) -> list[str]:
         return list(dict.fromkeys(one.figure.name for one in allowed_figures([self._run], names=CATALOGUE)))
+
+    def __dir__(self) -> list[str]:
+        """Return the names of figures that the run allows; none of a lean result."""
+        try:
+            return self._names()
+        except FileFormatError:
+            return []
 
     def __repr__(self) -> str:
         """List the figures that the run allows, by name."""
         names = self.__dir__()
+        if not names:
+            return "<no figures: the run has no series>"
         widest = max(map(len, names))
         lines = [f"  {name:<{widest}}  {_title(CATALOGUE[name])}" for name in names]
         return "\n".join(["Figures of this run, each drawn by plot(NAME):", *lines])

@@ -71,21 +71,14 @@ FILES: Mapping[str, Content] = {"pair.urdf": MECHANISM, "scenario.toml": SCENARI
 
 @dataclass(frozen=True)
 class Case:
-    """One bad input.
+    """One bad input."""
 
-    Attributes:
-        room: Kind: ``urdf``, ``toml``, ``units``, ``options``, ``results``, ``python``.
-        name: Description.
-        says: Part of the line that must be said.
-        act: Arguments of the command, or a call in Python, in the folder of the files.
-        files: Contents by name, or functions that write them, in an empty folder.
-    """
-
-    room: str
-    name: str
-    says: str
+    room: str  # kind: ``urdf``, ``toml``, ``units``, ``options``, ``results``, ``python``
+    name: str  # description
+    says: str  # part of the line that must be said
+    # Arguments of the command, or a call in Python, in the folder of the files.
     act: Sequence[str] | Callable[[], Any]
-    files: Mapping[str, Content]
+    files: Mapping[str, Content]  # contents by name, or functions that write them, in an empty folder
 
     @property
     def draft(self) -> Draft:

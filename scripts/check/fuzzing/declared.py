@@ -206,15 +206,10 @@ def name_for(chance: Random, doc: str, names: Names) -> str:
 
 @dataclass(frozen=True)
 class Declared:
-    """A key of a table: what it may hold; nothing is known of it if there are no shapes.
+    """A key of a table: what it may hold; nothing is known of it if there are no shapes."""
 
-    Attributes:
-        shapes: What it may hold.
-        required: Whether it must be there.
-    """
-
-    shapes: tuple[Shape, ...]
-    required: bool
+    shapes: tuple[Shape, ...]  # what it may hold
+    required: bool  # whether it must be there
 
     def admits(self, value: Any) -> bool:
         """Return whether a value may be taken; False only if it must be refused."""
@@ -285,17 +280,11 @@ def _shapes(hint: Any, field: FieldInfo | None, key: str, doc: str) -> Iterator[
 
 @dataclass(frozen=True)
 class Place:
-    """A key of a table of a document, whether it is there or not.
+    """A key of a table of a document, whether it is there or not."""
 
-    Attributes:
-        path: The keys that lead to it.
-        what: What it may hold.
-        there: Whether it is there.
-    """
-
-    path: tuple[str, ...]
-    what: Declared
-    there: bool
+    path: tuple[str, ...]  # the keys that lead to it
+    what: Declared  # what it may hold
+    there: bool  # whether it is there
 
 
 def class_of(table: Mapping[str, Any], classes: tuple[type[Spec], ...]) -> type[Spec]:

@@ -36,23 +36,14 @@ _REPLACED = frozenset({("integrator",), ("integrator", "max_steps")})
 
 @dataclass(frozen=True)
 class Base:
-    """A sound document.
+    """A sound document."""
 
-    Attributes:
-        name: Of its file.
-        cls: Whose keys it has.
-        table: Its content.
-        files: What it names.
-        names: Names that there are.
-        replaced: Keys of which what the file says does not count.
-    """
-
-    name: str
-    cls: type[Any]
-    table: Mapping[str, Any]
-    files: Mapping[str, bytes]
-    names: Names
-    replaced: frozenset[tuple[str, ...]] = frozenset()
+    name: str  # of its file
+    cls: type[Any]  # whose keys it has
+    table: Mapping[str, Any]  # its content
+    files: Mapping[str, bytes]  # what it names
+    names: Names  # names that there are
+    replaced: frozenset[tuple[str, ...]] = frozenset()  # keys of which what the file says does not count
 
 
 @dataclass

@@ -45,19 +45,12 @@ _TRACEBACK = re.compile(r"Traceback|\A(antenna-pin: )?.{0,4}Error:")
 
 @dataclass(frozen=True)
 class Ended:
-    """The end of a command.
+    """The end of a command."""
 
-    Attributes:
-        code: Exit code, or minus the signal that ended it.
-        said: Standard output and error stream.
-        seconds: Time from its start [s].
-        acted: Whether something was done to it before.
-    """
-
-    code: int
-    said: str
-    seconds: float
-    acted: bool
+    code: int  # exit code, or minus the signal that ended it
+    said: str  # standard output and error stream
+    seconds: float  # time from its start [s]
+    acted: bool  # whether something was done to it before
 
 
 class Child:

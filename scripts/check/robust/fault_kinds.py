@@ -23,40 +23,24 @@ _NOBODY = 65534
 
 @dataclass
 class Fault:
-    """One fault of one command.
+    """One fault of one command."""
 
-    Attributes:
-        codes: Exit codes that are right then.
-        hook: Called in the command's process before it begins.
-        act: Called at the moment of the fault, with the process.
-        armed: Called when all is ready.
-        mended: Called to make all well again.
-        takes_away: Whether files at the output's place may be gone because of it.
-    """
-
-    codes: tuple[int, ...] = _DONE_OR_REFUSED
-    hook: Callable[[], object] | None = None
-    act: Callable[[int], object] | None = None
-    armed: Callable[[], object] = field(default=lambda: None)
-    mended: Callable[[], object] = field(default=lambda: None)
-    takes_away: bool = False
+    codes: tuple[int, ...] = _DONE_OR_REFUSED  # exit codes that are right then
+    hook: Callable[[], object] | None = None  # called in the command's process before it begins
+    act: Callable[[int], object] | None = None  # called at the moment of the fault, with the process
+    armed: Callable[[], object] = field(default=lambda: None)  # called when all is ready
+    mended: Callable[[], object] = field(default=lambda: None)  # called to make all well again
+    takes_away: bool = False  # whether files at the output's place may be gone because of it
 
 
 @dataclass(frozen=True)
 class At:
-    """Place and size of a fault.
+    """Place and size of a fault."""
 
-    Attributes:
-        folder: Of the command.
-        moment: Part of the command's time, or of its output's size, at which the fault comes [-].
-        size: Of the output [B].
-        older: Size of an older output in its place [B].
-    """
-
-    folder: Path
-    moment: float
-    size: int
-    older: int
+    folder: Path  # of the command
+    moment: float  # part of the command's time, or of its output's size, at which the fault comes [-]
+    size: int  # of the output [B]
+    older: int  # size of an older output in its place [B]
 
     def limit(self, what: int, least: int = 0) -> None:
         """Limit a resource of this process to a part of the output's size."""

@@ -59,19 +59,12 @@ def files_in(place: Path) -> dict[str, bytes]:
 
 @dataclass(frozen=True)
 class Trial:
-    """One command and what befalls it.
+    """One command and what befalls it."""
 
-    Attributes:
-        name: Of the command.
-        fault: Kind of the fault.
-        moment: Part of the command's own time, or of its output's size, at which it comes [-].
-        older: Whether there is an older result in its place.
-    """
-
-    name: str
-    fault: str
-    moment: float
-    older: bool
+    name: str  # of the command
+    fault: str  # kind of the fault
+    moment: float  # part of the command's own time, or of its output's size, at which it comes [-]
+    older: bool  # whether there is an older result in its place
 
 
 def drawn(seed: int, number: int, faults: Sequence[str] = tuple(FAULTS)) -> Trial:

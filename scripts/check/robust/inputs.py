@@ -31,46 +31,29 @@ _NOTE = re.compile(r"antenna-pin: (?!.*(encountered in|Warning))|.*━|\s*$")
 
 @dataclass(frozen=True)
 class Change:
-    """One change of a sound input.
+    """One change of a sound input."""
 
-    Attributes:
-        name: Description.
-        apply: Applies the change to an object of the draft's maker.
-        wrong: Whether it alone must be refused, whatever else the input holds.
-        says: Texts of which a refusal must hold one; any refusal will do if there is none.
-    """
-
-    name: str
-    apply: Callable[[Any], Any]
-    wrong: bool = False
-    says: tuple[str, ...] = ()
+    name: str  # description
+    apply: Callable[[Any], Any]  # applies the change to an object of the draft's maker
+    wrong: bool = False  # whether it alone must be refused, whatever else the input holds
+    says: tuple[str, ...] = ()  # texts of which a refusal must hold one; any refusal will do if there is none
 
 
 @dataclass(frozen=True)
 class Input:
-    """Files in an empty folder, and what is done with them there.
+    """Files in an empty folder, and what is done with them there."""
 
-    Attributes:
-        files: Contents by name, or functions that write them.
-        act: Arguments of the command, or a call in Python.
-        strict: Whether any warning is an error, and any line beside that of a refusal.
-    """
-
-    files: Mapping[str, Content]
-    act: Sequence[str] | Callable[[], Any]
-    strict: bool = False
+    files: Mapping[str, Content]  # contents by name, or functions that write them
+    act: Sequence[str] | Callable[[], Any]  # arguments of the command, or a call in Python
+    strict: bool = False  # whether any warning is an error, and any line beside that of a refusal
 
 
 @dataclass(frozen=True)
 class Draft:
-    """A sound input and changes of it.
+    """A sound input and changes of it."""
 
-    Attributes:
-        changes: Changes; any part of them makes an input.
-        made: Returns the input with some of the changes.
-    """
-
-    changes: tuple[Change, ...]
+    changes: tuple[Change, ...]  # changes; any part of them makes an input
+    # Returns the input with some of the changes.
     made: Callable[[Sequence[Change]], Input] = field(repr=False)
 
     @property
@@ -114,12 +97,7 @@ def draft_of_words(
 
 
 def problem_of(draft: Draft, folder: Path) -> str | None:
-    """Return a fault in what comes of an input; None if there is none.
-
-    Args:
-        draft: The input, with all its changes.
-        folder: An empty one, to work in.
-    """
+    """Return a fault in what comes of an input; None if there is none."""
     wrong = len(draft.changes) == 1 and draft.changes[0].wrong
     try:
         refusal = _refusal(draft.made(draft.changes), folder)

@@ -59,12 +59,7 @@ dissipated = {measure="dissipated"}
 
 
 class Work:
-    """Work that is interrupted and given again, beside the same never stopped.
-
-    Args:
-        folder: An empty one.
-        chance: Of moments and places.
-    """
+    """Work that is interrupted and given again, beside the same never stopped."""
 
     kinds: tuple[str, ...]
     options: tuple[str, ...] = ()  # of the command, if no others are given

@@ -39,14 +39,29 @@ def _chosen(figure: str, what: str, names: Iterable[str], known: Mapping[str, T]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PaperFigure:
+class _Figure:
+    """Name, number and content of a paper's figure.
+
+    Attributes:
+        name: File name without a format; it starts with the number in the paper.
+        shows: Content of the paper's figure.
+    """
+
+    name: str
+    shows: str
+
+    @property
+    def number(self) -> int:
+        """Number in the paper."""
+        return int(self.name.removeprefix("figure").split("-")[0])
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PaperFigure(_Figure):
     """Figure of a paper.
 
     Attributes:
-        number: Number in the paper.
-        name: File name without a format.
         cases: Cases of the model that it draws.
-        shows: Content of the paper's figure.
         figure: Name of the equivalent in the catalogue.
         finding: Returns the runs' result in numbers.
         joint: Joint of the figure; None for one of whole runs.
@@ -56,10 +71,7 @@ class PaperFigure:
         agrees: Returns whether the runs show the paper's result; None where that is not judged.
     """
 
-    number: int
-    name: str
     cases: tuple[str, ...]
-    shows: str
     figure: str
     finding: Callable[[Cases], str]
     joint: str | None = None
@@ -131,27 +143,21 @@ class Diagram:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AttractorFigure:
+class AttractorFigure(_Figure):
     """Phase trajectories and Poincare maps at some values of a parameter.
 
     Attributes:
-        number: Number in the paper.
-        name: File name without a format.
         over: Parameter.
         values: Values of the parameter, as text with a unit, each with its label.
         x: Name of the quantity across.
         y: Name of the quantity upward.
-        shows: Content of the paper's figure.
         there: The paper's verdict on the motion at each value.
     """
 
-    number: int
-    name: str
     over: Diagram
     values: Mapping[str, str]
     x: str
     y: str
-    shows: str
     there: Mapping[str, Verdict]
 
     def draw(self, attractors: Mapping[str, Attractor], *, width: Width = "page") -> Figure:
@@ -199,23 +205,17 @@ def _verdict(one: Attractor, *names: str) -> Verdict:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class DiagramFigure:
+class DiagramFigure(_Figure):
     """Settled points of a motion over a parameter.
 
     Attributes:
-        number: Number in the paper.
-        name: File name without a format.
         diagram: Diagram over the parameter.
         quantities: Its drawn quantities.
-        shows: Content of the paper's figure.
         agrees: Returns whether verdicts over the settled values are the paper's.
     """
 
-    number: int
-    name: str
     diagram: Diagram
     quantities: tuple[str, ...]
-    shows: str
     agrees: Callable[[Sequence[float], Sequence[Verdict]], bool]
 
     def draw(self, diagram: xr.Dataset, *, width: Width = "page") -> Figure:

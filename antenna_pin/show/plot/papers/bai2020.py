@@ -20,7 +20,6 @@ _AXIAL = ("case1", "case2-planar", "case3", "case4", "case5")
 
 FIGURES = (
     PaperFigure(
-        number=7,
         name="figure07-angle",
         cases=_FIRST,
         shows="Angle of the antenna, whole and zoomed: clearance makes it deviate from the ideal joint, "
@@ -31,7 +30,6 @@ FIGURES = (
         agrees=partial(_findings.rising_deviations, of=f"{_JOINT} angle", cases=_PLAY),
     ),
     PaperFigure(
-        number=8,
         name="figure08-rate",
         cases=_FIRST,
         shows="Its rate, whole and zoomed: shaky with clearance, and further from the ideal joint with axial "
@@ -42,7 +40,6 @@ FIGURES = (
         agrees=partial(_findings.rising_deviations, of=f"{_JOINT} rate", cases=_PLAY),
     ),
     PaperFigure(
-        number=9,
         name="figure09-acceleration",
         cases=_FIRST,
         shows="Its acceleration, whole and zoomed: peaks that rise sharply with axial clearance.",
@@ -52,7 +49,6 @@ FIGURES = (
         agrees=partial(_findings.rising_accelerations, joint=_JOINT, cases=_PLAY),
     ),
     PaperFigure(
-        number=10,
         name="figure10-contact-forces",
         cases=("case2-planar", "case3"),
         shows="Contact forces in the joint: impulses of high frequency with high peaks; with axial clearance "
@@ -63,7 +59,6 @@ FIGURES = (
         agrees=partial(_findings.higher_axial_peaks, case="case3", than="case2-planar"),
     ),
     PaperFigure(
-        number=11,
         name="figure11-angle-axial-clearance",
         cases=_AXIAL,
         shows="Angle of the antenna for axial clearances of 0, 0.2, 0.3 and 0.4 mm, whole and zoomed.",
@@ -74,7 +69,6 @@ FIGURES = (
         agrees=partial(_findings.rising_deviations, of=f"{_JOINT} angle", cases=_GROWING),
     ),
     PaperFigure(
-        number=12,
         name="figure12-rate-axial-clearance",
         cases=_AXIAL,
         shows="Its rate for the same, whole and zoomed: the larger the axial clearance, the shakier.",
@@ -85,7 +79,6 @@ FIGURES = (
         agrees=partial(_findings.rising_deviations, of=f"{_JOINT} rate", cases=_GROWING),
     ),
     PaperFigure(
-        number=13,
         name="figure13-acceleration-axial-clearance",
         cases=_AXIAL,
         shows="Its acceleration for the same, (a) to (d): the larger the axial clearance, the higher the "

@@ -23,7 +23,6 @@ _THREE = ("friction-005", "friction-010", "friction-015")
 
 def _of_platform(number: int, quantity: BodyQuantity, name: str, shows: str) -> PaperFigure:
     return PaperFigure(
-        number=number,
         name=f"figure{number:02d}-platform-{name}",
         cases=_TWO,
         shows=shows,
@@ -56,7 +55,6 @@ FIGURES = (
         "than with 0.10.",
     ),
     PaperFigure(
-        number=8,
         name="figure08-contact-force",
         cases=_THREE,
         shows="Contact force at s2 for friction 0.05, 0.10 and 0.15 over four periods: vibration of high "
@@ -95,7 +93,6 @@ def _single(values: Sequence[float], verdicts: Sequence[Verdict]) -> bool:
 
 ATTRACTORS: tuple[AttractorFigure | DiagramFigure, ...] = (
     AttractorFigure(
-        number=9,
         name="figure09-platform-friction",
         over=_OVER_FRICTION,
         values=_FRICTIONS,
@@ -107,7 +104,6 @@ ATTRACTORS: tuple[AttractorFigure | DiagramFigure, ...] = (
         there=dict(zip(_FRICTIONS, (_QUASI, _ONE, _ONE), strict=True)),
     ),
     DiagramFigure(
-        number=10,
         name="figure10-platform-over-friction",
         diagram=_OVER_FRICTION,
         quantities=_PLATFORM,
@@ -116,7 +112,6 @@ ATTRACTORS: tuple[AttractorFigure | DiagramFigure, ...] = (
         agrees=_mostly_single,
     ),
     AttractorFigure(
-        number=11,
         name="figure11-ball-friction",
         over=_OVER_FRICTION,
         values=_FRICTIONS,
@@ -128,7 +123,6 @@ ATTRACTORS: tuple[AttractorFigure | DiagramFigure, ...] = (
         there=dict(zip(_FRICTIONS, (_CHAOS, _QUASI, _QUASI), strict=True)),
     ),
     DiagramFigure(
-        number=12,
         name="figure12-ball-over-friction",
         diagram=_OVER_FRICTION,
         quantities=_BALL,
@@ -137,7 +131,6 @@ ATTRACTORS: tuple[AttractorFigure | DiagramFigure, ...] = (
         agrees=_chaotic_then_quasi,
     ),
     AttractorFigure(
-        number=13,
         name="figure13-platform-clearance",
         over=_OVER_CLEARANCE,
         values=_CLEARANCES,
@@ -148,7 +141,6 @@ ATTRACTORS: tuple[AttractorFigure | DiagramFigure, ...] = (
         there=dict.fromkeys(_CLEARANCES, _ONE),
     ),
     DiagramFigure(
-        number=14,
         name="figure14-platform-over-clearance",
         diagram=_OVER_CLEARANCE,
         quantities=_PLATFORM,
@@ -156,7 +148,6 @@ ATTRACTORS: tuple[AttractorFigure | DiagramFigure, ...] = (
         agrees=_single,
     ),
     AttractorFigure(
-        number=15,
         name="figure15-ball-clearance",
         over=_OVER_CLEARANCE,
         values=_CLEARANCES,
@@ -168,7 +159,6 @@ ATTRACTORS: tuple[AttractorFigure | DiagramFigure, ...] = (
         there=dict.fromkeys(_CLEARANCES, _QUASI),
     ),
     DiagramFigure(
-        number=16,
         name="figure16-ball-over-clearance",
         diagram=_OVER_CLEARANCE,
         quantities=_BALL,

@@ -18,7 +18,6 @@ _BOTH = ("ideal", "planar")
 
 def _of_base(number: int, quantity: BaseQuantity, shows: str) -> PaperFigure:
     return PaperFigure(
-        number=number,
         name=f"figure{number:02d}-base-{quantity.replace('_', '-')}",
         cases=_BOTH,
         shows=shows,
@@ -29,7 +28,6 @@ def _of_base(number: int, quantity: BaseQuantity, shows: str) -> PaperFigure:
 
 def _of_joints(number: int, quantity: Quantity, shows: str) -> PaperFigure:
     return PaperFigure(
-        number=number,
         name=f"figure{number:02d}-shaft-{quantity}",
         cases=_BOTH,
         shows=shows,
@@ -40,7 +38,6 @@ def _of_joints(number: int, quantity: Quantity, shows: str) -> PaperFigure:
 
 FIGURES = (
     PaperFigure(
-        number=6,
         name="figure06-eccentricity",
         cases=("planar",),
         shows="Eccentricity of the journal: severe impacts and large deformations at first, then weaker "
@@ -50,7 +47,6 @@ FIGURES = (
         finding=_findings.penetration,
     ),
     PaperFigure(
-        number=7,
         name="figure07-impact-force",
         cases=_BOTH,
         shows="Force between journal and bearing: it fluctuates like the eccentricity, and is nearly 20 "
