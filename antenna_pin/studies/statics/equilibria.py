@@ -64,7 +64,8 @@ def equilibria(
     as after a long way.
 
     A mechanism of one freedom (journals in their play aside) is scanned along it from limit to limit, or by a
-    turn; others are searched from the start and from random poses.
+    turn; others are searched from the start and from random poses. Of poses that no force moves, nor about
+    them, the first is returned.
 
     Args:
         model: A scenario, its name or path, or a system.
@@ -82,7 +83,7 @@ def equilibria(
     origin = balance.snapshot()
     found: list[tuple[float, Rest, Equilibrium]] = []
     first_error: AntennaPinError | None = None
-    failures = 0
+    failures, any_forceless = 0, False
     _check_loops(balance)
     for y in _starts(balance, begin.system, begin.state, hold, starts, seed):
         balance.restore(origin)
@@ -94,6 +95,10 @@ def equilibria(
                 break
             continue
         failures = 0
+        forceless = rest.residual == 0.0 and not rest.stiffness.any()
+        if forceless and any_forceless:  # each pose about them is an equilibrium
+            continue
+        any_forceless = any_forceless or forceless
         place = _coordinates(balance, rest.y)
         if any(np.abs(place - _coordinates(balance, one.y)).max(initial=0.0) < _SAME for _, one, _ in found):
             continue

@@ -30,6 +30,8 @@ _ROUNDS, _NEWTONS, _DRIFTS, _CUTS = 40, 40, 8, 6
 # Steps nearly as long as is trusted after which a joint is taken to move on without end; and a displacement
 # over what is trusted by a round of steps that leads nowhere.
 _FAR, _LONG, _STILL = 48, 0.9, 1e-6
+# Round-off of the stiffness, over the largest.
+_EPS = 4.0 * float(np.finfo(float).eps)
 # Share of the force out of balance that no step balances, above which the stiffness is singular.
 _UNSOLVED = 1e-3
 # Singular values of the stiffness below this, over the largest, are none.
@@ -131,7 +133,9 @@ def _left(balance: Balance, here: _Pose) -> str:
         pushed[own] = max(pushed[own], abs(float(way @ here.force / way[own])))
     worst = int(np.argmax(pushed * balance.reach))
     name = balance.system.names_v[worst]
-    unit = "N m" if balance.reach[worst] == 1.0 and not name.endswith((".vx", ".vy", ".vz")) else "N or N m"
+    joint, _, axis = name.rpartition(".")
+    unit = ("N" if axis[0] == "v" else "N m") if joint in balance.system.mechanism.joints else ""
+    unit = unit or ("N" if balance.system.slides(name) else "N m")
     return f"{number(float(pushed[worst]))} {unit} at {name} that nothing balances"
 
 
@@ -175,10 +179,11 @@ def _drift(balance: Balance, here: _Pose, damping: float) -> tuple[_Pose, float]
     reduced = directions.T @ balance.stiffness(here.y, here.free)
     right = directions.T @ here.force
     size = float(np.linalg.norm(right))
-    least = float(np.linalg.eigvalsh(0.5 * (reduced + reduced.T)).min(initial=0.0)) if len(right) else 0.0
+    values = np.linalg.eigvalsh(0.5 * (reduced + reduced.T))
+    # Journals that float in their play are as soft as the round-off of stiff contacts.
+    stiff = _EPS * float(np.abs(values).max(initial=0.0)) - 1.01 * float(values.min(initial=0.0))
     for _ in range(40):
-        shift = 1.01 * max(0.0, -least) + damping * size
-        step = np.linalg.lstsq(reduced + shift * np.eye(len(right)), right, rcond=_SINGULAR)[0]
+        step = np.linalg.solve(reduced + (stiff + damping * size) * np.eye(len(right)), right)
         moved = _moved(balance, here, np.clip(step, -1.0, 1.0), directions)
         if moved is not None:
             break
