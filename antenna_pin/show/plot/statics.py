@@ -113,7 +113,7 @@ def figure_margin(margin: xr.Dataset, *, width: Width = "page") -> Sheet:
     curve: list[PlotMark] = [
         ZERO,
         PlotCurve("", x, values, {"color": "C0", "linewidth": 1.1}),
-        Points(np.array([[x[worst], values[worst]]]), {"color": PEAK}),
+        Points(np.array([[x[worst], values[worst]]]), {"color": PEAK, "clip_on": False}),
     ]
     across = _position_axis(margin)
     rows = [

@@ -31,7 +31,12 @@ from antenna_pin.studies.statics.reading import (
 )
 from antenna_pin.studies.statics.result import Equilibrium
 from antenna_pin.studies.statics.solver import NotBalancedError, Rest, rested
-from antenna_pin.studies.statics.static_system import StaticSystem, start_of, static_system
+from antenna_pin.studies.statics.static_system import (
+    StaticSystem,
+    check_rate_independent,
+    start_of,
+    static_system,
+)
 
 __all__ = ["equilibria"]
 
@@ -84,6 +89,7 @@ def equilibria(
     found: list[tuple[float, Rest, Equilibrium]] = []
     first_error: AntennaPinError | None = None
     failures, any_forceless = 0, False
+    check_rate_independent(static.system)
     _check_loops(balance)
     for y in _starts(balance, begin.system, begin.state, hold, starts, seed):
         balance.restore(origin)

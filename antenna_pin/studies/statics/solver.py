@@ -82,7 +82,7 @@ def balanced(balance: Balance, y: Array, where: str) -> Rest:
     Raises:
         NotBalancedError: No pose is found.
     """
-    here = _pose(balance, balance.projected(y.copy()))
+    first = here = _pose(balance, balance.projected(y.copy()))
     damping, far = 1.0, 0
     found = _newton(balance, here)
     for _ in range(_ROUNDS):
@@ -100,7 +100,7 @@ def balanced(balance: Balance, y: Array, where: str) -> Rest:
         found = _newton(balance, here)
     if found is None:
         raise NotBalancedError(
-            f"statics: {where}: forces must come into balance, got {_left(balance, here)}; start "
+            f"statics: {where}: forces must come into balance, got {_left(balance, first, here)}; start "
             "nearer to an equilibrium (initial.joints), take smaller steps, or hold a joint "
             "that nothing holds"
         )
@@ -125,12 +125,16 @@ def _pose(balance: Balance, y: Array) -> _Pose:
     return _Pose(y, force, free, _residual(balance, free, force, size))
 
 
-def _left(balance: Balance, here: _Pose) -> str:
-    """Return the largest force that is out of balance, as text."""
+def _left(balance: Balance, start: _Pose, here: _Pose) -> str:
+    """Return the largest force out of balance, as text: at the start on joints, else in play where it ended."""
     pushed = np.zeros(len(here.force))
-    for way in here.free.directions.T:
-        own = int(np.argmax(np.abs(way / balance.reach)))
-        pushed[own] = max(pushed[own], abs(float(way @ here.force / way[own])))
+    for pose, play in ((start, False), (here, True)):
+        for k, way in enumerate(pose.free.directions.T):
+            if balance.in_play(pose.free, k) == play:
+                own = int(np.argmax(np.abs(way / balance.reach)))
+                pushed[own] = max(pushed[own], abs(float(way @ pose.force / way[own])))
+        if (pushed * balance.reach).max(initial=0.0) > balance.nothing * balance.length:
+            break
     worst = int(np.argmax(pushed * balance.reach))
     name = balance.system.names_v[worst]
     joint, _, axis = name.rpartition(".")
