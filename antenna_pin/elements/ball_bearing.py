@@ -197,7 +197,7 @@ class BallBearing(Bearing):
 
     @property
     def grooves(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """Conformity, and D cos(contact angle) / d_m with its sign, of inner and outer raceway [-]."""
+        """Conformity and gamma of inner and outer raceway, as :func:`groove_contact` has them [-]."""
         gamma = self.ball_diameter * math.cos(self.contact_angle) / self.pitch_diameter
         return (self.inner_conformity, gamma), (self.outer_conformity, -gamma)
 

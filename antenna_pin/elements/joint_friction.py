@@ -87,7 +87,9 @@ class JointFriction(Element):
     def check_joint(self, place: str, slides: bool) -> None:
         """Refuse a bearing of a joint that slides."""
         if slides and self.bearing is not None:
-            raise InvalidParameterError(place, "bearing", f"left out: joint {self.joint!r} slides", self.bearing)
+            raise InvalidParameterError(
+                place, "bearing", f"left out: joint {self.joint!r} slides", self.bearing
+            )
 
     def under_preload(self, bearing: BallBearing) -> JointFriction:
         """Return the friction at the preload of its bearing."""

@@ -42,7 +42,15 @@ if TYPE_CHECKING:
 
     from antenna_pin.scenario import Scenario
 
-__all__ = ["RunEvent", "Trajectory", "code_digest", "columns_of", "library_versions", "open_run", "summary_of"]
+__all__ = [
+    "RunEvent",
+    "Trajectory",
+    "code_digest",
+    "columns_of",
+    "library_versions",
+    "open_run",
+    "summary_of",
+]
 
 
 _LIBRARIES = ("antenna_pin", "pin", "coal", "numpy", "scipy", "numba", "xarray", "h5netcdf")
@@ -63,7 +71,10 @@ def library_versions() -> dict[str, str]:
 
 @cache
 def code_digest() -> str:
-    """Return a digest of the package's sources in a checkout; "" if installed, where the version identifies it."""
+    """Return a digest of the package's sources in a checkout; "" if installed.
+
+    An installed package is identified by its version.
+    """
     package = Path(__file__).resolve().parents[1]
     if not (package.parent / "pyproject.toml").is_file():
         return ""

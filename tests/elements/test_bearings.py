@@ -217,7 +217,11 @@ def test_friction_of_a_preloaded_pair_is_that_of_its_preload(preload):
     [
         ({}, {"friction": 1.0, "at_preload": 50.0}, "at_preload must be left out without bearing"),
         ({}, {"bearing": "pair", "friction": 1.0}, "at_preload must be given"),
-        ({}, {"bearing": "pair", "at_preload": 1.0, "palmgren_factor": 1.0}, "palmgren_factor must be left out"),
+        (
+            {},
+            {"bearing": "pair", "at_preload": 1.0, "palmgren_factor": 1.0},
+            "palmgren_factor must be left out",
+        ),
         ({}, {"bearing": "pear"}, "bearing 'pear' is unknown; known: pair"),
         ({"contact_angle": 0.0}, {"bearing": "pair"}, "contact_angle must be above zero"),
     ],

@@ -154,7 +154,8 @@ def test_gain_margin_in_runs_is_that_of_small_motions_about_the_operating_point(
     """A spring that is there beyond 0.3 rad only: about 0.6 rad the loop is that on a linear spring."""
     loop = 'kp = 40\nkd = 6\ndelay_periods = 1\nderivative = "error"\nfollows = "slow"'
     slow = '[references.slow]\nkind = "constant"\nvalue = 0.0\n'
-    kinked = '[springs.s]\njoint = "axis"\nkind = "table"\nangle = [-1, 0.3, 1.3]\ntorque = [0, 0, -25]\ninterpolation = "linear"'
+    kinked = '[springs.s]\njoint = "axis"\nkind = "table"\ninterpolation = "linear"\n'
+    kinked += "angle = [-1, 0.3, 1.3]\ntorque = [0, 0, -25]"
     linear = '[springs.s]\njoint = "axis"\nstiffness = 25'
     exact = loop_margins(wheel(loop, slow + linear, "linear"))
     scenario = wheel(loop, slow + kinked)

@@ -278,10 +278,12 @@ def test_friction_of_a_warm_pair_on_a_free_base_under_other_names(tmp_path: Path
     # Half of the housing's growth over the shaft's presses each row on.
     bearing = cold.families["bearings"]["pan-1"].build()
     preload = axial_load(bearing, 0.5 * 10e-3 * (23.4e-6 - 8.6e-6) * 20.0)
-    friction = [one.data["resistance"].sel(source="springs.azimuth_friction").values for one in (at_20, at_40)]
+    friction = [
+        one.data["resistance"].sel(source="springs.azimuth_friction").values for one in (at_20, at_40)
+    ]
     assert friction[0] == pytest.approx(0.03, rel=1e-10)
     assert friction[1] == pytest.approx(0.03 * (preload / 150.0) ** 1.33, rel=1e-10)
-    # Twice the factor 3 of what friction adds, and of what the gear loses of it where the harness resists too.
+    # Twice the factor 3 of what friction adds, and of what the gear loses of it: the harness resists too.
     added = (at_40.data["minimum_torque"] - at_20.data["minimum_torque"]).values[-1]
     assert added == pytest.approx(2.0 * 3.0 * (friction[1] - friction[0])[-1] / 0.9, rel=1e-8)
     # 15 H7/g6 has 6 to 35 um in diameter at 20 degC.

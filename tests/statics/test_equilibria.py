@@ -143,7 +143,7 @@ def test_two_coupled_bars_have_four_equilibria(bar: Callable[..., Any]):
 
 
 def test_hinges_with_play_unfold_to_where_ideal_ones_do():
-    """Each turns by half a turn, counted; the hinges' springs and cables are couples, so no journal is loaded."""
+    """Each turns by half a turn, counted; springs and cables are couples, so no journal is loaded."""
     play, ideal = (equilibria(load_scenario("solar_array", case), starts=0) for case in ("play", "ideal"))
     assert len(play) == len(ideal) == 1
     assert play[0].stability == ideal[0].stability == "stable"

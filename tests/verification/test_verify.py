@@ -105,7 +105,7 @@ def test_an_interrupted_verification_goes_on_where_it_was(sled):
 
 
 def test_points_of_other_code_are_evaluated_anew(sled, tmp_path, monkeypatch):
-    """A checkout is identified by its sources, an installed package by its version: a changed line is seen."""
+    """A checkout is identified by its sources, an installed package by its version."""
     folder = tmp_path / "checkout" / "antenna_pin" / "trajectory"
     folder.mkdir(parents=True)
     (folder / "result.py").write_text("a = 1")

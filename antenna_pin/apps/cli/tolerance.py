@@ -22,7 +22,7 @@ from antenna_pin.apps.cli._common import (
 from antenna_pin.apps.cli._export import CsvOption, JsonOption, csv_target, exported, save_plot
 from antenna_pin.apps.cli._tables import length_text, print_rows
 from antenna_pin.base.rules import ABOVE_ZERO, Positive
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
@@ -45,6 +45,10 @@ def tolerance(
         Path | None,
         typer.Option("--plot", metavar="FILE", help="Figure of the play over temperature: png, pdf or svg."),
     ] = None,
+    chain: Annotated[
+        str | None,
+        typer.Option("--chain", metavar="NAME", help="Chain of [tolerances] that --plot draws instead."),
+    ] = None,
     coldest: Annotated[
         str, typer.Option(metavar="TEMPERATURE", help="Lowest temperature of the figure.")
     ] = "-60 degC",
@@ -59,6 +63,10 @@ def tolerance(
     """
     target, figure = csv_target(csv), figure_target(plot, "tolerance", "--plot")
     loaded = load(scenario, case, settings)
+    if chain is not None and chain not in loaded.tolerances:
+        raise UnknownNameError("tolerance", "chain", chain, loaded.tolerances)
+    if chain is not None and figure is None:
+        raise InvalidParameterError("tolerance", "--plot", "given with --chain, which it draws", said="none")
     joints, chains = _joints(loaded, capability), _chains(loaded)
     facts = {
         "scenario": loaded.name,
@@ -74,7 +82,14 @@ def tolerance(
         target,
     ):
         _print(stem(loaded), joints, chains, least_ratio)
-    if figure is not None:
+    if figure is not None and chain is not None:
+        from antenna_pin.scenario.assemble import tolerance_chain
+        from antenna_pin.show.plot import figure_chain
+
+        bounds = loaded.tolerances[chain]
+        found = tolerance_chain(loaded, chain)
+        save_plot(figure_chain(found, bounds.least, bounds.most, width=width.value), figure, as_json)
+    elif figure is not None:
         from antenna_pin.scenario.assemble import play_over_temperature
         from antenna_pin.show.plot import figure_play_over_temperature
 

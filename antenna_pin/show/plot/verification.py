@@ -124,9 +124,11 @@ def figure_effects(
 def figure_chain(
     chain: ToleranceChain, least: float | None = None, most: float | None = None, *, width: Width = "page"
 ) -> Sheet:
-    """Return the tolerances of a chain's dimensions, and the distribution of their sum with its limits."""
+    """Return zones of a chain's dimensions, and the distribution of their sum with limits."""
     if not chain.tolerance > 0.0:
-        raise InvalidParameterError("plot", "chain", "with a tolerance, or its sum is one number", said="none")
+        raise InvalidParameterError(
+            "plot", "chain", "with a tolerance, or its sum is one number", said="none"
+        )
     low, high = chain.worst_case
     around = chain.root_sum_square
     rows = [
@@ -149,11 +151,14 @@ def figure_chain(
         [ByHand(draw), Rule(0.0, _THIN, "x")],
         Axis(named={float(k): literal(name) for k, (name, _) in enumerate(rows)}),
         Axis("from the middle of the zone", unit="m", largest=float(halves.max()), ticks=0),
+        margins=(0.03, 0.05),
         finish=finish,
     )
     places, density = chain.density
     ends = [limit for limit in (least, most) if limit is not None]
-    marks: list[PlotMark] = [Band(places, np.zeros_like(density), density, {"color": COLOURS[0], "alpha": 0.25})]
+    marks: list[PlotMark] = [
+        Band(places, np.zeros_like(density), density, {"color": COLOURS[0], "alpha": 0.25})
+    ]
     marks.append(PlotCurve("distribution", places, density, {"color": COLOURS[0], "linewidth": 1.1}))
     top = np.array([0.0, 1.05 * float(density.max())])
     for name, pair, look in (
@@ -161,9 +166,7 @@ def figure_chain(
         ("root sum square", around, {"color": COLOURS[2], "linestyle": (0, (3, 1.5))}),
         ("permitted", ends, {"color": _BAD, "linewidth": 1.6}),
     ):
-        marks += [
-            PlotCurve(name if k == 0 else "", np.full(2, at), top, look) for k, at in enumerate(pair)
-        ]
+        marks += [PlotCurve(name if k == 0 else "", np.full(2, at), top, look) for k, at in enumerate(pair)]
     largest = max(abs(one) for one in (low, high, *ends))
     total = Panel(
         f"sum {chain.name}",

@@ -126,7 +126,10 @@ def _pose(balance: Balance, y: Array) -> _Pose:
 
 
 def _left(balance: Balance, start: _Pose, here: _Pose) -> str:
-    """Return the largest force out of balance, as text: at the start on joints, else in play where it ended."""
+    """Return the largest force out of balance, as text.
+
+    That on joints at the start, or without any that on journals in their play where the search ended.
+    """
     pushed = np.zeros(len(here.force))
     for pose, play in ((start, False), (here, True)):
         for k, way in enumerate(pose.free.directions.T):

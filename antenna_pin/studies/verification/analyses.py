@@ -296,7 +296,14 @@ def _chains(verified: Verified) -> Iterator[dict[str, Any]]:
         ]
         sums = (("worst case", chain.worst_case), ("root sum square", chain.root_sum_square))
         rows += [
-            [title, readable(chain.nominal, "m", 6), " to ".join(readable(end, "m") for end in ends), "", "", ""]
+            [
+                title,
+                readable(chain.nominal, "m", 6),
+                " to ".join(readable(end, "m") for end in ends),
+                "",
+                "",
+                "",
+            ]
             for title, ends in sums
         ]
         yield {
@@ -304,7 +311,14 @@ def _chains(verified: Verified) -> Iterator[dict[str, Any]]:
             "key": f"chain-{name}",
             "made_by": _command("tolerance"),
             "title": f"Tolerance chain {name}",
-            "head": ("dimension", "nominal", "deviations; range of the sum", "coefficient", "distribution", "share"),
+            "head": (
+                "dimension",
+                "nominal",
+                "deviations; range of the sum",
+                "coefficient",
+                "distribution",
+                "share",
+            ),
             "rows": rows,
             "chain": (chain, spec.least, spec.most),
             "caption": f"Tolerance chain {name}: dimensions, and distribution of their sum",

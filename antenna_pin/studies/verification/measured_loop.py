@@ -55,9 +55,9 @@ def measured_loop(
     amplitude: float | str,
     operating_point: float | str | None = None,
 ) -> list[LoopPoint]:
-    """Return the loop gain of a PID loop about an operating point by runs with sine references.
+    """Return the loop gain of a PID loop about an operating point, measured in runs.
 
-    The fundamentals of measurement y and error r - y at the sampling times give L = Y / E, as a describing
+    References are sines. The fundamentals of measurement y and error r - y at the sampling times give L = Y / E, as a describing
     function does, but with all harmonics in the loop. It depends on the
     amplitude where the loop is not linear.
 
