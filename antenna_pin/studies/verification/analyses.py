@@ -87,7 +87,7 @@ def _command(command: str, *options: tuple[str, Any]) -> str:
 def _call(function: str, *arguments: Any, **options: Any) -> str:
     """Return the call in Python that repeats an analysis of the nominal scenario."""
     words = [f'load_scenario("{NOMINAL}")', *(json.dumps(one) for one in arguments)]
-    words += [f"{name}={value}" for name, value in options.items() if value is not None]
+    words += [f"{name}={json.dumps(value)}" for name, value in options.items() if value is not None]
     return f"{function}({', '.join(words)})"
 
 

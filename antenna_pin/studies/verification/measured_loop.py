@@ -57,9 +57,9 @@ def measured_loop(
 ) -> list[LoopPoint]:
     """Return the loop gain of a PID loop about an operating point, measured in runs.
 
-    References are sines. The fundamentals of measurement y and error r - y at the sampling times give L = Y / E, as a describing
-    function does, but with all harmonics in the loop. It depends on the
-    amplitude where the loop is not linear.
+    References are sines. The fundamentals of measurement y and error r - y at the sampling times give
+    L = Y / E, as a describing function does, but with all harmonics in the loop. It depends on the amplitude
+    where the loop is not linear.
 
     Args:
         scenario: The scenario; its other references stay.
