@@ -173,8 +173,8 @@ def measured_gain_margin(
 ) -> tuple[float, list[LoopPoint]]:
     """Return the gain margin of a loop measured in runs [-], with its points.
 
-    Eight frequencies from below the crossing of small motions to beyond their -180 degrees, and one more
-    where the phase passes that between them; NaN where it does not.
+    Five frequencies from the crossing of small motions to beyond their -180 degrees, and one more where the
+    phase passes that between them; NaN where it does not.
 
     Args:
         scenario: The scenario.
@@ -182,7 +182,7 @@ def measured_gain_margin(
         amplitude: Amplitude of the references.
         operating_point: Their mean; the measurement at the start if left out.
     """
-    frequencies = frequencies_around(loop_margins(scenario, controller))
+    frequencies = frequencies_around(loop_margins(scenario, controller), 5, 1.0)
     points = measured_loop(scenario, controller, frequencies, amplitude, operating_point)
     lag = margins_of_points(points).lag
     if math.isfinite(lag):
@@ -245,12 +245,18 @@ def margins_of_points(points: Sequence[LoopPoint]) -> MeasuredMargins:
 
 
 @takes()
-def frequencies_around(margins: LoopMargins, count: int = 8) -> list[float]:
-    """Return frequencies from below the crossing to beyond -180 degrees [Hz]."""
+def frequencies_around(margins: LoopMargins, count: int = 8, lowest: float = 0.5) -> list[float]:
+    """Return frequencies about the crossing of a loop, to beyond its -180 degrees [Hz].
+
+    Args:
+        margins: Of small motions.
+        count: Number of frequencies.
+        lowest: The first over the crossing [-].
+    """
     late = margins.frequency > margins.bandwidth
     above = np.unwrap(np.angle(margins.response[late])) + math.pi
     above -= 2.0 * math.pi * math.floor(above[0] / (2.0 * math.pi))
     passed = np.flatnonzero(above < 0.0)
     last = float(margins.frequency[late][passed[0]]) if passed.size else 2.0 * margins.bandwidth
     highest = min(1.2 * last, 0.9 * float(margins.frequency[-1]))
-    return [float(one) for one in np.geomspace(0.5 * margins.bandwidth, highest, count)]
+    return [float(one) for one in np.geomspace(lowest * margins.bandwidth, highest, count)]
