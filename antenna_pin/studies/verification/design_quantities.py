@@ -93,13 +93,13 @@ def _of_loops() -> Iterator[VerifiedQuantity]:
 
 def _by_runs(kind: str) -> Find:
     def find(case: Case, spec: RequirementSpec) -> Value:
-        from antenna_pin.studies.verification import measured_loop
+        from antenna_pin.studies.verification.measured_loop import measured_gain_margin, measured_phase_margin
 
         if spec.of is None or spec.amplitude is None:
             missing = "of" if spec.of is None else "amplitude"
             rule = "given: a controller, and a sine's amplitude"
             raise InvalidParameterError(spec.quantity, missing, rule, None)
-        measure = getattr(measured_loop, f"measured_{kind}_margin")
+        measure = measured_phase_margin if kind == "phase" else measured_gain_margin
         margin, _ = measure(case.scenario, spec.of, spec.amplitude, spec.operating_point)
         return float(margin)
 
