@@ -14,15 +14,7 @@ from antenna_pin.analysis.stress_results import BearingRating, SurfaceStress
 from antenna_pin.analysis.surface_file import FlankSurface, StopSurface
 from antenna_pin.analysis.surface_stress import ForcePeak, Pair, StressCriteria, Stresses, surface_of
 from antenna_pin.base.arrays import Array
-from antenna_pin.contact.pressure import (
-    ISO76_PRESSURE,
-    ball_load_limit,
-    hertz_line,
-    hertz_point,
-    point_shear,
-    raceway_ellipse,
-    static_rating,
-)
+from antenna_pin.contact.pressure import ISO76_PRESSURE, hertz_line, hertz_point, point_shear, static_rating
 from antenna_pin.elements import BallBearing
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.trajectory import elements_of, is_lean, mesh_touches, touches
@@ -166,12 +158,6 @@ def bearing_stress(
     centre = floats(data["bearing_place"].sel(bearing=name))
     tilt = floats(data["bearing_tilt"].sel(bearing=name))
     loads = ball_loads(bearing, centre, tilt)
-    softness = (1.0 - bearing.poisson**2) / bearing.modulus
-    poisson = bearing.poisson if bearing.ball_poisson is None else bearing.ball_poisson
-    softness += (1.0 - poisson**2) / (
-        bearing.modulus if bearing.ball_modulus is None else bearing.ball_modulus
-    )
-    gamma = bearing.ball_diameter * math.cos(bearing.contact_angle) / bearing.pitch_diameter
     sample, ball = (int(one) for one in np.unravel_index(int(np.argmax(loads)), loads.shape))
     load = float(loads[sample, ball])
     notes = ["quasi-static: no centrifugal force; without clearance or misfit of the rings"]
@@ -180,14 +166,9 @@ def bearing_stress(
             'the run took the stiffness at the preload (by = "linear"); loads of balls follow from place and '
             "tilt"
         )
-    rows, permitted = [], []
+    rows = []
     limits = StressCriteria(yield_share=1.0, factor=1.0, conformal_above=math.inf)
-    for raceway, conformity, sign in (
-        ("inner", bearing.inner_conformity, 1.0),
-        ("outer", bearing.outer_conformity, -1.0),
-    ):
-        ellipse = raceway_ellipse(bearing.ball_diameter, conformity, sign * gamma, 1.0 / softness)
-        permitted.append(ball_load_limit(ellipse))
+    for raceway, ellipse in zip(("inner", "outer"), bearing.ellipses, strict=True):
         share, depth = point_shear(ellipse.half_width / ellipse.half_length, bearing.poisson)
         cube = np.cbrt(loads.max(axis=1))
         history = 1.5 * cube / (math.pi * ellipse.half_length * ellipse.half_width)
@@ -212,7 +193,8 @@ def bearing_stress(
                 history=history,
             )
         )
-    radial, axial = static_rating(bearing.count, bearing.contact_angle, min(permitted))
+    permitted = bearing.ball_limit
+    radial, axial = static_rating(bearing.count, bearing.contact_angle, permitted)
     rating = BearingRating(
         place=place,
         radial_rating=radial,
@@ -221,7 +203,7 @@ def bearing_stress(
         ball=ball + 1,
         time=float(time[sample]),
         pressure=max(row.pressure for row in rows),
-        static_factor=min(permitted) / load if load else math.inf,
+        static_factor=permitted / load if load else math.inf,
         loads=loads,
         notes=tuple(notes),
     )

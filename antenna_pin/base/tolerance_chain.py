@@ -188,6 +188,15 @@ class ToleranceChain:
         below = np.concatenate([[0.0], np.cumsum(ordered)])
         return places, np.asarray(below / below[-1], dtype=float)
 
+    @property
+    def density(self) -> tuple[Array, Array]:
+        """Sums within the worst case, (n,) [m], and their probability density, (n,) [1/m]."""
+        places, below = self._cumulative
+        middle, found = 0.5 * (places[1:] + places[:-1]), np.diff(below) / np.diff(places)
+        low, high = self.worst_case
+        inside = (middle >= low) & (middle <= high)
+        return middle[inside], found[inside]
+
     def probability_below(self, limit: float) -> float:
         """Return the probability that the sum lies below a limit [-].
 

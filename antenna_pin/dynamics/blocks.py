@@ -20,16 +20,18 @@ from antenna_pin.elements import (
     LOSS,
     WORK,
     AxialPreload,
+    BallBearing,
     Bearing,
     BetweenJoints,
     Element,
     ForceElement,
     Integral,
+    JointFriction,
     Modal,
     Motion,
     kind_of,
 )
-from antenna_pin.errors import InvalidParameterError, MechanismError
+from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import layout_kernels as _layout
 from antenna_pin.joints.geometry import RevoluteClearance
@@ -56,6 +58,7 @@ __all__ = [
     "states_in_x",
     "turning",
     "WITH_AXIS",
+    "with_friction_of_bearings",
     "with_preloads_placed",
 ]
 
@@ -402,6 +405,30 @@ def with_preloads_placed(
             position = _position(f"bearing {name!r}", one, with_play[one.joint])
             placed[table][name] = dataclasses.replace(one, position=position)
     return placed
+
+
+def with_friction_of_bearings(
+    families: dict[str, dict[str, ForceElement]],
+) -> dict[str, dict[str, ForceElement]]:
+    """Return elements with friction of ball bearings at their preloads.
+
+    Raises:
+        UnknownNameError: There is no such bearing.
+        InvalidParameterError: The bearing has no balls, or is of another joint.
+    """
+    bearings = families.get("bearings", {})
+    found = {table: dict(elements) for table, elements in families.items()}
+    for name, one in found.get("springs", {}).items():
+        if not isinstance(one, JointFriction) or one.bearing is None:
+            continue
+        place, bearing = f"spring {name!r}", bearings.get(one.bearing)
+        if bearing is None:
+            raise UnknownNameError(place, "bearing", one.bearing, bearings)
+        if not isinstance(bearing, BallBearing) or bearing.joint != one.joint:
+            rule = f"a bearing of kind balls of joint {one.joint!r}"
+            raise InvalidParameterError(place, "bearing", rule, one.bearing)
+        found["springs"][name] = one.under_preload(bearing)
+    return found
 
 
 def _position(place: str, preload: AxialPreload, joint: ClearanceJoint) -> float:

@@ -31,6 +31,7 @@ from antenna_pin.dynamics.blocks import (
     slides,
     states_in_x,
     turning,
+    with_friction_of_bearings,
     with_preloads_placed,
 )
 from antenna_pin.dynamics.constraints import Closure, ConstraintPlan, Coupling, DrivenJoint, make_plan
@@ -258,7 +259,8 @@ class System:
         self.springs = springs_and_parts(springs or {}, self.elastic)
         #: All elements by family, then by name.
         own = families_of(self.drives, self.springs, elements or {})
-        self.families = with_preloads_placed(own, self.clearances)
+        self.families = with_friction_of_bearings(with_preloads_placed(own, self.clearances))
+        self.springs = self.families["springs"]
         #: Springs whose torque is in results.
         self.traced = tuple(name for name, spring in self.springs.items() if spring.traced)
         #: Springs between points.

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from antenna_pin.base.arguments import check_number
 from antenna_pin.base.calculus import root_between
 from antenna_pin.base.parameters import parameter
+from antenna_pin.contact.pressure import Ellipse, ball_load_limit, raceway_ellipse, static_rating
 from antenna_pin.elements.bearing import Bearing, Matrix5, Numbers5
 from antenna_pin.errors import InvalidParameterError
 
@@ -180,13 +181,48 @@ class BallBearing(Bearing):
     @property
     def hertz(self) -> float:
         """K of a ball between its raceways [N/m^1.5]."""
-        softness = (1.0 - self.poisson**2) / self.modulus
-        poisson = self.poisson if self.ball_poisson is None else self.ball_poisson
-        softness += (1.0 - poisson**2) / (self.modulus if self.ball_modulus is None else self.ball_modulus)
-        gamma = self.ball_diameter * math.cos(self.contact_angle) / self.pitch_diameter
-        inner = groove_contact(self.ball_diameter, self.inner_conformity, gamma, softness)
-        outer = groove_contact(self.ball_diameter, self.outer_conformity, -gamma, softness)
+        inner, outer = (
+            groove_contact(self.ball_diameter, conformity, gamma, self.softness)
+            for conformity, gamma in self.grooves
+        )
         return in_series(inner, outer)
+
+    @property
+    def softness(self) -> float:
+        """Sum of (1 - nu^2) / E of ball and ring [1/Pa]."""
+        poisson = self.poisson if self.ball_poisson is None else self.ball_poisson
+        modulus = self.modulus if self.ball_modulus is None else self.ball_modulus
+        return (1.0 - self.poisson**2) / self.modulus + (1.0 - poisson**2) / modulus
+
+    @property
+    def grooves(self) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Conformity and gamma of inner and outer raceway, as :func:`groove_contact` has them [-]."""
+        gamma = self.ball_diameter * math.cos(self.contact_angle) / self.pitch_diameter
+        return (self.inner_conformity, gamma), (self.outer_conformity, -gamma)
+
+    @property
+    def ellipses(self) -> list[Ellipse]:
+        """Ellipses of contact of a ball with inner and outer raceway, under 1 N."""
+        modulus = 1.0 / self.softness
+        return [
+            raceway_ellipse(self.ball_diameter, conformity, gamma, modulus)
+            for conformity, gamma in self.grooves
+        ]
+
+    @property
+    def ball_limit(self) -> float:
+        """Load of a ball that ISO 76 permits, the less of both raceways [N]."""
+        return min(map(ball_load_limit, self.ellipses))
+
+    @property
+    def axial_rating(self) -> float:
+        """Static axial rating C_0a of a row by ISO 76 [N]."""
+        return static_rating(self.count, self.contact_angle, self.ball_limit)[1]
+
+    @property
+    def rows(self) -> int:
+        """Number of rows of balls."""
+        return 1 if self.arrangement == "single" else 2
 
     @property
     def _along(self) -> float:

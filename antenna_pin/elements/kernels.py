@@ -72,9 +72,10 @@ def _own(element: _Kind) -> str:
 
 
 @functools.cache
-def _kernel(name: str, text: str, owner: _Kind | None = None, hook: Callable[..., Any] | None = None) -> Any:
+def _kernel(name: str, text: str, owner: type[Any] | None = None, hook: Callable[..., Any] | None = None) -> Any:
     """Return the kernel of a text, stored with the file of the class that owns it."""
-    names = {"record": record, "write_work": write_work, "nan": math.nan, "hook": hook, "__name__": __name__}
+    names: dict[str, Any] = {"record": record, "write_work": write_work, "nan": math.nan, "hook": hook}
+    names["__name__"] = __name__
     path, own = __file__, ""
     if owner is not None:
         path, own = str(sys.modules[owner.__module__].__file__), f".{owner.__name__}"

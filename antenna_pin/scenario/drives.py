@@ -67,7 +67,7 @@ class _ForceSpec(MadeSpec):
     def _check_something(self) -> Self:
         """Refuse an element that does nothing."""
         names = self.fills.one_above_zero
-        if names and all(getattr(self, name) == 0.0 for name in names):
+        if names and not any(getattr(self, name, None) for name in (*names, "bearing")):
             refuse(f"must have a {' or a '.join(names)} above zero, got {'neither' if names[1:] else 'none'}")
         return self
 

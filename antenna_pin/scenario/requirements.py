@@ -76,6 +76,7 @@ class RequirementSpec(Spec):
         factors: Set of factors of a motorization margin.
         torque: Amplitude of a torque-angle loop.
         amplitude: Amplitude of the sine references of a loop measured in runs.
+        operating_point: Mean of these references; the measurement at the start if left out.
         hold: Joints that do not move in a torque-angle loop, beside those that the scenario holds.
         speeds: Lowest and highest speed of a wheel.
         harmonic: Harmonic of a wheel's speed [-].
@@ -114,6 +115,7 @@ class RequirementSpec(Spec):
     factors: str | None = None
     torque: OptionalQuantity = None
     amplitude: OptionalQuantity = None
+    operating_point: OptionalQuantity = None
     hold: tuple[str, ...] = ()
     speeds: tuple[AnyQuantity, AnyQuantity] | None = None
     harmonic: Annotated[float, QuantityRule("1", "positive")] = 1.0
@@ -163,7 +165,7 @@ def _read(value: object) -> tuple[float, str]:
 OPTIONS = (
     *("units", "after", "before", "band", "quality", "source", "number", "index", "component", "value"),
     *("window", "drift_spacing", "period", "level", "travel", "positions", "factors"),
-    *("torque", "hold", "amplitude", "speeds", "harmonic", "axis"),
+    *("torque", "hold", "amplitude", "operating_point", "speeds", "harmonic", "axis"),
 )
 
 

@@ -14,6 +14,7 @@ from antenna_pin.trajectory.read import names_along as names_along
 from antenna_pin.trajectory.read import series as series
 from antenna_pin.trajectory.result import RunEvent as RunEvent
 from antenna_pin.trajectory.result import Trajectory as Trajectory
+from antenna_pin.trajectory.result import code_digest as code_digest
 from antenna_pin.trajectory.result import columns_of as columns_of
 from antenna_pin.trajectory.result import library_versions as library_versions
 from antenna_pin.trajectory.result import open_run as open_run

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import importlib.metadata
 import json
 import os
@@ -55,6 +56,21 @@ def _version(name: str) -> str:
 def library_versions() -> dict[str, str]:
     """Return the versions of this package and of the libraries that its numbers depend on."""
     return {"python": platform.python_version(), **{name: _version(name) for name in _LIBRARIES}}
+
+
+@cache
+def code_digest() -> str:
+    """Return a digest of the package's sources in a checkout; "" if installed.
+
+    An installed package is identified by its version.
+    """
+    package = Path(__file__).resolve().parents[1]
+    if not (package.parent / "pyproject.toml").is_file():
+        return ""
+    whole = hashlib.sha256()
+    for path in sorted(package.rglob("*.py")):
+        whole.update(path.read_bytes())
+    return whole.hexdigest()[:16]
 
 
 class RunEvent(NamedTuple):

@@ -5,7 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from antenna_pin.elements import AxialPreload, BallBearing, StiffnessBearing, moved
+from antenna_pin import AntennaPinError, System, Urdf, build_mechanism
+from antenna_pin.contact.pressure import raceway_ellipse
+from antenna_pin.elements import AxialPreload, BallBearing, JointFriction, StiffnessBearing, moved
 from antenna_pin.elements.ball_bearing import groove_contact, in_series, point_stiffness
 from antenna_pin.errors import InvalidParameterError
 
@@ -170,3 +172,61 @@ def test_a_preload_of_nothing():
     """It says what to give."""
     with pytest.raises(InvalidParameterError, match="force must be above or below zero"):
         AxialPreload(joint="axle", force=0.0, stiffness=1e5)
+
+
+# --- friction by preload ------------------------------------------------------------------------------------
+
+AXLE = """<robot name="axle"><link name="box"/><link name="shaft"><inertial><mass value="1"/>
+<inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link><joint name="axle"
+type="revolute"><parent link="box"/><child link="shaft"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
+PAIR = BALLS | {"arrangement": "back-to-back", "spread": 0.04}
+
+
+def _with_friction(pair, /, **numbers):
+    mechanism = build_mechanism(Urdf.from_text(AXLE, "axle").variant(joints={"axle": "free"}), "fixed")
+    friction = JointFriction(joint="axle", **numbers)
+    return System(mechanism, springs={"rub": friction}, elements={"bearings": {"pair": pair}})
+
+
+@pytest.mark.parametrize("preload", [20.0, 50.0, 130.0])
+def test_friction_of_a_preloaded_pair_is_that_of_its_preload(preload):
+    """Measured at 50 N it is T0 (P / 50 N)^n; by Palmgren 2 z (P / C0a)^y 0.9 P cot(alpha) d_m."""
+    pair = BallBearing(**PAIR | {"preload": preload})
+    found = _with_friction(pair, bearing="pair", friction=8e-3, at_preload=50.0, preload_exponent=4.0 / 3.0)
+    expected = 8e-3 * (preload / 50.0) ** (4.0 / 3.0)
+    assert found.springs["rub"].friction == pytest.approx(expected, rel=1e-15, abs=0.0)
+    # All that acts is that of the number: runs and small motions read nothing else.
+    same = _with_friction(pair, friction=found.springs["rub"].friction)
+    assert found.program.tobytes() == same.program.tobytes()
+    # ISO 76: 4200 MPa in the middle of the tighter contact, that of the inner raceway.
+    gamma = 6e-3 * math.cos(PAIR["contact_angle"]) / 40e-3
+    ellipse = raceway_ellipse(6e-3, 0.52, gamma, 1.0 / SOFTNESS)
+    rating = 12 * math.sin(PAIR["contact_angle"])
+    rating *= (4.2e9 * math.pi * ellipse.half_length * ellipse.half_width / 1.5) ** 3
+    load = 0.9 * preload / math.tan(PAIR["contact_angle"])
+    expected = 2.0 * 2e-3 * (preload / rating) ** 0.25 * load * 40e-3
+    palmgren = {"bearing": "pair", "palmgren_factor": 2e-3, "preload_exponent": 1.25}
+    found = _with_friction(pair, **palmgren).springs["rub"]
+    assert found.friction == pytest.approx(expected, rel=1e-13, abs=0.0)
+    assert f"of bearing pair at {preload:g}\N{NO-BREAK SPACE}N" in found.words()
+
+
+@pytest.mark.parametrize(
+    ("bearing", "numbers", "said"),
+    [
+        ({}, {"friction": 1.0, "at_preload": 50.0}, "at_preload must be left out without bearing"),
+        ({}, {"bearing": "pair", "friction": 1.0}, "at_preload must be given"),
+        (
+            {},
+            {"bearing": "pair", "at_preload": 1.0, "palmgren_factor": 1.0},
+            "palmgren_factor must be left out",
+        ),
+        ({}, {"bearing": "pear"}, "bearing 'pear' is unknown; known: pair"),
+        ({"contact_angle": 0.0}, {"bearing": "pair"}, "contact_angle must be above zero"),
+    ],
+)
+def test_friction_by_preload_refuses(bearing, numbers, said):
+    """Numbers that nothing reads, a bearing that there is not, and a preload that is no load."""
+    with pytest.raises(AntennaPinError, match=said):
+        _with_friction(BallBearing(**PAIR | bearing), **numbers)

@@ -9,6 +9,12 @@ from antenna_pin.errors import AntennaPinError
 from antenna_pin.run.simulation import simulate
 from antenna_pin.scenario import load_scenario
 from antenna_pin.studies.linear import loop_margins
+from antenna_pin.studies.verification import (
+    LoopPoint,
+    margins_of_points,
+    measured_gain_margin,
+    measured_loop,
+)
 
 PERIOD, INERTIA = 0.01, 0.5
 
@@ -133,8 +139,6 @@ def test_loops_without_a_pid_are_refused(wheel):
 
 def test_a_loop_measured_in_runs_is_the_linear_one_where_nothing_bends(wheel):
     """Y / E of a sine equals the exact response to what the start leaves after four periods."""
-    from antenna_pin.studies.verification import measured_loop
-
     scenario = wheel(
         'kp = 40\nkd = 6\ndelay_periods = 1\nderivative = "error"\nfollows = "slow"',
         '[references.slow]\nkind = "constant"\nvalue = 0.0',
@@ -146,10 +150,28 @@ def test_a_loop_measured_in_runs_is_the_linear_one_where_nothing_bends(wheel):
     assert point.distortion < 1e-3 and found.bandwidth > 1.0
 
 
+def test_gain_margin_in_runs_is_that_of_small_motions_about_the_operating_point(wheel):
+    """A spring that is there beyond 0.3 rad only: about 0.6 rad the loop is that on a linear spring."""
+    loop = 'kp = 40\nkd = 6\ndelay_periods = 1\nderivative = "error"\nfollows = "slow"'
+    slow = '[references.slow]\nkind = "constant"\nvalue = 0.0\n'
+    kinked = '[springs.s]\njoint = "axis"\nkind = "table"\ninterpolation = "linear"\n'
+    kinked += "angle = [-1, 0.3, 1.3]\ntorque = [0, 0, -25]"
+    linear = '[springs.s]\njoint = "axis"\nstiffness = 25'
+    exact = loop_margins(wheel(loop, slow + linear, "linear"))
+    scenario = wheel(loop, slow + kinked)
+    margin, points = measured_gain_margin(scenario, "loop", 0.05, 0.6)
+    assert margin == pytest.approx(exact.gain_margin, rel=0.02)
+    assert len(points) == 6
+    # Where the spring counts most, below the crossing.
+    (near,) = measured_loop(scenario, "loop", [0.8], 0.05, 0.6)
+    (far,) = measured_loop(scenario, "loop", [0.8], 0.05)
+    expected = np.interp(0.8, exact.frequency, exact.response)
+    assert near.gain == pytest.approx(expected, rel=0.02)
+    assert abs(far.gain - expected) > abs(expected)  # without the spring
+
+
 def test_margins_of_measured_points_are_those_of_their_loop():
     """Points of an exact response, straight between them in logarithms: to the spacing's square."""
-    from antenna_pin.studies.verification import LoopPoint, margins_of_points
-
     loop = {"kp": 40.0, "kd": 6.0, "delay": 1}
     frequency = np.geomspace(0.1, 0.499 / PERIOD, 20_000)
     response = double_integrator(np.exp(2j * np.pi * frequency * PERIOD), **loop)
@@ -167,8 +189,6 @@ def test_margins_of_measured_points_are_those_of_their_loop():
 
 def test_limits_lower_the_gain_of_a_measured_loop_as_their_describing_function(wheel):
     """L = N(A) times that of small motions, N = 2/pi (asin 1/a + sqrt(1 - 1/a^2)/a) at a = A / limit."""
-    from antenna_pin.studies.verification import measured_loop
-
     kp, kd, limit, amplitude, frequency = 40.0, 6.0, 2.0, 0.3, 1.5
     loop = f'kp = {kp}\nkd = {kd}\nderivative = "error"\nfollows = "slow"\nlower = -{limit}\nupper = {limit}'
     scenario = wheel(loop, '[references.slow]\nkind = "constant"\nvalue = 0.0')

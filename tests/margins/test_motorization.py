@@ -11,6 +11,9 @@ from antenna_pin import AntennaPinError, Scenario, System, Urdf, build_mechanism
 from antenna_pin.dynamics import ConstantDrive, JointSpring
 from antenna_pin.dynamics.constraints import Anchor, Closure, Coupling
 from antenna_pin.elements import Gear, HarnessSpring, Motor, StickingFriction
+from antenna_pin.scenario import models_path
+from antenna_pin.scenario.assemble import joint_play
+from antenna_pin.scenario.assemble.temperature import axial_load
 from antenna_pin.studies.margins import FACTOR_SETS, margin
 
 G = 9.81
@@ -246,6 +249,47 @@ def test_search_beats_the_corners_of_a_margin_that_is_not_monotone(hinge: Scenar
     least = min(minimum(place).min() for place in (0.4 * np.pi, phi))
     # The search ends at a thousandth of the range, where the margin is flat.
     assert found.worst.margin == pytest.approx(least, abs=1e-4) or found.worst.margin <= least + 1e-4
+
+
+def test_friction_of_a_warm_pair_on_a_free_base_under_other_names(tmp_path: Path):
+    """Temperature opens a fit and presses a pair on, and its friction follows; names change no bit."""
+    folder = models_path() / "gimbal"
+    found = {}
+    for name in ("azimuth", "pan-1"):
+        for file in ("gimbal.urdf", "scenario.toml"):
+            text = (folder / file).read_text().replace("azimuth", name)
+            play = 'bearing_radius = "7.515 mm"\nradial_clearance = "15 um"\n'
+            (tmp_path / file).write_text(text.replace(play, 'fit = "15 H7/g6"\n'))
+        cold = load_scenario(tmp_path / "scenario.toml").with_overrides(
+            {
+                "mechanism.base": "free",
+                "materials.steel.expansion": 11.7e-6,
+                "materials.bronze.expansion": 18e-6,
+                f"bearings.{name}.spread": "10 mm",
+                f"temperature.bearings.{name}.shaft_material": "titanium-6al-4v",
+                f"temperature.bearings.{name}.housing_material": "aluminium-7075-t6",
+            }
+        )
+        warm = cold.with_overrides({"temperature.all": "40 degC"})
+        found[name] = [margin(one, name, travel=(-1.5, 1.5), count=2) for one in (cold, warm)]
+    at_20, at_40 = found["azimuth"]
+    for one, other in zip(found["azimuth"], found["pan-1"], strict=True):
+        assert one.data["minimum_torque"].values.tobytes() == other.data["minimum_torque"].values.tobytes()
+    # Half of the housing's growth over the shaft's presses each row on.
+    bearing = cold.families["bearings"]["pan-1"].build()
+    preload = axial_load(bearing, 0.5 * 10e-3 * (23.4e-6 - 8.6e-6) * 20.0)
+    friction = [
+        one.data["resistance"].sel(source="springs.azimuth_friction").values for one in (at_20, at_40)
+    ]
+    assert friction[0] == pytest.approx(0.03, rel=1e-10)
+    assert friction[1] == pytest.approx(0.03 * (preload / 150.0) ** 1.33, rel=1e-10)
+    # Twice the factor 3 of what friction adds, and of what the gear loses of it: the harness resists too.
+    added = (at_40.data["minimum_torque"] - at_20.data["minimum_torque"]).values[-1]
+    assert added == pytest.approx(2.0 * 3.0 * (friction[1] - friction[0])[-1] / 0.9, rel=1e-8)
+    # 15 H7/g6 has 6 to 35 um in diameter at 20 degC.
+    radius = 7.5e-3 + 0.5 * 9e-6, 7.5e-3 - 0.5 * 11.5e-6
+    grown = radius[0] * (1.0 + 20.0 * 18e-6) - radius[1] * (1.0 + 20.0 * 11.7e-6)
+    assert joint_play(warm, "elevation").radial == pytest.approx(grown, rel=1e-12)
 
 
 def test_refusals(hinge: Scenario):

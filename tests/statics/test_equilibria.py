@@ -142,6 +142,15 @@ def test_two_coupled_bars_have_four_equilibria(bar: Callable[..., Any]):
     assert sum(one.stability == "stable" for one in found) == 1
 
 
+def test_hinges_with_play_unfold_to_where_ideal_ones_do():
+    """Each turns by half a turn, counted; springs and cables are couples, so no journal is loaded."""
+    play, ideal = (equilibria(load_scenario("solar_array", case), starts=0) for case in ("play", "ideal"))
+    assert len(play) == len(ideal) == 1
+    assert play[0].stability == ideal[0].stability == "stable"
+    assert play[0].positions == pytest.approx(ideal[0].positions, abs=1e-12)  # round-off of half a turn
+    assert not play[0].contacts
+
+
 def test_refusals(bar: Callable[..., Any]):
     """One line each: nothing free, a free base under gravity, no such joint."""
     system = System(bar(G), springs={"k": JointSpring(joint="hinge", stiffness=1.0)})

@@ -11,6 +11,7 @@ from antenna_pin.run.simulation import simulate
 from antenna_pin.scenario import load_scenario
 from antenna_pin.studies.sweep import Here
 from antenna_pin.studies.verification import facts_of, load_verification, save_verification, verify
+from antenna_pin.trajectory import code_digest, result
 
 MASS, END, AMPLITUDE = 2.0, 1.0, 2.0
 # Of a run at rtol = 1e-9 or so over smooth forces, relative.
@@ -101,6 +102,24 @@ def test_an_interrupted_verification_goes_on_where_it_was(sled):
         for each in facts["requirements"]:
             assert each["integrity"].pop("steps") > 0
     assert one == other
+
+
+def test_points_of_other_code_are_evaluated_anew(sled, tmp_path, monkeypatch):
+    """A checkout is identified by its sources, an installed package by its version."""
+    folder = tmp_path / "checkout" / "antenna_pin" / "trajectory"
+    folder.mkdir(parents=True)
+    (folder / "result.py").write_text("a = 1")
+    monkeypatch.setattr(result, "__file__", str(folder / "result.py"))
+    path = sled("[requirements.far]\nquantity = 'final_position'\nof = 'slide'\nat_least = '0.1 m'\n")
+    made = []
+    for project, line in (("", "a = 1"), ("", "a = 2"), ("x", "a = 2"), ("x", "a = 2"), ("x", "a = 3")):
+        if project:
+            (tmp_path / "checkout" / "pyproject.toml").write_text(project)
+        (folder / "result.py").write_text(line)
+        code_digest.cache_clear()
+        made.append(verify(load_verification(path), tmp_path / "out").made)
+    code_digest.cache_clear()
+    assert made == [5, 0, 5, 0, 5]
 
 
 def test_another_bound_needs_no_run_and_another_quantity_only_its_own(sled):

@@ -12,7 +12,7 @@ from antenna_pin.apps.cli._export import csv_target, exported, save_plot
 from antenna_pin.apps.cli._options import option
 from antenna_pin.apps.cli._tables import Columns, length_text, print_columns
 from antenna_pin.base.rules import ABOVE_ZERO, Positive
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario
@@ -32,6 +32,9 @@ def tolerance(
     plot: Annotated[
         Path | None, option("Figure of the play over temperature: png, pdf or svg.", "FILE", "--plot")
     ] = None,
+    chain: Annotated[
+        str | None, option("Chain of [tolerances] that --plot draws instead.", "NAME", "--chain")
+    ] = None,
     coldest: Annotated[str, option("Lowest temperature of the figure.", "TEMPERATURE")] = "-60 degC",
     hottest: Annotated[str, option("Highest temperature.", "TEMPERATURE")] = "100 degC",
     width: options.FigureWidth = options.Width.PAGE,
@@ -48,6 +51,10 @@ def tolerance(
         if not low < high:
             raise InvalidParameterError("tolerance", "--hottest", f"above --coldest = {coldest}", hottest)
     loaded = load(scenario, case, settings)
+    if chain is not None and chain not in loaded.tolerances:
+        raise UnknownNameError("tolerance", "chain", chain, loaded.tolerances)
+    if chain is not None and figure is None:
+        raise InvalidParameterError("tolerance", "--plot", "given with --chain, which it draws", said="none")
     joints, chains = _joints(loaded, capability), _chains(loaded)
     facts = {
         "scenario": loaded.name,
@@ -63,7 +70,14 @@ def tolerance(
         target,
     ):
         _print(stem(loaded), joints, chains, least_ratio)
-    if figure is not None:
+    if figure is not None and chain is not None:
+        from antenna_pin.scenario.assemble import tolerance_chain
+        from antenna_pin.show.plot import figure_chain
+
+        bounds = loaded.tolerances[chain]
+        found = tolerance_chain(loaded, chain)
+        save_plot(figure_chain(found, bounds.least, bounds.most, width=width.value), figure, as_json)
+    elif figure is not None:
         from antenna_pin.scenario.assemble import play_over_temperature
         from antenna_pin.show.plot import figure_play_over_temperature
 

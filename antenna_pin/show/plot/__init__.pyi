@@ -91,6 +91,7 @@ from antenna_pin.show.plot.study import study_scatter as study_scatter
 from antenna_pin.show.plot.study import study_sensitivities as study_sensitivities
 from antenna_pin.show.plot.tables import TableFigure as TableFigure
 from antenna_pin.show.plot.tables import table_figures as table_figures
+from antenna_pin.show.plot.verification import figure_chain as figure_chain
 from antenna_pin.show.plot.verification import figure_effects as figure_effects
 from antenna_pin.show.plot.verification import figure_interface as figure_interface
 from antenna_pin.show.plot.verification import figure_loop as figure_loop

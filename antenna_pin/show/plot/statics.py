@@ -56,8 +56,8 @@ def figure_travel(travel: xr.Dataset, *, width: Width = "page") -> Sheet:
         one, back = travel.sel(sense=sense), sense == "back"
         look: dict[str, Any] = {"color": "black", "linestyle": _BACK if back else "-", "linewidth": 1.1}
         needed.append(PlotCurve("needed, back" if back else "needed, out", x, one["torque"].values, look))
-        for k, name in chosen:
-            look = {**distinct(k), **({"linestyle": _BACK} if back else {})}
+        for n, (k, name) in enumerate(chosen):
+            look = {**distinct(n), **({"linestyle": _BACK} if back else {})}
             values = np.asarray(one["component"].values[:, k])
             parts.append(PlotCurve("" if back else name, x, values, look))
     across, up = _position_axis(travel), _torque_axis(travel, "torque")
@@ -101,17 +101,17 @@ def figure_margin(margin: xr.Dataset, *, width: Width = "page") -> Sheet:
     resistance = np.asarray(margin["resistance"].values)
     factored = resistance * np.asarray(margin["resistance_factor"].values)
     parts: list[PlotMark] = [ZERO]
-    for k, name in _sources(factored, names):
+    for n, (k, name) in enumerate(_sources(factored, names)):
         symbol = str(margin["symbol"].values[k])
         factor = float(margin["resistance_factor"].values[k])
-        parts.append(PlotCurve(f"{symbol}: {name} × {factor:g}", x, factored[:, k], distinct(k)))
+        parts.append(PlotCurve(f"{symbol}: {name} × {factor:g}", x, factored[:, k], distinct(n)))
     balance: list[PlotMark] = [ZERO]
     balance.append(PlotCurve("actuation", x, margin["actuation"].values, {"color": "C2", "linewidth": 1.1}))
     balance.append(PlotCurve("least actuation", x, margin["minimum_torque"].values, {"color": "black"}))
     curve: list[PlotMark] = [
         ZERO,
         PlotCurve("", x, values, {"color": "C0", "linewidth": 1.1}),
-        Points(np.array([[x[worst], values[worst]]]), {"color": PEAK}),
+        Points(np.array([[x[worst], values[worst]]]), {"color": PEAK, "clip_on": False}),
     ]
     across = _position_axis(margin)
     rows = [

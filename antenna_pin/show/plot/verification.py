@@ -1,4 +1,4 @@
-"""Figures of a verification: margins, effects of uncertain numbers, sampled loops, interface densities."""
+"""Figures of a verification: margins, effects, tolerance chains, sampled loops, interface densities."""
 
 from __future__ import annotations
 
@@ -9,9 +9,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from antenna_pin.base.readable import number, printed_unit
+from antenna_pin.base.readable import number, printed_unit, readable
+from antenna_pin.base.tolerance_chain import ToleranceChain
+from antenna_pin.errors import InvalidParameterError
 from antenna_pin.show.plot._style import COLOURS, Array, Width, literal
-from antenna_pin.show.plot.grammar import Axis, ByHand, Panel, PlotCurve, PlotMark, Rule, Sheet, figure
+from antenna_pin.show.plot.grammar import Axis, Band, ByHand, Panel, PlotCurve, PlotMark, Rule, Sheet, figure
 
 _THIN = {"color": "#999999", "linewidth": 0.6, "zorder": 0.8}
 _GOOD, _BAD = COLOURS[0], "#B3261E"
@@ -102,6 +104,71 @@ def figure_effects(
     y = Axis(named={float(k): name for k, name in enumerate(names)})
     panel = Panel("", [ByHand(draw), Rule(0.0, _THIN, "x")], y, x, finish=finish, lettered=False)
     return Sheet([[panel]], width, 26.0 + 1.3 * _ROW * max(len(names), 1))
+
+
+@figure(
+    chain="Chain of tolerances.",
+    least="Least permitted sum [m]; None without.",
+    most="Largest permitted sum [m]; None without.",
+)
+def figure_chain(
+    chain: ToleranceChain, least: float | None = None, most: float | None = None, *, width: Width = "page"
+) -> Sheet:
+    """Return zones of a chain's dimensions, and the distribution of their sum with limits."""
+    if not chain.tolerance > 0.0:
+        raise InvalidParameterError(
+            "plot", "chain", "with a tolerance, or its sum is one number", said="none"
+        )
+    low, high = chain.worst_case
+    around = chain.root_sum_square
+    rows = [
+        (f"{one.name}, {100.0 * chain.shares[one.name]:.3g} %", 0.5 * abs(one.coefficient) * one.tolerance)
+        for one in chain.dimensions
+    ]
+    rows += [("root sum square", 0.5 * (around[1] - around[0])), ("worst case", 0.5 * (high - low))]
+    halves = np.array([half for _, half in rows])
+    colours = [COLOURS[0]] * len(chain.dimensions) + [COLOURS[2], COLOURS[1]]
+
+    def draw(axes: Axes, across: float, _: float) -> None:
+        axes.barh(np.arange(len(rows)), 2.0 * across * halves, 0.6, -across * halves, color=colours)
+
+    def finish(axes: Axes) -> None:
+        axes.invert_yaxis()
+        axes.grid(axis="y", visible=False)
+
+    parts = Panel(
+        "zone of each dimension in the sum, and its share in the variance",
+        [ByHand(draw), Rule(0.0, _THIN, "x")],
+        Axis(named={float(k): literal(name) for k, (name, _) in enumerate(rows)}),
+        Axis("from the middle of the zone", unit="m", largest=float(halves.max()), ticks=0),
+        margins=(0.03, 0.05),
+        finish=finish,
+    )
+    places, density = chain.density
+    ends = [limit for limit in (least, most) if limit is not None]
+    marks: list[PlotMark] = [
+        Band(places, np.zeros_like(density), density, {"color": COLOURS[0], "alpha": 0.25})
+    ]
+    marks.append(PlotCurve("distribution", places, density, {"color": COLOURS[0], "linewidth": 1.1}))
+    top = np.array([0.0, 1.05 * float(density.max())])
+    for name, pair, look in (
+        ("worst case", (low, high), {"color": COLOURS[1]}),
+        ("root sum square", around, {"color": COLOURS[2], "linestyle": (0, (3, 1.5))}),
+        ("permitted", ends, {"color": _BAD, "linewidth": 1.6}),
+    ):
+        marks += [PlotCurve(name if k == 0 else "", np.full(2, at), top, look) for k, at in enumerate(pair)]
+    largest = max(abs(one) for one in (low, high, *ends))
+    total = Panel(
+        f"sum {chain.name}",
+        marks,
+        Axis("probability density [1/m]", labelled=False, named={}, ticks=0),
+        Axis("sum", unit="m", largest=largest, ticks=0),
+        margins=(0.05, 0.0),
+    )
+    low_, high_ = (readable(chain.quantile(share), "m") for share in (0.00135, 0.99865))
+    note = f"99.73 % lie between {low_} and {high_}, standard deviation {readable(chain.sigma, 'm')}"
+    height = _ROW * len(rows)
+    return Sheet([[parts], [total]], width, 90.0 + height, (note,), heights=(14.0 + height, 60.0), every=True)
 
 
 @figure(

@@ -91,7 +91,7 @@ def verification_report(
             for key, title in facts["analyses"].items()
         ),
         _sensitivities(facts, figures),
-        _budget(facts),
+        _budget(facts, curves, figures),
         _not_covered(facts),
         _provenance(facts, file),
     ]
@@ -345,6 +345,8 @@ def _curve(one: Mapping[str, Any], run: Trajectory | None, figures: bool) -> Ite
         yield picture(plot.figure_loop(frequency, small, lines), caption, key)
     if "orders" in one:
         yield picture(plot.figure_orders(one["orders"]), caption, key)
+    if "chain" in one:
+        yield picture(plot.figure_chain(*one["chain"]), caption, key)
     if "loop" in one:
         yield picture(plot.figure_torque_angle(one["loop"]), caption, key)
     if "stress" in one and run is not None and one["stress"].time.size:
@@ -511,7 +513,7 @@ def _range(one: Mapping[str, Any]) -> Row:
     return Row(one["name"], cells)
 
 
-def _budget(facts: Mapping[str, Any]) -> Section:
+def _budget(facts: Mapping[str, Any], curves: Sequence[Mapping[str, Any]], figures: bool) -> Section:
     of = {one["requirement"]: one for one in facts["requirements"]}
     rows = [
         Row(
@@ -525,16 +527,18 @@ def _budget(facts: Mapping[str, Any]) -> Section:
         )
         for one in facts["budget"]
     ]
-    if not rows:
-        return Section(key="budget", title="Tolerance budget")
-    table = PageTable(
-        columns=("requirement", "arithmetic sum", "root sum square", "largest contributor", "its change"),
-        rows=tuple(rows),
-        caption="Tolerance budget: changes of one number at a time, summed",
-        key="budget",
-    )
-    meaning = ("Sums hold where effects add; the worst case above has all interactions.",)
-    return Section(key="budget", title="Tolerance budget", items=(table,), meaning=meaning)
+    items: list[Item] = []
+    meaning: tuple[str, ...] = ()
+    if rows:
+        head = ("requirement", "arithmetic sum", "root sum square", "largest contributor", "its change")
+        caption = "Tolerance budget: changes of one number at a time, summed"
+        items.append(PageTable(columns=head, rows=tuple(rows), caption=caption, key="budget"))
+        meaning = ("Sums hold where effects add; the worst case above has all interactions.",)
+    chains = [one for one in curves if one["analysis"] == "budget"]
+    for one in chains:
+        items += list(_curve(one, None, figures))
+    notes = tuple(f"{one['title']}: {one['made_by']}" for one in chains)
+    return Section(key="budget", title="Tolerance budget", items=tuple(items), meaning=meaning, notes=notes)
 
 
 def _not_covered(facts: Mapping[str, Any]) -> Section:

@@ -323,19 +323,18 @@ def _driving(begin: Model, options: _Options) -> list[str]:
         return [name.removeprefix("drives.") for name in options.drives]
     motions = [name for name, one in every.items() if isinstance(one, Motion)]
     others = [name for name in every if name not in motions]
-    for without in (others, [*others, *motions]):
+    tried = [others, [*others, *motions]] if motions else [others]
+    for without in tried:
         static = static_system(system, begin.state, joint=joint, hold=options.hold, without=without)
         try:
             path = Path(static, begin.state)
+            break
         except MechanismError:
-            if without != others:
+            if without is tried[-1]:
                 raise
-            continue
-        velocity = path.kinematic(path.balance.y)
-        rates = {name: path.geared_rate_of(every[name].joint, velocity) for name in every}
-        kept = [] if without != others else motions
-        return [name for name in every if name not in kept and abs(rates[name]) > _MOVES]
-    raise AssertionError("unreachable")
+    velocity = path.kinematic(path.balance.y)
+    rates = {name: path.geared_rate_of(every[name].joint, velocity) for name in every}
+    return [name for name in without if abs(rates[name]) > _MOVES]
 
 
 def _develop(path: Path, sense: float) -> None:

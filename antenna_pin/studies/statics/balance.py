@@ -417,13 +417,13 @@ class Balance:
             self.system.turn_on(y)
 
     def displaced(self, y: Array, step: Array) -> Array:
-        """Return a state moved by a tangent step, (nv,), constraints held.
+        """Return a state moved by a tangent step, (nv,), turns counted, constraints held.
 
         Raises:
             MechanismError: Loops cannot be closed there.
         """
         moved = y.copy()
-        self.workspace.retract(moved, step)
+        self.move(moved, step)
         return self.projected(moved)
 
     def projected(self, y: Array) -> Array:

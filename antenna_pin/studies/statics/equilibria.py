@@ -31,7 +31,12 @@ from antenna_pin.studies.statics.reading import (
 )
 from antenna_pin.studies.statics.result import Equilibrium
 from antenna_pin.studies.statics.solver import NotBalancedError, Rest, rested
-from antenna_pin.studies.statics.static_system import StaticSystem, start_of, static_system
+from antenna_pin.studies.statics.static_system import (
+    StaticSystem,
+    check_rate_independent,
+    start_of,
+    static_system,
+)
 
 __all__ = ["equilibria"]
 
@@ -64,7 +69,8 @@ def equilibria(
     as after a long way.
 
     A mechanism of one freedom (journals in their play aside) is scanned along it from limit to limit, or by a
-    turn; others are searched from the start and from random poses.
+    turn; others are searched from the start and from random poses. Of poses that no force moves, nor about
+    them, the first is returned.
 
     Args:
         model: A scenario, its name or path, or a system.
@@ -82,7 +88,8 @@ def equilibria(
     origin = balance.snapshot()
     found: list[tuple[float, Rest, Equilibrium]] = []
     first_error: AntennaPinError | None = None
-    failures = 0
+    failures, any_forceless = 0, False
+    check_rate_independent(static.system)
     _check_loops(balance)
     for y in _starts(balance, begin.system, begin.state, hold, starts, seed):
         balance.restore(origin)
@@ -94,6 +101,10 @@ def equilibria(
                 break
             continue
         failures = 0
+        forceless = rest.residual == 0.0 and not rest.stiffness.any()
+        if forceless and any_forceless:  # each pose about them is an equilibrium
+            continue
+        any_forceless = any_forceless or forceless
         place = _coordinates(balance, rest.y)
         if any(np.abs(place - _coordinates(balance, one.y)).max(initial=0.0) < _SAME for _, one, _ in found):
             continue

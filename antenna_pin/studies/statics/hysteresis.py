@@ -155,7 +155,7 @@ def hysteretic_states(system: System) -> list[HystereticState]:
     found = []
     for one in acting_in(system):
         element = one.element
-        if isinstance(element, Motor) or not element.states or not element.acts:
+        if isinstance(element, Motor) or not element.acts or element.hook("write_rates_of") is None:
             continue
         for own in element.states:
             if own.name == "dwell":

@@ -30,6 +30,8 @@ _ROUNDS, _NEWTONS, _DRIFTS, _CUTS = 40, 40, 8, 6
 # Steps nearly as long as is trusted after which a joint is taken to move on without end; and a displacement
 # over what is trusted by a round of steps that leads nowhere.
 _FAR, _LONG, _STILL = 48, 0.9, 1e-6
+# Round-off of the stiffness, over the largest.
+_EPS = 4.0 * float(np.finfo(float).eps)
 # Share of the force out of balance that no step balances, above which the stiffness is singular.
 _UNSOLVED = 1e-3
 # Singular values of the stiffness below this, over the largest, are none.
@@ -80,7 +82,7 @@ def balanced(balance: Balance, y: Array, where: str) -> Rest:
     Raises:
         NotBalancedError: No pose is found.
     """
-    here = _pose(balance, balance.projected(y.copy()))
+    first = here = _pose(balance, balance.projected(y.copy()))
     damping, far = 1.0, 0
     found = _newton(balance, here)
     for _ in range(_ROUNDS):
@@ -98,7 +100,7 @@ def balanced(balance: Balance, y: Array, where: str) -> Rest:
         found = _newton(balance, here)
     if found is None:
         raise NotBalancedError(
-            f"statics: {where}: forces must come into balance, got {_left(balance, here)}; start "
+            f"statics: {where}: forces must come into balance, got {_left(balance, first, here)}; start "
             "nearer to an equilibrium (initial.joints), take smaller steps, or hold a joint "
             "that nothing holds"
         )
@@ -123,15 +125,24 @@ def _pose(balance: Balance, y: Array) -> _Pose:
     return _Pose(y, force, free, _residual(balance, free, force, size))
 
 
-def _left(balance: Balance, here: _Pose) -> str:
-    """Return the largest force that is out of balance, as text."""
+def _left(balance: Balance, start: _Pose, here: _Pose) -> str:
+    """Return the largest force out of balance, as text.
+
+    That on joints at the start, or without any that on journals in their play where the search ended.
+    """
     pushed = np.zeros(len(here.force))
-    for way in here.free.directions.T:
-        own = int(np.argmax(np.abs(way / balance.reach)))
-        pushed[own] = max(pushed[own], abs(float(way @ here.force / way[own])))
+    for pose, play in ((start, False), (here, True)):
+        for k, way in enumerate(pose.free.directions.T):
+            if balance.in_play(pose.free, k) == play:
+                own = int(np.argmax(np.abs(way / balance.reach)))
+                pushed[own] = max(pushed[own], abs(float(way @ pose.force / way[own])))
+        if (pushed * balance.reach).max(initial=0.0) > balance.nothing * balance.length:
+            break
     worst = int(np.argmax(pushed * balance.reach))
     name = balance.system.names_v[worst]
-    unit = "N m" if balance.reach[worst] == 1.0 and not name.endswith((".vx", ".vy", ".vz")) else "N or N m"
+    joint, _, axis = name.rpartition(".")
+    unit = ("N" if axis[0] == "v" else "N m") if joint in balance.system.mechanism.joints else ""
+    unit = unit or ("N" if balance.system.slides(name) else "N m")
     return f"{number(float(pushed[worst]))} {unit} at {name} that nothing balances"
 
 
@@ -175,10 +186,11 @@ def _drift(balance: Balance, here: _Pose, damping: float) -> tuple[_Pose, float]
     reduced = directions.T @ balance.stiffness(here.y, here.free)
     right = directions.T @ here.force
     size = float(np.linalg.norm(right))
-    least = float(np.linalg.eigvalsh(0.5 * (reduced + reduced.T)).min(initial=0.0)) if len(right) else 0.0
+    values = np.linalg.eigvalsh(0.5 * (reduced + reduced.T))
+    # Journals that float in their play are as soft as the round-off of stiff contacts.
+    stiff = _EPS * float(np.abs(values).max(initial=0.0)) - 1.01 * float(values.min(initial=0.0))
     for _ in range(40):
-        shift = 1.01 * max(0.0, -least) + damping * size
-        step = np.linalg.lstsq(reduced + shift * np.eye(len(right)), right, rcond=_SINGULAR)[0]
+        step = np.linalg.solve(reduced + (stiff + damping * size) * np.eye(len(right)), right)
         moved = _moved(balance, here, np.clip(step, -1.0, 1.0), directions)
         if moved is not None:
             break

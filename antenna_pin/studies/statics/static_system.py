@@ -14,7 +14,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from antenna_pin.contact import NoFriction
 from antenna_pin.dynamics import BASE, JointMotion, System, assemble, check_closed
-from antenna_pin.elements import GonthierFriction, JointFriction, Motion, PrescribedMotion, StickingFriction
+from antenna_pin.elements import (
+    GonthierFriction,
+    JointFriction,
+    Motion,
+    PrescribedMotion,
+    StickingFriction,
+    Thruster,
+)
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.scenario import Scenario, scenario_named
@@ -144,6 +151,11 @@ def static_system(
     families = {table: dict(elements) for table, elements in system.families.items()}
     families["springs"] = {n: one for n, one in families["springs"].items() if n not in system.elastic}
     families["drives"] = {n: one for n, one in families["drives"].items() if n not in without}
+    for name, one in families.get("forces", {}).items():
+        if isinstance(one, Thruster):  # its force has come to that of its command
+            families["forces"][name] = dataclasses.replace(one, rise_time=0.0, fall_time=0.0)
+        elif getattr(one, "states", ()):
+            notes.append(f"states of forces.{name} stay as they are at the start")
     _rest_motions(system, families, y, time, joint, [name for name in hold if name != BASE], notes)
     places, play = _with_sticking(system, families)
     clearances, contact = _without_contact_friction(system.clearances)

@@ -7,6 +7,7 @@ from antenna_pin.studies.verification.measured_loop import LoopPoint as LoopPoin
 from antenna_pin.studies.verification.measured_loop import MeasuredMargins as MeasuredMargins
 from antenna_pin.studies.verification.measured_loop import frequencies_around as frequencies_around
 from antenna_pin.studies.verification.measured_loop import margins_of_points as margins_of_points
+from antenna_pin.studies.verification.measured_loop import measured_gain_margin as measured_gain_margin
 from antenna_pin.studies.verification.measured_loop import measured_loop as measured_loop
 from antenna_pin.studies.verification.measured_loop import measured_phase_margin as measured_phase_margin
 from antenna_pin.studies.verification.measured_orders import measured_orders as measured_orders

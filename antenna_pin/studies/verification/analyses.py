@@ -27,6 +27,7 @@ _MARGINS = (
 )  # fmt: skip
 # Amplitudes of a measured loop over that of its requirement.
 _AMPLITUDES = (0.5, 1.0, 2.0)
+_MEASURED_MARGINS = ("measured_phase_margin", "measured_gain_margin")
 _LOOP_MEASURES = ("stiffness", "lost_motion", "dead_band", "hysteresis", "loop_friction")
 
 
@@ -53,6 +54,7 @@ def analyses_of(
         lambda: _torque_angle(verified, case),
         lambda: _orders(verified, case),
         lambda: _measured_loops(verified),
+        lambda: _chains(verified),
     ]
     if run is not None:
         parts.append(lambda: _stress(case))
@@ -85,7 +87,7 @@ def _command(command: str, *options: tuple[str, Any]) -> str:
 def _call(function: str, *arguments: Any, **options: Any) -> str:
     """Return the call in Python that repeats an analysis of the nominal scenario."""
     words = [f'load_scenario("{NOMINAL}")', *(json.dumps(one) for one in arguments)]
-    words += [f"{name}={value}" for name, value in options.items() if value is not None]
+    words += [f"{name}={json.dumps(value)}" for name, value in options.items() if value is not None]
     return f"{function}({', '.join(words)})"
 
 
@@ -117,12 +119,13 @@ def _measured_loops(verified: Verified) -> Iterator[dict[str, Any]]:
     )
 
     scenario = verified.plan.base
-    asked: dict[str, set[tuple[float, str]]] = {}
+    asked: dict[tuple[str, Any], set[tuple[float, str]]] = {}
     for spec in verified.plan.requirements.values():
         read = None if spec.amplitude is None else any_quantity(spec.amplitude)
-        if spec.quantity == "measured_phase_margin" and spec.of is not None and read is not None:
-            asked.setdefault(spec.of, set()).update((share * read[0], read[1]) for share in _AMPLITUDES)
-    for name, amplitudes in asked.items():
+        if spec.quantity in _MEASURED_MARGINS and spec.of is not None and read is not None:
+            sizes = {(share * read[0], read[1]) for share in _AMPLITUDES}
+            asked.setdefault((spec.of, spec.operating_point), set()).update(sizes)
+    for (name, point), amplitudes in asked.items():
         small = loop_margins(scenario, name)
         rows = [
             [
@@ -136,7 +139,7 @@ def _measured_loops(verified: Verified) -> Iterator[dict[str, Any]]:
         lines, frequencies = {}, frequencies_around(small)
         for size, measure in sorted(amplitudes):
             amplitude = readable(size, measure or "1")
-            points = measured_loop(scenario, name, frequencies, size)
+            points = measured_loop(scenario, name, frequencies, size, point)
             found = margins_of_points(points)
             numbers = ((found.crossing, "Hz"), (math.degrees(found.phase), "deg"), (found.gain, "1"))
             rows.append(
@@ -153,7 +156,7 @@ def _measured_loops(verified: Verified) -> Iterator[dict[str, Any]]:
         yield {
             "analysis": "control",
             "key": f"measured-loop-{name}",
-            "made_by": _call("measured_loop", name, frequencies, max(amplitudes)[0]),
+            "made_by": _call("measured_loop", name, frequencies, max(amplitudes)[0], operating_point=point),
             "title": f"Loop {name} measured in runs with sine references, through play and friction",
             "head": ("amplitude", "gain 1 at", "phase margin", "gain margin", "largest distortion"),
             "rows": rows,
@@ -270,6 +273,55 @@ def _orders(verified: Verified, case: Case) -> Iterator[dict[str, Any]]:
                 "Orders: force and moment of the mechanism on its base, least squares over the wheel's angle "
                 "in runs at each speed; resonant speeds do not count in C.",
             ),
+        }
+
+
+def _chains(verified: Verified) -> Iterator[dict[str, Any]]:
+    """Yield the tolerance chains of the scenario at its temperatures."""
+    from antenna_pin.scenario.assemble import tolerance_chain
+
+    scenario = verified.plan.base
+    for name, spec in scenario.tolerances.items():
+        chain = tolerance_chain(scenario, name)
+        rows = [
+            [
+                one.name,
+                readable(one.nominal, "m", 6),
+                f"{readable(one.minus, 'm')} to {readable(one.plus, 'm')}",
+                number(one.coefficient),
+                one.distribution,
+                f"{100.0 * chain.shares[one.name]:.3g} %",
+            ]
+            for one in chain.dimensions
+        ]
+        sums = (("worst case", chain.worst_case), ("root sum square", chain.root_sum_square))
+        rows += [
+            [
+                title,
+                readable(chain.nominal, "m", 6),
+                " to ".join(readable(end, "m") for end in ends),
+                "",
+                "",
+                "",
+            ]
+            for title, ends in sums
+        ]
+        yield {
+            "analysis": "budget",
+            "key": f"chain-{name}",
+            "made_by": _command("tolerance"),
+            "title": f"Tolerance chain {name}",
+            "head": (
+                "dimension",
+                "nominal",
+                "deviations; range of the sum",
+                "coefficient",
+                "distribution",
+                "share",
+            ),
+            "rows": rows,
+            "chain": (chain, spec.least, spec.most),
+            "caption": f"Tolerance chain {name}: dimensions, and distribution of their sum",
         }
 
 

@@ -91,23 +91,28 @@ def _of_loops() -> Iterator[VerifiedQuantity]:
         yield VerifiedQuantity(name, units, meaning, "control", "controller", _loop(name), needs_run=False)
 
 
-def _by_runs(case: Case, spec: RequirementSpec) -> Value:
-    from antenna_pin.studies.verification.measured_loop import measured_phase_margin
+def _by_runs(kind: str) -> Find:
+    def find(case: Case, spec: RequirementSpec) -> Value:
+        from antenna_pin.studies.verification.measured_loop import measured_gain_margin, measured_phase_margin
 
-    if spec.of is None or spec.amplitude is None:
-        missing = "of" if spec.of is None else "amplitude"
-        raise InvalidParameterError(
-            spec.quantity, missing, "given: a controller, and a sine's amplitude", None
-        )
-    margin, _ = measured_phase_margin(case.scenario, spec.of, spec.amplitude)
-    return margin
+        if spec.of is None or spec.amplitude is None:
+            missing = "of" if spec.of is None else "amplitude"
+            rule = "given: a controller, and a sine's amplitude"
+            raise InvalidParameterError(spec.quantity, missing, rule, None)
+        measure = measured_phase_margin if kind == "phase" else measured_gain_margin
+        margin, _ = measure(case.scenario, spec.of, spec.amplitude, spec.operating_point)
+        return float(margin)
+
+    return find
 
 
 def _of_measured_loops() -> Iterator[VerifiedQuantity]:
-    yield VerifiedQuantity(
-        "measured_phase_margin", "rad", "phase margin of a loop in runs with sine references, through play",
-        "control", "controller", _by_runs, ("amplitude",), needs_run=False,
-    )  # fmt: skip
+    for kind, units in (("phase", "rad"), ("gain", "1")):
+        yield VerifiedQuantity(
+            f"measured_{kind}_margin", units,
+            f"{kind} margin of a loop about an operating point in runs with sine references, through play",
+            "control", "controller", _by_runs(kind), ("amplitude", "operating_point"), needs_run=False,
+        )  # fmt: skip
 
 
 # --- orders of a wheel, in runs at several speeds ---

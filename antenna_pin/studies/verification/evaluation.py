@@ -25,7 +25,7 @@ from antenna_pin.studies.sweep.journal import open_journal
 from antenna_pin.studies.verification.plan import Verification
 from antenna_pin.studies.verification.quantities import quantity_of
 from antenna_pin.studies.verification.quantity import Case
-from antenna_pin.trajectory import Trajectory, library_versions
+from antenna_pin.trajectory import Trajectory, code_digest, library_versions
 
 __all__ = ["Evaluated", "PointEvaluator", "EvaluatedPoint", "evaluate_points", "key_of"]
 
@@ -183,7 +183,7 @@ class PointEvaluator(AbstractContextManager["PointEvaluator"]):
             "scenario": _digest(self._work.base),
             "reference": _digest(reference),
             "functions": _digest(json.dumps(self._work.sources, sort_keys=True)),
-            "versions": library_versions(),
+            "versions": library_versions() | {"code": code_digest()},
         }
         #: Identity of scenario, functions and versions, which all numbers are of.
         self.digest = _digest(json.dumps(about, sort_keys=True))[:12]

@@ -10,7 +10,7 @@ import numpy as np
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.interruption import uninterrupted
-from antenna_pin.errors import InvalidParameterError, UnknownNameError
+from antenna_pin.errors import AntennaPinError, InvalidParameterError, UnknownNameError
 from antenna_pin.run.simulation import simulate
 from antenna_pin.scenario import Scenario
 from antenna_pin.studies.linear import LoopMargins, loop_margins
@@ -21,11 +21,12 @@ __all__ = [
     "MeasuredMargins",
     "frequencies_around",
     "margins_of_points",
+    "measured_gain_margin",
     "measured_loop",
     "measured_phase_margin",
 ]
 
-# Periods that pass before a measurement, and those that it takes.
+# Periods that pass before a measurement, of the crossing of small motions too; and those that it takes.
 _SETTLING, _MEASURED = 4, 4
 # Frequencies of a margin over the crossing of small motions.
 _AROUND = (0.6, 0.8, 1.0, 1.25, 1.6)
@@ -48,19 +49,24 @@ class LoopPoint(NamedTuple):
 
 @takes()
 def measured_loop(
-    scenario: Scenario, controller: str, frequencies: Sequence[float], amplitude: float | str
+    scenario: Scenario,
+    controller: str,
+    frequencies: Sequence[float],
+    amplitude: float | str,
+    operating_point: float | str | None = None,
 ) -> list[LoopPoint]:
-    """Return the loop gain of a PID loop by runs with sine references.
+    """Return the loop gain of a PID loop about an operating point, measured in runs.
 
-    The fundamentals of measurement y and error r - y at the sampling times give L = Y / E, as a describing
-    function does, but with all harmonics in the loop. It depends on the
-    amplitude where the loop is not linear.
+    References are sines. The fundamentals of measurement y and error r - y at the sampling times give
+    L = Y / E, as a describing function does, but with all harmonics in the loop. It depends on the amplitude
+    where the loop is not linear.
 
     Args:
         scenario: The scenario; its other references stay.
         controller: Name of a PID whose derivative acts on the error, or without derivative.
         frequencies: Frequencies of the references, below half of the sampling rate [Hz].
         amplitude: Amplitude of the references, in the measurement's unit.
+        operating_point: Mean of the references, in that unit; the measurement at the start if left out.
 
     Raises:
         UnknownNameError: The controller is unknown.
@@ -73,28 +79,49 @@ def measured_loop(
     if table.kd and table.derivative != "error":
         rule = '"error" for a loop gain by measurement over error; loop_margins takes all of them'
         raise InvalidParameterError("measured loop", f"{controller}.derivative", rule, table.derivative)
-    return [_point(scenario, controller, float(one), amplitude) for one in frequencies]
+    mean = _measured_at_start(scenario, controller) if operating_point is None else operating_point
+    try:
+        crossing = loop_margins(scenario, controller).bandwidth
+    except AntennaPinError:  # without a linear loop
+        crossing = math.nan
+    settled = _SETTLING / crossing if crossing > 0.0 else 0.0
+    return [_point(scenario, controller, float(one), amplitude, mean, settled) for one in frequencies]
 
 
-def _point(scenario: Scenario, controller: str, frequency: float, amplitude: float | str) -> LoopPoint:
+def _measured_at_start(scenario: Scenario, controller: str) -> float:
+    """Return the first measurement of a controller."""
+    period = float(scenario.controllers[controller].period)
+    run = uninterrupted(simulate(scenario.with_overrides({"duration": period})))
+    return float(_signal(run, controller, "measured")[1][0])
+
+
+def _point(
+    scenario: Scenario,
+    controller: str,
+    frequency: float,
+    amplitude: float | str,
+    mean: float | str,
+    settled: float,
+) -> LoopPoint:
     period = float(scenario.controllers[controller].period)
     if not 0.0 < frequency < 0.5 / period:
         rule = f"above 0 and below half of the sampling rate, {0.5 / period:g} Hz"
         raise InvalidParameterError("measured loop", "frequencies", rule, frequency)
-    course = {"kind": "sine", "amplitude": amplitude, "frequency": frequency, "mean": 0.0}
+    settled = max(settled, _SETTLING / frequency)
+    course = {"kind": "sine", "amplitude": amplitude, "frequency": frequency, "mean": mean}
     changed = scenario.with_overrides(
         {
             f"references.{_NAME}": course,
             f"controllers.{controller}.follows": _NAME,
             f"controllers.{controller}.feedforward_rate": 0.0,
             f"controllers.{controller}.feedforward_acceleration": 0.0,
-            "duration": (_SETTLING + _MEASURED) / frequency,
+            "duration": settled + _MEASURED / frequency,
         }
     )
     run = uninterrupted(simulate(changed))
     time, measured = _signal(run, controller, "measured")
     _, reference = _signal(run, controller, "reference")
-    late = time >= _SETTLING / frequency
+    late = time >= settled
     turn = 2.0 * math.pi * frequency * time[late]
     base = np.stack([np.ones_like(turn), np.cos(turn), np.sin(turn)], axis=1)
     y, *_ = np.linalg.lstsq(base, measured[late], rcond=None)
@@ -116,21 +143,52 @@ def _signal(run: Trajectory, controller: str, name: str) -> tuple[np.ndarray, np
 
 @takes()
 def measured_phase_margin(
-    scenario: Scenario, controller: str, amplitude: float | str
+    scenario: Scenario,
+    controller: str,
+    amplitude: float | str,
+    operating_point: float | str | None = None,
 ) -> tuple[float, list[LoopPoint]]:
     """Return the phase margin of a loop measured in runs [rad], with its points.
 
-    Five frequencies about the crossing of small motions; the logarithm of the gain and the phase are taken as
-    straight between them. NaN where none of them has the gain 1 beside it.
+    Five frequencies about the crossing of small motions; NaN where none of them has the gain 1 beside it.
 
     Args:
         scenario: The scenario.
         controller: Name of the controller.
         amplitude: Amplitude of the references.
+        operating_point: Their mean; the measurement at the start if left out.
     """
     crossing = loop_margins(scenario, controller).bandwidth
-    points = measured_loop(scenario, controller, [share * crossing for share in _AROUND], amplitude)
+    frequencies = [share * crossing for share in _AROUND]
+    points = measured_loop(scenario, controller, frequencies, amplitude, operating_point)
     return margins_of_points(points).phase, points
+
+
+@takes()
+def measured_gain_margin(
+    scenario: Scenario,
+    controller: str,
+    amplitude: float | str,
+    operating_point: float | str | None = None,
+) -> tuple[float, list[LoopPoint]]:
+    """Return the gain margin of a loop measured in runs [-], with its points.
+
+    Five frequencies from the crossing of small motions to beyond their -180 degrees, and one more where the
+    phase passes that between them; NaN where it does not.
+
+    Args:
+        scenario: The scenario.
+        controller: Name of the controller.
+        amplitude: Amplitude of the references.
+        operating_point: Their mean; the measurement at the start if left out.
+    """
+    frequencies = frequencies_around(loop_margins(scenario, controller), 5, 1.0)
+    points = measured_loop(scenario, controller, frequencies, amplitude, operating_point)
+    lag = margins_of_points(points).lag
+    if math.isfinite(lag):
+        points += measured_loop(scenario, controller, [lag], amplitude, operating_point)
+        points.sort(key=lambda one: one.frequency)
+    return margins_of_points(points).gain, points
 
 
 class MeasuredMargins(NamedTuple):
@@ -187,12 +245,18 @@ def margins_of_points(points: Sequence[LoopPoint]) -> MeasuredMargins:
 
 
 @takes()
-def frequencies_around(margins: LoopMargins, count: int = 8) -> list[float]:
-    """Return frequencies from below the crossing to beyond -180 degrees [Hz]."""
+def frequencies_around(margins: LoopMargins, count: int = 8, lowest: float = 0.5) -> list[float]:
+    """Return frequencies about the crossing of a loop, to beyond its -180 degrees [Hz].
+
+    Args:
+        margins: Of small motions.
+        count: Number of frequencies.
+        lowest: The first over the crossing [-].
+    """
     late = margins.frequency > margins.bandwidth
     above = np.unwrap(np.angle(margins.response[late])) + math.pi
     above -= 2.0 * math.pi * math.floor(above[0] / (2.0 * math.pi))
     passed = np.flatnonzero(above < 0.0)
     last = float(margins.frequency[late][passed[0]]) if passed.size else 2.0 * margins.bandwidth
     highest = min(1.2 * last, 0.9 * float(margins.frequency[-1]))
-    return [float(one) for one in np.geomspace(0.5 * margins.bandwidth, highest, count)]
+    return [float(one) for one in np.geomspace(lowest * margins.bandwidth, highest, count)]
