@@ -72,7 +72,7 @@ def _own(element: _Kind) -> str:
 
 
 @functools.cache
-def _kernel(name: str, text: str, owner: type[Any] | None = None, hook: Callable[..., Any] | None = None) -> Any:
+def _kernel(name: str, text: str, owner: Any = None, hook: Callable[..., Any] | None = None) -> Any:
     """Return the kernel of a text, stored with the file of the class that owns it."""
     names: dict[str, Any] = {"record": record, "write_work": write_work, "nan": math.nan, "hook": hook}
     names["__name__"] = __name__
