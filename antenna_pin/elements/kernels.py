@@ -48,7 +48,7 @@ def _row(name: str, last: str, default: _Default = lambda element: None, plain: 
     head = f"def {name}({', '.join(['words', 'at', *parameters])}):\n    "
 
     def of_kind(number: int) -> Any:
-        element = registry.element_of(number)
+        element: Any = registry.element_of(number)
         if element is None:
             return _kernel(name, head + last)
         namer = next(base for base in element.__mro__ if "kernels" in vars(base))
@@ -74,8 +74,13 @@ def _own(element: _Kind) -> str:
 @functools.cache
 def _kernel(name: str, text: str, owner: Any = None, hook: Callable[..., Any] | None = None) -> Any:
     """Return the kernel of a text, stored with the file of the class that owns it."""
-    names: dict[str, Any] = {"record": record, "write_work": write_work, "nan": math.nan, "hook": hook}
-    names["__name__"] = __name__
+    names: dict[str, Any] = {
+        "record": record,
+        "write_work": write_work,
+        "nan": math.nan,
+        "hook": hook,
+        "__name__": __name__,
+    }
     path, own = __file__, ""
     if owner is not None:
         path, own = str(sys.modules[owner.__module__].__file__), f".{owner.__name__}"
