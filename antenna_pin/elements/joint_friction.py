@@ -128,7 +128,7 @@ def palmgren_torque(bearing: BallBearing, factor: float, exponent: float) -> flo
         raise InvalidParameterError(f"bearing of joint {bearing.joint!r}", "contact_angle", rule, 0.0)
     load = 0.9 * bearing.preload / math.tan(bearing.contact_angle)
     share = bearing.preload / bearing.axial_rating
-    return bearing.rows * factor * share**exponent * load * bearing.pitch_diameter
+    return float(bearing.rows * factor * share**exponent * load * bearing.pitch_diameter)
 
 
 # --- compiled -----------------------------------------------------------------------------------------------
