@@ -40,7 +40,7 @@ class JointFriction(Element):
 
     .. math:: T_0 = i\, z \left(\frac{P}{C_{0a}}\right)^y 0.9\, P \cot\alpha\, d_m
 
-    and :math:`C_{0a}` the axial rating of ISO 76. Outside loads do not change it.
+    and :math:`C_{0a}` the axial rating of ISO 76. Outside loads, and events within a run, do not change it.
 
     Attributes:
         damping: c [N*m*s/rad] ([N*s/m]).
@@ -61,6 +61,7 @@ class JointFriction(Element):
     senses: ClassVar[bool] = True
     integrals: ClassVar[tuple[Integral, ...]] = (LOSS,)
     one_above_zero: ClassVar[tuple[str, ...]] = ("friction", "damping")
+    at_start: ClassVar[tuple[str, ...]] = ("at_preload", "preload_exponent", "palmgren_factor")
 
     damping: float = parameter("N*m*s/rad", sliding="N*s/m", rule="zero or more", default=0.0)
     friction: float = parameter("N*m", sliding="N", rule="zero or more", default=0.0)
