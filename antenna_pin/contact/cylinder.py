@@ -437,7 +437,7 @@ class BaiZhaoElastic(LineLaw):
 
 
 def _largest_square() -> float:
-    """Return b^2 of Persson's infinite load, the root of 2 - ln(1 + b^2) - 2 b^4, by Newton's method."""
+    """Return the root b^2 of 2 - ln(1 + b^2) - 2 b^4."""
     square = 0.8
     for _ in range(20):
         capacity = 2.0 - math.log1p(square) - 2.0 * square * square

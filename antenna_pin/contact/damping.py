@@ -174,7 +174,7 @@ class TsujiDamping(_OfRestitution):
 
     kernel = staticmethod(secant)
 
-    def beside(self, elastic: ElasticLaw) -> Any:
+    def numbers(self, elastic: ElasticLaw) -> Any:
         """Return alpha, which depends on the elastic law, and the mass."""
         exponent = getattr(elastic, "exponent", 1.5)
         alpha = math.sqrt(2.0 * (exponent + 1.0)) * damping_ratio(self.restitution)

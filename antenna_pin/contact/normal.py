@@ -245,7 +245,7 @@ class Dissipation(Law):
         """Return whether the force depends on the effective mass of the contact."""
         return False
 
-    def beside(self, elastic: ElasticLaw) -> Any:
+    def numbers(self, elastic: ElasticLaw) -> Any:
         """Return an object with the numbers of its record, beside an elastic law."""
         return self
 
@@ -292,7 +292,7 @@ class DampedContact(CompiledNormalLaw):
 
     def code(self) -> NDArray[np.float64]:
         """Return the law as flat numbers, shape (16,)."""
-        numbers = self.dissipation.beside(self.elastic)
+        numbers = self.dissipation.numbers(self.elastic)
         return normal_code(self.elastic.kernel, self.elastic, self.dissipation.kernel, numbers)
 
 

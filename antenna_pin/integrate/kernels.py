@@ -74,7 +74,7 @@ def store(i: int, stages: int, layout: Ints, work: Floats) -> None:
 
 @kernel
 def stage(i: int, h: float, weights: Floats, layout: Ints, work: Floats, keep: bool) -> None:
-    """Store stage i - 1's derivative, if ``keep``, and write stage i's state."""
+    """Write stage i, and if ``keep`` store the derivative of stage i - 1."""
     space = space_of(layout)
     nq, nv, nx = space.nq, space.nv, space.nx
     stages = weights.shape[0]

@@ -240,7 +240,7 @@ def test_the_factor_does_not_depend_on_what_it_is_used_with():
     for name in FACTORS:
         assert list(law_parameters(DISSIPATIONS[name])) == ["restitution"]
     law = FloresDamping(restitution=0.5)
-    assert law.beside(Johnson(**DIMENSIONS)) == law.beside(Hertz(stiffness=1.0))
+    assert law.numbers(Johnson(**DIMENSIONS)) == law.numbers(Hertz(stiffness=1.0))
 
 
 # --- refusals ---

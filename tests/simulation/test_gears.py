@@ -325,7 +325,7 @@ def test_gears_of_a_scenario(tmp_path: Path) -> None:
     for more, says in (
         ("gears.drive.output=c", "output.*'c'"),
         ("gears.drive.output=a", "output must be another joint than the input"),
-        ("gears.drive.efficiency=1.2", "efficiency must be in (0, 1]"),
+        ("gears.drive.efficiency=1.2", r"efficiency must be in \(0, 1\]"),
         ("gears.drive.joint=a", "joint is unknown"),
     ):
         with pytest.raises(AntennaPinError, match=says):
@@ -365,7 +365,7 @@ def test_couplings_of_three_joints_in_a_scenario(tmp_path: Path) -> None:
     ("numbers", "says"),
     [
         ({"ratio": 0.0}, "Gear: ratio must be other than zero, got 0"),
-        ({"efficiency": 1.5}, "Gear: efficiency must be in (0, 1], got 1.5"),
+        ({"efficiency": 1.5}, r"Gear: efficiency must be in \(0, 1\], got 1.5"),
         ({"error": (0.0, 1.0)}, "Gear: error_angle must be given beside error, got none"),
         ({"error_angle": (0, 1, 2, 3), "error": (0, 1, 2, 3)}, r"error\[3\] must be as the first, 0.0: the"),
         (

@@ -227,7 +227,7 @@ def _damping_ratio(parts: DampedContact, mass: float) -> float | None:
     if spring.kernel is not Hertz.kernel:
         return None
     if isinstance(parts.dissipation, TsujiDamping | JankowskiDamping):
-        secant = parts.dissipation.beside(spring)
+        secant = parts.dissipation.numbers(spring)
         # Without a mass of its own it takes that of the impact.
         share = secant.mass / mass if secant.mass > 0.0 else 1.0
         return float(secant.damping * math.sqrt(share) / math.sqrt(2.0 * (spring.exponent + 1.0)))
