@@ -59,6 +59,32 @@ def run(copy, *words, code=None):
     return done.stdout
 
 
+#: Of one process, for each start imports everything anew: words of commands, or code. Printed as JSON.
+CALLS = """
+import contextlib, io, json, sys
+import antenna_pin.apps.cli as cli
+said = []
+for call in json.loads(sys.argv[1]):
+    with contextlib.redirect_stdout(io.StringIO()) as stream:
+        if isinstance(call, str):
+            exec(call, {})
+        else:
+            sys.argv = ["antenna-pin", *call]
+            try:
+                cli.main()
+            except SystemExit as ended:
+                if ended.code:
+                    sys.exit(f"{call}: exit code {ended.code}")
+    said.append(stream.getvalue())
+print(json.dumps(said))
+"""
+
+
+def run_all(copy, *calls):
+    """Run commands and codes of the copy one after the other, and return what each prints."""
+    return json.loads(run(copy, json.dumps(calls), code=CALLS).splitlines()[-1])
+
+
 def swing(copy, spring):
     """Write the scenario of a bar on a hinge without play, against a spring, let go at half a radian."""
     (copy / "swing.toml").write_text(
@@ -388,17 +414,6 @@ def test_a_quantity_is_one_line_and_stands_in_tables_files_and_studies(copy):
         '    ("peak_rate", "rad/s", "largest size of its rate at a sample", peak("motion_rate")),',
     )
     swing(copy, 'stiffness = "10 N*m/rad"')
-    run(copy, "run", "swing.toml", "--out", "swing.nc", "--quiet")
-    largest = json.loads(run(copy, "info", "swing.nc", "--json"))["motion"]["hinge"]["peak_rate"]
-    assert largest > 0.0
-    run(copy, "info", "swing.nc", "--csv", "swing.csv")
-    with (copy / "swing.csv").open(newline="", encoding="utf-8") as file:
-        (row,) = csv.DictReader(file)
-    assert float(row["hinge peak rate [rad/s]"]) == largest
-    shown = run(copy, "info", "swing.nc", "--all")
-    assert "peak rate [rad/s]" in shown and f"{largest:.6g}" in shown
-    run(copy, "report", "swing.nc", "--out", "swing.html", "--no-figures", "--no-recordings")
-    assert "peak rate" in (copy / "swing.html").read_text(encoding="utf-8")
     code = """
 from antenna_pin.run.simulation.variables import SIZES
 from antenna_pin.studies.sweep.responses import ResponseSpec, evaluate
@@ -409,7 +424,23 @@ response = ResponseSpec(measure="peak_rate", of="hinge")
 assert SIZES["peak_rate"] == "motion_rate"  # what sensitivities are of
 print(evaluate("rate", response, "", run, None, 0), response.unit, response.meaning, sep="; ")
 """
-    assert run(copy, code=code).strip() == f"{largest}; rad/s; largest size of its rate at a sample, hinge"
+    _, summary, _, shown, _, measured = run_all(
+        copy,
+        ("run", "swing.toml", "--out", "swing.nc", "--quiet"),
+        ("info", "swing.nc", "--json"),
+        ("info", "swing.nc", "--csv", "swing.csv"),
+        ("info", "swing.nc", "--all"),
+        ("report", "swing.nc", "--out", "swing.html", "--no-figures", "--no-recordings"),
+        code,
+    )
+    largest = json.loads(summary)["motion"]["hinge"]["peak_rate"]
+    assert largest > 0.0
+    with (copy / "swing.csv").open(newline="", encoding="utf-8") as file:
+        (row,) = csv.DictReader(file)
+    assert float(row["hinge peak rate [rad/s]"]) == largest
+    assert "peak rate [rad/s]" in shown and f"{largest:.6g}" in shown
+    assert "peak rate" in (copy / "swing.html").read_text(encoding="utf-8")
+    assert measured.strip() == f"{largest}; rad/s; largest size of its rate at a sample, hinge"
 
 
 def test_a_quantity_of_contacts_is_one_line_and_needs_no_new_run(copy):
@@ -420,10 +451,6 @@ def test_a_quantity_of_contacts_is_one_line_and_needs_no_new_run(copy):
         '("impulse", "N s", "all normal impulses"',
         '    ("longest_contact", "s", "longest contact", peak("duration")),',
     )
-    contacts = json.loads(run(copy, "info", "pair.nc", "--json"))["contacts"]
-    longest = max(one["longest_contact"] for one in contacts.values())
-    assert 0.0 < longest < 2.5e-3
-    assert "longest contact [s]" in run(copy, "info", "pair.nc", "--all")
     code = (
         "from antenna_pin.studies.sweep.measures import MEASURES;"
         "from antenna_pin.trajectory import Trajectory;"
@@ -431,7 +458,12 @@ def test_a_quantity_of_contacts_is_one_line_and_needs_no_new_run(copy):
         "print(MEASURES['longest_contact'].find(Trajectory.load('pair.nc'),"
         " ResponseSpec(measure='longest_contact'), None))"
     )
-    assert float(run(copy, code=code)) == longest
+    summary, shown, measured = run_all(
+        copy, ("info", "pair.nc", "--json"), ("info", "pair.nc", "--all"), code
+    )
+    longest = max(one["longest_contact"] for one in json.loads(summary)["contacts"].values())
+    assert 0.0 < longest < 2.5e-3 and float(measured) == longest
+    assert "longest contact [s]" in shown
 
 
 # --- a joint with play ---
