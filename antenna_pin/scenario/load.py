@@ -146,9 +146,9 @@ def _below(name: str, cases: Mapping[str, _Case], label: str) -> tuple[tuple[str
 
 
 def _is_sound(source: Source, overrides: Mapping[str, Any]) -> bool:
-    """Return whether a case that is not run has no fault; its files are not read.
+    """Return whether a case that is not run has no fault.
 
-    A file that overrides have to complete is no fault of the case.
+    Its files are not read. A file that overrides have to complete is no fault of the case.
 
     Raises:
         AntennaPinError: If the case has a fault also with the overrides.
