@@ -8,8 +8,6 @@ import gc
 import os
 import sys
 
-__all__ = ["main"]
-
 
 def main() -> None:
     """Run the command line."""

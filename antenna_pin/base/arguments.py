@@ -32,22 +32,6 @@ from antenna_pin.base.rules import NumberRule, finite_too, obeys
 from antenna_pin.base.units import QuantityError, quantity, shown
 from antenna_pin.errors import AntennaPinError, FunctionError, InvalidParameterError
 
-__all__ = [
-    "answer_of",
-    "AskedFunction",
-    "check_number",
-    "check_takes",
-    "fits",
-    "in_si",
-    "is_number",
-    "number_in",
-    "refused",
-    "rule_of",
-    "takes",
-    "told_numbers",
-    "unknown_type",
-]
-
 _T = TypeVar("_T", bound=Callable[..., Any])
 _UNIONS = (Union, types.UnionType)
 _ARRAYS = (np.ndarray, NDArray)  # to NumPy 2.4 one is the other's name, from 2.5 on an alias of its own

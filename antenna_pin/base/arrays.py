@@ -5,7 +5,5 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Array", "Complex"]
-
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -9,18 +9,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = [
-    "few",
-    "gradient",
-    "least_between",
-    "root_between",
-    "roughness",
-    "Slope",
-    "slope",
-    "STEPS",
-    "WEIGHTS",
-]
-
 # --- roots and least values ---------------------------------------------------------------------------------
 #
 # Few runs look for one, and all would wait a quarter of a second.

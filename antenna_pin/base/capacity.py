@@ -12,8 +12,6 @@ from pathlib import Path
 
 from antenna_pin.errors import InvalidParameterError, TooLargeError
 
-__all__ = ["MOST", "check_count", "check_fits", "cores", "free_memory"]
-
 #: Most of what is counted: samples and points of a run, intervals, runs of a study, values of a parameter.
 MOST = 10_000_000
 

@@ -10,8 +10,6 @@ from antenna_pin.base.directions import A_DIRECTION
 from antenna_pin.base.parameters import check, parameter
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["JOINT_VARIANTS", "JointChange", "JointVariant", "LinkChange", "Rotor", "ShapeChange"]
-
 JointVariant = Literal["ideal", "locked", "free", "planar"]
 """What becomes of a joint: as in the URDF, no freedom, all six, the three of a plane across its axis."""
 

@@ -23,21 +23,6 @@ from typing import Any
 
 from antenna_pin.errors import OutputError
 
-__all__ = [
-    "PatientFile",
-    "absence",
-    "check_writable",
-    "decoded",
-    "escaped",
-    "has_whole_seal",
-    "is_unicode",
-    "marked_encoding",
-    "path_as_text",
-    "path_of_text",
-    "replacing",
-    "seal",
-]
-
 _PREFIX, _SUFFIX = ".antenna-pin-", ".partial"
 # A file system's block: one that is full takes a name, but not this.
 _BLOCK = 4096

@@ -20,21 +20,6 @@ from typing import Any, NoReturn, TypeVar
 
 from antenna_pin.errors import AntennaPinError
 
-__all__ = [
-    "Ended",
-    "FunctionInterrupted",
-    "acknowledge",
-    "ended_by",
-    "ended_with",
-    "ending_by_signals",
-    "held_back",
-    "interruptible",
-    "is_interruption",
-    "late_signal",
-    "sheltered_processes",
-    "uninterrupted",
-]
-
 _ENDING = tuple(
     number for name in ("SIGTERM", "SIGHUP") if (number := getattr(signal, name, None)) is not None
 )

@@ -18,8 +18,6 @@ from fractions import Fraction
 from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["IsoFit", "SizeLimits", "read_fit", "read_size", "size_limits", "tolerance_grade"]
-
 # Ranges of nominal sizes, up to and including [mm].
 _RANGES = (3, 6, 10, 18, 30, 50, 80, 120, 180, 250, 315, 400, 500)
 _SUBRANGES = (

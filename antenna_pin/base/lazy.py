@@ -9,8 +9,6 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-__all__ = ["Classes", "exported", "go_without", "take_back"]
-
 
 class _Package(types.ModuleType):
     """Package that finds its names by its stub file."""

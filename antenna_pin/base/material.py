@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from antenna_pin.base.parameters import check, parameter
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Material"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Material:

@@ -31,21 +31,6 @@ from antenna_pin.base.rules import A_DIRECTION, finite_too, obeys
 from antenna_pin.base.units import matching_unit
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = [
-    "FARTHEST",
-    "LARGEST",
-    "NO_BOUND",
-    "LEAST",
-    "Parameter",
-    "attribute_docs",
-    "beyond",
-    "check",
-    "choices_of",
-    "holds",
-    "parameter",
-    "parameters_of",
-]
-
 #: Sizes beyond which a number is refused, lest what is made of it (k = m w^2) be no number any more.
 LARGEST, LEAST = 1e100, 1e-100
 

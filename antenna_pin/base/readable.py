@@ -14,22 +14,6 @@ from collections.abc import Iterable, Mapping
 from decimal import Decimal
 from typing import Any
 
-__all__ = [
-    "alternatives",
-    "bare",
-    "brief",
-    "DECIMAL",
-    "decimal_in",
-    "GIVEN",
-    "lasting",
-    "number",
-    "of_size",
-    "prefixed",
-    "printed_unit",
-    "readable",
-    "whole_in",
-]
-
 MISSING = "–"
 
 GIVEN = 10

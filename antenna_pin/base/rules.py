@@ -15,22 +15,6 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Annotated
 
-__all__ = [
-    "ABOVE_ZERO",
-    "A_DIRECTION",
-    "AtLeastOne",
-    "AtLeastTwo",
-    "BetweenZeroAndOne",
-    "NotNegative",
-    "NotNegativeInt",
-    "Positive",
-    "PositiveOrInfinite",
-    "NumberRule",
-    "SWINGS",
-    "finite_too",
-    "obeys",
-]
-
 #: Rule of a temperature [K].
 ABOVE_ZERO = "above absolute zero"
 #: What a direction must be; a rule for all of its numbers.

@@ -12,8 +12,6 @@ from antenna_pin.base.capacity import MOST
 from antenna_pin.base.parameters import check, parameter
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Engine", "ErrorScales", "Method", "RunSettings", "choice_for"]
-
 # Below, the error of a step is round-off, and no step is short enough.
 _LEAST_RTOL = 1e-15
 # Of a run, in floors of a step and in distances of neighbouring times: less is round-off.

@@ -22,8 +22,6 @@ from typing import Generic, TypeVar
 
 from antenna_pin.base.capacity import cores, free_memory
 
-__all__ = ["cores_for", "end_with_parent", "side_by_side"]
-
 #: Pieces per process that pay for starting it.
 _WORTH = 2
 

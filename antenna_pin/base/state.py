@@ -17,8 +17,6 @@ from antenna_pin.base.arguments import is_number
 from antenna_pin.base.readable import brief
 from antenna_pin.errors import FileFormatError
 
-__all__ = ["ControllerMemory", "EventMemory", "OpenContact", "State", "StateBreach", "breach_of_state"]
-
 Array = NDArray[np.float64]
 
 

@@ -18,19 +18,6 @@ from antenna_pin.base.readable import decimal_in
 from antenna_pin.base.units import QuantityError, any_quantity, scaled, shown, unit_factor
 from antenna_pin.errors import FileFormatError
 
-__all__ = [
-    "BadTableError",
-    "Cells",
-    "TextLayout",
-    "UnknownColumnError",
-    "bare_name",
-    "column_of",
-    "headings",
-    "hint",
-    "read_cells",
-    "write_csv",
-]
-
 _SEPARATOR = re.compile(r'"?sep=(.)"?', re.IGNORECASE)  # the first line for Excel
 _HEADING = re.compile(
     r"(?P<name>[^\[(/]*?)\s*(?:\[(?P<square>[^\]]*)\]|\((?P<round>.*)\)|/\s*(?P<slash>\S.*))?", re.DOTALL

@@ -20,8 +20,6 @@ from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.base.rules import Positive
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Dimension", "ToleranceChain"]
-
 Array = NDArray[np.float64]
 Distribution = Literal["normal", "uniform", "triangular"]
 

@@ -23,23 +23,6 @@ from antenna_pin.base.lazy import take_back
 from antenna_pin.base.readable import DECIMAL
 from antenna_pin.errors import ScenarioError
 
-__all__ = [
-    "any_quantity",
-    "common_unit",
-    "describe_unit",
-    "LARGEST_POWER",
-    "matching_unit",
-    "quantity",
-    "QuantityError",
-    "shown",
-    "Unit",
-    "unit_factor",
-    "with_point",
-    "with_signs",
-    "with_weights",
-    "without_weights",
-]
-
 # --- common units -------------------------------------------------------------------------------------------
 
 #: Of the powers in a unit, their product.

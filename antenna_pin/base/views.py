@@ -23,30 +23,6 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = [
-    "as_html",
-    "as_text",
-    "DrawingView",
-    "FigureName",
-    "in_frame",
-    "item_of",
-    "ModesRecorder",
-    "NamedFigures",
-    "Page",
-    "Plotter",
-    "policy",
-    "RecorderView",
-    "Reporter",
-    "ResponsePlotter",
-    "RunFiguresView",
-    "RunNumbersView",
-    "script",
-    "StudyFiguresView",
-    "StudyReporter",
-    "View",
-    "VIEWS",
-]
-
 # --- pages --------------------------------------------------------------------------------------------------
 
 

@@ -9,8 +9,6 @@ from __future__ import annotations
 
 from typing import Any, TypeVar
 
-__all__ = ["by_address", "is_by_address"]
-
 _Class = TypeVar("_Class", bound=type)
 _classes: set[type] = set()
 

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import ctypes
 
-__all__ = ["CALLED_BACK", "call_1", "call_3", "call_back"]
-
 #: Signature of a function that kernels call by address: time [s] and address of an object (ignored by
 #: functions in Python); it returns a status.
 CALLED_BACK = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_double, ctypes.c_void_p)

@@ -10,17 +10,6 @@ from collections.abc import Callable, Iterator
 from functools import cache
 from typing import Any
 
-__all__ = [
-    "COMPILE_TIME",
-    "CompileClock",
-    "clock_numba",
-    "compiling_so_far",
-    "compiling_timed",
-    "tell_of_compiling",
-    "told_of_compiling",
-]
-
-
 #: Forecast of the compile time of a first run on a machine, as text, on one or two cores.
 COMPILE_TIME = "1 to 3 minutes"
 

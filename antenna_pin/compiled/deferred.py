@@ -5,8 +5,6 @@ Machine code that calls such a kernel cannot pass on what Python raises while co
 
 from __future__ import annotations
 
-__all__ = ["KINDS", "failures", "raise_failure"]
-
 #: Slots of a row of kinds; the last is that of numbers that are no kind's.
 KINDS = 128
 

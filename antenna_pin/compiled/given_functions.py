@@ -13,8 +13,6 @@ from typing import Any
 
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["address_of", "callable_of", "is_compiled"]
-
 
 def is_compiled(*functions: object) -> bool:
     """Return whether functions are compiled, by ``numba.njit`` or ``numba.cfunc``."""

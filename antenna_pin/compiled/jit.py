@@ -25,9 +25,6 @@ from antenna_pin.compiled.numba_pipeline import KernelCompiler, compare_settings
 from antenna_pin.compiled.stand_alone import stand_alone
 from antenna_pin.compiled.target import aim_at_baseline
 
-__all__ = ["code_of", "dispatcher", "stamp_of", "stamped_files"]
-
-
 aim_at_baseline()
 compare_settings_fast()
 

@@ -50,8 +50,6 @@ try:
 except ImportError:  # internal to Numba
     FunctionCache = IndexDataCacheFile = NullCache = object
 
-__all__ = ["FORMAT", "KernelCacheWarning", "keep", "remembered", "stored_code"]
-
 FORMAT = 9  # of what is kept
 
 _DIGEST = hashlib.sha256().digest_size

@@ -12,8 +12,6 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["LANES", "lane", "lane_of_row", "put_lane", "put_lane_of_row", "same_lane", "sum_of_lane"]
-
 #: Numbers in a lane.
 LANES = 4
 

@@ -21,18 +21,6 @@ try:
 except ImportError:  # both are internal to Numba
     _dynfunc = _nrt_python = compile_result = None
 
-__all__ = [
-    "Code",
-    "DeferredCall",
-    "KernelCode",
-    "Kept",
-    "add_kernel_symbol",
-    "address_of",
-    "called",
-    "kept_of",
-    "link",
-]
-
 
 class DeferredCall(NamedTuple):
     """Call of a kernel that is compiled when first called, or of those of all kinds.

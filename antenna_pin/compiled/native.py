@@ -29,18 +29,6 @@ from antenna_pin.compiled.native_build import FOLDER, NAME, built_of, digest_of_
 from antenna_pin.compiled.ownership import open_to, stranger_of
 from antenna_pin.errors import InvalidParameterError, MissingToolError
 
-__all__ = [
-    "FIRST_TURNED",
-    "NOT_TURNED",
-    "PLANE_GIVEN",
-    "SECOND_TURNED",
-    "Evaluator",
-    "NativeShim",
-    "ShapePair",
-    "native_shim",
-    "native_state",
-]
-
 _VARIABLE = "ANTENNA_PIN_NATIVE"
 _INTERFACE = 1
 

@@ -26,17 +26,6 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-__all__ = [
-    "FOLDER",
-    "NAME",
-    "NativeBuildError",
-    "build",
-    "built_of",
-    "digest_of_sources",
-    "prefix_of",
-    "seal",
-]
-
 #: Folder of the sources, and of the shared library.
 FOLDER = Path(__file__).parents[1] / "native"
 #: Name of the shared library.

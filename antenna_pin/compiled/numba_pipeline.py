@@ -14,8 +14,6 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, DefaultPassBuilder, Flags
 from numba.core.compiler_machinery import PassManager
 
-__all__ = ["KernelCompiler", "compare_settings_fast"]
-
 _NOT_NEEDED = frozenset(
     {
         "WithLifting",

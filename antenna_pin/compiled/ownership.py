@@ -13,8 +13,6 @@ import stat
 from functools import lru_cache
 from pathlib import Path
 
-__all__ = ["open_to", "stranger_of"]
-
 
 def stranger_of(folder: str | os.PathLike[str], trusted: int) -> str | None:
     """Return, as text, a further user with write access to a folder; None without one.

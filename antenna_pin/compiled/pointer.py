@@ -8,8 +8,6 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-__all__ = ["pointer"]
-
 
 @intrinsic
 def pointer(typing: Any, place: Any) -> Any:

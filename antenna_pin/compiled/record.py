@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Layout", "record"]
-
 _Record = TypeVar("_Record", bound=np.generic)
 
 if TYPE_CHECKING:

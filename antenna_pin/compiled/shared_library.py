@@ -42,8 +42,6 @@ from antenna_pin.compiled.slots import FILL, symbols_of_call
 from antenna_pin.compiled.stand_alone import symbol_of, symbols_of
 from antenna_pin.compiled.target import BASELINE
 
-__all__ = ["write_library"]
-
 #: Functions of Numba's runtime that code calls: here for arrays in C order, as all reshaped ones are.
 _HELPERS = """
 #include <stdint.h>

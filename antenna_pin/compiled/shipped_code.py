@@ -27,21 +27,6 @@ import numpy as np
 from antenna_pin.compiled.ownership import open_to, stranger_of
 from antenna_pin.compiled.target import BASELINE, baseline_runs
 
-__all__ = [
-    "DATA",
-    "FORMAT",
-    "INDEX",
-    "LIBRARY",
-    "RECORD",
-    "SHAPE",
-    "STRIDES",
-    "digest_of",
-    "dtype_text",
-    "key_of",
-    "misfit",
-    "shipped",
-]
-
 LIBRARY, INDEX = "kernels.so", "kernels.json"
 FORMAT = 1  # format of the index
 

@@ -26,8 +26,6 @@ from antenna_pin.compiled.deferred import KINDS, failures
 from antenna_pin.compiled.machine_code import DeferredCall, address_of
 from antenna_pin.compiled.stand_alone import deferred_calls_of, kernel_named, symbol_of
 
-__all__ = ["FILL", "SLOT", "call_type", "declare", "fill_all", "symbols_of_call"]
-
 #: What the name of a slot begins with, before the symbol of its kernel.
 SLOT = "slot:"
 #: Name of the function that fills a slot: of the address of a row and a number in it, the kernel's address.

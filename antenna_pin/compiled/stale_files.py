@@ -9,8 +9,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-__all__ = ["pack_of", "sweep"]
-
 #: Modules cleaned by this process, by folder of machine code and name.
 _swept: set[tuple[Path, str]] = set()
 

@@ -20,18 +20,6 @@ try:
 except ImportError:  # both are internal to Numba
     OverloadSelector = user_function = None
 
-__all__ = [
-    "all_needs",
-    "deferred_calls_of",
-    "kernel_named",
-    "needs_of",
-    "noted",
-    "parts_of",
-    "stand_alone",
-    "symbol_of",
-    "symbols_of",
-]
-
 
 def stand_alone(dispatcher: Any) -> None:
     """Let callers of a compiled function call it by name instead of holding its code.

@@ -11,8 +11,6 @@ import platform
 from functools import cache
 from pathlib import Path
 
-__all__ = ["BASELINE", "aim_at_baseline", "baseline_runs"]
-
 BASELINE = "x86-64-v3"
 
 # Names of features in Linux.

@@ -12,8 +12,6 @@ import os
 import time
 from functools import lru_cache
 
-__all__ = ["Turn"]
-
 # Longest wait for a process that hangs [s], and time between two checks [s].
 _LONGEST, _LOOK = 300.0, 0.02
 

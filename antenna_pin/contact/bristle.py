@@ -38,8 +38,6 @@ from antenna_pin.contact.friction import CompiledFrictionLaw, check_static, no_r
 from antenna_pin.contact.kernels import DEFLECTION_SIZE, Rates, steady_coefficient
 from antenna_pin.contact.records import friction_record, number_of
 
-__all__ = ["GONTHIER", "BristleLaw", "Dahl", "GonthierBristle", "LuGre", "gonthier_kink"]
-
 
 @inlined
 def no_dwell(law: Any) -> bool:

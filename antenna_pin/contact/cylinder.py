@@ -31,21 +31,6 @@ from antenna_pin.compiled.decorators import inlined, kernel
 from antenna_pin.contact.normal import ElasticLaw, power, power_energy, power_force
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = [
-    "BaiZhaoElastic",
-    "DubowskyFreudenstein",
-    "ESDU78035",
-    "Goldsmith",
-    "HertzLine",
-    "Johnson",
-    "LineLaw",
-    "LiuFoundation",
-    "LogarithmicLaw",
-    "Pereira",
-    "Persson",
-    "Radzimovsky",
-]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LineLaw(ElasticLaw):

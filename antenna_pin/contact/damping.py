@@ -27,15 +27,6 @@ from antenna_pin.base.records import packed
 from antenna_pin.compiled.decorators import inlined
 from antenna_pin.contact.normal import STOPS_NOTHING, Dissipation, ElasticLaw
 
-__all__ = [
-    "AdamsDamping",
-    "JankowskiDamping",
-    "KelvinVoigtDamping",
-    "KuwabaraKonoDamping",
-    "TsujiDamping",
-    "damping_ratio",
-]
-
 
 def damping_ratio(restitution: float) -> float:
     r"""Return the damping ratio of a linear oscillator that comes back with a restitution [-].

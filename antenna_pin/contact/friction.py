@@ -27,22 +27,6 @@ from antenna_pin.contact.normal import Law
 from antenna_pin.contact.records import friction_code
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = [
-    "Ambrosio",
-    "BengisuAkay",
-    "BrownMcPhee",
-    "CompiledFrictionLaw",
-    "Coulomb",
-    "CustomFriction",
-    "FrictionLaw",
-    "LinearFriction",
-    "NoFriction",
-    "Stribeck",
-    "Tanh",
-    "Threlfall",
-    "VelocityBased",
-]
-
 
 @runtime_checkable
 class FrictionLaw(Protocol):

@@ -35,27 +35,6 @@ from antenna_pin.base.rules import NotNegative, NumberRule
 from antenna_pin.compiled.decorators import inlined
 from antenna_pin.contact.normal import STOPS_NOTHING, Dissipation
 
-__all__ = [
-    "CarvalhoMartinsDamping",
-    "delivered_restitution",
-    "exact_hysteresis",
-    "ExactDamping",
-    "FloresDamping",
-    "GharibHurmuzluDamping",
-    "GonthierDamping",
-    "HerbertMcWhannellDamping",
-    "HuGuoDamping",
-    "HuntCrossleyDamping",
-    "HysteresisDamping",
-    "LankaraniNikraveshDamping",
-    "LeeWangDamping",
-    "MarhefkaOrinDamping",
-    "PantWijeyewickremaDamping",
-    "stored_share",
-    "YeDamping",
-    "ZhiyingQishaoDamping",
-]
-
 
 @inlined
 def hysteretic(

@@ -30,23 +30,6 @@ from antenna_pin.contact.records import normal_code
 from antenna_pin.contact.registry import DISSIPATIONS, NORMAL_LAWS
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
-__all__ = [
-    "CompiledNormalLaw",
-    "CustomNormal",
-    "DampedContact",
-    "Dissipation",
-    "ElasticLaw",
-    "Hertz",
-    "Law",
-    "NoDissipation",
-    "normal_questions",
-    "NormalLaw",
-    "is_elastic",
-    "law_parameters",
-    "make_normal_law",
-    "normal_parameters",
-]
-
 # --- laws of all kinds --------------------------------------------------------------------------------------
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-__all__ = ["AT_SURFACE", "NO_APPROACH", "approach_speed_in_contact"]
-
 #: Approach speed [m/s] ([rad/s]) of a contact without an onset. Laws that divide by it come down to their
 #: elastic part, to the last bit; it is finite, so that its logarithm and differences are too.
 NO_APPROACH = 1e100

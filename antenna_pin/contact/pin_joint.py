@@ -15,8 +15,6 @@ from antenna_pin.compiled.decorators import kernel
 from antenna_pin.contact.cylinder import LineLaw
 from antenna_pin.contact.normal import check_depth, power_energy, power_force
 
-__all__ = ["LiuConformal", "LiuHertz", "LiuPinJoint", "LiuPinJointCorrected"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LiuHertz(LineLaw):

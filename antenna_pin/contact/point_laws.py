@@ -21,8 +21,6 @@ from antenna_pin.contact.hysteresis import HysteresisDamping
 from antenna_pin.contact.normal import CompiledNormalLaw, DampedContact, Dissipation, ElasticLaw, Hertz
 from antenna_pin.contact.registry import ALIASES, Alias
 
-__all__ = ["WholeLaw"]
-
 _PARTS = Classes(
     "antenna_pin.contact", {part: part for alias in ALIASES for part in (alias.elastic, alias.dissipation)}
 )

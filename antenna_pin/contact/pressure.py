@@ -32,25 +32,6 @@ from antenna_pin.base.rules import NumberRule, PositiveOrInfinite
 from antenna_pin.contact.cylinder import LARGEST_SQUARE
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = [
-    "Ellipse",
-    "ISO76_PRESSURE",
-    "LARGEST_HALF_ANGLE",
-    "LinePressure",
-    "PointPressure",
-    "ball_load_limit",
-    "hertz_ellipse",
-    "hertz_line",
-    "hertz_point",
-    "line_shear",
-    "persson_line",
-    "persson_load",
-    "persson_pressure",
-    "point_shear",
-    "raceway_ellipse",
-    "static_rating",
-]
-
 Array = NDArray[np.float64]
 
 

@@ -21,20 +21,6 @@ from antenna_pin.base.records import Record, fields_of, numbers_of
 from antenna_pin.compiled.decorators import composed, composed_later
 from antenna_pin.compiled.record import Layout, record
 
-__all__ = [
-    "FRICTION_LAW",
-    "FRICTION_SIZE",
-    "NORMAL_LAW",
-    "NORMAL_SIZE",
-    "chain",
-    "dissipation_record",
-    "elastic_record",
-    "friction_code",
-    "friction_record",
-    "normal_code",
-    "number_of",
-]
-
 _ELASTIC_ROOM = 8
 _DISSIPATION_ROOM = 6
 _KINDS = 2  # of elastic part and dissipation, before the parameters of both

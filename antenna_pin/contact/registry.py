@@ -10,16 +10,6 @@ from dataclasses import dataclass, field
 
 from antenna_pin.base.lazy import Classes
 
-__all__ = [
-    "Alias",
-    "ALIASES",
-    "CUSTOM_FRICTION",
-    "DISSIPATIONS",
-    "FRICTION_LAWS",
-    "NORMAL_LAWS",
-    "SHAPELESS_LAWS",
-]
-
 # --- laws of the literature as a whole ----------------------------------------------------------------------
 #
 # A row here is one; its class is made when it is asked for (:mod:`antenna_pin.contact.point_laws`).

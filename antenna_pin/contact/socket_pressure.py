@@ -32,8 +32,6 @@ from antenna_pin.base.rules import PositiveOrInfinite
 from antenna_pin.contact.pressure import PointPressure, point_shear
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["WIDEST_CAP", "SocketContact", "ball_in_socket", "socket_contact"]
-
 Array = NDArray[np.float64]
 
 # Terms of the smooth rest of the kernel, functions of the pressure, nodes of their integrals, and places at

@@ -17,19 +17,6 @@ from antenna_pin.elements import FAMILIES, Change, Element, ForceElement, Met, M
 from antenna_pin.elements.control import AttitudeFeedback, Controller, Pid
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
-__all__ = [
-    "Acting",
-    "acting_in",
-    "actuators_of",
-    "Adjustments",
-    "check_begins",
-    "first_modes",
-    "joints_held",
-    "modes_in_another",
-    "modes_kept",
-    "settled",
-]
-
 # --- elements -----------------------------------------------------------------------------------------------
 
 

@@ -27,15 +27,6 @@ from antenna_pin.elements import Motion, PrescribedMotion, Shake
 from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism import JointSlot
 
-__all__ = [
-    "BASE",
-    "assemble",
-    "assembled",
-    "check_closed",
-    "check_motions",
-]
-
-
 # --- start of a mechanism on a shaken base ---
 
 

@@ -13,8 +13,6 @@ from antenna_pin.dynamics import kernels, link_kernels
 from antenna_pin.dynamics.workspace import Workspace
 from antenna_pin.mechanism import PLACE, body_tree
 
-__all__ = ["Audit", "audit", "energy_of_python_laws"]
-
 Array = NDArray[np.float64]
 
 

@@ -37,31 +37,6 @@ from antenna_pin.joints import layout_kernels as _layout
 from antenna_pin.joints.geometry import RevoluteClearance
 from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
 
-__all__ = [
-    "bearings_in",
-    "Blocks",
-    "check_booked",
-    "check_holds",
-    "check_motion",
-    "clearance_block",
-    "closures_by_name",
-    "element_block",
-    "element_head",
-    "held_block",
-    "held_slot",
-    "HeldKind",
-    "InPython",
-    "kinds_about_axis",
-    "on_bearings",
-    "places_in_x",
-    "slides",
-    "states_in_x",
-    "turning",
-    "WITH_AXIS",
-    "with_friction_of_bearings",
-    "with_preloads_placed",
-]
-
 # --- joints held by constraint ------------------------------------------------------------------------------
 
 HeldKind = Literal["revolute", "prismatic", "spherical"]

@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from antenna_pin.compiled.native import Evaluator, native_shim
 
-__all__ = ["accelerations_of", "machine_code_of", "terms_of"]
-
 Array = NDArray[np.float64]
 Answer = Callable[[float], None]
 

@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from antenna_pin.mechanism import Mechanism
 
-__all__ = ["coordinate_names", "reach_of"]
-
 _DOF_NAMES = {
     "floating": ("x", "y", "z", "qx", "qy", "qz", "qw"),
     "planar": ("x", "y", "cos", "sin"),

@@ -14,8 +14,6 @@ from antenna_pin.dynamics.constraints import Coupling, check_order, spread
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.mechanism import Mechanism
 
-__all__ = ["couplings_of", "facts_of_couplings", "fit_turns", "put_follower_rates", "put_followers"]
-
 Array = NDArray[np.float64]
 
 _ONE_AXIS = ("revolute", "continuous", "prismatic")

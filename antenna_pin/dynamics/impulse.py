@@ -43,20 +43,6 @@ from antenna_pin.elements import Modal
 from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism.inertia import mass_matrix
 
-__all__ = [
-    "apart",
-    "check_restraint",
-    "check_restraints",
-    "impulse",
-    "is_rigid",
-    "NotFollowedError",
-    "prescribing",
-    "Push",
-    "push_apart",
-    "Pushed",
-    "reduced_inertia",
-]
-
 # --- impulses -----------------------------------------------------------------------------------------------
 
 Array = NDArray[np.float64]

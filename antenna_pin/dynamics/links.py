@@ -19,18 +19,6 @@ from antenna_pin.errors import InvalidParameterError, MechanismError
 from antenna_pin.mechanism import Mechanism, body_tree
 from antenna_pin.mechanism.tree_kernels import place_bodies
 
-__all__ = [
-    "ForcePlace",
-    "OnLinksInPython",
-    "acting_on_links",
-    "books_in_x",
-    "desk_in",
-    "place_on_links",
-    "works_in_x",
-    "written_by",
-]
-
-
 Array = NDArray[np.float64]
 
 

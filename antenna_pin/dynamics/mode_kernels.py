@@ -9,8 +9,6 @@ from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import kernel
 from antenna_pin.elements import kernels as elements
 
-__all__ = ["grip_of", "is_held", "mode_of"]
-
 
 @kernel
 def is_held(kind: int, p: Floats, at: int) -> bool:

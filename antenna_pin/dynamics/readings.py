@@ -22,22 +22,6 @@ from antenna_pin.elements import ConstantDrive, JointSpring, Motion
 from antenna_pin.joints.layout_kernels import JOINT
 from antenna_pin.mechanism import link_twists
 
-__all__ = [
-    "acceleration",
-    "bearing_loads",
-    "bearing_names",
-    "constraint_counts",
-    "contact_memory",
-    "Deflections",
-    "deflections",
-    "JointMotion",
-    "journal_attitudes",
-    "mobility_of",
-    "motion_block",
-    "program_parts",
-    "records_at",
-]
-
 # --- parts of a run with the same elements ------------------------------------------------------------------
 
 

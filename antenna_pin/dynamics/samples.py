@@ -25,9 +25,6 @@ from antenna_pin.errors import FunctionError
 from antenna_pin.joints.layout_kernels import JOINT
 from antenna_pin.mechanism import PLACE, ROOM, JointSlot, body_tree
 
-__all__ = ["Observed", "joint_motion", "observed", "sliding_motion"]
-
-
 Array = NDArray[np.float64]
 
 

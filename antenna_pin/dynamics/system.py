@@ -59,9 +59,6 @@ from antenna_pin.joints import layout_kernels as _layout
 from antenna_pin.mechanism import WORLD, Mechanism
 from antenna_pin.mechanism.flexible import ElasticPart
 
-__all__ = ["System"]
-
-
 # --- the elements of a system: its springs with those of elastic parts, and all by family ---
 
 

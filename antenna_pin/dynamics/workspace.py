@@ -27,8 +27,6 @@ from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.mechanism import PLACE, body_tree
 from antenna_pin.mechanism.tree_kernels import place_bodies
 
-__all__ = ["Workspace"]
-
 Array = NDArray[np.float64]
 
 ON_SURFACE = 1e-15  # [m]: a starting gap this small is a gap of zero

@@ -14,8 +14,6 @@ from antenna_pin.elements.curve_kernels import area, curve
 from antenna_pin.elements.element import LOSS, Element, Integral, packed
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Outside", "TableSpring"]
-
 Outside = Literal["hold", "extend", "refuse"]
 """What follows beyond a table: its last torque, that with its slope there, or the end of the run."""
 

@@ -16,9 +16,6 @@ from antenna_pin.contact.pressure import Ellipse, ball_load_limit, raceway_ellip
 from antenna_pin.elements.bearing import Bearing, Matrix5, Numbers5
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["BallBearing"]
-
-
 # --- Hertz's point contact of a ball in a groove ---
 
 # Axis ratio up to which the ellipse of contact is looked for: far beyond grooves as tight as balls.

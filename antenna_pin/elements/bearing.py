@@ -27,8 +27,6 @@ from antenna_pin.elements.element import LOSS, About, Element, Integral, packed
 from antenna_pin.elements.hook_kernels import JournalPlace
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["AxialPreload", "Bearing", "StiffnessBearing", "moved"]
-
 Array = NDArray[np.float64]
 Numbers5 = Annotated[Floats, 5]
 Matrix5 = Annotated[Floats, (5, 5)]

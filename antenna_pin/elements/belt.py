@@ -10,8 +10,6 @@ from antenna_pin.base.parameters import parameter
 from antenna_pin.elements.flanks import TWO, Flanks
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Belt", "Cable"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Strands(Flanks):

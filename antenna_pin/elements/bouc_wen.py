@@ -13,8 +13,6 @@ from antenna_pin.elements.element import LOSS, Element, Integral
 from antenna_pin.elements.hook_kernels import Motion, Own, Powered
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["BoucWen"]
-
 _Z = Integral("z", "1")
 # Places among what it integrates.
 HEAT, Z = range(2)

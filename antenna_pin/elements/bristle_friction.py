@@ -28,8 +28,6 @@ from antenna_pin.elements.own_load import (
 )
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["BristleFriction", "DahlFriction", "GonthierFriction", "LuGreFriction"]
-
 BEND = Integral("bend", "1")
 DWELL = Integral("dwell", "1")
 # Places among what it integrates.

@@ -13,8 +13,6 @@ from antenna_pin.elements.element import packed
 from antenna_pin.elements.hook_kernels import Loaded
 from antenna_pin.elements.modal import CAPTURE, Change, Met, ModalElement
 
-__all__ = ["HELD", "INSIDE", "LET_GO", "OUTSIDE", "Capture"]
-
 Direction = Literal["both", "up", "down"]
 _WAYS: dict[Direction, float] = {"both": 0.0, "up": 1.0, "down": -1.0}
 

@@ -15,8 +15,6 @@ from antenna_pin.elements.curve import Interpolation, check_table, cubics, point
 from antenna_pin.elements.reference import Reference, pieces
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Sum", "Table", "curve_term", "going_on"]
-
 
 @lru_cache(maxsize=8)
 def curve_term(

@@ -10,8 +10,6 @@ from antenna_pin.base.readable import GIVEN, readable
 from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.element import Drive
 
-__all__ = ["ConstantDrive"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConstantDrive(Drive):

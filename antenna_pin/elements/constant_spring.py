@@ -11,8 +11,6 @@ from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.element import LOSS, Element, Integral, packed
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["ConstantSpring"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConstantSpring(Element):

@@ -19,8 +19,6 @@ from antenna_pin.elements.element import ForceElement, packed
 from antenna_pin.elements.reference import Reference
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Course", "Swing"]
-
 
 def eighth_of_period(frequency: float | None) -> float:
     """Return the step that resolves what swings [s]; infinite where nothing does."""

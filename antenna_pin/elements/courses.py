@@ -13,8 +13,6 @@ from antenna_pin.elements.curve import SweptPiece, check_as_many
 from antenna_pin.elements.reference import Reference, pieces, swept, term
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Chirp", "Constant", "Polynomial", "Ramp", "Sine", "Sines"]
-
 _TURN = 2.0 * math.pi
 
 

@@ -14,19 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 from antenna_pin.base.parameters import LARGEST, LEAST
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = [
-    "areas",
-    "both_given",
-    "check_as_many",
-    "check_covers",
-    "check_table",
-    "cubics",
-    "Interpolation",
-    "points_and_middles",
-    "sines_of",
-    "SweptPiece",
-]
-
 Interpolation = Literal["linear", "cubic"]
 
 

@@ -15,8 +15,6 @@ from antenna_pin.elements.element import packed
 from antenna_pin.elements.prescribed import Motion
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["DistanceMotion"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DistanceMotion(Swing, Motion):

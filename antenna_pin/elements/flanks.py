@@ -15,11 +15,6 @@ from antenna_pin.elements.hook_kernels import Loaded
 from antenna_pin.elements.modal import Change, Met, Modal
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = [
-    "BetweenJoints",
-    "Flanks",
-]
-
 # --- elements between two joints ----------------------------------------------------------------------------
 
 

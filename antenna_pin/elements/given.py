@@ -10,8 +10,6 @@ from antenna_pin.compiled.calls import call_3
 from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.element import Drive, packed
 
-__all__ = ["CallableDrive"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CallableDrive(Drive):

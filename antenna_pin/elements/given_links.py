@@ -18,15 +18,6 @@ from antenna_pin.elements.on_links import BOOKED, AtPoint, OnLinks
 from antenna_pin.elements.points import Point, checked_point
 from antenna_pin.errors import FunctionError, InvalidParameterError
 
-__all__ = [
-    "Acts",
-    "address_on_links",
-    "CallableElement",
-    "CallableForce",
-    "InPythonOnLinks",
-    "wrench_on_links",
-]
-
 # --- functions that Numba has compiled ----------------------------------------------------------------------
 #
 # Kernels call a function by its address with a time and the place of a stretch of numbers

@@ -12,8 +12,6 @@ from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.element import packed
 from antenna_pin.elements.prescribed import Motion
 
-__all__ = ["CallableMotion"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CallableMotion(Motion):

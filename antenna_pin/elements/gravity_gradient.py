@@ -19,8 +19,6 @@ from antenna_pin.elements.element import ForceElement, packed
 from antenna_pin.elements.on_links import OnLinks
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["GravityGradient"]
-
 _SQUARE = 1e-9  # cosine of what counts as a right angle
 
 

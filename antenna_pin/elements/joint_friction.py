@@ -13,8 +13,6 @@ from antenna_pin.elements.ball_bearing import BallBearing
 from antenna_pin.elements.element import LOSS, Element, Integral
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["JointFriction", "palmgren_torque"]
-
 # Exponent of the preload 1 + y, and z, of Palmgren's formula.
 _EXPONENT, _PALMGREN = 1.33, 1e-3
 

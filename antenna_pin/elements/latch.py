@@ -14,8 +14,6 @@ from antenna_pin.elements.element import packed
 from antenna_pin.elements.hook_kernels import Loaded
 from antenna_pin.elements.modal import Change, Met
 
-__all__ = ["Latch"]
-
 # The function of its flanks.
 _FLANKS = 3
 

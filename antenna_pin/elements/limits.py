@@ -13,8 +13,6 @@ from antenna_pin.elements.element import packed
 from antenna_pin.elements.modal import ModalElement
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Limits"]
-
 # Its modes: off both sides, on the lower one, on the upper one.
 FREE, LOWER, UPPER = 0, 1, 2
 

@@ -15,8 +15,6 @@ from antenna_pin.elements.hook_kernels import Loaded, Own, Powered
 from antenna_pin.elements.modal import Change, Met, ModalElement, Remembered
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["MaxwellSlip"]
-
 _MOST = 8
 # Share of its reach at which one that is bent slips: what round-off leaves.
 _AT = 1.0 - 1e-9

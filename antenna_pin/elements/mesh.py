@@ -13,8 +13,6 @@ from antenna_pin.elements.curve import both_given, check_as_many
 from antenna_pin.elements.flanks import BOTH_WAYS, TWO, Flanks
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Gear", "Rack", "Spline"]
-
 
 class Teeth(Flanks):
     """Base of what meshes by teeth, with play between them or without."""

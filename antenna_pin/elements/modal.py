@@ -14,8 +14,6 @@ from typing import ClassVar, Literal, NamedTuple
 
 from antenna_pin.elements.element import LOSS, Element, ForceElement, Integral
 
-__all__ = ["AFTER", "BLOW", "CAPTURE", "Change", "Met", "Modal", "ModalElement", "Remembered"]
-
 Remembered = Literal["way", "rate"]
 """Of what of its joint an element remembers a number."""
 

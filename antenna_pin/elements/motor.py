@@ -14,8 +14,6 @@ from antenna_pin.elements.element import GROSS_WORK, WORK, Drive, Integral, pack
 from antenna_pin.elements.hook_kernels import Motion, Own, Powered
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Motor"]
-
 _CURRENT = Integral("current", "A")
 # Places among what it integrates.
 _WORK_AT, _GROSS_AT, _ELECTRIC_AT, _HEAT_AT, _CURRENT_AT = range(5)

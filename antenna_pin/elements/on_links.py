@@ -8,8 +8,6 @@ from typing import ClassVar
 from antenna_pin.elements.element import GROSS_WORK, LOSS, WORK, ForceElement, Integral
 from antenna_pin.elements.points import Point, checked_point
 
-__all__ = ["BOOKED", "AtPoint", "OnLinks"]
-
 _AXES = ("x", "y", "z")
 
 #: What is integrated of each, as ``BOOK`` has it.

@@ -20,8 +20,6 @@ from antenna_pin.elements.reference import Reference
 from antenna_pin.elements.term_kernels import course
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["OutsideForce"]
-
 _NONE = (0.0, 0.0, 0.0)
 
 

@@ -9,8 +9,6 @@ from typing import Any
 
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["LABELS_OF_LOAD", "NUMBERS_OF_LOAD", "check_load", "check_unloaded", "numbers_of_load"]
-
 _OF_TURNING = ("radius", "axial_radius")
 NUMBERS_OF_LOAD = ("radius", "axial_radius", "bending_arm", "middle")
 LABELS_OF_LOAD = {"radius": "at radius", "axial_radius": "at axial radius", "bending_arm": "bending arm"}

@@ -16,8 +16,6 @@ from antenna_pin.elements.reference import Reference
 from antenna_pin.elements.term_kernels import course
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["PDController"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PDController(Course, Drive):

@@ -10,8 +10,6 @@ from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.points import BetweenPoints
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["PointSpring"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PointSpring(BetweenPoints):

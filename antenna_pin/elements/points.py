@@ -9,12 +9,6 @@ from typing import Any, ClassVar, TypeAlias
 from antenna_pin.elements.element import LOSS, ForceElement, Integral
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = [
-    "BetweenPoints",
-    "checked_point",
-    "Point",
-]
-
 # --- points on links ----------------------------------------------------------------------------------------
 
 Point: TypeAlias = tuple[str, tuple[float, float, float]]

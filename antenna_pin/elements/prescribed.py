@@ -20,14 +20,6 @@ from antenna_pin.elements.course import Course
 from antenna_pin.elements.element import GROSS_WORK, WORK, Element, Integral, packed
 from antenna_pin.elements.reference import Reference
 
-__all__ = [
-    "continued",
-    "jumps",
-    "Motion",
-    "PrescribedMotion",
-    "TermJump",
-]
-
 # --- jumps of courses ---------------------------------------------------------------------------------------
 #
 # The terms are those of :mod:`antenna_pin.elements.term_kernels`. Only pieces of polynomials and swept sines

@@ -20,8 +20,6 @@ from antenna_pin.elements.reference import term
 from antenna_pin.elements.shake import Shake
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["RandomShake", "band_power", "density_at"]
-
 _MOST_LINES = 100_000
 
 

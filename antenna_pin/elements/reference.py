@@ -17,15 +17,6 @@ from antenna_pin.base.readable import GIVEN, readable
 from antenna_pin.elements import term_kernels as kernels
 from antenna_pin.elements.curve import SweptPiece
 
-__all__ = [
-    "OverTime",
-    "pieces",
-    "Reference",
-    "REFERENCES",
-    "swept",
-    "term",
-]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reference:

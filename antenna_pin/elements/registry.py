@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     ELEMENTS: tuple[type[ForceElement], ...]
 
-__all__ = ["DRIVES", "ELEMENTS", "FAMILIES", "GEARS", "SHAKES", "SPRINGS", "Family", "element_of", "kind_of"]
-
 _ROOM = "antenna_pin.elements"
 
 

@@ -12,8 +12,6 @@ from antenna_pin.elements.capture import HELD, OUTSIDE, Capture, capture
 from antenna_pin.elements.hook_kernels import Loaded
 from antenna_pin.elements.modal import Change, Met, Remembered
 
-__all__ = ["RigidLatch"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RigidLatch(Capture):

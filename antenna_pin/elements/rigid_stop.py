@@ -14,8 +14,6 @@ from antenna_pin.elements.limits import FREE, LOWER, UPPER, Limits, beyond
 from antenna_pin.elements.modal import BLOW, Change, Met
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["RigidStop"]
-
 # Beyond a stop by no more than this a joint is on it at the start [rad] ([m]); where an event was located by
 # no more than that.
 _ROUND_OFF, _LOCATED = 1e-11, 1e-10

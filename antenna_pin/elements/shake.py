@@ -21,8 +21,6 @@ from antenna_pin.elements.reference import swept
 from antenna_pin.elements.term_kernels import course
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Shake", "SineShake", "SweepShake"]
-
 _MINUTE, _LEAST_CYCLES = 60.0, 10
 # The power of the angular frequency by which amplitudes are those of a displacement.
 _POWERS = {"displacement": 0, "velocity": 1, "acceleration": 2}

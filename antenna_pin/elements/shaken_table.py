@@ -16,8 +16,6 @@ from antenna_pin.elements.reference import pieces
 from antenna_pin.elements.shake import Shake
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["TableShake"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TableShake(Shake):

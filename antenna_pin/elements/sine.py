@@ -12,8 +12,6 @@ from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.course import Swing
 from antenna_pin.elements.element import Drive
 
-__all__ = ["SineDrive"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SineDrive(Swing, Drive):

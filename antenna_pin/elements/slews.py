@@ -10,8 +10,6 @@ from antenna_pin.base.parameters import parameter
 from antenna_pin.elements import term_kernels as kernels
 from antenna_pin.elements.reference import Reference, pieces, term
 
-__all__ = ["RestToRest", "SCurve", "Slew", "Trapezoid"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Slew(Reference):

@@ -13,8 +13,6 @@ from antenna_pin.compiled.decorators import inlined
 from antenna_pin.elements.element import LOSS, Element, Integral
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["JointSpring"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JointSpring(Element):

@@ -22,8 +22,6 @@ from antenna_pin.elements.own_load import (
 )
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["StickingFriction"]
-
 # Slipping one way or the other; sticking; at rest and held by others, with all its friction pushing as if it
 # slipped forward, or backward.
 _MODES = ("undecided", "forward", "backward", "sticks", "pushed", "pulled")

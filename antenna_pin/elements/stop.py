@@ -19,8 +19,6 @@ from antenna_pin.elements.limits import FREE, LOWER, UPPER, Limits, beyond
 from antenna_pin.elements.modal import Change, Met, Remembered
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["EndStop"]
-
 # Its function that passes zero where the joint turns back, once in a touch.
 TURNS = 2
 

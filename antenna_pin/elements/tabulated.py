@@ -13,8 +13,6 @@ from antenna_pin.elements.curve import Interpolation, check_covers, check_table,
 from antenna_pin.elements.curve_kernels import curve
 from antenna_pin.elements.element import Drive, packed
 
-__all__ = ["TableDrive"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TableDrive(Drive):

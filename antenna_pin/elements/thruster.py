@@ -17,8 +17,6 @@ from antenna_pin.elements.element import Integral, packed
 from antenna_pin.elements.on_links import BOOKED, AtPoint
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Thruster"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Thruster(AtPoint):

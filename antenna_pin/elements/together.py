@@ -9,8 +9,6 @@ from antenna_pin.elements.element import ForceElement
 from antenna_pin.elements.rigid_stop import RigidStop
 from antenna_pin.errors import MechanismError, UnknownNameError
 
-__all__ = ["check_together"]
-
 
 def check_together(families: Mapping[str, Mapping[str, ForceElement]]) -> None:
     """Refuse latches beyond a stop, and latches with overlapping windows.

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from antenna_pin.integrate.linear_kernels import propagate
 
-__all__ = ["NODES", "Propagated", "Propagator"]
-
 Array = NDArray[np.float64]
 
 _GAUSS = 0.5 + 0.5 * np.polynomial.legendre.leggauss(4)[0]

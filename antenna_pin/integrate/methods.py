@@ -17,13 +17,6 @@ from numpy.typing import NDArray
 from antenna_pin.errors import UnknownNameError
 from antenna_pin.integrate import newton_kernels as _newton
 
-__all__ = [
-    "Method",
-    "method_named",
-    "METHODS",
-    "newton_of",
-]
-
 # --- Dormand-Prince 8(5,3) ----------------------------------------------------------------------------------
 #
 # Rows are sparse: {column: value}. The values are those of Hairer, Norsett and Wanner (1993), Solving

@@ -16,14 +16,6 @@ from antenna_pin.integrate import kernels, manifold_kernels
 from antenna_pin.integrate import radau_kernels as radau
 from antenna_pin.integrate.methods import Method, newton_of
 
-__all__ = [
-    "KINDS",
-    "Manifold",
-    "InitialValueProblem",
-    "Stepper",
-    "tableau_of",
-]
-
 # --- state space --------------------------------------------------------------------------------------------
 
 Array = NDArray[np.float64]

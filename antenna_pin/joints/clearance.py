@@ -30,8 +30,6 @@ from antenna_pin.joints.geometry.patch_kernels import NODE
 from antenna_pin.joints.patch_kernels import patch_energy
 from antenna_pin.joints.python_path import LawInRun, PythonPath, has_code, range_of
 
-__all__ = ["ClearanceJoint", "JointContacts", "check_asked", "check_friction", "check_load"]
-
 Array = NDArray[np.float64]
 
 

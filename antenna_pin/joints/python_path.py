@@ -26,8 +26,6 @@ from antenna_pin.joints.geometry.patch_kernels import NODE
 from antenna_pin.joints.layout_kernels import JOINT, JOINT_WORDS, nodes_at, patches_at
 from antenna_pin.joints.pose_kernels import place_journal
 
-__all__ = ["LawInRun", "PythonPath", "coefficient_of", "functions_of_law", "has_code", "range_of"]
-
 Array = NDArray[np.float64]
 
 _ROW = ("gap", "rate", "slip", "force", "friction", "elastic")

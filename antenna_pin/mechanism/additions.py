@@ -42,8 +42,6 @@ from antenna_pin.mechanism.edits import (
 from antenna_pin.mechanism.inertia import rigid_groups
 from antenna_pin.mechanism.urdf import Urdf
 
-__all__ = ["check_turns", "rotor_joint", "with_rotor", "with_shaken_base"]
-
 # --- rotors -------------------------------------------------------------------------------------------------
 
 _HINGES = ("revolute", "continuous")

@@ -29,13 +29,6 @@ from antenna_pin.mechanism.flexible import (
 from antenna_pin.mechanism.frames import Matrix3, Vector3, frame_aligning_z, of_roll_pitch_yaw, roll_pitch_yaw
 from antenna_pin.mechanism.urdf_xml import MOMENTS, SHAPES, numbers_in
 
-__all__ = [
-    "add_parts",
-    "body_name",
-    "edited",
-    "turn_planes",
-]
-
 # --- single changes -----------------------------------------------------------------------------------------
 #
 # A comment right behind an element, on its line, says where its numbers come from. It goes when they go,

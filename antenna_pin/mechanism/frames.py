@@ -14,17 +14,6 @@ import numpy.typing as npt
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.directions import direction
 
-__all__ = [
-    "Matrix3",
-    "Vector3",
-    "frame_aligning_z",
-    "of_roll_pitch_yaw",
-    "quaternion",
-    "quaternions",
-    "roll_pitch_yaw",
-    "rotation",
-]
-
 Vector3: TypeAlias = npt.NDArray[np.float64]
 """Shape (3,)."""
 

@@ -14,13 +14,6 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism.frames import quaternions
 from antenna_pin.mechanism.model import Mechanism
 
-__all__ = [
-    "link_motion",
-    "link_poses",
-    "link_twists",
-    "transmitted_wrenches",
-]
-
 # --- placements ---------------------------------------------------------------------------------------------
 
 Array = NDArray[np.float64]

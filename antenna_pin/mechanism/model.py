@@ -31,16 +31,6 @@ from antenna_pin.mechanism.inertia import (
 )
 from antenna_pin.mechanism.urdf import Urdf
 
-__all__ = [
-    "Base",
-    "build_mechanism",
-    "check_size",
-    "JointKind",
-    "JointSlot",
-    "Mechanism",
-    "WORLD",
-]
-
 # --- size of a mechanism ------------------------------------------------------------------------------------
 
 # What a run needs over the cube of the degrees of freedom [bytes]: Pinocchio's Data has four tensors of that

@@ -30,19 +30,6 @@ from antenna_pin.mechanism.urdf_xml import (
     text_in,
 )
 
-__all__ = [
-    "checked",
-    "clean",
-    "Findings",
-    "for_pinocchio",
-    "friction_of",
-    "judged",
-    "left_out",
-    "Reading",
-    "text_of",
-    "written",
-]
-
 # --- mechanics and visuals ----------------------------------------------------------------------------------
 #
 # The readers behind (yourdfpy, and Pinocchio's parser with urdfdom) judge more than they need: colours,

@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism.frames import of_roll_pitch_yaw
 
-__all__ = ["Inertial", "Joint", "Limit", "Link", "Mimic", "Robot", "robot_of"]
-
 Array = NDArray[np.float64]
 
 

@@ -29,8 +29,6 @@ from antenna_pin.mechanism.flexible import MassProperties, SplitLink
 from antenna_pin.mechanism.frames import Vector3
 from antenna_pin.mechanism.robot import Joint, Link, Robot
 
-__all__ = ["Urdf", "mesh_file"]
-
 _Element = TypeVar("_Element", Link, Joint)
 
 

@@ -17,8 +17,6 @@ from antenna_pin.mechanism.reading import text_of
 from antenna_pin.mechanism.urdf import Urdf
 from antenna_pin.mechanism.urdf_xml import broken_numbers
 
-__all__ = ["PassedOver", "WrittenJoint", "WrittenUrdf"]
-
 # Kinds that a line names; the command that lists all is named behind.
 _NAMED = 4
 

@@ -32,19 +32,6 @@ from antenna_pin.base.units import matching_unit, shown
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario.spec import QuantityRule, Spec, Vector, read_count, refuse
 
-__all__ = [
-    "CONTROLLER_SPECS",
-    "COUPLING_SPECS",
-    "EVENT_SPECS",
-    "FLEXIBLE_SPECS",
-    "MadeSpec",
-    "OneOf",
-    "Tables",
-    "made_of",
-    "name_of_table",
-    "reads",
-]
-
 _Spec = TypeVar("_Spec", bound="MadeSpec")
 
 

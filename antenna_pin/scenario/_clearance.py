@@ -37,8 +37,6 @@ from antenna_pin.scenario.spec import (
     refuse,
 )
 
-__all__ = ["KINDS", "RADIAL_PLAY", "Clearance", "Kind", "Variant", "check_play", "law_tables"]
-
 Variant = Literal["free", "planar", "ideal"]
 Kind = Literal["radial", "axial"]
 KINDS: tuple[Kind, ...] = get_args(Kind)

@@ -21,17 +21,6 @@ from antenna_pin.scenario.merge import Overrides, merge, read_overrides
 from antenna_pin.scenario.shipped import tables
 from antenna_pin.scenario.spec import Location, Spec, ValuePlace, dotted, explained, unknown_key
 
-__all__ = [
-    "Source",
-    "built",
-    "check_files",
-    "check_keys",
-    "from_layer",
-    "read_layer",
-    "with_each",
-    "without_files",
-]
-
 
 def read_table(
     text: str, columns: Sequence[str], units: Sequence[str | tuple[str, ...]]

@@ -15,24 +15,6 @@ from antenna_pin.scenario._clearance import KINDS, RADIAL_PLAY, Clearance, Kind,
 from antenna_pin.scenario.laws import LawSpec, needs_materials
 from antenna_pin.scenario.spec import PositiveLength, refuse
 
-__all__ = [
-    "CLEARANCES",
-    "ClearanceSpec",
-    "ContactClearance",
-    "CylindricalClearance",
-    "IdealClearance",
-    "LAW",
-    "MATERIAL",
-    "OUTER",
-    "PlanarClearance",
-    "PrismaticClearance",
-    "RESTITUTION",
-    "SphericalClearance",
-    "TouchingSpec",
-    "said_of_assumed",
-    "words_of_assumed",
-]
-
 if TYPE_CHECKING:
     from antenna_pin.joints.geometry import ClearanceGeometry
 

@@ -11,18 +11,6 @@ from antenna_pin.base.units import matching_unit
 from antenna_pin.scenario._class_tables import JointTable
 from antenna_pin.scenario.spec import Direction, Position, QuantityRule, Spec, refuse
 
-__all__ = [
-    "AnchorSpec",
-    "AnyCoupling",
-    "ClosureSpec",
-    "CouplingSpec",
-    "DifferentialSpec",
-    "LinkPlaceSpec",
-    "PlaceSpec",
-    "PlanetarySpec",
-]
-
-
 ClosureKind = Literal["revolute", "universal", "spherical", "prismatic", "cylindrical", "planar", "fixed"]
 # Kinds without an axis.
 _POINTS = ("spherical", "fixed")

@@ -12,16 +12,6 @@ from antenna_pin.elements.control import AttitudeFeedback, BangBang, Matrix, Pid
 from antenna_pin.scenario._class_tables import MadeSpec, Motion, reads
 from antenna_pin.scenario.spec import read_quantity, refuse
 
-__all__ = [
-    "AttitudeSpec",
-    "BangBangSpec",
-    "ControllerSpec",
-    "PidSpec",
-    "SensorSpec",
-    "StateFeedbackSpec",
-    "check_commands",
-]
-
 # Units of what is measured, by its kind; of a joint that turns, and that slides.
 _UNITS: Mapping[str, tuple[str, ...]] = {
     "angle": ("rad", "m"),

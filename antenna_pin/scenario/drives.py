@@ -22,29 +22,6 @@ from antenna_pin.scenario._class_tables import JointTable, MadeSpec, OneOf, Tabl
 from antenna_pin.scenario.closures import LinkPlaceSpec, PlaceSpec
 from antenna_pin.scenario.spec import Spec, refuse, refuse_name
 
-__all__ = [
-    "AllLinksSpec",
-    "AnySpring",
-    "AtPointSpec",
-    "DRIVE_SPECS",
-    "DriveSpec",
-    "ElementSpec",
-    "FAMILY_SPECS",
-    "FamilyTables",
-    "JointsSpec",
-    "PointsSpec",
-    "REFERENCE_SPECS",
-    "ReferenceSpec",
-    "SPRING_SPECS",
-    "WITH_FILES",
-    "check_references",
-    "file_columns",
-    "file_units",
-    "is_at_joint",
-    "is_between_points",
-    "kind_in",
-]
-
 
 class _ForceSpec(MadeSpec):
     """A table of a force element."""

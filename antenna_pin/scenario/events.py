@@ -20,17 +20,6 @@ from antenna_pin.scenario.spec import (
     unknown_key,
 )
 
-__all__ = [
-    "AngleEvent",
-    "ChangeEvent",
-    "EventSpec",
-    "ForceEvent",
-    "GapEvent",
-    "RateEvent",
-    "TimeEvent",
-    "numbers_to_set",
-]
-
 Direction = Literal["both", "rising", "falling"]
 ActionName = Literal["mark", "stop", "set"]
 

@@ -11,14 +11,6 @@ from antenna_pin.mechanism.flexible import EffectiveMode, EffectiveModes, ModalD
 from antenna_pin.scenario._class_tables import JointTable, MadeSpec, reads
 from antenna_pin.scenario.spec import refuse
 
-__all__ = [
-    "FlexibleSpec",
-    "ModalDataSpec",
-    "ModeSpec",
-    "ModesSpec",
-    "PetalsSpec",
-]
-
 
 @reads(EffectiveMode)
 class ModeSpec(JointTable, MadeSpec):

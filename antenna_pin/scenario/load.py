@@ -27,13 +27,6 @@ from antenna_pin.scenario.scenario import Scenario
 from antenna_pin.scenario.shipped import find_scenario, read_toml
 from antenna_pin.scenario.spec import dotted, explained_line, located_lines
 
-__all__ = [
-    "found_from",
-    "load_scenario",
-    "scenario_named",
-    "scenario_toml",
-]
-
 Named = TypeVar("Named")
 
 #: Cases without fault, by the texts of their files: studies load one file many times.

@@ -11,15 +11,6 @@ from antenna_pin.base.material import Material
 from antenna_pin.scenario._class_tables import JointTable, MadeSpec, reads
 from antenna_pin.scenario.spec import QuantityRule, Spec, Vector, Vector3
 
-__all__ = [
-    "JointSpec",
-    "LinkSpec",
-    "MaterialSpec",
-    "MechanismSpec",
-    "RotorSpec",
-    "ShapeSpec",
-]
-
 
 @reads(ShapeChange)
 class ShapeSpec(MadeSpec):

@@ -12,8 +12,6 @@ from antenna_pin.base.units import shown
 from antenna_pin.errors import ScenarioError
 from antenna_pin.scenario.toml_text import NotTomlError, quoted, read_toml_text, unbounded
 
-__all__ = ["Overrides", "key_of", "key_parts", "merge", "read_overrides"]
-
 Overrides = Mapping[str, Any] | Sequence[str]
 
 # Keys of which a table has one or the other: giving one removes the other from below. "*" is any name.

@@ -14,8 +14,6 @@ from antenna_pin.scenario.merge import key_of, key_parts
 from antenna_pin.scenario.scenario import Scenario
 from antenna_pin.scenario.spec import QuantityRule, Vector
 
-__all__ = ["Number", "number_of", "with_number"]
-
 _INDEXED = re.compile(r"(.*)\[([0-9]{1,9})\]")
 
 

@@ -14,16 +14,6 @@ from antenna_pin.base.units import any_quantity, shown
 from antenna_pin.scenario.merge import toml_value
 from antenna_pin.scenario.spec import Count, QuantityRule, Spec, refuse, refuse_name
 
-__all__ = [
-    "AnyQuantity",
-    "KeysSpec",
-    "OptionalQuantity",
-    "ParameterSpec",
-    "Settings",
-    "ToleranceSpec",
-    "Value",
-]
-
 Array = NDArray[np.float64]
 
 

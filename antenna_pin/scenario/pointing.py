@@ -20,9 +20,6 @@ from antenna_pin.scenario.spec import (
     refuse,
 )
 
-__all__ = ["OrbitSpec", "PointingSpec"]
-
-
 # Directions that are to be perpendicular, and parallel ones that may not be, are told apart to this angle.
 _ANGLE = 1e-6
 

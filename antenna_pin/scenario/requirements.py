@@ -19,9 +19,6 @@ from antenna_pin.scenario.spec import (
     refuse_name,
 )
 
-__all__ = ["OPTIONS", "RequirementSpec", "check_requirements"]
-
-
 # A name that a file of any system can have.
 _FILE_NAME = re.compile(r"\w[\w-]{0,99}")
 

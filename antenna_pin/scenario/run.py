@@ -24,16 +24,6 @@ from antenna_pin.scenario.spec import (
     refuse,
 )
 
-__all__ = [
-    "InitialBaseSpec",
-    "InitialJointSpec",
-    "InitialSpec",
-    "IntegratorSpec",
-    "OutputSpec",
-    "ScalesSpec",
-    "settings_key",
-]
-
 
 class InitialJointSpec(JointTable):
     """Start of a joint; None for zero.

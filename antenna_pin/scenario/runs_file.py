@@ -16,8 +16,6 @@ from antenna_pin.scenario.scenario import Scenario
 from antenna_pin.scenario.shipped import models_path, read_toml
 from antenna_pin.scenario.spec import Spec, ValuePlace, Version, dotted, explained
 
-__all__ = ["RunsFile", "laid_over", "nested"]
-
 
 class RunsFile(Spec):
     """Base of such files.

@@ -59,8 +59,6 @@ if TYPE_CHECKING:
 else:  # their classes are made when one is met
     ControllerSpec = AnyCoupling = EventSpec = FlexibleSpec = Any
 
-__all__ = ["Scenario"]
-
 
 class Scenario(FamilyTables):
     """Mechanism, play in its joints, elements, and settings of a computation.

@@ -11,15 +11,6 @@ from antenna_pin.base.files import absence
 from antenna_pin.errors import ScenarioError, UnknownNameError, printable
 from antenna_pin.scenario.toml_text import NotTomlError, read_toml_text
 
-__all__ = [
-    "CaseSummary",
-    "ScenarioSummary",
-    "list_scenarios",
-    "models_path",
-    "scenario_cases",
-    "scenario_summary",
-]
-
 FILE_NAME = "scenario.toml"
 
 

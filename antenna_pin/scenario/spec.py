@@ -35,38 +35,6 @@ from antenna_pin.errors import (
 )
 from antenna_pin.scenario.toml_text import quoted
 
-__all__ = [
-    "AngularVelocity",
-    "Count",
-    "Direction",
-    "Folder",
-    "Length",
-    "Line",
-    "Location",
-    "ValuePlace",
-    "Position",
-    "PositiveLength",
-    "PositiveSpeed",
-    "PositiveTime",
-    "QuantityRule",
-    "Rotation",
-    "Spec",
-    "Vector",
-    "Vector3",
-    "Velocity",
-    "Version",
-    "dotted",
-    "explained",
-    "explained_line",
-    "located_lines",
-    "read_count",
-    "read_quantity",
-    "refuse",
-    "refuse_key",
-    "refuse_name",
-    "unknown_key",
-]
-
 Folder = Annotated[
     Path,
     AfterValidator(path_of_text),

@@ -14,8 +14,6 @@ from antenna_pin.scenario.merge import merge
 from antenna_pin.scenario.shipped import tables
 from antenna_pin.scenario.spec import read_quantity, refuse
 
-__all__ = ["ALL", "joint_limits", "moved_joints", "with_urdf_limits"]
-
 #: Name of the table that stands for a stop at each joint with limits that has no stop of its own.
 ALL = "*"
 _SIDES = ("lower", "upper")

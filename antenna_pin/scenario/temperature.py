@@ -14,15 +14,6 @@ from antenna_pin.base.rules import ABOVE_ZERO
 from antenna_pin.base.units import any_quantity, shown
 from antenna_pin.scenario.spec import QuantityRule, Spec, Vector, refuse
 
-__all__ = [
-    "REFERENCE",
-    "JointPlay",
-    "OneTemperature",
-    "TemperatureSpec",
-    "TemperatureTable",
-    "ThermalBearing",
-]
-
 #: Temperature of dimensions on drawings, 20 degC (ISO 1) [K].
 REFERENCE = 293.15
 

@@ -10,8 +10,6 @@ from antenna_pin.base.iso_fits import read_size
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario.spec import Length, QuantityRule, Spec, refuse
 
-__all__ = ["ChainSpec", "DimensionSpec"]
-
 
 class DimensionSpec(Spec):
     """A dimension as in a drawing.

@@ -7,8 +7,6 @@ import tomllib
 from collections.abc import Mapping
 from typing import Any
 
-__all__ = ["NotTomlError", "quoted", "read_toml_text", "unbounded"]
-
 _DEEPEST = 32  # tables and arrays in each other; a scenario needs eight
 _LONGEST_NUMBER = 4096  # bits of an integer; Python prints no much longer ones
 _LONGEST_KEY = 200  # letters: names stand in messages, tables and the labels of a result

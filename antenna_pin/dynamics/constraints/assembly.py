@@ -12,24 +12,6 @@ from numpy.typing import NDArray
 from antenna_pin.dynamics.constraints.factor_kernels import DEPENDENT, NOTHING
 from antenna_pin.dynamics.constraints.solver import Constraints
 
-__all__ = [
-    "ASSEMBLED",
-    "directions",
-    "find_configuration",
-    "find_velocity",
-    "least_row",
-    "Mobility",
-    "mobility",
-    "motions_that_prescribe",
-    "redundancies",
-    "Redundancy",
-    "row_names",
-    "rows_that_share",
-    "Unclosed",
-    "worst",
-    "worst_row",
-]
-
 # --- prescribed joints --------------------------------------------------------------------------------------
 #
 # A joint's rate is prescribed where its unit vector e is a combination of rows,

@@ -15,8 +15,6 @@ from antenna_pin.base.directions import direction, unit
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.mechanism import frame_aligning_z
 
-__all__ = ["CLOSURES", "OPPOSITE", "Anchor", "Closure", "ClosureKind", "Holds"]
-
 Array = NDArray[np.float64]
 
 ClosureKind = Literal["revolute", "universal", "spherical", "prismatic", "cylindrical", "planar", "fixed"]

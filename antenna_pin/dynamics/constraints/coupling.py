@@ -9,8 +9,6 @@ from typing import Self
 from antenna_pin.base.parameters import check, parameter
 from antenna_pin.errors import InvalidParameterError, MechanismError
 
-__all__ = ["Coupling", "check_order", "spread"]
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Coupling:

@@ -28,8 +28,6 @@ from antenna_pin.errors import MechanismError, UnknownNameError
 from antenna_pin.mechanism import WORLD, Mechanism, body_tree, frame_aligning_z
 from antenna_pin.mechanism.inertia import mass_matrix
 
-__all__ = ["ConstraintPlan", "Constraints", "DrivenJoint", "make_plan", "on_body"]
-
 Array = NDArray[np.float64]
 
 

@@ -18,8 +18,6 @@ from antenna_pin.elements.control.measurement import Measure
 from antenna_pin.elements.control.pid import Course
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["AttitudeFeedback"]
-
 Array = NDArray[np.float64]
 
 # --- quaternions xyzw of attitudes: products, turns from one to another ---

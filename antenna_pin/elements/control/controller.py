@@ -32,9 +32,6 @@ from antenna_pin.base.arguments import check_takes, fits
 from antenna_pin.base.parameters import holds, parameter, parameters_of
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Controller", "Instants", "Now", "SampledController", "kept", "limited", "remembered"]
-
-
 # --- controller memory as text ------------------------------------------------------------------------------
 
 # What stands for what JSON has not; a table of the user's with one of these keys is a list of pairs.

@@ -14,9 +14,6 @@ from antenna_pin.base.parameters import LEAST, check, parameter
 from antenna_pin.elements.control.controller import Now
 from antenna_pin.errors import InvalidParameterError, nearest
 
-__all__ = ["Measure", "Sensor"]
-
-
 # --- sensors ------------------------------------------------------------------------------------------------
 
 

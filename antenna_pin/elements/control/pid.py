@@ -15,9 +15,6 @@ from antenna_pin.elements.control.controller import Now, SampledController, limi
 from antenna_pin.elements.control.measurement import Measure, Sensor
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Course", "Pid", "PidState"]
-
-
 Course = Callable[[float], tuple[float, float, float]]
 """A reference over time [s]: value, rate and acceleration."""
 

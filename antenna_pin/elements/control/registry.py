@@ -4,9 +4,6 @@ from __future__ import annotations
 
 from antenna_pin.base.lazy import Classes
 
-__all__ = ["CONTROLLERS"]
-
-
 CONTROLLERS = Classes(
     "antenna_pin.elements.control",
     {

@@ -13,8 +13,6 @@ from antenna_pin.elements.control.controller import Now, SampledController
 from antenna_pin.elements.control.measurement import Measure, Sensor
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["BangBang", "BangBangState"]
-
 
 @dataclass
 class BangBangState:

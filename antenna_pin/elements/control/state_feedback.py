@@ -15,8 +15,6 @@ from antenna_pin.elements.control.controller import Now, SampledController, limi
 from antenna_pin.elements.control.measurement import Measure, Sensor
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = ["Matrix", "StateFeedback"]
-
 Array = NDArray[np.float64]
 
 Matrix = tuple[tuple[float, ...], ...]

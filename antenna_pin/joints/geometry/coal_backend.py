@@ -13,8 +13,6 @@ from antenna_pin.errors import FunctionError
 from antenna_pin.joints.geometry import coal_query_kernels as queries
 from antenna_pin.joints.geometry.coal_kernels import MOST_QUERIES, QUERY, SHAPE_AT
 
-__all__ = ["CoalBackend"]
-
 _RULE = "a distance of the shapes of each contact"
 
 

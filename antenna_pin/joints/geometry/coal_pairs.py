@@ -19,8 +19,6 @@ from antenna_pin.joints.geometry.guide_kernels import EDGE
 from antenna_pin.joints.geometry.revolute_kernels import REVOLUTE
 from antenna_pin.joints.geometry.round_kernels import ROUND
 
-__all__ = ["CoalPairs", "CoalPlanar", "CoalPrismatic", "CoalSpherical", "Partners"]
-
 
 class Partners(NamedTuple):
     """Two shapes of coal whose distance is that of a candidate contact.

@@ -27,8 +27,6 @@ from antenna_pin.joints.geometry.coal_patch_kernels import (
     points_at,
 )
 
-__all__ = ["CoalPatches", "PatchFunctors", "PatchLayout"]
-
 
 class PatchFunctors(NamedTuple):
     """Distances that coal measures."""

@@ -25,8 +25,6 @@ from antenna_pin.joints.geometry import coal_kernels as kernels
 from antenna_pin.joints.geometry.coal_backend import CoalBackend
 from antenna_pin.joints.geometry.coal_patches import CoalPatches, PatchFunctors, PatchLayout
 
-__all__ = ["CoalRevolute"]
-
 _Question = Callable[[], None]
 
 

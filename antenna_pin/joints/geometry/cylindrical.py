@@ -35,8 +35,6 @@ from antenna_pin.joints.geometry.shape import (
 if TYPE_CHECKING:
     from antenna_pin.joints.geometry.coal_pairs import CoalPrismatic
 
-__all__ = ["CylindricalClearance"]
-
 # --- readings of results ------------------------------------------------------------------------------------
 
 

@@ -15,8 +15,6 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.readable import GIVEN, readable
 
-__all__ = ["Across", "Look", "Picture", "Row", "Sizes", "across_centre", "circle", "length", "radial_words"]
-
 Array = NDArray[np.float64]
 Sizes = Mapping[str, float]
 """The dimensions of a shape by the names that its class has for them, [m] and [rad]."""

@@ -15,8 +15,6 @@ from antenna_pin.base.units import shown
 from antenna_pin.errors import FunctionError
 from antenna_pin.joints.geometry.shape import Distances
 
-__all__ = ["OwnBackend"]
-
 _RULE = "a finite gap and point, and a finite unit normal, of each queried contact, and change nothing else"
 _UNIT = 1e-6  # permitted error of a normal's length
 # Numbers that it writes: the first of a row (:data:`antenna_pin.base.records.CONTACT`).

@@ -31,17 +31,6 @@ from antenna_pin.joints.geometry.shape import (
 if TYPE_CHECKING:
     from antenna_pin.joints.geometry.coal_pairs import CoalPrismatic
 
-__all__ = [
-    "check_guide_length",
-    "clamped",
-    "guide_words",
-    "mouths",
-    "PrismaticClearance",
-    "touches",
-    "walls",
-    "guided_length",
-]
-
 # --- readings of results ------------------------------------------------------------------------------------
 
 

@@ -12,8 +12,6 @@ if TYPE_CHECKING:
 
     LOOKS: Mapping[str, Look]
 
-__all__ = ["LOOKS", "SHAPES"]
-
 SHAPES = Classes(
     "antenna_pin.joints.geometry",
     {

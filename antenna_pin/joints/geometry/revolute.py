@@ -29,8 +29,6 @@ from antenna_pin.joints.geometry.shape import (
 if TYPE_CHECKING:
     from antenna_pin.joints.geometry.coal_revolute import CoalRevolute
 
-__all__ = ["AxialScenario", "HARDEST", "RadialScenario", "RevoluteClearance"]
-
 # --- readings of results ------------------------------------------------------------------------------------
 
 

@@ -16,8 +16,6 @@ from antenna_pin.base.records import CONTACT, POSE
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.joints.geometry import kernels
 
-__all__ = ["ClearanceGeometry", "ContactPlace", "ContactPoint", "Distances", "Motion"]
-
 Vector3 = NDArray[np.float64]
 Motion = Literal["turn", "slide"]
 

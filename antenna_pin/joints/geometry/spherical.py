@@ -24,8 +24,6 @@ from antenna_pin.joints.geometry.shape import (
 if TYPE_CHECKING:
     from antenna_pin.joints.geometry.coal_pairs import CoalSpherical
 
-__all__ = ["SphericalClearance"]
-
 # --- readings of results ------------------------------------------------------------------------------------
 
 

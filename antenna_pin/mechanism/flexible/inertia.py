@@ -8,8 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["MassProperties", "least_share", "share_taken", "shares_taken"]
-
 Array = NDArray[np.float64]
 
 # Added to a body's second moments, as a share of their sum: a flat plate has none across itself, and no

@@ -41,8 +41,6 @@ from antenna_pin.mechanism.flexible.inertia import (
 )
 from antenna_pin.mechanism.flexible.parts import ElasticPart, FlexibleKind, SphereShape
 
-__all__ = ["FACTORS", "ModalData", "balanced_rotor", "hinged", "realised", "sliding_mass"]
-
 Array = NDArray[np.float64]
 
 # --- modes as bodies on joints ------------------------------------------------------------------------------

@@ -24,17 +24,6 @@ from antenna_pin.base.units import shown
 from antenna_pin.errors import FileFormatError
 from antenna_pin.mechanism.flexible.modal_data import FACTORS
 
-__all__ = [
-    "BadModalTableError",
-    "FACTORS",
-    "ModalTable",
-    "checked_factors",
-    "checked_frequency",
-    "read_modal_table",
-    "read_printed",
-]
-
-
 # --- modal tables -------------------------------------------------------------------------------------------
 
 

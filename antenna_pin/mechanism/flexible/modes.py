@@ -16,9 +16,6 @@ from antenna_pin.mechanism.flexible.inertia import MassProperties
 from antenna_pin.mechanism.flexible.modal_data import balanced_rotor, sliding_mass
 from antenna_pin.mechanism.flexible.parts import ElasticPart, FlexibleKind, SphereShape, Takes
 
-__all__ = ["EffectiveMode", "EffectiveModes"]
-
-
 # Radius of the ball that stands for a mass in pictures, over the link's radius of gyration.
 _BALL = 0.08
 

@@ -12,18 +12,6 @@ from numpy.typing import NDArray
 
 from antenna_pin.mechanism.flexible.inertia import MassProperties
 
-__all__ = [
-    "BoxShape",
-    "CylinderShape",
-    "Drawn",
-    "ElasticPart",
-    "FlexibleKind",
-    "MeshShape",
-    "SphereShape",
-    "Takes",
-    "frame_with_z",
-]
-
 Array = NDArray[np.float64]
 
 # --- elastic parts ------------------------------------------------------------------------------------------

@@ -23,8 +23,6 @@ from antenna_pin.mechanism.flexible.parts import (
     frame_with_z,
 )
 
-__all__ = ["Petals", "petal_body"]
-
 Array = NDArray[np.float64]
 
 _STRIPS = 5  # boxes that a petal is drawn as, where there is no mesh

@@ -11,9 +11,6 @@ from antenna_pin.errors import MechanismError
 from antenna_pin.mechanism.flexible.inertia import MassProperties, least_share, share_taken
 from antenna_pin.mechanism.flexible.parts import Drawn, ElasticPart, FlexibleKind
 
-__all__ = ["SplitLink", "split"]
-
-
 # A hub that has less than this of some moment of its link is one on paper only: round-off decides about it.
 _LEAST = 1e-9
 

@@ -13,8 +13,6 @@ from antenna_pin.run.engine.chain_kernels import ChainRoom, carry_chain
 from antenna_pin.run.engine.compiled import CompiledStepper
 from antenna_pin.run.engine.tangents import Tangents
 
-__all__ = ["Along", "Carrying", "Steps", "third_order"]
-
 Array = NDArray[np.float64]
 
 

@@ -23,9 +23,6 @@ from antenna_pin.mechanism import PLACE, ROOM, TreeDynamics, body_tree
 from antenna_pin.run.engine.implicit_kernels import attempt_implicit
 from antenna_pin.run.engine.step_kernels import attempt, derivative, prepare_dense
 
-__all__ = ["Compiled", "CompiledStepper", "check_compiled"]
-
-
 Array = NDArray[np.float64]
 
 

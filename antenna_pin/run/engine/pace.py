@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from antenna_pin.run.engine import pace_kernels as kernels
 
-__all__ = ["Pace", "Sizes"]
-
 _ROOM = 16  # initial capacity, in patterns
 
 

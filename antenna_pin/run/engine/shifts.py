@@ -20,8 +20,6 @@ from antenna_pin.joints.tangent_room_kernels import LawWords
 from antenna_pin.mechanism import BODY
 from antenna_pin.run.engine.compiled import CompiledStepper
 
-__all__ = ["SystemSlopes", "head_in", "moves_rows", "shifts_of", "takes_slopes"]
-
 Array = NDArray[np.float64]
 
 # First steps of differences, relative to the scale of a number.

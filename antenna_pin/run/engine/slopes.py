@@ -11,8 +11,6 @@ from antenna_pin.dynamics.constraints.layout_kernels import plan_of
 from antenna_pin.run.engine.compiled import CompiledStepper
 from antenna_pin.run.engine.slope_kernels import Room, write_slopes
 
-__all__ = ["Slopes"]
-
 Array = NDArray[np.float64]
 
 

@@ -26,8 +26,6 @@ from antenna_pin.run.engine.impact_kernels import CLOSING, HEAVIER, MET, OPENING
 from antenna_pin.run.engine.shifts import SystemSlopes, head_in, shifts_of, takes_slopes
 from antenna_pin.run.engine.tangent_kernels import write_tangent
 
-__all__ = ["Tangents"]
-
 Array = NDArray[np.float64]
 
 

@@ -50,9 +50,6 @@ from antenna_pin.scenario.assemble.variant import (
 )
 from antenna_pin.scenario.clearance import TouchingSpec, said_of_assumed
 
-__all__ = ["build_system", "reference_for"]
-
-
 # --- references ---------------------------------------------------------------------------------------------
 
 

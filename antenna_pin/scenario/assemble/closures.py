@@ -14,9 +14,6 @@ from antenna_pin.scenario import AnchorSpec, LinkPlaceSpec, Scenario
 from antenna_pin.scenario.assemble.initial import given_state
 from antenna_pin.scenario.assemble.places import check_known, where
 
-__all__ = ["reversed_axes", "closures_of", "link_of"]
-
-
 _Z = (0.0, 0.0, 1.0)
 
 

@@ -17,9 +17,6 @@ from antenna_pin.scenario.assemble.initial import guess_of, initial_angles, init
 from antenna_pin.scenario.assemble.variant import as_written
 from antenna_pin.scenario.clearance import TouchingSpec
 
-__all__ = ["scenario_facts"]
-
-
 # What an assembly may move a joint by before it is told [rad, or of ways the mechanism's length]: 10 deg. A
 # drawn pose is seldom as far off, and to that the first guess of Newton's method is good to 2 %.
 _TOLD = np.radians(10.0)

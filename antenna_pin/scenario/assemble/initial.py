@@ -16,8 +16,6 @@ from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
 from antenna_pin.scenario import InitialBaseSpec, Scenario
 from antenna_pin.scenario.assemble.places import check_known, check_motion, slides, where
 
-__all__ = ["given_state", "guess_of", "initial_angles", "initial_state"]
-
 Array = NDArray[np.float64]
 
 

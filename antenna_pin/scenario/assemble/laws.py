@@ -26,8 +26,6 @@ from antenna_pin.scenario.assemble.places import where
 from antenna_pin.scenario.clearance import TouchingSpec
 from antenna_pin.scenario.laws import LawSpec
 
-__all__ = ["clearance_joint"]
-
 
 def clearance_joint(
     scenario: Scenario,

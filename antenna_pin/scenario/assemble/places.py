@@ -8,8 +8,6 @@ from antenna_pin.errors import ScenarioError, UnknownNameError
 from antenna_pin.mechanism import JointSlot
 from antenna_pin.scenario import Scenario
 
-__all__ = ["check_known", "check_motion", "slides", "where"]
-
 
 def where(scenario: Scenario, *keys: str) -> str:
     """Return the place of a key of a scenario, for a message."""

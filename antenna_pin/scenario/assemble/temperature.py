@@ -29,16 +29,6 @@ from antenna_pin.scenario.temperature import JointPlay, TemperatureSpec, Thermal
 if TYPE_CHECKING:
     from antenna_pin.elements import BallBearing
 
-__all__ = [
-    "at_temperature",
-    "celsius",
-    "closing_temperature",
-    "joint_play",
-    "play_over_temperature",
-    "said_of_temperature",
-    "tolerance_chain",
-]
-
 # Dimensions by the part that they are of; all others of a joint's shape are the bearing's.
 _OF_JOURNAL = (
     "journal_radius",

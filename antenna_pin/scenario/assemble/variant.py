@@ -24,20 +24,6 @@ from antenna_pin.scenario import AnchorSpec, ElementSpec, JointsSpec, Scenario
 from antenna_pin.scenario.assemble.places import check_known, where
 from antenna_pin.scenario.clearance import TouchingSpec
 
-__all__ = [
-    "elements_by_family",
-    "armature_of",
-    "as_written",
-    "by_name",
-    "unchanged_joint_types",
-    "urdf_variant",
-    "variant_and_parts",
-    "with_flexible_links",
-    "with_rotors",
-    "with_shaken",
-]
-
-
 # --- parts of flexible links --------------------------------------------------------------------------------
 
 

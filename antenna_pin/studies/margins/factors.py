@@ -17,8 +17,6 @@ from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.base.readable import brief
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
-__all__ = ["FACTOR_SETS", "WORDS_OF_RESISTANCE", "FactorSet", "Resistance", "factor_set"]
-
 Resistance = Literal["I", "S", "H_M", "F_R", "H_Y", "H_A", "H_D"]
 """Class of a resistance: inertia of what moves with its body, springs, magnetic losses, friction, hysteresis,
 harness and others, adhesion."""

@@ -40,8 +40,6 @@ from antenna_pin.studies.statics.path import Path, PathPoint
 from antenna_pin.studies.statics.quasi_static import joint_to_drive, positions_along
 from antenna_pin.studies.statics.static_system import Model, check_rate_independent, start_of, static_system
 
-__all__ = ["margin"]
-
 Array = NDArray[np.float64]
 
 _ADDITIONAL = "additional.{}"

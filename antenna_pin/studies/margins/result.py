@@ -14,8 +14,6 @@ from antenna_pin.base.readable import brief, number
 from antenna_pin.scenario import Scenario
 from antenna_pin.studies.margins.factors import FactorSet
 
-__all__ = ["MarginCase", "MotorizationMargin"]
-
 Array = NDArray[np.float64]
 
 

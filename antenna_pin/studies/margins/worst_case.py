@@ -15,8 +15,6 @@ from antenna_pin.scenario import Scenario, number_of, with_number
 from antenna_pin.studies.margins.result import MarginCase
 from antenna_pin.studies.sweep.box_search import corners_of, worst_case
 
-__all__ = ["Extremes", "worst_cases"]
-
 Array = NDArray[np.float64]
 
 # Most ranges whose corners are all evaluated; evaluations of a search for each.

@@ -42,8 +42,6 @@ from antenna_pin.mechanism.inertia import mass_matrix
 from antenna_pin.studies.statics.hysteresis import hysteretic_states
 from antenna_pin.studies.statics.static_system import DRIVING, StaticSystem
 
-__all__ = ["Balance", "Free"]
-
 Array = NDArray[np.float64]
 
 # Steps that move a joint by no more than this are trusted [rad, or lengths of the mechanism]; the same of a

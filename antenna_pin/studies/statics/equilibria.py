@@ -38,8 +38,6 @@ from antenna_pin.studies.statics.static_system import (
     static_system,
 )
 
-__all__ = ["equilibria"]
-
 Array = NDArray[np.float64]
 
 # Two equilibria whose joints are as near are one [rad, or lengths of the mechanism].

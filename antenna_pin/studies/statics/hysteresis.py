@@ -20,8 +20,6 @@ from antenna_pin.dynamics import System, acting_in, kernels
 from antenna_pin.elements import Motor
 from antenna_pin.elements.element import takes_tail
 
-__all__ = ["HystereticState", "hysteretic_states"]
-
 Array = NDArray[np.float64]
 
 # Rate that vanishes before those by which laws fall from static to sliding friction [rad/s] ([m/s]).

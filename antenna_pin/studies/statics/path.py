@@ -18,8 +18,6 @@ from antenna_pin.studies.statics.reading import components
 from antenna_pin.studies.statics.solver import NotBalancedError, Rest, rested, settled_senses
 from antenna_pin.studies.statics.static_system import StaticSystem
 
-__all__ = ["Path", "PathPoint"]
-
 Array = NDArray[np.float64]
 
 # Longest step of the driven joint at once, and how often it is halved [rad, or lengths of the mechanism].

@@ -27,8 +27,6 @@ from antenna_pin.studies.statics.static_system import (
     static_system,
 )
 
-__all__ = ["joint_to_drive", "positions_along", "travel"]
-
 Array = NDArray[np.float64]
 
 COMPONENTS = ("fx", "fy", "fz", "mx", "my", "mz")

@@ -16,18 +16,6 @@ from antenna_pin.studies.statics.balance import Balance
 from antenna_pin.studies.statics.result import StaticContact, StaticStability
 from antenna_pin.studies.statics.solver import Rest
 
-__all__ = [
-    "GRAVITY",
-    "components",
-    "contacts_of",
-    "efforts_of",
-    "holding_of",
-    "positions_of",
-    "reactions_of",
-    "sources_of",
-    "stiffness_of",
-]
-
 Array = NDArray[np.float64]
 
 GRAVITY = "gravity"

@@ -13,8 +13,6 @@ from numpy.typing import NDArray
 from antenna_pin.base.readable import brief, number
 from antenna_pin.scenario import Scenario
 
-__all__ = ["Equilibrium", "QuasiStaticTravel", "StaticContact", "StaticStability"]
-
 Array = NDArray[np.float64]
 
 StaticStability = Literal["stable", "unstable", "neutral", "held"]

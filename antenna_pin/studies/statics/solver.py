@@ -18,8 +18,6 @@ from antenna_pin.elements.limits import FREE, LOWER, UPPER
 from antenna_pin.errors import MechanismError
 from antenna_pin.studies.statics.balance import Balance, Free
 
-__all__ = ["NotBalancedError", "Rest", "balanced", "rested", "settled_senses"]
-
 Array = NDArray[np.float64]
 
 # Force out of balance over the largest force: sought, and accepted where round-off leaves no better.

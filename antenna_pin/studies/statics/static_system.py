@@ -27,8 +27,6 @@ from antenna_pin.joints import ClearanceJoint
 from antenna_pin.scenario import Scenario, scenario_named
 from antenna_pin.scenario.assemble import build_system, initial_angles, initial_state
 
-__all__ = ["DRIVING", "Model", "StaticSystem", "check_rate_independent", "start_of", "static_system"]
-
 Array = NDArray[np.float64]
 
 #: Name of the motion that drives a joint through its travel.

@@ -25,8 +25,6 @@ from antenna_pin.studies.statics.path import Path
 from antenna_pin.studies.statics.quasi_static import joint_to_drive
 from antenna_pin.studies.statics.static_system import check_rate_independent, start_of, static_system
 
-__all__ = ["DEFINITIONS", "TorqueAngleLoop", "torque_angle_loop"]
-
 Array = NDArray[np.float64]
 
 DEFINITIONS: Mapping[str, str] = MappingProxyType(

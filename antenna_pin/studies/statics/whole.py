@@ -19,8 +19,6 @@ from antenna_pin.studies.statics.quasi_static import travel
 from antenna_pin.studies.statics.result import Equilibrium, QuasiStaticTravel
 from antenna_pin.studies.statics.torque_angle import TorqueAngleLoop, torque_angle_loop
 
-__all__ = ["Statics", "statics"]
-
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class Statics:

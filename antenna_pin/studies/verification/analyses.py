@@ -20,8 +20,6 @@ from antenna_pin.studies.verification.quantity import Case
 from antenna_pin.studies.verification.verify import Verified
 from antenna_pin.trajectory import Trajectory
 
-__all__ = ["analyses_of"]
-
 _MARGINS = (
     "gain_margin", "phase_margin", "delay_margin", "modulus_margin", "loop_damping", "bandwidth",
 )  # fmt: skip

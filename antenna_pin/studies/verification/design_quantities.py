@@ -10,9 +10,6 @@ from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.scenario.requirements import RequirementSpec
 from antenna_pin.studies.verification.quantity import Case, Find, Value, VerifiedQuantity, chosen
 
-__all__ = ["design_quantities", "margin_of", "orders_of", "stress_of"]
-
-
 # --- small motions ---
 
 

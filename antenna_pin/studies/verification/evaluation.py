@@ -27,8 +27,6 @@ from antenna_pin.studies.verification.quantities import quantity_of
 from antenna_pin.studies.verification.quantity import Case
 from antenna_pin.trajectory import Trajectory, code_digest, library_versions
 
-__all__ = ["Evaluated", "PointEvaluator", "EvaluatedPoint", "evaluate_points", "key_of"]
-
 #: Outcome of a point that no process could evaluate.
 LOST = "LOST"
 

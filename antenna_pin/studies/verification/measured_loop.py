@@ -16,16 +16,6 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.studies.linear import LoopMargins, loop_margins
 from antenna_pin.trajectory import Trajectory, names_along
 
-__all__ = [
-    "LoopPoint",
-    "MeasuredMargins",
-    "frequencies_around",
-    "margins_of_points",
-    "measured_gain_margin",
-    "measured_loop",
-    "measured_phase_margin",
-]
-
 # Periods that pass before a measurement, of the crossing of small motions too; and those that it takes.
 _SETTLING, _MEASURED = 4, 4
 # Frequencies of a margin over the crossing of small motions.

@@ -15,8 +15,6 @@ from antenna_pin.errors import InvalidParameterError
 from antenna_pin.run.simulation import simulate
 from antenna_pin.scenario import Scenario
 
-__all__ = ["measured_orders", "records_at_speeds"]
-
 # Turns that pass before a measurement, and those that it takes; samples of a turn.
 _SETTLING, _MEASURED, _SAMPLES = 20, 20, 64
 

@@ -28,17 +28,6 @@ from antenna_pin.studies.verification.quantity import ANALYSES
 from antenna_pin.studies.verification.verify import Demonstration, Verified
 from antenna_pin.trajectory import Trajectory, library_versions
 
-__all__ = [
-    "NOMINAL",
-    "NOT_COVERED",
-    "facts_of",
-    "nominal_run",
-    "point_text",
-    "result_text",
-    "save_analyses",
-    "save_verification",
-]
-
 # A number, and what follows it.
 _WRITTEN = re.compile(r"([-+]?[0-9_.]*(?:[eE][-+]?[0-9]+)?)\s*(.*)", re.DOTALL)
 

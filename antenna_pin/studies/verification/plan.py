@@ -27,15 +27,6 @@ from antenna_pin.studies.sweep.design import put_value
 from antenna_pin.studies.verification.quantities import quantity_of
 from antenna_pin.studies.verification.quantity import VerifiedQuantity
 
-__all__ = [
-    "RequirementsFile",
-    "UncertainNumber",
-    "Verification",
-    "list_verifications",
-    "load_verification",
-    "unit_of",
-]
-
 # Share of a distribution without ends that counts as within its limits: three standard deviations.
 _WITHIN = 0.9973002039367398
 # Significant digits of a value inside its limits, and of a limit.

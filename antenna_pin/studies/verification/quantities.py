@@ -11,8 +11,6 @@ from antenna_pin.studies.verification.design_quantities import design_quantities
 from antenna_pin.studies.verification.quantity import Case, VerifiedQuantity
 from antenna_pin.studies.verification.run_quantities import run_quantities
 
-__all__ = ["QUANTITIES", "quantity_of"]
-
 
 def _own(case: Case, spec: RequirementSpec) -> float:
     return own_number(spec.quantity, case.sources.get(spec.quantity, ""), spec.quantity, case.run)

@@ -13,8 +13,6 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.requirements import OPTIONS, RequirementSpec
 from antenna_pin.trajectory import Trajectory
 
-__all__ = ["ANALYSES", "Analysis", "Case", "Find", "Value", "VerifiedQuantity", "chosen"]
-
 Analysis = Literal[
     "functional",
     "motorization",

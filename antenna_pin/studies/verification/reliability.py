@@ -19,15 +19,6 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.base.rules import AtLeastOne, BetweenZeroAndOne, NumberRule
 from antenna_pin.errors import InvalidParameterError
 
-__all__ = [
-    "FailureProbability",
-    "LimitState",
-    "clopper_pearson",
-    "importance_sampling",
-    "plain_sampling",
-    "subset_simulation",
-]
-
 Array = NDArray[np.float64]
 
 #: Values of a limit state, (points,), at points in standard normal space, (points, variables) [-].

@@ -28,8 +28,6 @@ from antenna_pin.trajectory import Trajectory, names_along
 from antenna_pin.trajectory.columns import Variable
 from antenna_pin.trajectory.quantities import SUMMARIES, TABLES, slides_along
 
-__all__ = ["run_quantities"]
-
 
 @dataclass(frozen=True, slots=True)
 class _Measure:

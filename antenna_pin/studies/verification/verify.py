@@ -25,8 +25,6 @@ from antenna_pin.studies.verification.reliability import (
     subset_simulation,
 )
 
-__all__ = ["MET", "NOT_MET", "NOT_SHOWN", "Demonstration", "Effect", "Verified", "verify"]
-
 Array = NDArray[np.float64]
 
 #: Verdicts of a requirement: shown to be met, shown to fall short, and neither.
