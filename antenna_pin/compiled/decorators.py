@@ -264,7 +264,7 @@ class _Composed(_LazyKernel):
 
 
 class ByKind:
-    """Kernels of many kinds, called by the number of the kind, each compiled when first called."""
+    """Kernels called by the number of a kind, each compiled at its first call."""
 
     places = KINDS
 

@@ -23,7 +23,7 @@ except ImportError:  # both are internal to Numba
 
 
 class DeferredCall(NamedTuple):
-    """Call of a kernel that is compiled when first called, or of those of all kinds.
+    """Call of a kernel, or of a kind's, that is compiled at its first call.
 
     Attributes:
         kernel: Module and name.

@@ -206,7 +206,7 @@ def _write_entry(module: Any, symbol: str, signature: Any, name: str) -> tuple[s
     callee = ir.Function(module, call.get_function_type(signature.return_type, signature.args), symbol)
     entry = ir.Function(module, ir.FunctionType(ir.IntType(32), [_WORD.as_pointer()] * 2), name)
     builder = ir.IRBuilder(entry.append_basic_block())
-    row = _Row(builder, entry.args[0])
+    row = _RowIr(builder, entry.args[0])
     arguments = [_value(context, builder, kind, row) for kind in signature.args]
     status, value = call.call_function(builder, callee, signature.return_type, signature.args, arguments)
     for number, (code, part) in enumerate(_parts(builder, signature.return_type, value)):
@@ -216,7 +216,7 @@ def _write_entry(module: Any, symbol: str, signature: Any, name: str) -> tuple[s
     return name, "".join(row.codes), result
 
 
-class _Row:
+class _RowIr:
     """Words of an entry's row, read one by one, and memory for tuples."""
 
     def __init__(self, builder: Any, start: Any, place: Any = None, room: int = 0) -> None:
@@ -237,7 +237,7 @@ class _Row:
         return self._builder.gep(self._place, [_WORD(self.room - words)])
 
 
-def _value(context: Any, builder: Any, kind: Any, row: _Row) -> Any:
+def _value(context: Any, builder: Any, kind: Any, row: _RowIr) -> Any:
     """Return an argument as Numba has it, from the words of a row."""
     if isinstance(kind, types.Array):
         return _array(context, builder, kind, builder.inttoptr(row.word("Q"), _ADDRESS))
@@ -273,7 +273,7 @@ def _array(context: Any, builder: Any, kind: Any, item: Any) -> Any:
     return array._getvalue()
 
 
-def _block(context: Any, builder: Any, kind: Any, row: _Row) -> Any:
+def _block(context: Any, builder: Any, kind: Any, row: _RowIr) -> Any:
     """Lay out a tuple that is passed by its address; return the address."""
     module, block = builder.module, context.get_value_type(kind)
     name = f"lay_out_{hashlib.sha256(str(kind).encode()).hexdigest()}"
@@ -282,7 +282,7 @@ def _block(context: Any, builder: Any, kind: Any, row: _Row) -> Any:
         function = ir.Function(module, ir.FunctionType(ir.VoidType(), [words, words]), name)
         function.linkage = "internal"
         inner = ir.IRBuilder(function.append_basic_block())
-        own = _Row(inner, function.args[0], function.args[1], context.get_abi_sizeof(block.pointee) // 8)
+        own = _RowIr(inner, function.args[0], function.args[1], context.get_abi_sizeof(block.pointee) // 8)
         place = inner.bitcast(function.args[1], block)
         for number, one in enumerate(kind.types):
             value = _value(context, inner, one, own)

@@ -42,7 +42,7 @@ def _failing() -> int:
 
 
 class _Row:
-    """Slots of a call: one, or one for each kind; zero until the kernel is called."""
+    """Slots of a call: one, or one for each kind; zero until called."""
 
     def __init__(self, call: DeferredCall) -> None:
         """Define the row's name for loaded code."""
@@ -68,7 +68,7 @@ _rows_at: dict[int, _Row] = {}
 
 @ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)
 def _fill(place: int, number: int) -> int | None:
-    """Fill a slot for machine code; with a function that fails if Python raises an error."""
+    """Fill a slot for machine code; with a failing function if Python raises."""
     try:
         return _rows_at[place].fill(number)
     except BaseException as error:  # of a user who interrupts, too
@@ -88,7 +88,7 @@ def _name(call: DeferredCall) -> str:
 
 
 def symbols_of_call(call: DeferredCall) -> tuple[str, list[str]]:
-    """Return the name of a call's row of slots, and the symbols of the kernels in it."""
+    """Return the name of a call's row of slots, and its kernels' symbols."""
     kernel, kinds = kernel_named(call.kernel), _arguments(call)
     return _name(call), [symbol_of(kernel.at(number).name, kinds) for number in range(kernel.places)]
 

@@ -72,8 +72,8 @@ def _own(element: _Kind) -> str:
 
 
 @functools.cache
-def _kernel(name: str, text: str, owner: Any = None, hook: Callable[..., Any] | None = None) -> Any:
-    """Return the kernel of a text, stored with the file of the class that owns it."""
+def _kernel(name: str, text: str, owner: _Kind | None = None, hook: Callable[..., Any] | None = None) -> Any:
+    """Return the kernel of a text, stored with the file of its class."""
     names: dict[str, Any] = {
         "record": record,
         "write_work": write_work,
