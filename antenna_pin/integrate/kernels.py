@@ -74,7 +74,7 @@ def store(i: int, stages: int, layout: Ints, work: Floats) -> None:
 
 @kernel
 def stage(i: int, h: float, weights: Floats, layout: Ints, work: Floats, keep: bool) -> None:
-    """Write the state of a stage and, with ``keep``, the derivative of the previous one."""
+    """Store the derivative of stage i - 1 and write the state of stage i."""
     space = space_of(layout)
     nq, nv, nx = space.nq, space.nv, space.nx
     stages = weights.shape[0]
