@@ -115,6 +115,7 @@ def call_alone() -> None:
     law.elastic_force(1e-6)
     law.elastic_energy(1e-6)
     joint.geometry.scenario(pose[:3], np.eye(3))
+    joint.geometry.contacts(pose[:3], np.eye(3))
     Dahl(coefficient_of_friction=0.1, bristle_stiffness=1e5).coefficient(0.1)
     for one in (grip_of, is_held, mode_of):
         one(-1, np.zeros(1), 0)
