@@ -20,7 +20,6 @@ from antenna_pin.elements import (
     LOSS,
     WORK,
     AxialPreload,
-    BallBearing,
     Bearing,
     BetweenJoints,
     Element,
@@ -396,6 +395,8 @@ def with_friction_of_bearings(
     for name, one in found.get("springs", {}).items():
         if not isinstance(one, JointFriction) or one.bearing is None:
             continue
+        from antenna_pin.elements import BallBearing  # a kind is loaded for a scenario that has it
+
         place, bearing = f"spring {name!r}", bearings.get(one.bearing)
         if bearing is None:
             raise UnknownNameError(place, "bearing", one.bearing, bearings)

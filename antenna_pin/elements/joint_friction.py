@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from antenna_pin.base.parameters import parameter
 from antenna_pin.base.records import Floats
 from antenna_pin.compiled.decorators import inlined
-from antenna_pin.elements.ball_bearing import BallBearing
 from antenna_pin.elements.element import LOSS, Element, Integral
 from antenna_pin.errors import InvalidParameterError
+
+if TYPE_CHECKING:
+    from antenna_pin.elements.ball_bearing import BallBearing
 
 # Exponent of the preload 1 + y, and z, of Palmgren's formula.
 _EXPONENT, _PALMGREN = 1.33, 1e-3

@@ -202,7 +202,7 @@ def test_tsujis_damper_is_the_square_root_of_the_secant_stiffness():
 
 
 def test_no_finite_damping_stops_a_body_dead():
-    with pytest.raises(ValueError, match=r"^TsujiDamping: restitution must be in \(0, 1\] .*, got 0.0$"):
+    with pytest.raises(ValueError, match=r"^TsujiDamping: restitution must be in \(0, 1\]; .*, got 0.0$"):
         TsujiDamping(restitution=0.0, effective_mass=1.0)
 
 

@@ -127,6 +127,7 @@ def test_dynamics_of_a_urdf_are_simulated_and_a_scenario_may_change_them(tmp_pat
         "regularisation_speed": 1e-3,
         "on": True,
         "slides": False,
+        **dict.fromkeys(("bearing", "at_preload", "preload_exponent", "palmgren_factor")),
     }
     torque = INERTIA * plain.data["motion_acceleration"].values[0, 0]
     assert torque == pytest.approx(-(0.05 * RATE + 0.1), rel=1e-6)
