@@ -251,7 +251,9 @@ def with_code(python: str, wheel: Path, folder: Path, out: Path) -> Path:
     linked = "import sys, antenna_pin, sysconfig; from pathlib import Path; package = antenna_pin.__path__[0]"
     linked += "; from antenna_pin.compiled.shared_library import write_library"
     linked += "; write_library(Path(package), Path(sys.argv[1])); print(sysconfig.get_platform())"
-    platform = told("env", *without, there, "-c", linked, unpacked / "antenna_pin" / "compiled").strip()
+    # Elsewhere than in the checkout, whose package comes before the installed one.
+    command = ("env", *without, there, "-c", linked, unpacked / "antenna_pin" / "compiled")
+    platform = told(*command, cwd=folder).strip()
     index = unpacked / "antenna_pin" / "compiled" / "kernels.json"
     told("env", *without, there, ROOT / "scripts" / "check" / "called_kernels.py", index)
     where = told(there, "-c", "import antenna_pin; print(antenna_pin.__path__[0])", cwd=folder).strip()
