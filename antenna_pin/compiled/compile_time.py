@@ -11,7 +11,7 @@ from functools import cache
 from typing import Any
 
 #: Forecast of the compile time of a first run on a machine, as text, on one or two cores.
-COMPILE_TIME = "1 to 3 minutes"
+COMPILE_TIME = "about a minute"
 
 
 class CompileClock:
