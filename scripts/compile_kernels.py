@@ -41,6 +41,7 @@ DERIVATIVES: tuple[Job, ...] = (JOBS[0], JOBS[1], ("impact_pair", "planar", (CLO
 #: What ``antenna-pin demo`` runs.
 DEMO: tuple[Job, ...] = (("bai2020", "case3", ()), ("bai2020", "case1", ()))
 DURATION = 0.02  # [s]
+SHIPPED = 1e-4  # of each shipped case [s]
 MOMENT = 1.01e-3  # of derivatives [s]: the pair meets after 1 ms
 
 _made: Any = None  # how many kernels the processes have compiled
@@ -51,6 +52,12 @@ def begin(made: Synchronized[int]) -> None:
     global _made
     _made = made
     warnings.simplefilter("ignore")  # of runs that are this short
+
+
+def count_one() -> None:
+    """Count a kernel."""
+    with _made.get_lock():
+        _made.value += 1
 
 
 def make(job: Job, derivatives: bool = False, more: bool = True) -> None:
@@ -64,12 +71,8 @@ def make(job: Job, derivatives: bool = False, more: bool = True) -> None:
     from antenna_pin.mechanism import TreeDynamics
     from antenna_pin.scenario.assemble import initial_state
 
-    def counted() -> None:
-        with _made.get_lock():
-            _made.value += 1
-
     model, case, changes = job
-    with told_of_compiling(counted):
+    with told_of_compiling(count_one):
         scenario = load_scenario(model, case=case, overrides=list(changes))
         if derivatives:
             from antenna_pin.studies.nonlinear import flow_of
@@ -86,6 +89,20 @@ def make(job: Job, derivatives: bool = False, more: bool = True) -> None:
         y = system.state(*initial_state(scenario, system))
         Workspace(system).derivative(0.0, y, np.zeros(system.model.nv + system.manifold.nx))
         fill_all(backwards=JOBS.index(job) % 2 == 1)
+
+
+def run_shipped() -> None:
+    """Run a moment of all shipped cases by both engines: what Python calls of kernels is theirs alone."""
+    from antenna_pin import list_scenarios, load_scenario, simulate
+    from antenna_pin.compiled.compile_time import told_of_compiling
+
+    with told_of_compiling(count_one):
+        for one in list_scenarios():
+            for case, _ in one.cases:
+                scenario = load_scenario(one.name, case=case)
+                joints = [name for name, joint in scenario.clearance.items() if hasattr(joint, "geometry")]
+                for changes in ([], [COMPILED, *map(CLOSED.format, joints)]):
+                    simulate(scenario.with_overrides(changes), duration=min(SHIPPED, scenario.duration))
 
 
 def call_alone() -> None:
@@ -166,11 +183,12 @@ def main() -> None:
         wall = time.perf_counter() - began
         return f"kernels {bar(done / count)} {made.value} compiled, {wall:.0f} s"
 
-    count = len(jobs) + len(more) + asked.all
+    count = len(jobs) + len(more) + asked.all + (not asked.demo)
     with context.Pool(min(processes, count), begin, (made,)) as pool:
         running = [pool.apply_async(make, (job, False, not asked.demo)) for job in jobs]
         running += [pool.apply_async(make, (job, True)) for job in more]
         running += [pool.apply_async(call_alone)] if asked.all else []
+        running += [] if asked.demo else [pool.apply_async(run_shipped)]
         wait(running, said)
     show(said(count), last=True)
 

@@ -258,7 +258,7 @@ class ClearanceJoint:
         tail["strips"], tail["sectors"], tail["first"] = self.strips, self.sectors, begin
         tail["radius"] = self.geometry.patch_radius
         t = math.pi * ((np.arange(self.sectors) + 0.5) / self.sectors - 0.5)
-        nodes = block[_layout.nodes_at(0) :].view(NODE)
+        nodes = block[start + _layout.PATCHES_WORDS :].view(NODE)
         nodes["sine"], nodes["share"] = np.sin(t), np.cos(t) / self.sectors
         return self.strips + 2 * self.sectors
 

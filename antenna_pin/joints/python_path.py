@@ -23,7 +23,7 @@ from antenna_pin.joints.geometry.coal_backend import CoalBackend
 from antenna_pin.joints.geometry.coal_patches import PatchLayout
 from antenna_pin.joints.geometry.coal_revolute import CoalRevolute
 from antenna_pin.joints.geometry.patch_kernels import NODE
-from antenna_pin.joints.layout_kernels import JOINT, JOINT_WORDS, nodes_at, patches_at
+from antenna_pin.joints.layout_kernels import JOINT, JOINT_WORDS, PATCHES, PATCHES_WORDS, candidate_at
 from antenna_pin.joints.pose_kernels import place_journal
 
 Array = NDArray[np.float64]
@@ -132,10 +132,12 @@ class PythonPath:
         self._distributed = bool(head["distributed"][0])
         self._pose = np.zeros(1, POSE)
         if bool(head["distributed"][0]) and isinstance(distances, CoalRevolute):
-            patches, nodes = decorators.in_python(patches_at)(block, 0), block[nodes_at(0) :].view(NODE)
-            first = int(patches.first) - self.row
+            at = decorators.in_python(candidate_at)(0, 4)
+            end = at + PATCHES_WORDS
+            (patches,), nodes = block[at:end].view(PATCHES), block[end:].view(NODE)
+            first = int(patches["first"]) - self.row
             distances = distances.patches(
-                PatchLayout(int(patches.strips), first, float(patches.radius), nodes)
+                PatchLayout(int(patches["strips"]), first, float(patches["radius"]), nodes)
             )
         self._distances = distances
         #: Function that queries coal, if touching contacts need nothing else in Python.
