@@ -1,6 +1,7 @@
 """Forces on links in runs: impulses, edges of pulses, closed forms, ledgers, parts of runs, a user's."""
 
 import dataclasses
+import functools
 import math
 from itertools import pairwise
 
@@ -281,6 +282,7 @@ def servo(t, p, links, joints, states, whole):
     joints[0].torque = -p[1] * states[0].value - p[2] * joints[0].rate
 
 
+@functools.cache
 def users(compiled):
     made = njit if compiled else (lambda function: function)
     return {

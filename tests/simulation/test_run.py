@@ -230,5 +230,5 @@ def test_a_run_is_looked_at_however_much_it_samples(monkeypatch, engine):
     monkeypatch.setattr("antenna_pin.run.simulation.loop._INTERVAL", 0.0)
     scenario = load_scenario("bai2020", case="case1", overrides=[f"integrator.engine={engine}"])
     seen = [0]
-    run = simulate(scenario, duration=120.0, progress=lambda now: seen.append(now.steps))
+    run = simulate(scenario, duration=40.0, progress=lambda now: seen.append(now.steps))
     assert max(np.diff(seen)) <= 64 < run.counts.accepted  # where 256 samples are full, and a step more
