@@ -6,9 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from interruptions import in_pieces, same
 
-from antenna_pin import RunSettings, build_system, load_scenario, run_study, simulate
+from antenna_pin import RunSettings, build_system, load_scenario, simulate
 from antenna_pin.dynamics import System
 from antenna_pin.elements import (
     ConstantDrive,
@@ -24,7 +23,6 @@ from antenna_pin.errors import AntennaPinError
 from antenna_pin.mechanism import Urdf, build_mechanism
 from antenna_pin.run.simulation import Event, Set, Time
 from antenna_pin.studies.linear import modes
-from antenna_pin.studies.sweep import Study
 from antenna_pin.trajectory import Trajectory
 
 INERTIA, MASS = 0.5, 2.0
@@ -216,16 +214,6 @@ duration = "0.5 s"
 [mechanism]
 urdf = "one.urdf"
 base = "fixed"
-[initial.joints.j]
-rate = "1 rad/s"
-[drives.j]
-kind = "sine"
-amplitude = "3 N*m"
-frequency = "4 Hz"
-[integrator]
-engine = "compiled"
-[output]
-rate = "1 kHz"
 [frictions.j]
 """
 TABLES = {
@@ -247,34 +235,6 @@ def _written(folder, law):
 @pytest.mark.parametrize("law", list(LAWS))
 def test_a_scenario_has_them(tmp_path, law):
     assert build_system(load_scenario(_written(tmp_path, law))).families["frictions"]["j"] == LAWS[law]
-
-
-@pytest.mark.filterwarnings("ignore::antenna_pin.run.simulation.CheckpointsWaitedWarning")
-@pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
-@pytest.mark.parametrize("law", list(LAWS))
-def test_it_goes_on_from_checkpoints_bit_for_bit(tmp_path, small_parts, law, engine):
-    """However often it was stopped: bristles and dwell are part of what a checkpoint holds."""
-    scenario = load_scenario(_written(tmp_path, law), overrides=[f"integrator.engine={engine}"])
-    whole = simulate(scenario, duration=0.2)
-    pieces = in_pieces(scenario, 0.2, tmp_path / "run.nc", np.random.default_rng(5), 6)
-    same(whole, pieces)
-    assert float(np.ptp(whole.data["bristle_bend"].values)) > 0.9  # they were bent as far as they go
-
-
-def test_a_study_over_it_has_the_values_of_single_runs(tmp_path):
-    """Over the torque at which it slides; the last angle is that of a run of its own, bit for bit."""
-    path = _written(tmp_path, "lugre")
-    study = Study.model_validate(
-        {
-            "scenario": str(path),
-            "parameters": {"torque": {"key": "frictions.j.coulomb", "values": [0.5, 1.0, 2.0]}},
-            "responses": {"angle": {"measure": "final_angle", "of": "j"}},
-        }
-    )
-    found = run_study(study, tmp_path / "few.study")
-    for torque, angle in zip((0.5, 1.0, 2.0), found["angle"].values.tolist(), strict=True):
-        run = simulate(load_scenario(path, overrides={"frictions.j.coulomb": torque}))
-        assert float(run.data["final_angle"].sel(joint="j")) == angle
 
 
 @pytest.mark.parametrize("law", list(LAWS))

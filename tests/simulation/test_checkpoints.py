@@ -88,16 +88,6 @@ def test_a_run_in_pieces_is_the_run_in_one(case, tmp_path, small_parts):
 
 
 @pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
-def test_a_loop_goes_on_too(tmp_path, small_parts, engine):
-    scenario = load_scenario(
-        "slider_crank", case="ideal", overrides=[f"integrator.engine={engine}", "output.rate=1 kHz"]
-    )
-    whole = simulate(scenario, duration=0.02)
-    pieces = in_pieces(scenario, 0.02, tmp_path / "run.nc", np.random.default_rng(3), 8)
-    same(whole, pieces)
-
-
-@pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
 def test_what_events_have_done_is_kept(tmp_path, small_parts, engine):
     off = "action='set', set='drives.azimuth.on', to=false"
     event = f"events.far={{kind='angle', joint='azimuth', value=1e-3, {off}}}"

@@ -1,7 +1,6 @@
 """The compiled engine: the same runs as by Pinocchio's dynamics, and what it refuses."""
 
 import importlib
-import json
 import re
 from pathlib import Path
 
@@ -22,24 +21,6 @@ def run(model, case, duration, engine="compiled", joints=(), **settings):
     return simulate(load_scenario(model, case=case, overrides=overrides), duration=duration)
 
 
-def test_the_antenna_moves_as_with_pinocchio():
-    """Over 0.2 s and 35 impacts: the same ones in the same order, the angle to 1e-9 rad."""
-    ours, theirs = (
-        run("bai2020", "case3", 0.2, engine, ["elevation"]) for engine in ("compiled", "pinocchio")
-    )
-    assert ours.data.episode_contact.values.tolist() == theirs.data.episode_contact.values.tolist()
-    angles = [one.data.motion_angle.sel(joint="elevation")[-1].item() for one in (ours, theirs)]
-    assert angles[0] == pytest.approx(angles[1], abs=1e-9)
-    # Single impacts differ by what 35 of them make of round-off.
-    assert ours.data.onset_time.values == pytest.approx(theirs.data.onset_time.values, abs=1e-5)
-    assert ours.data.peak_force.values == pytest.approx(theirs.data.peak_force.values, rel=1e-2)
-    kept = json.loads(ours.data.attrs["conservation"])
-    assert kept["linear_momentum_drift_relative"] < 1e-10
-    assert kept["angular_momentum_drift_relative"] < 1e-10
-    assert kept["energy_error_relative"] < 1e-7
-    assert ours.data.sizes["time"] == theirs.data.sizes["time"]
-
-
 def at_output_times(*runs):
     """Configurations and velocities at output times; samples at peaks may coincide but for round-off."""
     times = np.arange(1, int(1e3 * float(runs[0].data.time[-1]) + 1e-9)) / 1e3
@@ -51,6 +32,7 @@ def at_output_times(*runs):
     ("model", "case", "duration"),
     [
         ("bai2020", "case1", 0.1),
+        ("bai2020", "case3", 0.05),
         ("you2010", "planar", 0.02),
         ("you2010", "3d", 0.02),
         ("impact_pair", "flange", None),

@@ -22,8 +22,7 @@ from antenna_pin.contact import Hertz
 from antenna_pin.dynamics import CallableDrive, ConstantDrive, JointSpring, SineDrive, TableDrive
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.run.simulation import Angle, Event, Force, Gap, Jump, Rate, Set, Stop, Time
-from antenna_pin.run.simulation.loop import Run
-from antenna_pin.scenario.assemble import build_system, initial_state
+from antenna_pin.scenario.assemble import build_system
 
 URDF = """
 <robot name="rig">
@@ -37,7 +36,6 @@ URDF = """
   </joint>
 </robot>
 """
-INERTIA = 2.0  # [kg m^2]
 FALL = (0.0, 0.0, -10.0)  # [m/s^2]
 # Round-off of the angle over the rate, and that of some thousand steps summed up.
 EXACT = 1e-12  # [s]
@@ -303,26 +301,6 @@ def test_two_halves_are_the_whole_with_events_too():
         assert names == [name for name, t in happened[2] if t <= first.end.reached]
         assert at == pytest.approx([t for _, t in happened[2]][: len(at)], rel=0.0, abs=1e-8)
     assert set(happenings(whole)[0]) == {"force", "rate", "clock", "gap"}
-
-
-def test_interrupted_between_any_steps_events_are_the_same():
-    asked, events = with_events()
-    system = build_system(asked)
-    y = system.state(*initial_state(asked, system))
-    whole = Run(system, y, 0.03, RunSettings(), events)
-    whole.advance()
-    start, made, happened = y, 0, []
-    for stop in [*range(7, whole.steps.accepted, 13), None]:
-        run = Run(system, start, 0.03, RunSettings(), events, singly=True)
-        run.advance(
-            interrupted=lambda run=run, made=made, stop=stop: (
-                stop is not None and run.steps.accepted + made >= stop
-            )
-        )
-        made, start = stop, run.state
-        happened += run.actions.happened
-    assert start == whole.state
-    assert happened == whole.actions.happened
 
 
 def test_a_run_goes_on_from_where_an_event_has_stopped_it():

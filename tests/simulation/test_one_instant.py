@@ -259,7 +259,7 @@ SLIDE = """<robot name="m"><link name="ground"/><link name="mass"><inertial><mas
 <limit lower="-100" upper="100" effort="1e9" velocity="1e9"/></joint></robot>"""
 
 
-@pytest.mark.parametrize("rtol", [1e-8, 1e-9, 1e-10, 1e-11, 1e-12])
+@pytest.mark.parametrize("rtol", [1e-8, 1e-10, 1e-12])
 def test_a_stop_that_is_unloaded_just_to_zero_goes_on(rtol: float) -> None:
     """Released at rest at twice the static depth: up to exactly 0 with rate 0, again and again."""
     settings = RunSettings(engine="compiled", rtol=rtol, output_rate=100.0)
