@@ -124,20 +124,23 @@ def test_a_motion_is_followed(engine):
     assert run.data.drive_torque.values[:, 0] == pytest.approx(-4.5 * np.sin(3.0 * times), abs=1e-9)
 
 
-def test_a_pickled_system_finds_its_functions_in_another_process():
-    """Their places there are others."""
-    system = bar(motor=CallableDrive(joint="pivot", torque=torque))
-    expected = simulate(system, duration=0.1, settings=RunSettings(engine="compiled"))
+def test_pickled_systems_with_their_functions_and_states_go_on_in_another_process():
+    """Places of functions there are others."""
+    asked = load_scenario("bai2020", case="case3", overrides=["clearance.elevation.geometry=closed-form"])
+    state = simulate(asked, duration=0.02).end
+    sent = [(bar(motor=CallableDrive(joint="pivot", torque=torque)), None, 0.1)]
+    sent.append((build_system(asked), state, 0.01))
+    run = "simulate(system, start=start, duration=span, settings=RunSettings(engine='compiled')).end"
     script = (
         "import sys, pickle; from antenna_pin import RunSettings, simulate; "
-        "padding = [bytearray(1 << 20) for _ in range(7)]; "
-        "run = simulate(pickle.loads(sys.stdin.buffer.read()), duration=0.1, "
-        "settings=RunSettings(engine='compiled')); print(repr(float(run.data.motion_angle[-1, 0])))"
+        "padding = [bytearray(1 << 20) for _ in range(7)]; sent = pickle.load(sys.stdin.buffer); "
+        f"pickle.dump([{run} for system, start, span in sent], sys.stdout.buffer)"
     )
-    found = subprocess.run(
-        [sys.executable, "-c", script], input=pickle.dumps(system), capture_output=True, check=True
-    )
-    assert float(found.stdout) == float(expected.data.motion_angle[-1, 0])
+    command = [sys.executable, "-c", script]
+    found = subprocess.run(command, input=pickle.dumps(sent), capture_output=True, check=True)
+    compiled = RunSettings(engine="compiled")
+    expected = [simulate(system, start=s, duration=t, settings=compiled).end for system, s, t in sent]
+    assert pickle.loads(found.stdout) == expected
 
 
 @numba.njit

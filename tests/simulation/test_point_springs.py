@@ -193,22 +193,6 @@ def test_joints_of_a_loop_carry_what_springs_leave_them(loop):
         np.testing.assert_allclose(loads["torque"].sel(moving_joint=name), moment, rtol=0, atol=1e-8 * size)
 
 
-def test_newtons_law_holds_for_every_body(loop):
-    """Each body by itself: what its joints, its springs and its weight give is what its mass centre does."""
-    made, run, reference = loop
-    loads, data = joint_loads(run)["force"], run.data
-    total = {name: np.zeros((data.sizes["time"], 3)) for name in (*made.system.bodies, "world")}
-    for name, joint in made.system.joints.items():
-        total[joint.second.body] += loads.sel(moving_joint=name).values
-        total[joint.first.body] -= loads.sel(moving_joint=name).values
-    for k, one in enumerate(SPRINGS):
-        total[one.second.body] += data["spring_force"].sel(point_spring=f"s{k}").values
-        total[one.first.body] -= data["spring_force"].sel(point_spring=f"s{k}").values
-    for name, body in made.system.bodies.items():
-        moved = body.mass * (reference.acceleration(name, body.centre) - made.system.gravity)
-        np.testing.assert_allclose(total[name], moved, rtol=0, atol=1e-8 * np.abs(moved).max())
-
-
 # --- in a scenario ------------------------------------------------------------------------------------------
 
 SCENARIO = """

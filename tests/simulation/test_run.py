@@ -99,19 +99,6 @@ def test_a_linear_table_is_integrated_exactly_in_a_few_long_steps():
     assert work == pytest.approx(0.5 * INERTIA * rate**2, rel=1e-13, abs=0.0)
 
 
-def test_a_callable_drive_sees_the_motion():
-    """A proportional-derivative controller is a spring and a damper."""
-    spring = {"s": JointSpring(joint="axle", stiffness=5.0, damping=0.4, rest_angle=0.2)}
-    control = {
-        "c": CallableDrive(joint="axle", torque=lambda t, angle, rate: -5.0 * (angle - 0.2) - 0.4 * rate)
-    }
-    runs = [
-        simulate(wheel(**e), duration=2.0, settings=TIGHT) for e in ({"springs": spring}, {"drives": control})
-    ]
-    ends = [run.data["motion_angle"].values for run in runs]
-    assert ends[1] == pytest.approx(ends[0], abs=1e-11)
-
-
 def test_samples_are_at_the_rate_and_at_all_events_and_peaks():
     run = simulate(load_scenario("bai2020", case="case3"), duration=0.05)
     times = run.data["time"].values
