@@ -4,9 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from hinge_shapes import antenna_hinge
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from antenna_pin.base.records import CONTACT
 from antenna_pin.joints.geometry import pose_of
@@ -238,27 +235,6 @@ def test_largest_tilt_by_radial_play(joint):
     assert gaps[0] == pytest.approx(0.0, abs=4e-7)
     assert gaps[1] == pytest.approx(0.0, abs=4e-7)
     assert gaps[2] == pytest.approx(2e-4 - 96e-6, abs=1e-6)
-
-
-@settings(deadline=None, derandomize=True)  # the first call may compile
-@given(
-    x=st.floats(-5e-4, 5e-4),
-    y=st.floats(-5e-4, 5e-4),
-    z=st.floats(-5e-4, 5e-4),
-    tilt=st.floats(0.0, 0.02),
-    direction=st.floats(0.0, 6.3),
-    turn=st.floats(0.0, 6.3),
-)
-def test_turning_everything_about_the_bearing_axis_changes_no_gap(x, y, z, tilt, direction, turn):
-    shape = antenna_hinge()
-    c, s = math.cos(turn), math.sin(turn)
-    rotation = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
-    p = np.array([x, y, z])
-    axis = np.array(
-        [math.sin(tilt) * math.cos(direction), math.sin(tilt) * math.sin(direction), math.cos(tilt)]
-    )
-    for a, b in zip(shape.contacts(p, axis), shape.contacts(rotation @ p, rotation @ axis), strict=True):
-        assert a.gap == pytest.approx(b.gap, abs=3e-17)  # round-off on 2.5e-2 m
 
 
 def test_turning_the_bearing_end_for_end_swaps_the_ends(pose_maker, joint):

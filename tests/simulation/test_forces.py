@@ -193,29 +193,6 @@ def test_events_switch_and_command():
     )
 
 
-def test_a_sine_on_a_mass_on_a_spring():
-    """The forced oscillator from rest, its own swing included."""
-    part = """
-  <joint name="slide" type="prismatic"><parent link="hull"/><child link="mass"/><axis xyz="1 0 0"/>
-    <limit lower="-9" upper="9" effort="1" velocity="1"/></joint>
-  <link name="mass"><inertial><mass value="2"/>
-    <inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
-    stiffness, force, frequency, phase = 50.0, 3.0, 1.2, 0.3
-    push = OutsideForce(
-        at=("mass", (0, 0, 0)), force=(force, 0, 0), axes="world", frequency=frequency, phase=phase
-    )
-    spring = {"coil": JointSpring(joint="slide", stiffness=stiffness)}
-    run = simulate(craft(part, "fixed", spring, push=push), duration=2.0, settings=TIGHT)
-    own, omega = math.sqrt(stiffness / 2.0), 2.0 * math.pi * frequency
-    size = force / 2.0 / (own**2 - omega**2)
-    t = run.data["time"].values
-    free = math.sin(phase) * np.cos(own * t) + omega / own * math.cos(phase) * np.sin(own * t)
-    exact = size * (np.sin(omega * t + phase) - free)
-    # The run's tolerance over ten radians.
-    np.testing.assert_allclose(run.data["slide_position"].values[:, 0], exact, rtol=0, atol=1e-11)
-    assert run.summary()["conservation"]["energy_error_relative"] < 1e-11
-
-
 def test_loads_of_joints_know_of_forces():
     """What a hinge passes on under a force on its arm: the hull's own acceleration tells it."""
     system = craft(ARM, **FORCES)

@@ -18,7 +18,7 @@ from antenna_pin import (
     load_scenario,
     simulate,
 )
-from antenna_pin.dynamics import CallableDrive, ConstantDrive, JointSpring, SineDrive, TableDrive
+from antenna_pin.dynamics import CallableDrive, JointSpring, SineDrive, TableDrive
 from antenna_pin.scenario.assemble import build_system
 
 
@@ -197,18 +197,6 @@ def test_a_start_given_beside_a_scenario_is_said():
     start = build_system(scenario).neutral()
     run = simulate(scenario, duration=0.002, q=start)
     assert run.data.attrs["start"] == "given in Python: the first sample"
-
-
-def test_a_sliding_joint_is_recorded():
-    """A constant force moves a mass by F t^2 / 2 m."""
-    run = simulate(wheel("prismatic", drives={"push": ConstantDrive(joint="axle", value=3.0)}), duration=0.5)
-    slide = run.data.sel(sliding_joint="axle")
-    time = run.data["time"].values
-    # Polynomials of degree two are integrated exactly, but for round-off of metres.
-    np.testing.assert_allclose(slide["slide_position"], 1.5 * time**2, rtol=0.0, atol=1e-14)
-    np.testing.assert_allclose(slide["slide_rate"], 3.0 * time, rtol=0.0, atol=1e-14)
-    np.testing.assert_allclose(slide["slide_acceleration"], 3.0, rtol=1e-14)
-    assert run.summary()["slides"]["axle"]["position"] == pytest.approx(0.375, abs=1e-14)
 
 
 @pytest.mark.parametrize("engine", ["compiled", "pinocchio"])
