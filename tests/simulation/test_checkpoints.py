@@ -80,8 +80,9 @@ def test_a_run_in_pieces_is_the_run_in_one(case, tmp_path, small_parts):
         *CASES[case].get("overrides", ()), **{k: v for k, v in CASES[case].items() if k != "overrides"}
     )
     rng = np.random.default_rng([*case.encode()])
-    whole = simulate(scenario, duration=0.03)
-    pieces = in_pieces(scenario, 0.03, tmp_path / "run.nc", rng, int(rng.integers(2, 7)))
+    whole = simulate(scenario, duration=0.02)
+    assert len(whole.data["onset_time"]) > 1
+    pieces = in_pieces(scenario, 0.02, tmp_path / "run.nc", rng, int(rng.integers(2, 7)))
     same(whole, pieces)
     same(Trajectory.load(tmp_path / "run.nc"), Trajectory.load(whole.save(tmp_path / "whole.nc")))
     assert sorted(os.listdir(tmp_path)) == ["run.nc", "whole.nc"]
