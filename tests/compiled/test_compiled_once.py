@@ -1,6 +1,6 @@
 """After ``scripts/compile_kernels.py`` nothing is compiled any more: no next mechanism, element or law.
 
-``scripts/test`` runs it before pytest. All shipped cases are among its own runs: here are those of one each.
+All shipped cases are among its own runs: here is one of each scenario.
 """
 
 import importlib
@@ -14,6 +14,7 @@ import pytest
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.compiled import kernel_cache as _kernel_cache
+from antenna_pin.compiled.jit import stamp_of
 from antenna_pin.compiled.turns import Turn
 from antenna_pin.scenario import list_scenarios
 
@@ -24,9 +25,20 @@ SEED = 2024
 FEW = range(12)  # free and fixed bases, all kinds of joint, half of the laws, drives, springs, both loads
 
 
+@pytest.fixture(scope="module", autouse=True)
+def kernels():
+    """What the script makes, unless its stamp says that it has: to look takes it seconds."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(SCRIPTS))
+        stamp = importlib.import_module("compile_kernels").stamp_file()
+    stored = stamp.read_text() if stamp.is_file() and not numba.config.CACHE_DIR else None
+    if stored != stamp_of(""):
+        subprocess.run([sys.executable, SCRIPTS / "compile_kernels.py"], check=True, capture_output=True)
+
+
 @pytest.fixture
 def compiled(monkeypatch):
-    """The names of kernels that are compiled from here on: none, or the script has not been run."""
+    """The names of kernels that are compiled from here on."""
     found = []
     cache = _kernel_cache._KernelCache
     load = cache.load_overload
