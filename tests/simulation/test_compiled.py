@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from wheel import wheel_urdf
 
-from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
+from antenna_pin import RunSettings, System, build_mechanism, load_scenario, simulate
 from antenna_pin.dynamics import CallableDrive
 from antenna_pin.errors import MechanismError
 
@@ -95,17 +96,11 @@ def test_loops_move_as_with_pinocchio(model, case, joints, duration):
     assert abs(ours.constraints["projection_energy"] - theirs.constraints["projection_energy"]) < 1e-9
 
 
-BAR = """<robot name="bar"><link name="hull"/><link name="arm"><inertial><mass value="1"/>
-  <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <joint name="pivot" type="continuous"><parent link="hull"/><child link="arm"/><axis xyz="0 0 1"/></joint>
-  </robot>"""
-
-
 def test_what_is_not_compiled_is_refused_by_name():
     compiled = RunSettings(engine="compiled")
     with pytest.raises(MechanismError, match="joint 'elevation' has its gaps measured by coal"):
         run("bai2020", "case3", 0.01)
-    mechanism = build_mechanism(Urdf.from_text(BAR, "bar.urdf"), "fixed")
+    mechanism = build_mechanism(wheel_urdf(inertia=1.0, joint="pivot"), "fixed")
     drive = CallableDrive(joint="pivot", torque=lambda t, angle, rate: 1.0)
     message = (
         "engine 'compiled': what acts at joint 'pivot' is a function in Python; compile it with "

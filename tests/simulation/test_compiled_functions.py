@@ -9,13 +9,13 @@ import sys
 import numba
 import numpy as np
 import pytest
+from wheel import wheel_urdf
 
-from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
+from antenna_pin import RunSettings, System, build_mechanism, load_scenario, simulate
 from antenna_pin.contact import Coulomb, CustomFriction, CustomNormal, DampedContact, FloresDamping, Hertz
 from antenna_pin.elements import CallableDrive, CallableMotion, SineDrive
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario.assemble import build_system, initial_state
-from tests.simulation.test_compiled import BAR
 
 STIFFNESS, EXPONENT, RESTITUTION = 1e10, 1.5, 0.8
 KNOWN = DampedContact(
@@ -82,7 +82,7 @@ def test_a_law_is_the_built_in_law_that_it_repeats(engine):
 
 
 def bar(**drives):
-    return System(build_mechanism(Urdf.from_text(BAR, "bar.urdf"), "fixed"), drives=drives)
+    return System(build_mechanism(wheel_urdf(inertia=1.0, joint="pivot"), "fixed"), drives=drives)
 
 
 @pytest.mark.parametrize("engine", ["pinocchio", "compiled"])

@@ -6,13 +6,13 @@ import pickle
 
 import numpy as np
 import pytest
+from wheel import wheel_urdf
 
 from antenna_pin import (
     Outcome,
     RunSettings,
     System,
     Trajectory,
-    Urdf,
     build_mechanism,
     load_scenario,
     simulate,
@@ -24,25 +24,13 @@ from antenna_pin.errors import AntennaPinError
 from antenna_pin.run.simulation import Angle, Event, Force, Gap, Jump, Rate, Set, Stop, Time
 from antenna_pin.scenario.assemble import build_system
 
-URDF = """
-<robot name="rig">
-  <link name="ground"/>
-  <link name="body">
-    <inertial><mass value="1"/><inertia ixx="2" iyy="2" izz="2" ixy="0" ixz="0" iyz="0"/></inertial>
-  </link>
-  <joint name="joint" type="{kind}">
-    <parent link="ground"/><child link="body"/><axis xyz="0 0 1"/>
-    <limit lower="-9" upper="9" effort="1" velocity="1"/>
-  </joint>
-</robot>
-"""
 FALL = (0.0, 0.0, -10.0)  # [m/s^2]
 # Round-off of the angle over the rate, and that of some thousand steps summed up.
 EXACT = 1e-12  # [s]
 
 
 def rig(kind="continuous", gravity=(0.0, 0.0, 0.0), **elements):
-    urdf = Urdf.from_text(URDF.format(kind=kind), "rig.urdf")
+    urdf = wheel_urdf(kind, inertia=2.0, joint="joint")
     return System(build_mechanism(urdf, base="fixed", gravity=gravity), **elements)
 
 
