@@ -16,7 +16,9 @@ import sys
 import time
 import warnings
 from collections.abc import Callable
+from importlib.util import find_spec
 from multiprocessing.sharedctypes import Synchronized
+from pathlib import Path
 from typing import Any
 
 #: Of each process: model, case and overrides of one run after the other.
@@ -140,6 +142,13 @@ def call_alone() -> None:
     fill_all()
 
 
+def stamp_file() -> Path:
+    """Return the file with the stamp of the kernels that this script has compiled last, beside them."""
+    return (
+        Path(str(getattr(find_spec("antenna_pin.compiled"), "origin", ""))).parent / "__pycache__/all.stamp"
+    )
+
+
 def show(text: str, last: bool = False) -> None:
     """Show a line in place of the one before, where there is somebody to see it."""
     if sys.stderr.isatty():
@@ -190,6 +199,10 @@ def main() -> None:
         running += [pool.apply_async(call_alone)] if asked.all else []
         running += [] if asked.demo else [pool.apply_async(run_shipped)]
         wait(running, said)
+    if not asked.demo and not os.environ.get("NUMBA_CACHE_DIR"):
+        from antenna_pin.compiled.jit import stamp_of
+
+        stamp_file().write_text(stamp_of(""), encoding="utf-8")
     show(said(count), last=True)
 
 

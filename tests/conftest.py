@@ -45,6 +45,9 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+# Power does not fail in a test; to have each file on the disk takes milliseconds.
+os.fsync = lambda descriptor: None
+
 # On a busy machine what takes a second takes ten, and a command says so; that has tests of its own.
 _progress._FIRST = 1e6  # [s]
 

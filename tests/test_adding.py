@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import antenna_pin
+from antenna_pin import load_scenario, simulate
 
 ROOT = Path(antenna_pin.__file__).parent
 
@@ -194,39 +195,6 @@ class Halved(HysteresisDamping):
 '''
 
 
-def test_a_law_has_its_certificate_and_its_runs(copy):
-    """What it delivers follows from chi alone: chi (1 + c) = ln[(1 + chi) / (1 - chi c)]."""
-    add(
-        copy,
-        "contact/halved.py",
-        STAIRS,
-        "contact/registry.py",
-        before='Alias("kelvin-voigt"',
-        entry='Alias("halved", "HalvedContact", "halved.Halved"),',
-    )
-    # One impact: they touch after 1 ms at 0.1 m/s.
-    law = "{law='hertz', dissipation='halved', stiffness='1e9 N/m**1.5', restitution=0.5}"
-    run(
-        copy, "run", "impact_pair", "--set", f"clearance.bore.normal={law}", "--duration", "2.5 ms",
-        "--geometry", "closed-form", "--out", "pair.nc", "--quiet",
-    )  # fmt: skip
-    said = json.loads(
-        run(
-            copy,
-            code="import json, antenna_pin.trajectory as t; from antenna_pin.contact import make_normal_law;"
-            "law = make_normal_law('hertz', {'stiffness': 1e9, 'restitution': 0.5}, 'halved');"
-            "d = t.Trajectory.load('pair.nc').data;"
-            "print(json.dumps([law.dissipation.hysteresis, d.v.values[[0, -1]].tolist()]))",
-        )
-    )
-    chi, (before, after) = said
-    assert chi == 0.25
-    moving = int(np.argmax(np.abs(before)))
-    c = -after[moving] / before[moving]
-    # The run's tolerance 1e-10 over one impact of some tens of steps.
-    assert chi * (1.0 + c) == pytest.approx(np.log((1.0 + chi) / (1.0 - chi * c)), rel=1e-7)
-
-
 ROOT_FRICTION = '''
 """Friction that grows with the root of the slip speed."""
 
@@ -299,42 +267,47 @@ class Kinked(ElasticLaw):
 '''
 
 
-def test_laws_with_kernels_of_their_own_are_a_file_and_a_line_each(copy):
-    """Kernel, record, parameters, table and commands follow from the class; its energy is integrated."""
-    add(
+def test_laws_are_a_file_and_a_line_each(copy):
+    """Kernel, record, parameters, table and commands follow from the class; its energy is integrated.
+
+    What damping delivers follows from chi alone: chi (1 + c) = ln[(1 + chi) / (1 - chi c)].
+    """
+    for name, text, before, entry in (
+        ("halved", STAIRS, 'Alias("kelvin-voigt"', 'Alias("halved", "HalvedContact", "halved.Halved"),'),
+        ("root_friction", ROOT_FRICTION, '"coulomb":', '"root": "root_friction.RootFriction",'),
+        ("kinked", LINE, '"hertz-line":', '"kinked": "kinked.Kinked",'),
+    ):
+        add(copy, f"contact/{name}.py", text, "contact/registry.py", before=before, entry=entry)
+    code = """
+import json, antenna_pin.trajectory as t
+from antenna_pin.contact import FRICTION_LAWS, make_normal_law
+halved = make_normal_law("hertz", {"stiffness": 1e9, "restitution": 0.5}, "halved")
+law = make_normal_law("kinked", {"stiffness": 1e6, "knee": 1e-5, "restitution": 0.5}, "flores")
+root = FRICTION_LAWS["root"](level=0.2, speed=0.25)
+v = t.Trajectory.load("halved.nc").data.v.values[[0, -1]].tolist()
+print(json.dumps([halved.dissipation.hysteresis, v, law.elastic_force(3e-5), law.elastic_energy(3e-5),
+    law.force(3e-5, 0.1, 0.1), root.coefficient(0.01)]))
+"""
+    # One impact: they touch after 1 ms at 0.1 m/s.
+    pair = ("run", "impact_pair", "--duration", "2.5 ms", "--geometry", "closed-form", "--quiet")
+    damped = "{law='hertz', dissipation='halved', stiffness='1e9 N/m**1.5', restitution=0.5}"
+    stiff = "{law='kinked', dissipation='flores', restitution=0.9, stiffness='1e9 N/m', knee='1 mm'}"
+    rough = "clearance.bore.friction={law='root', level=0.2, speed='0.25 m/s'}"
+    *_, said = run_all(
         copy,
-        "contact/root_friction.py",
-        ROOT_FRICTION,
-        "contact/registry.py",
-        before='"coulomb":',
-        entry='"root": "root_friction.RootFriction",',
+        (*pair, "--set", f"clearance.bore.normal={damped}", "--out", "halved.nc"),
+        (*pair, "--set", f"clearance.bore.normal={stiff}", "--set", rough, "--out", "kinked.nc"),
+        code,
     )
-    add(
-        copy,
-        "contact/kinked.py",
-        LINE,
-        "contact/registry.py",
-        before='"hertz-line":',
-        entry='"kinked": "kinked.Kinked",',
-    )
-    said = run(
-        copy,
-        code="from antenna_pin.contact import FRICTION_LAWS, make_normal_law;"
-        "law = make_normal_law('kinked', {'stiffness': 1e6, 'knee': 1e-5, 'restitution': 0.5}, 'flores');"
-        "root = FRICTION_LAWS['root'](level=0.2, speed=0.25);"
-        "print(law.elastic_force(3e-5), law.elastic_energy(3e-5), law.force(3e-5, 0.1, 0.1),"
-        " root.coefficient(0.01))",
-    )
-    force, energy, whole, coefficient = map(float, said.split())
+    chi, (before, after), force, energy, whole, coefficient = json.loads(said)
+    assert chi == 0.25
+    moving = int(np.argmax(np.abs(before)))
+    c = -after[moving] / before[moving]
+    # The run's tolerance 1e-10 over one impact of some tens of steps.
+    assert chi * (1.0 + c) == pytest.approx(np.log((1.0 + chi) / (1.0 - chi * c)), rel=1e-7)
     assert force == pytest.approx(50.0, rel=1e-12) and whole == pytest.approx(force * 2.6, rel=1e-12)
     assert energy == pytest.approx(1e6 * (4.5e-10 + 2e-10), rel=1e-3)  # by quadrature across the kink
     assert coefficient == pytest.approx(0.2 * 0.2, rel=1e-9)
-    law = "{law='kinked', dissipation='flores', restitution=0.9, stiffness='1e9 N/m', knee='1 mm'}"
-    run(
-        copy, "run", "impact_pair", "--set", f"clearance.bore.normal={law}",
-        "--set", "clearance.bore.friction={law='root', level=0.2, speed='0.25 m/s'}",
-        "--duration", "2.5 ms", "--geometry", "closed-form", "--out", "pair.nc", "--quiet",
-    )  # fmt: skip
 
 
 # --- a figure, a variable of the result, an event ---
@@ -444,7 +417,7 @@ print(evaluate("rate", response, "", run, None, 0), response.unit, response.mean
 
 
 def test_a_quantity_of_contacts_is_one_line_and_needs_no_new_run(copy):
-    run(copy, "run", "impact_pair", "--duration", "2.5 ms", "--out", "pair.nc", "--quiet")
+    simulate(load_scenario("impact_pair"), duration=2.5e-3).save(copy / "pair.nc")
     insert(
         copy,
         "trajectory/quantities.py",

@@ -75,7 +75,6 @@ def _in_kilonewtons(data: xr.Dataset) -> xr.Dataset:
         (lambda data: data.assign_coords(axis=["x", "x", "z"]), "labels in 'axis' that are there twice"),
         (_without_its_joint, "in the attribute 'clearance_joints' but not in its URDF"),
         (_in_kilonewtons, "'contact_force' in 'kN', not in 'N'"),
-        (lambda data: data.drop_vars("contact_force"), "got no variable 'contact_force'"),
         (lambda data: data.drop_vars("q"), "got no variable 'q'"),
         (lambda data: data.isel(time=slice(None, None, -1)), "in 'time' at .*, no less than the one before"),
         (lambda data: data.assign_attrs(clearance_joints="{"), "'clearance_joints' that cannot be read"),
@@ -169,13 +168,13 @@ def test_what_is_refused_is_one_line_of_a_command(data, tmp_path, cli):
     assert said.err.rstrip().endswith("run the scenario again")
 
 
-@pytest.mark.parametrize("share", [0.0, 0.001, 0.5, 0.99])
-def test_a_truncated_file_is_refused(result, tmp_path, share):
+def test_a_truncated_file_is_refused(result, tmp_path):
     content = result.read_bytes()
     path = tmp_path / "cut.nc"
-    path.write_bytes(content[: int(share * len(content))])
-    with pytest.raises(FileFormatError, match="must be a NetCDF file written by antenna-pin"):
-        Trajectory.load(path)
+    for share in (0.0, 0.001, 0.5, 0.99):
+        path.write_bytes(content[: int(share * len(content))])
+        with pytest.raises(FileFormatError, match="must be a NetCDF file written by antenna-pin"):
+            Trajectory.load(path)
 
 
 def test_numbers_that_were_damaged_are_not_read(result, tmp_path):
@@ -193,7 +192,7 @@ def test_any_flipped_bit_is_found(result, tmp_path):
     """Anywhere: numbers, HDF5's tables and what nobody reads, the seal itself."""
     content = result.read_bytes()
     path = tmp_path / "flipped.nc"
-    chosen = np.random.default_rng(5).integers(8 * len(content), size=200)
+    chosen = np.random.default_rng(5).integers(8 * len(content), size=60)
     for bit in [*chosen, *range(8 * len(content) - 8 * 85, 8 * len(content), 8)]:
         flipped = bytearray(content)
         flipped[bit // 8] ^= 1 << bit % 8

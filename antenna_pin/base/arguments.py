@@ -479,7 +479,7 @@ def refused(name: str, question: str, rule: str, error: BaseException) -> BaseEx
     said = " ".join(str(error).split())
     if isinstance(error, AntennaPinError):  # which says where itself
         return FunctionError(name, question, rule, said)
-    where = traceback.extract_tb(error.__traceback__)[-1]
+    where = traceback.extract_tb(error.__traceback__, limit=-1)[0]
     line = f"{os.path.basename(where.filename)}, line {where.lineno}"
     got = f"the error {type(error).__name__}{': ' if said else ''}{said} ({line})"
     return FunctionError(name, question, rule, got)

@@ -100,23 +100,16 @@ def answer(tmp_path, monkeypatch):
 def test_it_is_compiled_when_it_is_called_and_found_stored(answer):
     """Outer, with what is inlined; then pair and square. Later processes find them stored."""
     assert answer("alone alone") == "6.0 6.0 2"
-    assert answer("alone paired") == "6.0 20.0 2"
-    assert answer("paired alone") == "20.0 6.0 0"
-
-
-def test_of_many_kinds_those_called_are_compiled(answer):
-    """The caller and two kinds; numbers outside 0 to 127 are the last's."""
-    assert answer("kind3 kind5 kind3") == "3.5 5.5 3.5 3"
-    assert answer("kind5 kind127 kind-1 kind1000") == "5.5 127.5 127.5 127.5 1"
+    assert answer("alone paired kind3 kind5 kind3") == "6.0 20.0 3.5 5.5 3.5 5"
+    # Of kinds the caller and two of them; numbers outside 0 to 127 are the last's.
+    assert answer("paired alone kind5 kind127 kind-1 kind1000") == "20.0 6.0 5.5 127.5 127.5 127.5 1"
 
 
 def test_an_interrupted_compilation_is_raised_and_done_again(answer):
     assert answer("interrupted paired") == "interrupted 20.0 5"
 
 
-def test_another_type_than_declared_is_an_error_and_no_crash(answer):
-    assert "kernels_of_pairs:declared is declared to return int64, not float64" in answer("wrong")
-
-
-def test_python_calls_it_as_any_kernel(answer):
-    assert answer("direct paired").startswith("10.0 20.0")
+def test_python_calls_it_as_any_kernel_and_another_type_than_declared_is_no_crash(answer):
+    said = answer("direct paired wrong")
+    assert said.startswith("10.0 20.0")
+    assert "kernels_of_pairs:declared is declared to return int64, not float64" in said

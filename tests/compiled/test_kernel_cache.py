@@ -206,63 +206,42 @@ print(caller(3), sum(caller.stats.cache_hits.values()), sum(own.stats.cache_hits
 """
 
 
-@pytest.mark.parametrize(
-    ("damaged", "own_is_read"),
-    [((), 0), ((".own.py",), 0), ((".nbp",), 1), ((".own.py", ".nbp"), 0)],
-    ids=["nothing", "own", "pack", "both"],
-)
-def test_a_kernel_that_stands_alone_is_found_by_callers_that_are_loaded(
-    source, damaged, own_is_read, monkeypatch
-):
-    """In another process: in the caller's pack, in its own file, or compiled anew if both are damaged."""
-    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
-    source.write_text(_PAIR)
-
-    def answer():
-        command = [sys.executable, "-c", _ASKED, str(source.parent)]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
-        return done.stdout.split()
-
-    assert answer() == ["7", "0", "0"]
-    for part in damaged:
-        (path,) = (
-            path
-            for path in (source.parent / "__pycache__").iterdir()
-            if part in path.name and ".nbi" not in path.name
-        )
-        path.write_bytes(path.read_bytes()[:-40])
-    assert answer() == ["7", "1", str(own_is_read)]
-    assert answer()[:2] == ["7", "1"]
-
-
-def test_a_kernel_that_was_linked_for_its_callers_can_be_called_itself(source, monkeypatch):
-    """After them it is made callable from its own file; its code is in the process once."""
-    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
-    source.write_text(_PAIR)
-    asked = _ASKED + "print(own(5), own(1.5), caller(1.5), sum(own.stats.cache_hits.values()))\n"
-
-    def answer():
-        command = [sys.executable, "-c", asked, str(source.parent)]
-        done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
-        return done.stdout.split()
-
-    assert answer() == ["7", "0", "0", "10", "3.0", "4.0", "0"]
-    assert answer() == ["7", "1", "0", "10", "3.0", "4.0", "2"]
-
-
-def test_a_pack_of_another_stamp_is_not_linked(source, monkeypatch):
-    """What a caller of other sources calls by the same name is other code."""
+@pytest.fixture
+def answer(source, monkeypatch):
+    """Return what a process prints that calls the pair."""
     monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
 
-    def answer(text):
+    def answered(text=_PAIR, more=""):
         source.write_text(text)
-        command = [sys.executable, "-c", _ASKED, str(source.parent)]
+        command = [sys.executable, "-c", _ASKED + more, str(source.parent)]
         done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
         return done.stdout.split()
 
-    assert answer(_PAIR)[0] == "7"
+    return answered
+
+
+def test_a_kernel_that_stands_alone_is_found_by_callers_that_are_loaded(source, answer):
+    """In another process: in the caller's pack, in its own file, or compiled anew if both are damaged.
+
+    What is called by another stamp's name is other code.
+    """
+    assert answer() == ["7", "0", "0"]
+    code = [path for path in (source.parent / "__pycache__").iterdir() if ".nbi" not in path.name]
+    whole = {path: path.read_bytes() for path in code}
+    for damaged, own_is_read in (((".own.py",), "0"), ((".nbp",), "1"), ((".own.py", ".nbp"), "0")):
+        for path, content in whole.items():
+            path.write_bytes(content[:-40] if any(part in path.name for part in damaged) else content)
+        assert answer() == ["7", "1", own_is_read]
+    assert answer()[:2] == ["7", "1"]
     other = _PAIR.replace('"stamp"', '"other"').replace("2 * x", "4 * x")
     assert [answer(other)[0], answer(other)[0]] == ["13", "13"]
+
+
+def test_a_kernel_that_was_linked_for_its_callers_can_be_called_itself(answer):
+    """After them it is made callable from its own file; its code is in the process once."""
+    more = "print(own(5), own(1.5), caller(1.5), sum(own.stats.cache_hits.values()))\n"
+    assert answer(more=more) == ["7", "0", "0", "10", "3.0", "4.0", "0"]
+    assert answer(more=more) == ["7", "1", "0", "10", "3.0", "4.0", "2"]
 
 
 def test_what_is_kept_under_other_stamps_goes_when_something_is_kept(source, monkeypatch):

@@ -33,7 +33,7 @@ def without():
 
 
 def test_runs_without_the_compiler_give_the_same_numbers(without):
-    """No fastmath: what differs is the round-off of some hundred evaluations."""
+    """No fastmath: what differs is the round-off of some tens of evaluations."""
     compiled = every_kind.told()
     assert set(compiled) == set(without)
     for name, (evaluations, end) in compiled.items():

@@ -137,28 +137,6 @@ def test_corrections_close_and_leave_momentum(kind):
     assert workspace.constraints.closed_at(0.0, moved, workspace.program)
 
 
-def test_a_point_and_a_fixed_closure_are_pinocchios():
-    """Its constrained dynamics knows these two kinds of contacts."""
-    for kind, known in (("spherical", pin.ContactType.CONTACT_3D), ("fixed", pin.ContactType.CONTACT_6D)):
-        system, y = closed(kind, 11)
-        model, data = system.model, system.model.createData()
-        closure = next(iter(system.closures.values()))
-        sides = []
-        for side in (closure.first, closure.second):
-            frame = model.frames[system.mechanism.frame(side.link)]
-            sides += [frame.parentJoint, frame.placement * pin.SE3(side.rotation, side.origin)]
-        models, datas = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
-        models.append(pin.RigidConstraintModel(known, model, *sides, pin.LOCAL))
-        datas.append(models[0].createData())
-        pin.initConstraintDynamics(model, data, models, datas)
-        workspace, a = accelerations(system, y)
-        q, v = y[: model.nq], y[model.nq : model.nq + model.nv]
-        settings = pin.ProximalSettings(1e-14, 1e-10, 20)
-        expected = pin.constraintDynamics(model, data, q, v, workspace.tau, models, datas, settings)
-        # Its proximal solver ends near 1e-12 of the largest.
-        assert a == pytest.approx(expected, abs=1e-10 * np.abs(expected).max())
-
-
 def test_rank_counts_what_is_independent():
     """Of a universal closure between branches on a free hull, twice, and of a motion beside."""
     motion = {"motor": PrescribedMotion(joint="j3", rate=0.2)}

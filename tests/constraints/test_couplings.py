@@ -6,7 +6,7 @@ import re
 import numpy as np
 import pinocchio as pin
 import pytest
-from coupled import Coupled, tree_text
+from coupled import Coupled
 from observed_once import observed_once
 
 from antenna_pin import Coupling, System, Urdf, build_mechanism
@@ -73,31 +73,6 @@ def test_accelerations_and_torques_are_those_of_fewer_coordinates(seed, base):
             put[system.mechanism.joint(one.follower).v] += torque
             put[system.mechanism.joint(one.leader).v] -= one.multiplier * torque
         assert put == pytest.approx(lack, rel=1e-9, abs=1e-10 * np.abs(tau - bias).max())
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_inertia_is_that_of_pinocchios_mimic_joints(seed):
-    """Pinocchio takes the follower's coordinate away; the mass matrix of what is left is the same.
-
-    It does so for joints of one kind, the leader before the follower, both without mimics of their own.
-    """
-    rng = np.random.default_rng(seed)
-    multiplier = float(rng.uniform(-3, 3))
-    text = tree_text(rng, 5, {4: (2, multiplier, 0.0)}, kinds=("revolute",), chain=True)
-    reduced = pin.buildModelFromXML(text, True)
-    system = System(build_mechanism(Urdf.from_text(text, "chain.urdf"), "fixed"))
-    angles = rng.uniform(-1, 1, 4)
-    workspace, data = Workspace(system), reduced.createData()
-    theirs = pin.crba(reduced, data, angles)
-    theirs = np.triu(theirs) + np.triu(theirs, 1).T
-    q = np.insert(angles, 3, multiplier * angles[1])
-    at_rest = system.state(q, np.zeros(5))
-    for k, row in enumerate((0, 1, 2, 4)):
-        rates = np.zeros(5 + system.manifold.nx)
-        tau = np.eye(5)[row]
-        workspace.constraints.accelerate(0.0, at_rest, workspace.program, tau, rates)
-        # Rows of the inverse; the leader's torque moves both.
-        assert theirs @ rates[[0, 1, 2, 4]] == pytest.approx(np.eye(4)[k], abs=1e-11)
 
 
 def test_a_chain_starts_where_its_first_leader_puts_it():

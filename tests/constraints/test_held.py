@@ -111,33 +111,6 @@ def test_accelerations_are_those_of_the_tree(pair):
     assert worst["joints"] < 1e-11
 
 
-def test_constraint_forces_do_no_work(pair):
-    tree, held, _ = pair
-    data, workspace = held.model.createData(), Workspace(held)
-    for t, _, _, q, v in random_states(pair, 20, 2):
-        rates = np.zeros(held.manifold.nv + held.manifold.nx)
-        workspace.derivative(t, held.state(q, v), rates)
-        held_by = pin.rnea(held.model, data, q, v, rates[: held.model.nv]) - workspace.tau
-        # Round-off of the accelerations, as above.
-        assert abs(held_by @ v) < 1e-11 * np.linalg.norm(held_by) * np.linalg.norm(v)
-        assert np.abs(held_by).max() > 0.1  # and they are there
-
-
-def test_constraint_forces_are_internal(pair):
-    """They leave total momentum alone: its rate is gravity's."""
-    tree, held, _ = pair
-    if held.mechanism.base == "fixed":
-        return  # which takes up momentum
-    data = held.model.createData()
-    mass, gravity = pin.computeTotalMass(held.model), held.model.gravity.linear
-    for t, _, _, q, v in random_states(pair, 20, 3):
-        a = acceleration(held, t, q, v)
-        pin.computeCentroidalMomentumTimeVariation(held.model, data, q, v, a)
-        scale = mass * (np.abs(a[:3]).max() + np.abs(v).max() ** 2)
-        assert data.dhg.linear == pytest.approx(mass * gravity, abs=1e-12 * scale)  # round-off
-        assert data.dhg.angular == pytest.approx(np.zeros(3), abs=1e-12 * scale)
-
-
 def test_angles_stay_those_of_the_tree_over_two_seconds():
     """Both torques on, from rest; 1e-9 rad."""
     tree, held, name = antenna()
@@ -163,44 +136,6 @@ def test_angles_stay_those_of_the_tree_over_two_seconds():
     assert held_end[:7] == pytest.approx(tree_end[:7], abs=1e-9)
     assert pose[:3] == pytest.approx(np.zeros(3), abs=1e-9)
     assert np.cross(turn, joint.axis) == pytest.approx(np.zeros(3), abs=1e-9)
-
-
-def by_pinocchio(held, name, q, v, tau):
-    """Pinocchio's constrained dynamics: two points on the axis, which are one equation too many."""
-    model, slot = held.model, held.mechanism.joint(name)
-    data, models, datas = model.createData(), pin.StdVec_RigidConstraintModel(), []
-    placement = model.jointPlacements[slot.joint_id]
-    for sign in (0.1, -0.1):
-        anchor = pin.SE3(np.eye(3), sign * slot.axis)
-        models.append(
-            pin.RigidConstraintModel(
-                pin.ContactType.CONTACT_3D,
-                model,
-                int(model.parents[slot.joint_id]),
-                placement * anchor,
-                slot.joint_id,
-                anchor,
-                pin.LOCAL,
-            )
-        )
-    datas = pin.StdVec_RigidConstraintData()
-    for one in models:
-        datas.append(one.createData())
-    pin.initConstraintDynamics(model, data, models, datas)
-    return pin.constraintDynamics(
-        model, data, q, v, tau, models, datas, pin.ProximalSettings(1e-14, 1e-8, 10)
-    )
-
-
-def test_accelerations_are_those_of_pinocchios_constrained_dynamics(pair):
-    """At 20 random states; its proximal solver takes five iterations to round-off."""
-    _, held, name = pair
-    for t, _, _, q, v in random_states(pair, 20, 5):
-        workspace, rates = Workspace(held), np.zeros(held.manifold.nv + held.manifold.nx)
-        workspace.derivative(t, held.state(q, v), rates)
-        expected = by_pinocchio(held, name, q, v, workspace.tau)
-        # A lever of 0.1 m between the points costs its equations a digit or two.
-        assert rates[: held.model.nv] == pytest.approx(expected, abs=1e-10 * np.abs(expected).max())
 
 
 def test_refuses_a_joint_that_is_not_free():

@@ -50,7 +50,7 @@ def agree(law, mass, speed, tolerance=1e-9):
 
 
 @pytest.mark.parametrize(("asked", "mass"), ASKED)
-@pytest.mark.parametrize("exponent", [1.0, 1.5, 2.0])
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
 def test_tsuji_is_a_linear_oscillator_in_disguise(asked, exponent, mass):
     """At every speed and with every power law the same restitution, that of an oscillator cut off at zero."""
     law = Tsuji(stiffness=1e9, restitution=asked, exponent=exponent, effective_mass=mass)
@@ -81,12 +81,6 @@ def test_what_docstrings_say_tsuji_and_jankowski_deliver():
             law = DampedContact(elastic=Hertz(stiffness=1e9), dissipation=dissipation)
             got = closed_form_restitution(law, mass=1.0, speed=0.1)
             assert got == pytest.approx(float(delivered), abs=0.51 * 10.0 ** -(len(delivered) - 2))
-
-
-def test_another_mass_makes_another_restitution():
-    law = Tsuji(stiffness=1e9, restitution=0.8, effective_mass=1.0)
-    light, right, heavy = (agree(law, mass, 0.1, 1e-7) for mass in (0.25, 1.0, 4.0))
-    assert light < right < heavy
 
 
 @pytest.mark.parametrize("cls", [Tsuji, Jankowski])

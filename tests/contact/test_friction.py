@@ -5,8 +5,6 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from numba import njit
 
 from antenna_pin.contact import (
@@ -79,7 +77,7 @@ def test_coefficient_lies_between_zero_and_its_limit(friction_law):
 def test_coefficient_is_continuous(friction_law):
     """A refinement of the speeds shrinks the largest jump in proportion."""
     jumps = []
-    for count in (2000, 20000):
+    for count in (500, 5000):
         speeds = np.geomspace(1e-6, 10.0, count)
         jumps.append(np.abs(np.diff([friction_law.coefficient(v, LOAD) for v in speeds])).max())
     assert jumps[1] <= 0.11 * jumps[0]  # 0.1, and what the kinks of the ramps make of it
@@ -122,27 +120,6 @@ def test_friction_vanishes_with_the_load(friction_law):
         assert friction_law.coefficient(0.2) == friction_law.coefficient(0.2, LOAD)
 
 
-@settings(deadline=None, derandomize=True)  # the first call may compile
-@given(x=st.floats(-10, 10), y=st.floats(-10, 10), z=st.floats(-10, 10), force=st.floats(0, 1e6))
-def test_never_does_positive_work(x, y, z, force):
-    for law in (
-        BAI_ZHAO,
-        Ambrosio(coefficient_of_friction=0.3),
-        Tanh(coefficient_of_friction=0.3, transition_speed=0.01),
-        Coulomb(coefficient_of_friction=0.3),
-        LinearFriction(coefficient_of_friction=0.3, regularisation_speed=0.01),
-        Threlfall(coefficient_of_friction=0.3, transition_speed=0.01),
-        Stribeck(static=0.3, dynamic=0.2, stribeck_speed=0.01),
-        BengisuAkay(static=0.3, dynamic=0.2, static_speed=0.01, decay=3.0),
-        BrownMcPhee(static=0.3, dynamic=0.2, transition_speed=0.01),
-    ):
-        slip = np.array([x, y, z])
-        friction = force_of(law, force, slip)
-        assert np.isfinite(friction).all()
-        assert friction @ slip <= 0.0
-        assert np.linalg.norm(friction) <= 0.3 * force * (1.0 + 1e-14)  # round-off
-
-
 def test_no_force_at_rest(friction_law):
     assert (force_of(friction_law, 100.0, np.zeros(3)) == 0.0).all()
 
@@ -167,41 +144,6 @@ def test_corrected_velocity_based_law_in_numbers(speed, coefficient):
     """At the speeds of Bai and Zhao, whose printed law jumps at both ends and rises in between."""
     # The table is rounded to four digits.
     assert BAI_ZHAO.coefficient(speed) == pytest.approx(coefficient, abs=5.1e-5)
-
-
-@pytest.mark.parametrize(("speed", "coefficient", "digit"), [(0.001, 0.00225, 1e-5), (0.01, 0.0224, 1e-4)])
-def test_friction_is_nearly_absent_at_the_antennas_slip_speeds(speed, coefficient, digit):
-    """The third branch is viscous: a few mm/s give a fiftieth of the static coefficient."""
-    assert BAI_ZHAO.coefficient(speed) == pytest.approx(coefficient, abs=0.51 * digit)  # rounding
-
-
-@pytest.mark.parametrize("speed", [0.1, 1.0])
-def test_velocity_based_law_is_continuous_with_its_slope(speed):
-    law = BAI_ZHAO
-    # Both sides of a C1 join with zero slope: the value leaves quadratically.
-    for step in (1e-5, 1e-6):
-        change = max(
-            abs(law.coefficient(speed - step) - law.coefficient(speed)),
-            abs(law.coefficient(speed + step) - law.coefficient(speed)),
-        )
-        # Half the largest second derivative there, 3 mu_s / v_s^2 = 45 s^2/m^2; and round-off.
-        assert change <= 0.5 * 46.0 * step**2 + 1e-16
-    # Truncation of the one-sided difference is step^2 f''' / 3, f''' = 45 / 0.1 at most.
-    assert slope(law, speed, 1e-5) == pytest.approx(0.0, abs=5e-8)
-    assert slope(law, speed, -1e-5) == pytest.approx(0.0, abs=5e-8)
-
-
-def test_velocity_based_law_falls_from_static_to_dynamic():
-    values = [BAI_ZHAO.coefficient(v) for v in np.linspace(0.1, 1.0, 500)]
-    assert (np.diff(values) <= 0.0).all()
-    rising = [BAI_ZHAO.coefficient(v) for v in np.linspace(0.0, 0.1, 500)]
-    assert (np.diff(rising) >= 0.0).all()
-
-
-def test_velocity_based_law_is_viscous_near_rest():
-    """Slope 1.5 mu_s / v_s = 2.25 s/m."""
-    # The next term is cubic: relative (v / v_s)^2 / 3.
-    assert BAI_ZHAO.coefficient(1e-7) / 1e-7 == pytest.approx(2.25, rel=1e-11, abs=0.0)
 
 
 # --- docstring formulas ---

@@ -150,8 +150,8 @@ def test_gonthier_below_a_third_and_carvalho_martins_above_stay_close():
 @pytest.mark.parametrize("exponent", [1.0, 1.5])
 @pytest.mark.parametrize("name", FACTORS)
 def test_impacts_deliver_the_closed_form(name, exponent):
-    """Fixed wall and free pair, three masses: closed form and integration agree to 1e-6, and depth too."""
-    for mass, speed, asked in ((0.02, 0.5, 0.9), (1.3, 0.05, 0.5), (70.0, 0.003, 0.2)):
+    """Fixed wall and free pair, two masses: closed form and integration agree to 1e-6, and depth too."""
+    for mass, speed, asked in ((0.02, 0.5, 0.9), (70.0, 0.003, 0.2)):
         law = DampedContact(
             elastic=Hertz(stiffness=1e9 if exponent == 1.5 else 1e7, exponent=exponent),
             dissipation=FACTORS[name](restitution=asked),
@@ -165,12 +165,6 @@ def test_impacts_deliver_the_closed_form(name, exponent):
         depth = closed_form_peak_depth(law, mass=mass, speed=speed)
         assert wall.peak_depth == pytest.approx(depth, rel=1e-9, abs=0.0)
         assert pair.peak_depth == pytest.approx(depth, rel=1e-9, abs=0.0)
-
-
-@pytest.mark.parametrize("asked", [0.05, 0.1, 0.3, 0.6, 0.9, 0.99, 1.0])
-def test_the_exact_law_delivers_what_is_asked_for(asked):
-    law = ExactRestitution(stiffness=1e10, restitution=asked)
-    assert impact_on_wall(law, mass=0.4, speed=0.2).restitution == pytest.approx(asked, abs=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -83,8 +83,8 @@ def test_perssons_pressure_carries_its_load(half_angle):
 
 
 def test_perssons_pressure_is_the_plane_solution():
-    peak, load = michell_disc(1.0, 4000)
-    assert float(persson_pressure(1.0)) == pytest.approx(peak / load, rel=1e-4)  # what 4000 terms leave out
+    peak, load = michell_disc(1.0, 1000)
+    assert float(persson_pressure(1.0)) == pytest.approx(peak / load, rel=1e-4)  # what 1000 terms leave out
 
 
 def test_perssons_line_between_hertz_and_full_contact():
@@ -106,7 +106,7 @@ def test_perssons_line_between_hertz_and_full_contact():
     assert persson_load(arcs) * E * play == pytest.approx(loads, rel=1e-11)
 
 
-def plain_socket(edge, rings=60, terms=3000):
+def plain_socket(edge, rings=40, terms=1500):
     """Load and peak pressure by rings of constant pressure and plain sums of Legendre's polynomials."""
     nu, n = 0.3, np.arange(terms, dtype=float)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -132,15 +132,6 @@ def test_drive_at_a_clearance_joint_is_a_couple(about):
         assert rates[system.work_x[0]] == pytest.approx(tau @ velocity(system, y), rel=1e-13, abs=0.0)
 
 
-def test_drive_at_a_planar_joint():
-    system = make_system("planar", drives={"motor": ConstantDrive(joint="turn", value=3.0)})
-    y = random_state(system, np.random.default_rng(4))
-    tau, rates = forces(system, 0.0, y)
-    slot = system.mechanism.joint("turn")
-    assert tau[slot.v].tolist() == [0.0, 0.0, 3.0]
-    assert rates[system.work_x[0]] == pytest.approx(3.0 * velocity(system, y, "turn")[2], rel=1e-15, abs=0.0)
-
-
 @pytest.mark.parametrize("kind", ["ideal", "free", "planar"])
 def test_drives_and_springs_are_internal(kind):
     """Reaction on the parent, equal and opposite: the total momentum does not change."""
@@ -368,14 +359,6 @@ def test_damper_at_a_clearance_joint_takes_what_it_loses(kind):
         assert rates[system.damper_x[0]] > 0.0
         # Round-off.
         assert -tau @ velocity(system, y) == pytest.approx(rates[system.damper_x[0]], rel=1e-12, abs=0.0)
-
-
-def test_spring_at_a_clearance_joint_without_tilt_is_a_couple_about_the_axis():
-    system = make_system("free", springs={"coil": JointSpring(joint="turn", stiffness=2.0, rest_angle=0.1)})
-    slot, q = system.mechanism.joint("turn"), system.neutral()
-    q[slot.q] = [0.01, 0, 0, *pin.Quaternion(pin.exp3(0.7 * AXIS)).coeffs()]
-    tau, _ = forces(system, 0.0, system.state(q, np.zeros(system.model.nv)))
-    assert tau[slot.v] == pytest.approx([0, 0, 0, *(-2.0 * 0.6 * AXIS)], abs=1e-15)  # round-off
 
 
 # --- derivatives --------------------------------------------------------------------------------------------

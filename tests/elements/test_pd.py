@@ -6,8 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
-from scipy.interpolate import PchipInterpolator
 from wheel import INERTIA, wheel_urdf
 
 from antenna_pin import RunSettings, System, build_mechanism, load_scenario, simulate
@@ -83,41 +81,6 @@ def test_the_ledger_of_a_controller_closes():
     assert work == pytest.approx(kinetic, abs=1e-9)
     assert abs(data["energy_error"].values).max() < 1e-9 * gross[-1]
     assert gross[-1] > 1.5 * abs(work[-1])
-
-
-@pytest.mark.parametrize("reference", ["sine", "table"])
-def test_tracking_agrees_with_another_solver(reference):
-    kp, kd = 20.0, 1.0
-    if reference == "sine":
-        given = {"amplitude": 0.5, "frequency": 0.8, "phase": 0.4, "angle": 0.2}
-        omega = 2.0 * math.pi * 0.8
-
-        def wanted(t):
-            turned = omega * t + 0.4
-            return 0.2 + 0.5 * math.sin(turned), 0.5 * omega * math.cos(turned)
-
-        knots = [0.0, 2.0]
-    else:
-        time, values = (0.0, 0.3, 0.5, 1.1, 1.6, 2.0), (0.0, 0.5, 0.4, 1.2, 1.2, 0.1)
-        given = {"time": time, "reference": values}
-        curve = PchipInterpolator(time, values)
-        slope = curve.derivative()
-        knots = list(time)
-
-        def wanted(t):
-            return float(curve(t)), float(slope(t))
-
-    def rates(t, y):
-        angle, rate = wanted(t)
-        return [y[1], (kp * (angle - y[0]) + kd * (rate - y[1])) / INERTIA]
-
-    t, angle = motion(follow("revolute", kp=kp, kd=kd, **given))
-    y, expected = [0.0, 0.0], np.zeros_like(t)
-    for a, b in zip(knots[:-1], knots[1:], strict=True):
-        here = (t >= a) & (t <= b)
-        run = solve_ivp(rates, (a, b), y, "DOP853", dense_output=True, rtol=1e-13, atol=1e-14)
-        y, expected[here] = run.y[:, -1], run.sol(t[here])[0]
-    assert angle == pytest.approx(expected, abs=1e-8)
 
 
 def test_its_reference_and_error_stand_in_the_result():

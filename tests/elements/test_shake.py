@@ -41,6 +41,9 @@ MOTIONS = {
 }
 
 
+GAUSS = np.polynomial.legendre.leggauss(1000)
+
+
 @pytest.mark.parametrize("name", MOTIONS)
 def test_rate_and_acceleration_are_the_exact_derivatives(name):
     """By Gauss's rule over spans without an instant: the changes of position and rate, to round-off."""
@@ -48,7 +51,7 @@ def test_rate_and_acceleration_are_the_exact_derivatives(name):
     last = 3.4 if name == "octaves" else 1.6  # of the former past both changes of amplitude
     marks = sorted({0.05, last, *(t for t in motion.instants if 0.05 < t < last)})
     for a, b in zip(marks[:-1], marks[1:], strict=True):
-        nodes, weights = np.polynomial.legendre.leggauss(1000)
+        nodes, weights = GAUSS
         t = 0.5 * (b - a) * nodes + 0.5 * (a + b)
         values = np.array([motion.at(float(one)) for one in t])
         scale = np.abs(values).max(axis=0)

@@ -1,12 +1,16 @@
 """Displacements carried by a run's stages: what they are off by, by three of them."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from plain_kernels import inner
 from scipy.linalg import expm
 
 from antenna_pin import RunSettings, System, Urdf, build_mechanism
 from antenna_pin.elements import JointSpring
-from antenna_pin.integrate import METHODS
+from antenna_pin.integrate import METHODS, Manifold
+from antenna_pin.run.engine import carry_kernels
 from antenna_pin.run.engine.carry_kernels import _grade, _place
 from antenna_pin.run.engine.carrying import Steps, third_order
 from antenna_pin.studies.nonlinear.vector_field import VectorField
@@ -86,3 +90,32 @@ def test_tangents_of_a_damped_oscillator_are_propagated_by_its_matrix_exponentia
     assert rest[:2] == pytest.approx(over_step @ over_step @ off[:2], abs=1e-8)
     lost = states[0] @ energy - states[2] @ energy @ over_step @ over_step
     assert books[0] == pytest.approx(lost, abs=1e-10)
+
+
+def test_error_sums_of_displacements_have_their_own_places():
+    """Behind ways those of rates, then bristles: the stage's share of how far two orders part. CarryRoom."""
+    nv, nx, d, h, speed, weight = 3, 5, 2, -0.2, 0.7, 0.4
+    bristles = np.array([1, 4, 2])
+    rng = np.random.default_rng(5)
+    both = rng.normal(size=(2, d, nv + nx))
+    v = rng.normal(size=nv)
+    room = SimpleNamespace(
+        tangent=SimpleNamespace(layout=Manifold(("rotation",), nx).layout, bristles=bristles),
+        tableau=SimpleNamespace(weights=np.full((3, 3), weight), last=2),
+        now=rng.normal(size=(d, 2 * nv + 3)),
+        few=np.zeros((1, 2 * nv + 3)),
+        slopes=np.zeros((3, d, 2 * nv + 3)),
+        bracket=np.zeros(nv),
+        rough=np.zeros((1, 2 * nv + 3)),
+        books=np.zeros((1, nx)),
+    )
+    y = np.concatenate([[0.0, 0.0, 0.0, 1.0], v, np.zeros(nx)])
+    inner(carry_kernels, "_note")(1, h, speed, y, both, room)
+    moving = np.concatenate([np.arange(nv), nv + bristles])
+    part = h * speed * weight
+    assert not room.rough[0, :nv].any()
+    assert room.rough[0, nv:] == pytest.approx(abs(part) * abs(both[1] - both[0])[0, moving], rel=1e-14)
+    assert room.books[0] == pytest.approx(part * both[0, 0, nv:], rel=1e-14)
+    assert room.slopes[1, :, nv:] == pytest.approx(speed * both[0][:, moving], rel=1e-14)
+    ways = room.now[:, nv : 2 * nv] - np.cross(v, room.now[:, :nv])
+    assert room.slopes[1, :, :nv] == pytest.approx(speed * ways, rel=1e-13)

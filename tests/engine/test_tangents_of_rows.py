@@ -1,7 +1,6 @@
 """Derivatives of rates under closures, motions, couplings and held joints: as differences of the whole."""
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from branches import closed
 from coupled import Coupled
@@ -81,35 +80,6 @@ def test_a_driven_twist_changes_as_the_whole_does():
     y = system.state(system.neutral(), rng.normal(size=system.model.nv))
     workspace.retract(y, 0.5 * rng.normal(size=system.model.nv))
     assert judge(system, y) < 1.0
-
-
-@pytest.mark.parametrize("kind", ["spherical", "fixed"])
-def test_a_point_and_a_fixed_closure_change_as_pinocchios(kind):
-    """Its derivatives of constrained dynamics know these two kinds of contacts.
-
-    Along what these leave free: where they are open, equations of a point differ.
-    """
-    known = {"spherical": pin.ContactType.CONTACT_3D, "fixed": pin.ContactType.CONTACT_6D}[kind]
-    system, y = closed(kind, 11)
-    model, data = system.model, system.model.createData()
-    nq, nv = model.nq, model.nv
-    closure, sides = next(iter(system.closures.values())), []
-    for side in (closure.first, closure.second):
-        frame = model.frames[system.mechanism.frame(side.link)]
-        sides += [frame.parentJoint, frame.placement * pin.SE3(side.rotation, side.origin)]
-    models, datas = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
-    models.append(pin.RigidConstraintModel(known, model, *sides, pin.LOCAL))
-    datas.append(models[0].createData())
-    pin.initConstraintDynamics(model, data, models, datas)
-    settings = pin.ProximalSettings(1e-14, 1e-12, 20)
-    pin.constraintDynamics(model, data, y[:nq], y[nq : nq + nv], np.zeros(nv), models, datas, settings)
-    over_q, over_v, *_ = pin.computeConstraintDynamicsDerivatives(model, data, models, datas, settings)
-    field = VectorField(system, RunSettings(engine="compiled"))
-    ways = field.lift(field.frame(y), TIME, y).up
-    found = field._tangents.rates(TIME, y, ways, np.full(ways.shape[1], 1e-4))[0, :nv]
-    expected = over_q @ ways[:nv] + over_v @ ways[nv : 2 * nv]
-    # Its proximal solver ends near 1e-12 of the largest.
-    assert found == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
 
 
 @pytest.mark.parametrize("base", ["free", "fixed"])

@@ -132,7 +132,7 @@ class Poses(NamedTuple):
 @pytest.fixture(scope="session", params=POSE_SETS)
 def poses(request):
     shape, tilt, across, along = POSE_SETS[request.param]
-    centre, axis = random_poses(10_000, 20, tilt, across, along)
+    centre, axis = random_poses(5_000, 20, tilt, across, along)
     bore = [bore_gaps(shape, centre, axis, side) for side in (1, -1)]
     flange = [flange_gaps(shape, centre, axis, side) for side in (1, -1)]
     columns = [np.stack(values, axis=1) for values in zip(*bore, strict=True)]

@@ -130,7 +130,7 @@ def test_the_rate_of_a_gap_is_that_of_the_slider_at_the_point_along_the_normal(s
 def test_a_gap_does_not_jump_as_a_slider_goes_through_its_guide(shape, depth):
     """Pressed and apart, tilted, all the way into the guide and out again."""
     turn = Rotation.from_rotvec([0.3e-3, -0.8e-3, 0.1e-3]).as_matrix()
-    way = np.linspace(-0.16, 0.16, 801)
+    way = np.linspace(-0.16, 0.16, 401)
     gaps = np.array(
         [[c.gap for c in shape.contacts([5e-5 - depth + 0.8e-3 * z, 1e-5, z], turn)] for z in way]
     )

@@ -209,3 +209,24 @@ def test_only_what_matters_has_a_column():
     assert every.newton.columns.tolist() == [0, 1, 2] and named.newton.columns.tolist() == [0, 1]
     assert named.evaluations < every.evaluations
     assert named.y == pytest.approx(every.y, abs=1e-12)  # where Newton's steps end
+
+
+class Draining:
+    """A level that is defined from zero on: y' = 1 - 100 y^1.5."""
+
+    manifold = Manifold((), 1)
+
+    def initial(self):
+        return np.zeros(1)
+
+    def derivative(self, t, y, rates):
+        assert y[0] >= 0.0
+        rates[0] = 1.0 - 100.0 * y[0] ** 1.5
+
+
+def test_a_state_at_its_least_is_not_displaced_below_it():
+    """An implicit step from zero of what has no derivative below."""
+    stepper = Stepper(Draining(), METHOD, np.ones(1), 1e-6)
+    stepper.restart(0.0, np.zeros(1))
+    assert stepper.attempt(1e-3) < 1.0
+    assert stepper.y[0] == pytest.approx(1e-3 - 40.0 * 1e-3**2.5, rel=1e-5)

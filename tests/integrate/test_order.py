@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from antenna_pin.contact import Hertz, LankaraniNikravesh
+from antenna_pin.contact import LankaraniNikravesh
 from antenna_pin.integrate import METHODS, Manifold, Stepper
 
 END = 2.0
@@ -33,41 +33,6 @@ def test_full_order_on_a_tumbling_body(method, solution, marcher, state_differen
     assert errors[1] > 1e-12  # far above the error of the reference, some 1e-14
     # The next term of the error, of relative size h.
     assert order(*errors) == pytest.approx(method.order, abs=0.25)
-
-
-def test_on_the_group_rk4_beats_averaged_velocities_a_thousandfold(body, marcher):
-    """RK4 that composes with the exponential of averaged body rates is of order 2 in the attitude.
-
-    It has the full order in the velocity, which does not depend on the attitude, and so looks right.
-    """
-    problem = body()
-    exact = problem.reference([END])[-1]
-    truth = pin.Quaternion(exact[3:7]).matrix()
-    start = problem.initial()
-
-    def spin_rate(w):
-        rates = np.empty(7)
-        problem.derivative(0.0, np.concatenate([start[:10], w, [0.0]]), rates)
-        return rates[3:6]
-
-    def averaged(steps):
-        h, w, attitude = END / steps, start[10:13], pin.Quaternion(start[3:7]).matrix()
-        for _ in range(steps):
-            w2 = w + 0.5 * h * spin_rate(w)
-            w3 = w + 0.5 * h * spin_rate(w2)
-            w4 = w + h * spin_rate(w3)
-            attitude = attitude @ pin.exp3(h * (w + 2.0 * w2 + 2.0 * w3 + w4) / 6.0)
-            w = w + h * (spin_rate(w) + 2.0 * spin_rate(w2) + 2.0 * spin_rate(w3) + spin_rate(w4)) / 6.0
-        return attitude, w
-
-    def apart(attitude):
-        return np.linalg.norm(pin.log3(truth.T @ attitude))
-
-    y = marcher(problem, "rk4", END, 200).y
-    attitude, spin = averaged(200)
-    assert apart(pin.Quaternion(y[3:7]).matrix()) < 1e-3 * apart(attitude)
-    # The spin, whose equation knows no attitude, is the same but for round-off of 200 steps.
-    assert y[10:13] == pytest.approx(spin, rel=0.0, abs=1e-13)
 
 
 def test_dense_output_has_its_order(method, body, state_difference):
@@ -109,7 +74,7 @@ def test_dense_output_joins_its_ends(method, body, state_difference):
 @pytest.mark.parametrize("name", ["dormand-prince-54", "dormand-prince-853"])
 def test_a_tumbling_body_keeps_energy_and_angular_momentum(name, body, marcher):
     problem = body()
-    stepper = marcher(problem, name, 10.0, {"dormand-prince-54": 4000, "dormand-prince-853": 400}[name])
+    stepper = marcher(problem, name, 5.0, {"dormand-prince-54": 2000, "dormand-prince-853": 200}[name])
     inertia = np.array([1.0, 2.1, 2.9])
 
     def invariants(y):
@@ -121,7 +86,7 @@ def test_a_tumbling_body_keeps_energy_and_angular_momentum(name, body, marcher):
     # Truncation of order h^p below 1e-12, and round-off of some thousand steps.
     assert last == pytest.approx(first, abs=3e-12)
     # So the mass centre goes straight.
-    expected = problem.initial()[:3] + 10.0 * np.array(first[4:])
+    expected = problem.initial()[:3] + 5.0 * np.array(first[4:])
     assert stepper.y[:3] == pytest.approx(expected, abs=3e-11)
 
 
@@ -168,16 +133,3 @@ def test_order_of_an_impact_from_its_located_onset(method, exponent, restitution
     expected = method.order if exponent.is_integer() else min(method.order, exponent + 1.0)
     # The next term of the error, of relative size h or, of the third-order method at n = 3/2, sqrt(h).
     assert order(*errors) == pytest.approx(expected, abs=0.4)
-
-
-def test_a_step_across_an_onset_that_was_not_located_loses_the_order(marcher):
-    """Started before the touch, without an event there: why the run locates it."""
-    problem = Impact(Hertz(stiffness=1.0, exponent=1.0), depth=-0.1234)
-    errors = []
-    for steps in (40, 80, 160, 320, 640):
-        y = marcher(problem, "dormand-prince-853", 1.2, steps).y
-        touch = 0.1234  # then sin and cos
-        errors.append(abs(y[0] - math.sin(1.2 - touch)) + abs(y[1] - math.cos(1.2 - touch)))
-    # A kink of the force costs h^2, times where in its step it falls; eight would be the method's.
-    assert math.log2(errors[0] / errors[-1]) / 4.0 < 3.0
-    assert errors[-1] > 1e-9

@@ -88,15 +88,6 @@ def test_a_rejected_step_leaves_no_trace(method, rejected, body):
     assert (tried.y == fresh.y).all()
 
 
-def test_the_state_stays_while_steps_are_tried(method, body):
-    stepper = make(body(2.0), method)
-    before = stepper.start.copy()
-    for h in (0.1, 5.0):
-        stepper.attempt(h)
-        stepper.prepare_dense()
-        assert (stepper.start == before).all() and stepper.t == 0.0
-
-
 def test_asking_for_dense_output_changes_nothing(method, body):
     """Its extra stages use the same rows as the step."""
     asked, fresh = make(body(2.0), method), make(body(2.0), method)
@@ -159,17 +150,6 @@ def test_refresh_takes_up_a_change_of_the_problem(method, body):
     stepper.attempt(0.1)
     fresh.attempt(0.1)
     assert (stepper.y == fresh.y).all()
-
-
-def test_a_step_back_returns(method, body, state_difference):
-    stepper = make(body(2.0), method)
-    start = stepper.start.copy()
-    for h in (0.01, -0.01):
-        stepper.attempt(h)
-        stepper.accept()
-    # Twice the local error of the lowest order, 0.01^4; and round-off.
-    assert state_difference(stepper.y, start) < 1e-7
-    assert stepper.t == 0.0
 
 
 # --- the error of a step ------------------------------------------------------------------------------------

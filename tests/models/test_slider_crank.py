@@ -6,7 +6,6 @@ import tomllib
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 import pytest
 from closure_force import force_of_closure
 
@@ -134,52 +133,6 @@ def test_the_closed_form_is_consistent():
 def mechanism():
     urdf = Urdf.from_text((FOLDER / "slider_crank.urdf").read_text(), "slider_crank.urdf")
     return build_mechanism(urdf, "fixed", (0.0, 0.0, -GRAVITY))
-
-
-def test_the_urdf_has_the_masses_and_lengths(mechanism):
-    data = mechanism.model.createData()
-    pin.framesForwardKinematics(mechanism.model, data, pin.neutral(mechanism.model))
-    assert data.oMf[mechanism.frame("rod")].translation.tolist() == [CRANK, 0.0, 0.0]
-    assert data.oMf[mechanism.frame("slider")].translation == pytest.approx(
-        [CRANK + ROD, 0.0, 0.0], abs=1e-16
-    )
-    bodies = dict(zip(mechanism.bodies, list(mechanism.model.inertias)[1:], strict=True))
-    for name, mass, length, moment in (
-        ("crank", CRANK_MASS, CRANK, CRANK_INERTIA),
-        ("rod", ROD_MASS, ROD, ROD_INERTIA),
-        ("slider", SLIDER_MASS, 0.0, None),
-    ):
-        assert bodies[name].mass == mass
-        assert bodies[name].lever.tolist() == [0.5 * length, 0.0, 0.0]
-        if moment is not None:
-            assert bodies[name].inertia[1, 1] == moment
-
-
-@pytest.mark.parametrize("angle", [0.0, 0.7, 2.5, 4.0])
-def test_inverse_dynamics_of_the_tree_gives_the_closed_form(mechanism, angle):
-    """At the ideal motion only the crank and the guide act: the moment, and what the guide must give."""
-    m = closed_form(np.array(angle), SPEED)
-    # Angles and rates about -y, so from x to z; each joint's is relative to the link before.
-    turned = np.array([angle, -angle - m.rod_angle, m.rod_angle])
-    rates = np.array([SPEED, -SPEED - m.rod_rate, m.rod_rate])
-    sphi, cphi = np.sin(m.rod_angle), np.cos(m.rod_angle)
-    second = (m.rod_rate**2 * sphi - CRANK / ROD * SPEED**2 * np.sin(angle)) / cphi
-    q = np.ravel(np.column_stack([np.cos(turned), np.sin(turned)]))
-    model, data = mechanism.model, mechanism.model.createData()
-    torque = pin.rnea(model, data, q, rates, np.array([0.0, -second, second]))
-    pin.forwardKinematics(model, data, q, rates, np.array([0.0, -second, second]))
-    slider = mechanism.joint("pin").joint_id
-    assert data.oMi[slider].translation == pytest.approx([float(m.position), 0.0, 0.0], abs=1e-15)
-    acceleration = pin.getClassicalAcceleration(model, data, slider, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
-    # Round-off of terms of the largest acceleration, 2e4 m/s^2.
-    assert acceleration.linear == pytest.approx([float(m.acceleration), 0.0, 0.0], abs=1e-11)
-    # The guide's force on the slider, z, at its place: what it takes off the torques of crank and rod.
-    lever = data.oMi[slider].translation
-    for number, place in enumerate(([0.0, 0.0, 0.0], CRANK * np.array([np.cos(angle), 0.0, np.sin(angle)]))):
-        by_guide = (lever - place)[0] * m.guide_force
-        expected = m.moment if number == 0 else 0.0
-        # Round-off of forces of 3e3 N at levers of 0.2 m.
-        assert torque[number] - by_guide == pytest.approx(expected, abs=1e-11)
 
 
 # --- runs --------------------------------------------------------------------------------------------------

@@ -124,7 +124,7 @@ def test_a_right_hand_side_in_python_is_the_same_both_ways(both_ways):
 def test_ctrl_c_while_machine_code_runs_ends_a_run_with_what_it_has(shim):
     """The signal comes within a batch of steps, most likely; progress is reported up to then."""
     reports = []
-    threading.Timer(1.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+    threading.Timer(0.6, os.kill, (os.getpid(), signal.SIGINT)).start()
     run = simulate(load_scenario("bai2020", case="case3"), duration=1000.0, progress=reports.append)
     assert run.outcome is Outcome.INTERRUPTED
     assert 0.0 < reports[0].time < reports[-1].time <= run.data["time"].values[-1] < 1000.0

@@ -386,7 +386,7 @@ def ends():
     yield ROUND, round_slider()
     for name, (system, engine) in systems():
         q, v = started(system)
-        settings = RunSettings(engine=engine, max_step=1e-3, rtol=1e-3)
+        settings = RunSettings(engine=engine, max_step=1e-3, rtol=1e-3, method="bogacki-shampine-32")
         yield name, simulate(system, duration=1e-3, q=q, v=v, settings=settings)
     for model, (scenario, case, duration) in PLAY.items():
         loaded = load_scenario(scenario, case=case)

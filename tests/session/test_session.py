@@ -90,36 +90,30 @@ def test_without_commands_it_is_the_run_however_finely_it_is_told():
         assert run.counts.evaluations == whole.counts.evaluations
 
 
-@pytest.mark.parametrize("geometry", ["coal"])
-@pytest.mark.parametrize("method", ["rk4", "radau5"])
-def test_every_method_and_backend_likewise(method, geometry):
-    step = ["integrator.step=20 us"] if method == "rk4" else []
-    scenario = antenna(f"integrator.method={method}", *step, geometry=geometry)
-    commands = [(0.004, MOTOR, 2.0), (0.0077, MOTOR, -1.0)]
-    run = told(scenario, commands, 0.012).trajectory()
-    assert differences(run, at_once(scenario, commands, 0.012)) == []
+def solar(case, span):
+    """Return an array with stops, latches and belts, commands, and how long it runs [s]."""
+    commands = ((0.31, "first.stiffness", 0.02), (0.62, "second.on", False), (0.8, "second.on", True))
+    made = load_scenario("solar_array", case=case)
+    return made, [(part * span, f"springs.{place}", value) for part, place, value in commands], span
 
 
-def test_closed_loop():
-    scenario = load_scenario(
-        "slider_crank",
-        case="planar",
-        overrides=["drives.crank={kind='constant', value=5.0, replace=true}"],
-    )
-    commands = [(0.0003, "drives.crank.value", 9.0), (0.0011, "drives.crank.value", -5.0)]
-    run = told(scenario, commands, 0.002).trajectory()
-    assert differences(run, at_once(scenario, commands, 0.002)) == []
+PUSHED = [(0.004, MOTOR, 2.0), (0.0077, MOTOR, -1.0)]
+DRIVEN = "drives.crank={kind='constant', value=5.0, replace=true}"
+TURNED = [(0.0003, "drives.crank.value", 9.0), (0.0011, "drives.crank.value", -5.0)]
+OTHERS = {
+    "rk4, coal": lambda: (
+        antenna("integrator.method=rk4", "integrator.step=20 us", geometry="coal"), PUSHED, 0.012
+    ),
+    "radau5, coal": lambda: (antenna("integrator.method=radau5", geometry="coal"), PUSHED, 0.012),
+    "loop": lambda: (load_scenario("slider_crank", case="planar", overrides=[DRIVEN]), TURNED, 0.002),
+    "stops": lambda: solar("ideal", 1.0),
+    "stops, play": lambda: solar("play", 0.02),
+}  # fmt: skip
 
 
-@pytest.mark.parametrize("case", ["ideal", "play"])
-def test_stops_latches_and_belts(case):
-    scenario = load_scenario("solar_array", case=case)
-    span = 0.02 if case == "play" else 1.0
-    commands = [
-        (0.31 * span, "springs.first.stiffness", 0.02),
-        (0.62 * span, "springs.second.on", False),
-        (0.8 * span, "springs.second.on", True),
-    ]
+@pytest.mark.parametrize("name", OTHERS)
+def test_every_method_backend_and_mechanism_likewise(name):
+    scenario, commands, span = OTHERS[name]()
     run = told(scenario, commands, span).trajectory()
     assert differences(run, at_once(scenario, commands, span)) == []
 

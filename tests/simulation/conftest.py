@@ -72,6 +72,11 @@ def fixed_steps() -> Callable[..., RunSettings]:
 @pytest.fixture
 def small_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     """Let a record go to the disk every few samples, and a run be looked at every few steps."""
+    make_small(monkeypatch)
+
+
+def make_small(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Patch the parts of a record to be small; the caller says until when."""
     monkeypatch.setattr(checkpoint, "_PART", 40_000)
     monkeypatch.setattr(steps, "_BUDGET", 2)
     monkeypatch.setattr(loop, "_INTERVAL", -1.0)

@@ -89,7 +89,7 @@ def test_however_a_run_is_interrupted_it_ends_the_same(
     scenario, span, events, rng = drawn(draw_scenario, number)
     seen = []
     whole = simulate(scenario, duration=span, events=events, progress=seen.append)
-    times = int(rng.integers(1, 12))
+    times = int(rng.integers(1, 8))
     looks = max(2, 2 * len(seen) // times)
     more = {"looks": looks, "checkpoint": 10.0 ** rng.uniform(-4.0, -1.5), "events": events}
     pieces = in_pieces(scenario, span, tmp_path / "run.nc", rng, times, **more)

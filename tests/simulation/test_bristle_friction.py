@@ -6,9 +6,8 @@ import math
 
 import numpy as np
 import pytest
-from interruptions import in_pieces, same
 
-from antenna_pin import RunSettings, build_system, load_scenario, run_study, simulate
+from antenna_pin import RunSettings, build_system, load_scenario, simulate
 from antenna_pin.dynamics import System
 from antenna_pin.elements import (
     ConstantDrive,
@@ -24,7 +23,6 @@ from antenna_pin.errors import AntennaPinError
 from antenna_pin.mechanism import Urdf, build_mechanism
 from antenna_pin.run.simulation import Event, Set, Time
 from antenna_pin.studies.linear import modes
-from antenna_pin.studies.sweep import Study
 from antenna_pin.trajectory import Trajectory
 
 INERTIA, MASS = 0.5, 2.0
@@ -127,19 +125,6 @@ def test_about_stick_it_is_a_spring_and_a_damper(law, kind):
     assert found.damping_ratio[-1] == pytest.approx(damping / (2.0 * math.sqrt(SIGMA * inertia)), abs=1e-6)
 
 
-def test_a_small_swing_decays_as_that_of_a_spring_and_damper():
-    """LuGre, a millionth of the reach: what slips is a share of 1e-6 of the way."""
-    small = 1e-6 * T / SIGMA
-    omega = math.sqrt(SIGMA / INERTIA)
-    run = simulate(_one(LUGRE), q=[0.0], v=[small * omega], duration=2.0, settings=TIGHT)
-    zeta = 0.7 / (2.0 * math.sqrt(SIGMA * INERTIA))
-    damped = omega * math.sqrt(1.0 - zeta**2)
-    time = run.data["time"].values
-    expected = small * omega / damped * np.exp(-zeta * omega * time) * np.sin(damped * time)
-    q = run.data["motion_angle"].values[:, 0]
-    np.testing.assert_allclose(q, expected, rtol=0, atol=3e-6 * small)
-
-
 @pytest.mark.parametrize("law", list(LAWS))
 def test_it_holds_against_less_than_it_breaks_away_at(law):
     """Under half of Coulomb friction it stands, bent by T / 2 sigma; under twice the static one it goes."""
@@ -156,17 +141,6 @@ def test_it_holds_against_less_than_it_breaks_away_at(law):
         assert float(held.data["bristle_bend"][-1, 0]) == pytest.approx(0.5, abs=1e-8)
     gone = simulate(_one(own, drives={"d": ConstantDrive(joint="j", value=6.0)}), duration=1.0)
     assert float(gone.data["v"][-1, 0]) > 4.0
-
-
-@pytest.mark.parametrize("method", ["radau5", "rk4"])
-@pytest.mark.parametrize("law", list(LAWS))
-def test_implicit_and_fixed_steps_know_the_bristles(law, method):
-    start = {"q": [0.0], "v": [1.0], "duration": 0.4}
-    expected = simulate(_one(LAWS[law]), **start, settings=TIGHT).data["motion_angle"].values[-1, 0]
-    own = {"rtol": 1e-9} if method == "radau5" else {"step": 1e-4}
-    found = simulate(_one(LAWS[law]), **start, settings=RunSettings(method=method, **own))
-    # Of their own tolerances and orders, over kinks that fixed steps do not look for.
-    assert float(found.data["motion_angle"][-1, 0]) == pytest.approx(expected, abs=1e-7)
 
 
 def test_stiff_bristles_take_implicit_steps():
@@ -216,16 +190,6 @@ duration = "0.5 s"
 [mechanism]
 urdf = "one.urdf"
 base = "fixed"
-[initial.joints.j]
-rate = "1 rad/s"
-[drives.j]
-kind = "sine"
-amplitude = "3 N*m"
-frequency = "4 Hz"
-[integrator]
-engine = "compiled"
-[output]
-rate = "1 kHz"
 [frictions.j]
 """
 TABLES = {
@@ -247,34 +211,6 @@ def _written(folder, law):
 @pytest.mark.parametrize("law", list(LAWS))
 def test_a_scenario_has_them(tmp_path, law):
     assert build_system(load_scenario(_written(tmp_path, law))).families["frictions"]["j"] == LAWS[law]
-
-
-@pytest.mark.filterwarnings("ignore::antenna_pin.run.simulation.CheckpointsWaitedWarning")
-@pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
-@pytest.mark.parametrize("law", list(LAWS))
-def test_it_goes_on_from_checkpoints_bit_for_bit(tmp_path, small_parts, law, engine):
-    """However often it was stopped: bristles and dwell are part of what a checkpoint holds."""
-    scenario = load_scenario(_written(tmp_path, law), overrides=[f"integrator.engine={engine}"])
-    whole = simulate(scenario, duration=0.2)
-    pieces = in_pieces(scenario, 0.2, tmp_path / "run.nc", np.random.default_rng(5), 6)
-    same(whole, pieces)
-    assert float(np.ptp(whole.data["bristle_bend"].values)) > 0.9  # they were bent as far as they go
-
-
-def test_a_study_over_it_has_the_values_of_single_runs(tmp_path):
-    """Over the torque at which it slides; the last angle is that of a run of its own, bit for bit."""
-    path = _written(tmp_path, "lugre")
-    study = Study.model_validate(
-        {
-            "scenario": str(path),
-            "parameters": {"torque": {"key": "frictions.j.coulomb", "values": [0.5, 1.0, 2.0]}},
-            "responses": {"angle": {"measure": "final_angle", "of": "j"}},
-        }
-    )
-    found = run_study(study, tmp_path / "few.study")
-    for torque, angle in zip((0.5, 1.0, 2.0), found["angle"].values.tolist(), strict=True):
-        run = simulate(load_scenario(path, overrides={"frictions.j.coulomb": torque}))
-        assert float(run.data["final_angle"].sel(joint="j")) == angle
 
 
 @pytest.mark.parametrize("law", list(LAWS))

@@ -1,14 +1,11 @@
 """Events on what elements and contacts do: where they happen, what they set, and how often."""
 
 import pytest
+from wheel import wheel_text
 
 from antenna_pin import Outcome, load_scenario, simulate
 from antenna_pin.errors import AntennaPinError
 
-URDF = """<robot name="wheel"><link name="wall"/><link name="disc"><inertial><mass value="1"/>
-<inertia ixx="2" iyy="2" izz="2" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<joint name="hinge" type="continuous"><parent link="wall"/><child link="disc"/><axis xyz="0 0 1"/></joint>
-</robot>"""
 INERTIA, RATE = 2.0, 0.5
 # Of a time at a constant rate, which steps reach to the round-off of its dense output [s].
 EXACT = 1e-9
@@ -17,7 +14,7 @@ EXACT = 1e-9
 @pytest.fixture
 def wheel(tmp_path):
     """Return a function that runs a wheel of 2 kg m^2 at 0.5 rad/s with elements and events given as text."""
-    (tmp_path / "wheel.urdf").write_text(URDF)
+    (tmp_path / "wheel.urdf").write_text(wheel_text(inertia=INERTIA, joint="hinge"))
 
     def made(text, duration=2.0):
         path = tmp_path / "wheel.toml"

@@ -1,14 +1,14 @@
 """The compiled engine: the same runs as by Pinocchio's dynamics, and what it refuses."""
 
 import importlib
-import json
 import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+from wheel import wheel_urdf
 
-from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
+from antenna_pin import RunSettings, System, build_mechanism, load_scenario, simulate
 from antenna_pin.dynamics import CallableDrive
 from antenna_pin.errors import MechanismError
 
@@ -22,24 +22,6 @@ def run(model, case, duration, engine="compiled", joints=(), **settings):
     return simulate(load_scenario(model, case=case, overrides=overrides), duration=duration)
 
 
-def test_the_antenna_moves_as_with_pinocchio():
-    """Over 0.2 s and 35 impacts: the same ones in the same order, the angle to 1e-9 rad."""
-    ours, theirs = (
-        run("bai2020", "case3", 0.2, engine, ["elevation"]) for engine in ("compiled", "pinocchio")
-    )
-    assert ours.data.episode_contact.values.tolist() == theirs.data.episode_contact.values.tolist()
-    angles = [one.data.motion_angle.sel(joint="elevation")[-1].item() for one in (ours, theirs)]
-    assert angles[0] == pytest.approx(angles[1], abs=1e-9)
-    # Single impacts differ by what 35 of them make of round-off.
-    assert ours.data.onset_time.values == pytest.approx(theirs.data.onset_time.values, abs=1e-5)
-    assert ours.data.peak_force.values == pytest.approx(theirs.data.peak_force.values, rel=1e-2)
-    kept = json.loads(ours.data.attrs["conservation"])
-    assert kept["linear_momentum_drift_relative"] < 1e-10
-    assert kept["angular_momentum_drift_relative"] < 1e-10
-    assert kept["energy_error_relative"] < 1e-7
-    assert ours.data.sizes["time"] == theirs.data.sizes["time"]
-
-
 def at_output_times(*runs):
     """Configurations and velocities at output times; samples at peaks may coincide but for round-off."""
     times = np.arange(1, int(1e3 * float(runs[0].data.time[-1]) + 1e-9)) / 1e3
@@ -51,6 +33,7 @@ def at_output_times(*runs):
     ("model", "case", "duration"),
     [
         ("bai2020", "case1", 0.1),
+        ("bai2020", "case3", 0.05),
         ("you2010", "planar", 0.02),
         ("you2010", "3d", 0.02),
         ("impact_pair", "flange", None),
@@ -113,17 +96,11 @@ def test_loops_move_as_with_pinocchio(model, case, joints, duration):
     assert abs(ours.constraints["projection_energy"] - theirs.constraints["projection_energy"]) < 1e-9
 
 
-BAR = """<robot name="bar"><link name="hull"/><link name="arm"><inertial><mass value="1"/>
-  <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-  <joint name="pivot" type="continuous"><parent link="hull"/><child link="arm"/><axis xyz="0 0 1"/></joint>
-  </robot>"""
-
-
 def test_what_is_not_compiled_is_refused_by_name():
     compiled = RunSettings(engine="compiled")
     with pytest.raises(MechanismError, match="joint 'elevation' has its gaps measured by coal"):
         run("bai2020", "case3", 0.01)
-    mechanism = build_mechanism(Urdf.from_text(BAR, "bar.urdf"), "fixed")
+    mechanism = build_mechanism(wheel_urdf(inertia=1.0, joint="pivot"), "fixed")
     drive = CallableDrive(joint="pivot", torque=lambda t, angle, rate: 1.0)
     message = (
         "engine 'compiled': what acts at joint 'pivot' is a function in Python; compile it with "

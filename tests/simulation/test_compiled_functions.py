@@ -9,13 +9,13 @@ import sys
 import numba
 import numpy as np
 import pytest
+from wheel import wheel_urdf
 
-from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
+from antenna_pin import RunSettings, System, build_mechanism, load_scenario, simulate
 from antenna_pin.contact import Coulomb, CustomFriction, CustomNormal, DampedContact, FloresDamping, Hertz
 from antenna_pin.elements import CallableDrive, CallableMotion, SineDrive
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario.assemble import build_system, initial_state
-from tests.simulation.test_compiled import BAR
 
 STIFFNESS, EXPONENT, RESTITUTION = 1e10, 1.5, 0.8
 KNOWN = DampedContact(
@@ -82,7 +82,7 @@ def test_a_law_is_the_built_in_law_that_it_repeats(engine):
 
 
 def bar(**drives):
-    return System(build_mechanism(Urdf.from_text(BAR, "bar.urdf"), "fixed"), drives=drives)
+    return System(build_mechanism(wheel_urdf(inertia=1.0, joint="pivot"), "fixed"), drives=drives)
 
 
 @pytest.mark.parametrize("engine", ["pinocchio", "compiled"])
@@ -124,20 +124,23 @@ def test_a_motion_is_followed(engine):
     assert run.data.drive_torque.values[:, 0] == pytest.approx(-4.5 * np.sin(3.0 * times), abs=1e-9)
 
 
-def test_a_pickled_system_finds_its_functions_in_another_process():
-    """Their places there are others."""
-    system = bar(motor=CallableDrive(joint="pivot", torque=torque))
-    expected = simulate(system, duration=0.1, settings=RunSettings(engine="compiled"))
+def test_pickled_systems_with_their_functions_and_states_go_on_in_another_process():
+    """Places of functions there are others."""
+    asked = load_scenario("bai2020", case="case3", overrides=["clearance.elevation.geometry=closed-form"])
+    state = simulate(asked, duration=0.02).end
+    sent = [(bar(motor=CallableDrive(joint="pivot", torque=torque)), None, 0.1)]
+    sent.append((build_system(asked), state, 0.01))
+    run = "simulate(system, start=start, duration=span, settings=RunSettings(engine='compiled')).end"
     script = (
         "import sys, pickle; from antenna_pin import RunSettings, simulate; "
-        "padding = [bytearray(1 << 20) for _ in range(7)]; "
-        "run = simulate(pickle.loads(sys.stdin.buffer.read()), duration=0.1, "
-        "settings=RunSettings(engine='compiled')); print(repr(float(run.data.motion_angle[-1, 0])))"
+        "padding = [bytearray(1 << 20) for _ in range(7)]; sent = pickle.load(sys.stdin.buffer); "
+        f"pickle.dump([{run} for system, start, span in sent], sys.stdout.buffer)"
     )
-    found = subprocess.run(
-        [sys.executable, "-c", script], input=pickle.dumps(system), capture_output=True, check=True
-    )
-    assert float(found.stdout) == float(expected.data.motion_angle[-1, 0])
+    command = [sys.executable, "-c", script]
+    found = subprocess.run(command, input=pickle.dumps(sent), capture_output=True, check=True)
+    compiled = RunSettings(engine="compiled")
+    expected = [simulate(system, start=s, duration=t, settings=compiled).end for system, s, t in sent]
+    assert pickle.loads(found.stdout) == expected
 
 
 @numba.njit

@@ -22,8 +22,6 @@ from antenna_pin import (
 )
 from antenna_pin.analysis import coupling_loads, quantity
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.studies.linear import modes
-from antenna_pin.studies.nonlinear import Flow
 
 ENGINES = ("pinocchio", "compiled")
 G = 9.81
@@ -118,27 +116,6 @@ def test_two_coupled_pendulums_are_one_with_the_sum_of_the_inertias(engine):
     assert np.ptp(data.kinetic_energy.values) > 5.0
     assert float(np.abs(data.energy_error).max()) < 1e-11
     assert float(coupling_loads(run).peak_torque[0]) == np.abs(torque).max()
-
-
-def test_the_frequency_of_two_coupled_pendulums():
-    """omega^2 = (g s + m^2 g s' cos(o')) / (I + m^2 i) about the place of rest, found by Newton's method."""
-    rest = 0.0
-    for _ in range(20):
-        slope = -G * (LONG[0] * math.cos(rest) + RATIO**2 * SHORT[0] * math.cos(RATIO * rest + OFFSET))
-        rest -= pendulum(0.0, (rest, 0.0))[1] * (LONG[1] + RATIO**2 * SHORT[1]) / slope
-    omega = math.sqrt(-slope / (LONG[1] + RATIO**2 * SHORT[1]))
-    system = pendulums()
-    q = place(system, lead=rest, follow=RATIO * rest + OFFSET)
-    found = modes(system, q=q)
-    assert found.frequency * math.tau == pytest.approx([omega], rel=1e-9)
-    # And as a map: over a time T neighbours of the place of rest turn by omega T.
-    flow = Flow(system)
-    tangent = flow.tangent(flow.first(q, np.zeros(2)), 0.7)
-    assert tangent.matrix.shape == (2, 2)
-    values = np.linalg.eigvals(tangent.matrix)
-    assert np.sort_complex(values) == pytest.approx(
-        np.sort_complex(np.exp([-0.7j * omega, 0.7j * omega])), abs=1e-7
-    )
 
 
 @pytest.mark.parametrize("multiplier", [0.05, -2.0])

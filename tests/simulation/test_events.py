@@ -6,13 +6,13 @@ import pickle
 
 import numpy as np
 import pytest
+from wheel import wheel_urdf
 
 from antenna_pin import (
     Outcome,
     RunSettings,
     System,
     Trajectory,
-    Urdf,
     build_mechanism,
     load_scenario,
     simulate,
@@ -22,29 +22,15 @@ from antenna_pin.contact import Hertz
 from antenna_pin.dynamics import CallableDrive, ConstantDrive, JointSpring, SineDrive, TableDrive
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.run.simulation import Angle, Event, Force, Gap, Jump, Rate, Set, Stop, Time
-from antenna_pin.run.simulation.loop import Run
-from antenna_pin.scenario.assemble import build_system, initial_state
+from antenna_pin.scenario.assemble import build_system
 
-URDF = """
-<robot name="rig">
-  <link name="ground"/>
-  <link name="body">
-    <inertial><mass value="1"/><inertia ixx="2" iyy="2" izz="2" ixy="0" ixz="0" iyz="0"/></inertial>
-  </link>
-  <joint name="joint" type="{kind}">
-    <parent link="ground"/><child link="body"/><axis xyz="0 0 1"/>
-    <limit lower="-9" upper="9" effort="1" velocity="1"/>
-  </joint>
-</robot>
-"""
-INERTIA = 2.0  # [kg m^2]
 FALL = (0.0, 0.0, -10.0)  # [m/s^2]
 # Round-off of the angle over the rate, and that of some thousand steps summed up.
 EXACT = 1e-12  # [s]
 
 
 def rig(kind="continuous", gravity=(0.0, 0.0, 0.0), **elements):
-    urdf = Urdf.from_text(URDF.format(kind=kind), "rig.urdf")
+    urdf = wheel_urdf(kind, inertia=2.0, joint="joint")
     return System(build_mechanism(urdf, base="fixed", gravity=gravity), **elements)
 
 
@@ -303,26 +289,6 @@ def test_two_halves_are_the_whole_with_events_too():
         assert names == [name for name, t in happened[2] if t <= first.end.reached]
         assert at == pytest.approx([t for _, t in happened[2]][: len(at)], rel=0.0, abs=1e-8)
     assert set(happenings(whole)[0]) == {"force", "rate", "clock", "gap"}
-
-
-def test_interrupted_between_any_steps_events_are_the_same():
-    asked, events = with_events()
-    system = build_system(asked)
-    y = system.state(*initial_state(asked, system))
-    whole = Run(system, y, 0.03, RunSettings(), events)
-    whole.advance()
-    start, made, happened = y, 0, []
-    for stop in [*range(7, whole.steps.accepted, 13), None]:
-        run = Run(system, start, 0.03, RunSettings(), events, singly=True)
-        run.advance(
-            interrupted=lambda run=run, made=made, stop=stop: (
-                stop is not None and run.steps.accepted + made >= stop
-            )
-        )
-        made, start = stop, run.state
-        happened += run.actions.happened
-    assert start == whole.state
-    assert happened == whole.actions.happened
 
 
 def test_a_run_goes_on_from_where_an_event_has_stopped_it():

@@ -21,7 +21,6 @@ from antenna_pin import (
 from antenna_pin.analysis import gear_contacts, gear_impacts, gears_of
 from antenna_pin.elements import Belt, Cable, ConstantDrive, Gear, JointSpring, PDController, Rack
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
-from antenna_pin.show.report import report
 
 TIGHT = RunSettings(rtol=1e-12, output_rate=400.0)
 LINK = (
@@ -177,29 +176,17 @@ def test_a_rack_moves_by_the_radius_and_takes_the_teeth_s_force(engine: str) -> 
 
 
 @pytest.mark.parametrize(
-    ("element", "kind", "says"),
+    ("cls", "given", "kind", "says"),
     [
-        (
-            Rack(input="b", output="a", radius=0.1, stiffness=1.0),
-            "prismatic",
-            "input must be a joint that turns",
-        ),
-        (
-            Rack(input="a", output="b", radius=0.1, stiffness=1.0),
-            "revolute",
-            "output must be a joint that slid",
-        ),
-        (Gear(input="a", output="b", stiffness=1.0), "prismatic", 'slides; take kind "rack" from a pinion'),
+        (Rack, {"input": "b", "output": "a", "radius": 0.1}, "prismatic", "input must be a joint that turns"),
+        (Rack, {"radius": 0.1}, "revolute", "output must be a joint that slid"),
+        (Rack, {"radius": 0.0}, "prismatic", "Rack: radius must be other than zero, got 0"),
+        (Gear, {}, "prismatic", 'slides; take kind "rack" from a pinion'),
     ],
 )
-def test_joints_that_move_otherwise_are_refused(element: object, kind: str, says: str) -> None:
+def test_joints_that_move_otherwise_are_refused(cls, given, kind: str, says: str) -> None:
     with pytest.raises(InvalidParameterError, match=says):
-        _pair(kind=kind, elements=_geared(element))
-
-
-def test_a_rack_without_radius_is_refused() -> None:
-    with pytest.raises(InvalidParameterError, match="Rack: radius must be other than zero, got 0"):
-        Rack(input="a", output="b", radius=0.0, stiffness=1.0)
+        _pair(kind=kind, elements=_geared(cls(**{"input": "a", "output": "b", "stiffness": 1.0, **given})))
 
 
 @pytest.mark.parametrize("engine", ["compiled", "pinocchio"])
@@ -296,21 +283,3 @@ def test_who_is_measured_is_checked(tmp_path: Path) -> None:
         with pytest.raises(AntennaPinError, match=says) as refusal:
             build_system(load_scenario(tmp_path / "scenario.toml"))
         assert "\n" not in str(refusal.value)
-
-
-def test_the_report_tells_of_gears() -> None:
-    """A table of touches beside a run whose gear has no play."""
-    runs = [
-        simulate(
-            _pair(elements=_geared(Gear(input="a", output="b", stiffness=50.0, play=play))),
-            v=[0.3, 0.0],
-            duration=0.3,
-            settings=TIGHT,
-        )
-        for play in (0.02, 0.0)
-    ]
-    (section,) = (one for one in report(runs, figures=False, recordings=False).sections if one.key == "gears")
-    (table,) = section.items
-    told = {row.name: row.cells for row in table.rows}
-    assert told["touches"][0].value == gear_impacts(runs[0]).sizes["touch"]
-    assert {"fastest touch", "largest impulse", "time without contact", "peak torque"} < told.keys()

@@ -1,9 +1,6 @@
 """A run in parts is the run in one, bit for bit; runs of one system do not see each other."""
 
 import dataclasses
-import pickle
-import subprocess
-import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -137,22 +134,6 @@ def test_runs_of_one_system_do_not_see_each_other():
         assert np.array_equal(one.state.y, expected.y) and np.array_equal(one.state.memory, expected.memory)
     with ThreadPoolExecutor(2) as pool:
         assert list(pool.map(run, (y, other))) == alone
-
-
-def test_system_and_state_travel_to_another_process(tmp_path):
-    asked = antenna()
-    system = build_system(asked)
-    first = simulate(asked, duration=0.02)
-    expected = simulate(system, duration=0.01, start=first.end).end
-    path = tmp_path / "sent"
-    path.write_bytes(pickle.dumps((system, first.end)))
-    code = (
-        "import pickle, sys; from antenna_pin import simulate;"
-        "system, state = pickle.load(open(sys.argv[1], 'rb'));"
-        "pickle.dump(simulate(system, duration=0.01, start=state).end, open(sys.argv[1], 'wb'))"
-    )
-    subprocess.run([sys.executable, "-c", code, str(path)], check=True)
-    assert pickle.loads(path.read_bytes()) == expected
 
 
 def test_a_result_file_holds_where_its_run_can_go_on(tmp_path):

@@ -96,13 +96,3 @@ def test_the_way_along_a_guide_is_recorded_with_its_derivatives():
     assert np.gradient(way, 1e-5)[1:-1] == pytest.approx(rate[1:-1], abs=1e-8)
     assert np.gradient(rate, 1e-5)[1:-1] == pytest.approx(acceleration[1:-1], abs=1e-6)
     assert np.ptp(acceleration) > 1e-3
-
-
-def test_coal_runs_alike():
-    ends = []
-    for backend in ("closed-form", "coal"):
-        system, v = guided(3, backend)
-        run = simulate(system, duration=0.03, v=v, settings=RunSettings(rtol=1e-10))
-        ends.append(run.data["v"].values[-1])
-        assert float(run.data.attrs["gap_difference"]) < 1e-16  # both are closed forms, of some centimetres
-    assert ends[0] == pytest.approx(ends[1], abs=1e-8)

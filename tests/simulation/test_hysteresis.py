@@ -88,15 +88,6 @@ def test_bouc_wen_against_another_integrator(engine):
     assert _ledger(run) < 1e-9
 
 
-def test_bouc_wen_starts_with_its_stiffness_and_ends_at_its_strength():
-    """Skeleton curve with beta = gamma = 1/2, n = 1: z = 1 - exp(-q/D) on the way up, from rest."""
-    spring = BoucWen(joint="axle", alpha=0.1, stiffness=4.0, yield_angle=0.2)
-    run = _swung(spring, 0.5)
-    q = run.data["motion_angle"].values[:, 0]
-    stored = 0.5 * 4.0 * (0.1 * q**2 + 0.9 * 0.04 * (1.0 - np.exp(-q / 0.2)) ** 2)
-    np.testing.assert_allclose(run.data["spring_energy"], stored, rtol=0, atol=1e-11)
-
-
 def test_bouc_wen_passes_zero_without_an_error_of_the_step():
     """Back from its turn z falls with the way, to zero, and from there grows as on the way up; n = 1."""
     reach, width = 0.8, 0.2
@@ -110,15 +101,6 @@ def test_bouc_wen_passes_zero_without_an_error_of_the_step():
     stored = 0.5 * 4.0 * (0.1 * q**2 + 0.9 * (width * z) ** 2)
     # A step over the kink has an error of 2e-9; those that end there follow the motion to round-off.
     np.testing.assert_allclose(run.data["spring_energy"], stored, rtol=0, atol=1e-13)
-
-
-def test_heat_of_a_cycle_is_the_area_of_the_loop():
-    """Once the loop has closed, work of the motion = heat, cycle after cycle."""
-    run = _swung(BOUC_WEN, 6.0)
-    time, heat = run.data["time"].values, run.data["dissipation_damper"].values[:, 0]
-    each = np.diff(np.interp([2.0, 4.0, 6.0], time, heat))
-    assert each[0] == pytest.approx(each[1], rel=1e-9)
-    assert _ledger(run) < LED
 
 
 @pytest.mark.parametrize("outside", ["hold", "extend"])
@@ -198,20 +180,6 @@ def test_heat_of_a_harness_is_what_lies_between_its_tables():
 def test_constant_torque_within_its_ends(given, q, acts):
     spring = ConstantSpring(joint="axle", **given)
     assert spring.own_kernel("effort")(0.0, q, 0.0) == pytest.approx(acts, abs=1e-12)
-
-
-@pytest.mark.parametrize("torque", [0.7, -0.7])
-@pytest.mark.parametrize("ends", [{}, {"lower": -0.3}, {"upper": 0.4}, {"lower": -0.3, "upper": 0.4}])
-def test_constant_torque_is_the_slope_of_what_it_stores(torque, ends):
-    """Central differences of a quadratic are exact but for round-off and where a ramp begins."""
-    spring = ConstantSpring(joint="axle", torque=torque, ramp=0.1, **ends)
-    effort, stored = spring.own_kernel("effort"), spring.own_kernel("stored")
-    for q in np.linspace(-0.9, 0.9, 37) + 0.0123:
-        slope = (stored(q + 1e-4) - stored(q - 1e-4)) / 2e-4
-        assert -slope == pytest.approx(effort(0.0, q, 0.0), abs=1e-10)
-    if (torque > 0) == ("upper" in ends) and ends:
-        end = 9.0 if torque > 0 else -9.0
-        assert stored(end) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_tape_unrolls():
@@ -394,18 +362,6 @@ def test_what_says_how_a_spring_starts_is_not_set_later():
         simulate(_wheel(BOUC_WEN), q=[0.0], v=[1.0], duration=0.2, events=[set_start])
 
 
-@pytest.mark.parametrize("method", ["radau5", "rk4"])
-def test_implicit_and_fixed_steps_know_the_states(method):
-    """Their runs are those of explicit steps to their own accuracy."""
-    spring = dataclasses.replace(BOUC_WEN, exponent=1.0)
-    start = {"q": [0.0], "v": [2.0], "duration": 1.0}
-    expected = simulate(_wheel(spring), **start, settings=TIGHT).data["motion_angle"].values[-1, 0]
-    own = {"rtol": 1e-9} if method == "radau5" else {"step": 1e-3}
-    found = simulate(_wheel(spring), **start, settings=RunSettings(method=method, **own))
-    assert float(found.data["motion_angle"][-1, 0]) == pytest.approx(expected, abs=1e-8)
-    assert _ledger(found) < 1e-7
-
-
 def _loops(amplitude, rtol, engine):
     """A wheel that turns without end led to and fro with a spring that slips at 0.12 N m, three times."""
     spring = MaxwellSlip(joint="axle", stiffness=(6.0,), slip=(0.12,))
@@ -434,7 +390,7 @@ def test_a_loop_that_begins_where_it_turns_back_but_for_round_off(engine):
     _check_loops(0.0981, 1e-9, engine)
 
 
-@pytest.mark.parametrize("amplitude", np.linspace(0.021, 0.4, 8))
+@pytest.mark.parametrize("amplitude", np.linspace(0.021, 0.4, 4))
 def test_loops_of_any_size(amplitude):
     _check_loops(float(amplitude), 1e-8)
 

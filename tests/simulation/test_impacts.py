@@ -73,8 +73,8 @@ def test_order_on_impacts(method, exponent, impact_rig, fixed_steps):
     for step in steps:
         # The error of one step size scatters with where the events fall in the steps: average over phases.
         group = []
-        for phase in np.linspace(0.0, 1.0, 8, endpoint=False):
-            run = launch(impact_rig(law, MASS, PLAY), duration, fixed_steps(method, step * 2 ** (-phase / 8)))
+        for phase in np.linspace(0.0, 1.0, 5, endpoint=False):
+            run = launch(impact_rig(law, MASS, PLAY), duration, fixed_steps(method, step * 2 ** (-phase / 5)))
             group.append(abs(along_x(run) - exact)[0])
         errors.append(np.exp(np.mean(np.log(np.maximum(group, 1e-17)))))
     measured = np.polyfit(np.log(steps), np.log(errors), 1)[0]
@@ -94,11 +94,15 @@ def test_restitution_is_the_one_that_the_law_delivers(asked, exponent, impact_ri
     law = LankaraniNikravesh(stiffness=stiffness, restitution=asked, exponent=exponent)
     chi = 0.75 * (1 - asked**2)
     delivered = brentq(lambda c: chi * (1 + c) - math.log((1 + chi) / (1 - chi * c)), 1e-6, 1 - 1e-12)
-    run = launch(impact_rig(law, MASS, PLAY), 0.03, RunSettings(rtol=1e-11, output_rate=100.0))
-    # The law's kernel against the free-impact integral: integration error of one impact at this tolerance.
-    assert -run.data["v"].values[-1, 0] / SPEED == pytest.approx(delivered, rel=1e-8, abs=0.0)
-    lost = 0.5 * MASS * SPEED**2 * (1 - delivered**2)
-    assert run.data["dissipated"].values[0] == pytest.approx(lost, rel=1e-7, abs=0.0)
+    run = launch(impact_rig(law, MASS, PLAY), 0.12, RunSettings(rtol=1e-11, output_rate=100.0))
+    whole = np.isfinite(run.data["release_time"].values)
+    met = SPEED * delivered ** np.arange(whole.sum())
+    assert whole.sum() >= 2
+    # The law's kernel against the free-impact integral: integration error of some impacts at this tolerance.
+    assert run.data["approach_speed"].values[whole] == pytest.approx(met, rel=1e-7, abs=0.0)
+    lost, pushed = 0.5 * MASS * met**2 * (1 - delivered**2), MASS * met * (1 + delivered)
+    assert run.data["dissipated"].values[whole] == pytest.approx(lost, rel=1e-6, abs=0.0)
+    assert run.data["impulse"].values[whole] == pytest.approx(pushed, rel=1e-6, abs=0.0)
 
 
 def test_elastic_impact_reaches_the_hertz_depth(impact_rig):

@@ -5,7 +5,6 @@ import math
 import pytest
 
 from antenna_pin import Outcome, load_scenario, simulate
-from antenna_pin.contact import FRICTION_LAWS, NORMAL_LAWS
 
 CLOSED = "clearance.elevation.geometry=closed-form"
 
@@ -22,36 +21,30 @@ def kept(run):
     assert run.data.sizes["episode"] > 0
 
 
-LINES = ["johnson", "liu-foundation", "hertz-line", "radzimovsky", "persson", "bai-zhao-elastic"]
-
-
-@pytest.mark.parametrize("law", LINES)
-def test_a_line_law_takes_its_dimensions_from_the_joint(law):
-    """Named by one word beside a dissipation; at the flanges Hertz's law stands in."""
-    law_table = (
-        f"clearance.elevation.normal={{law='{law}', dissipation='flores', restitution=0.9, replace=true}}"
-    )
-    kept(antenna(law_table))
-
-
-@pytest.mark.parametrize("law", ["hunt-crossley", "exact-restitution", "flores", "gonthier", "hu-guo"])
-def test_a_whole_law_is_named_by_its_author(law):
-    assert law in NORMAL_LAWS
-    kept(antenna(f"clearance.elevation.normal={{law='{law}', restitution=0.8, replace=true}}"))
-
-
+#: Normal laws of a line, beside a dissipation (at flanges Hertz's law stands in), and whole ones; bristles.
+NORMAL = {
+    **dict.fromkeys(
+        ("johnson", "liu-foundation", "hertz-line", "radzimovsky", "persson", "bai-zhao-elastic"),
+        "dissipation='flores', restitution=0.9",
+    ),
+    **dict.fromkeys(
+        ("hunt-crossley", "exact-restitution", "flores", "gonthier", "hu-guo"), "restitution=0.8"
+    ),
+}
+LUGRE = "dynamic=0.1, static=0.15, stribeck_speed=5e-3, bristle_stiffness=1e5, bristle_damping=50"
 BRISTLES = {
     "dahl": "coefficient_of_friction=0.1, bristle_stiffness=1e5",
-    "lugre": "dynamic=0.1, static=0.15, stribeck_speed=5e-3, bristle_stiffness=1e5, bristle_damping=50",
-    "gonthier-bristle": "dynamic=0.1, static=0.15, stribeck_speed=5e-3, bristle_stiffness=1e5,"
-    " bristle_damping=50, dwell_time=0.05",
+    "lugre": LUGRE,
+    "gonthier-bristle": f"{LUGRE}, dwell_time=0.05",
 }
 
 
-@pytest.mark.parametrize("law", BRISTLES)
-def test_bristles_are_part_of_the_state(law):
-    assert law in FRICTION_LAWS
-    run = antenna(f"clearance.elevation.friction={{law='{law}', {BRISTLES[law]}, replace=true}}")
+@pytest.mark.parametrize(
+    ("part", "law", "given"),
+    [("normal", *one) for one in NORMAL.items()] + [("friction", *one) for one in BRISTLES.items()],
+)
+def test_a_law_is_named_in_a_table_and_keeps_the_ledgers(part, law, given):
+    run = antenna(f"clearance.elevation.{part}={{law='{law}', {given}, replace=true}}")
     kept(run)
     assert run.data["friction_force"].values.max() > 0.0
 

@@ -236,29 +236,3 @@ def test_samples_in_a_loop_have_the_order_of_the_dense_output(tmp_path, method, 
 
 
 # --- runs in parts ---
-
-PARTS = {
-    "motions and a ball with play": ("chen2021", "clearance.s2.geometry=closed-form", 0.12),
-    "a motion and a pin with play": ("slider_crank", "clearance.pin.geometry=closed-form", 4e-3),
-}
-
-
-@pytest.mark.parametrize("name", [*PARTS, "no motion"])
-def test_two_halves_of_a_loop_are_the_whole(tmp_path, name):
-    """Bit for bit: projection belongs to a step, and rows are chosen anew in each evaluation."""
-    if name == "no motion":
-        asked, span = loop_of(tmp_path, "bricard"), 1.0
-    else:
-        model, override, span = PARTS[name]
-        asked = load_scenario(model, overrides=[override, f"output.rate={200.0 / span}"])
-    whole = simulate(asked, duration=span)
-    first = simulate(asked, duration=0.4 * span)
-    later = simulate(asked, duration=span - first.end.reached, start=first.end)
-    assert whole.end == later.end
-    common = np.intersect1d(whole.data["time"].values, later.data["time"].values)
-    assert len(common) > 10
-    for name in ("q", "v", "a", "closure_force", "closure_moment", "motion_angle"):
-        one, other = (run.data[name].sel(time=common).values for run in (whole, later))
-        assert np.array_equal(one, other), name
-    if "contact" in whole.data.dims:
-        assert len(whole.data["onset_time"]) > 1  # it bounced

@@ -5,27 +5,19 @@ import random
 
 import numpy as np
 import pytest
+from wheel import wheel_urdf
 
-from antenna_pin import RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
+from antenna_pin import RunSettings, System, build_mechanism, load_scenario, simulate
 from antenna_pin.dynamics import ConstantDrive
 from antenna_pin.run.simulation import Angle, Event, Gap, Set
 
-URDF = """
-<robot name="rig">
-  <link name="ground"/>
-  <link name="body">
-    <inertial><mass value="1"/><inertia ixx="2" iyy="2" izz="2" ixy="0" ixz="0" iyz="0"/></inertial>
-  </link>
-  <joint name="joint" type="continuous"><parent link="ground"/><child link="body"/><axis xyz="0 0 1"/></joint>
-</robot>
-"""
 EXACT = 1e-12  # [s]: round-off of the angle over the rate
 LONG = {"max_step": 1.0, "output_rate": 1.0}
 
 
 def wheel():
     """Its angle is 0.75 t^2; a step is as long as its turning lets it be."""
-    urdf = Urdf.from_text(URDF, "rig.urdf")
+    urdf = wheel_urdf(inertia=2.0, joint="joint")
     drives = {"motor": ConstantDrive(joint="joint", value=3.0)}
     return System(build_mechanism(urdf, base="fixed", gravity=(0.0, 0.0, 0.0)), drives=drives)
 

@@ -173,23 +173,6 @@ def test_blows_of_one_instant_obey_newtons_law_together_and_gain_no_energy(base:
     assert pushing > 10  # of some the others' blows have taken the joint off its stop
 
 
-def test_stops_of_different_restitution_on_a_free_base() -> None:
-    """Two stops, e = 1 and 0.2: by hand, with the rates u and inertias 0.5 on a base of 1 + 2 * 2 * 0.04."""
-    stops = {
-        "a": RigidStop(joint="j_a", upper=0.0, restitution=1.0),
-        "b": RigidStop(joint="j_b", upper=0.0, restitution=0.2),
-    }
-    made = wheels("free", ("a", "b"), (1, 1), elements={"stops": stops})
-    run = run_of(made, [-1.0, -1.0], [1.0, 1.0], duration=1.5)
-    # The base, with the wheels' masses on it, keeps the momentum: J w + sum of 0.5 (w + u_k) = 1.
-    base = 1.0 + 2 * 2 * 0.2**2
-    w0, u = 0.0, np.array([-1.0, -0.2])
-    w = (w0 * (base + 1.0) + 0.5 * 2.0 - 0.5 * u.sum()) / (base + 1.0)
-    assert run.data.v.values[-1, 6:] == pytest.approx(u, abs=1e-12)
-    assert float(run.data.v.values[-1, 5]) == pytest.approx(w, abs=1e-12)
-    assert np.abs(run.data.energy_error).max() < 1e-12
-
-
 def test_a_latch_holds_whose_window_ends_at_a_stop() -> None:
     """It refuses the joint on its way in and captures it as it comes back from the stop, slow enough."""
     drive = ConstantDrive(joint="j_a", value=0.03)
@@ -259,7 +242,7 @@ SLIDE = """<robot name="m"><link name="ground"/><link name="mass"><inertial><mas
 <limit lower="-100" upper="100" effort="1e9" velocity="1e9"/></joint></robot>"""
 
 
-@pytest.mark.parametrize("rtol", [1e-8, 1e-9, 1e-10, 1e-11, 1e-12])
+@pytest.mark.parametrize("rtol", [1e-8, 1e-10, 1e-12])
 def test_a_stop_that_is_unloaded_just_to_zero_goes_on(rtol: float) -> None:
     """Released at rest at twice the static depth: up to exactly 0 with rate 0, again and again."""
     settings = RunSettings(engine="compiled", rtol=rtol, output_rate=100.0)

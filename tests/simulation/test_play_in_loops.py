@@ -34,23 +34,6 @@ def test_impacts_of_the_slider_crank_converge(case):
     assert json.loads(run.data.attrs["conservation"])["energy_error_relative"] < 1e-9
 
 
-@pytest.mark.parametrize("on", ["parent", "child"])
-@pytest.mark.parametrize("case", ["planar", "3d"])
-def test_the_start_is_that_of_the_ideal_mechanism(case, on):
-    """With the journal centred and at rest in its bearing all bodies move as without play: round-off."""
-    ideal = slider_crank("ideal", duration=1e-5)
-    run = slider_crank(case, duration=1e-5, clearance__pin__bearing_on=on)
-    first = {name: body_motion(one, "slider").isel(time=0) for name, one in (("run", run), ("ideal", ideal))}
-    for name in ("position", "velocity", "angular_velocity"):
-        assert first["run"][name].values == pytest.approx(first["ideal"][name].values, abs=1e-12)
-    assert run.data.journal_position[0].values == pytest.approx(np.zeros((1, 3)), abs=1e-15)
-    rates = {
-        one: one_run.data.motion_rate[0].sel(joint="crank_pin").item()
-        for one, one_run in (("run", run), ("ideal", ideal))
-    }
-    assert rates["run"] == pytest.approx(rates["ideal"], rel=1e-12)
-
-
 def test_a_loop_tends_to_the_ideal_one_as_the_play_goes():
     """The slider is off by play and depth, along the rod at most, as seen along its guide: of first order."""
     ideal = body_motion(slider_crank("ideal", duration=4 * QUARTER), "slider").position

@@ -218,17 +218,17 @@ def test_joints_that_stick_on_a_free_base_stay_and_keep_momentum() -> None:
         assert np.abs(run.data.energy_error).max() < 1e-8
 
 
-def test_a_joint_that_sticks_holds_for_an_hour_while_all_else_moves() -> None:
+def test_a_joint_that_sticks_holds_while_all_else_moves() -> None:
     """On a base that turns freely, beside a driven joint: its load comes and goes, and it does not creep."""
     a = StickingFriction(joint="a", coulomb=2.0)
     drive = SineDrive(joint="b", amplitude=0.3, frequency=0.2)
     system = _two("free", 0.0, drives={"b": drive}, a=a)
     v = np.array([0.01, 0.02, -0.01, 0.03, -0.02, 0.04, 0.0, 0.0])
     settings = RunSettings(rtol=1e-12, max_step=0.5, output_rate=0.5, engine="compiled")
-    run = simulate(system, v=v, duration=3600.0, settings=settings)
+    run = simulate(system, v=v, duration=300.0, settings=settings)
     assert run.completed and run.data.sizes.get("change", 0) == 0
     held = run.data.q.values[:, 7]
-    # Seven hundred periods: the row is closed at each step's end, to round-off.
+    # Sixty periods: the row is closed at each step's end, to round-off.
     assert np.ptp(held) < 1e-13
     load = run.data.element_effort.values[:, 0]
     assert load.max() > 0.01 and load.min() < -0.01

@@ -48,8 +48,7 @@ def stiff(what, duration, **settings):
     ("engine", "method"),
     [
         ("pinocchio", "dormand-prince-853"),
-        ("pinocchio", "dormand-prince-54"),
-        ("compiled", "dormand-prince-853"),
+        ("compiled", "dormand-prince-54"),
     ],
 )
 def test_what_is_stiff_is_told_soon_and_by_name(what, engine, method):

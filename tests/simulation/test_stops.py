@@ -183,17 +183,6 @@ def test_small_motions_are_those_of_the_touch():
     assert free == pytest.approx([0.0], abs=1e-9)
 
 
-def test_pressed_in_at_the_start():
-    """A start beyond the limit is one in touch, here where weight and stop balance."""
-    stop = EndStop(joint="j", lower=0.0, stiffness=2000.0, law="elastic")
-    at_rest = -2.0 * G / 2000.0
-    run = simulate(falling(stop), q=[at_rest], v=[0.0], duration=0.5, settings=TIGHT)
-    assert list(run.data.change.values) == []
-    assert run.data.q.values[:, 0] == pytest.approx(at_rest, rel=1e-9)
-    with pytest.raises(AntennaPinError, match=r"position of j must be within its rigid stop, lower = 0;"):
-        simulate(falling(RigidStop(joint="j", lower=0.0, restitution=0.5)), q=[-0.1], v=[0.0], duration=0.1)
-
-
 @pytest.mark.parametrize("law", ["exact-restitution", "carvalho-martins"])
 @pytest.mark.parametrize("begins", ["pressed in", "switched on", "moved"])
 def test_without_an_onset_a_stop_presses_out_by_its_elastic_part(law, begins):
@@ -260,13 +249,6 @@ def test_a_stop_that_was_off_has_the_onset_of_its_next_touch():
     met = np.interp(0.01, run.data.time, run.data.v.values[:, 0])
     assert changes(run, "upper: off").size == 1
     assert float(run.data.v.values[-1, 0]) == pytest.approx(-0.5 * met, rel=1e-7)
-
-
-def test_a_start_at_the_limit_has_its_own_rate_for_its_approach():
-    """Exact restitution of 0.5 gives half of it back."""
-    stop = EndStop(joint="j", lower=0.0, stiffness=8000.0, restitution=0.5)
-    run = simulate(system("prismatic", "fixed", stop), q=[0.0], v=[-0.3], duration=0.1, settings=TIGHT)
-    assert float(run.data.v.values[-1, 0]) == pytest.approx(0.15, rel=1e-8)
 
 
 def test_arms_of_a_fast_rotor_rest_on_their_stops():
