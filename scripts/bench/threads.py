@@ -56,6 +56,13 @@ def one(case: Scenario) -> Trajectory:
     return simulate(case, duration=SPAN)
 
 
+def timed(case: Scenario) -> tuple[float, Scenario, Trajectory]:
+    """Make a run; return what it took [s], with it."""
+    began = time.perf_counter()
+    run = one(case)
+    return time.perf_counter() - began, case, run
+
+
 def main() -> int:
     """Make the runs."""
     report = Report("threads", __doc__ or "")
@@ -84,29 +91,28 @@ def pure_loops() -> Callable[[int], float]:
 def measure(report: Report, engine: str, jobs: list[Scenario], limit: float | None) -> None:
     """Make the runs of an engine on one thread and on two, and add what they take.
 
-    In rounds: some on one thread, the next on two, bare steps on one and on two.
+    In rounds: some on one thread, the same on two, bare steps on one and on two. On two the longest begin
+    first, so that no thread waits long for the other's last run.
     """
     one(jobs[0])  # loads what is compiled
     aba, pure = bare_aba(build_system(jobs[0]).model)(), pure_loops()
-    size = max(4, len(jobs) // ROUNDS)
-    gains, ceilings, alone, both, serial, threaded = [], [], 0.0, 0.0, [], []
+    size = max(10, len(jobs) // ROUNDS)
+    gains, ceilings, alone, both, evaluations = [], [], 0.0, 0.0, 0
     for first in range(0, len(jobs), size):
-        some = jobs[first : first + size]
-        few = some[: max(2, size // 10)]
+        runs = sorted(map(timed, jobs[first : first + size]), key=lambda run: -run[0])
+        serial = sum(seconds for seconds, _, _ in runs)
         began = time.perf_counter()
-        serial += [one(job) for job in few]
-        middle = time.perf_counter()
         with ThreadPoolExecutor(2) as pool:
-            made = list(pool.map(one, some))
-        taken = time.perf_counter() - middle
-        gains.append((middle - began) / len(few) * len(some) / taken)
+            made = list(pool.map(one, [job for _, job, _ in runs]))
+        taken = time.perf_counter() - began
+        gains.append(serial / taken)
         ceilings.append(pure(2) / pure(1))
-        alone, both = alone + middle - began, both + taken
-        threaded += made
-        assert all(same(*pair) for pair in zip(serial[-len(few) :], made, strict=False)), "threads differ"
-    count, evaluations = len(jobs), sum(run.counts.evaluations for run in threaded)
+        alone, both = alone + serial, both + taken
+        evaluations += sum(run.counts.evaluations for run in made)
+        assert all(same(run, again) for (_, _, run), again in zip(runs, made, strict=True)), "threads differ"
+    count = len(jobs)
     report.add(f"{engine}: {count} runs of {SPAN:g} s on 2 threads", both, "s", limit)
-    report.add(f"{engine}: a run on 1 thread", 1e3 * alone / len(serial), "ms")
+    report.add(f"{engine}: a run on 1 thread", 1e3 * alone / count, "ms")
     report.add(f"{engine}: gain of the second thread", np.median(gains))
     report.add(f"{engine}: the same of bare steps, the machine's own", np.median(ceilings))
     report.add(f"{engine}: evaluations of a run", evaluations / count)
