@@ -3,11 +3,11 @@
 
 The compiled loop runs without the interpreter's lock, and so does the default engine where the shim to
 Pinocchio's and coal's machine code is used (``antenna-pin info --versions``), of which a tenth as many runs
-are made. Clearance, friction and restitution of each run are
-drawn at random (a fixed seed); results are lean. What a run takes besides the loop (its scenario, its system,
-its record) holds the lock, so that the gain of the second thread is less than two; beside it stands that of
-bare compiled steps, which hold none, in the same rounds: the machine's own. Runs on both must agree to the
-last bit.
+are made. Clearance, friction and restitution of each run are drawn at random (a fixed seed); results are
+lean. What a run takes besides the loop (its scenario, its system, its record) holds the lock, which is passed
+on as in studies, so that the gain of the second thread is less than two; beside it stands that of bare
+compiled steps, which hold none, in the same rounds: the machine's own. Runs on both must agree to the last
+bit.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from loop import near_limit_of
 from run import bare_aba
 
 from antenna_pin import Scenario, Trajectory, build_system, simulate
+from antenna_pin.studies.sweep.executor import SWITCH_INTERVAL
 
 RUNS = 1000
 ROUNDS = 10
@@ -68,6 +69,7 @@ def main() -> int:
     report = Report("threads", __doc__ or "")
     report.parser.add_argument("--runs", type=int, default=RUNS, help="runs of the first engine")
     arguments = report.parse()
+    sys.setswitchinterval(SWITCH_INTERVAL)
     for engine, (changes, share, limit) in ENGINES.items():
         count = 4 if arguments.quick else round(share * arguments.runs)
         measure(report, engine, drawn(count, changes), limit if arguments.runs == RUNS else None)
