@@ -35,6 +35,7 @@ from antenna_pin.errors import AntennaPinError, FunctionError, InvalidParameterE
 _T = TypeVar("_T", bound=Callable[..., Any])
 _UNIONS = (Union, types.UnionType)
 _ARRAYS = (np.ndarray, NDArray)  # to NumPy 2.4 one is the other's name, from 2.5 on an alias of its own
+_PLAIN = (bool, float, int, str, type(None))
 _EITHER, _NAMED = inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY
 
 
@@ -59,10 +60,18 @@ def takes(**units: str | tuple[str, ...]) -> Callable[[_T], _T]:
 def _checked(
     function: Any, place: str, units: Mapping[str, str | tuple[str, ...]], owner: type[Any] | None
 ) -> Any:
+    # Of values of these types the type decides, if it has no rule: the pairs of parameter and type that fit.
+    fitting: set[tuple[str, type[Any]]] = set()
+
     def checked(name: str, value: Any, hint: Any) -> Any:
+        kind = name, type(value)
+        if kind in fitting:
+            return value
         read = _read(place, name, value, hint, units.get(name))
         if name in by_name()[3]:
             _check_rules(place, name, read, hint, units.get(name, ""))
+        elif read is value and type(value) in _PLAIN:
+            fitting.add(kind)
         if owner is None:  # a class has its own words for what its functions are asked
             _check_count(place, name, read, hint)
         return read

@@ -22,7 +22,7 @@ from antenna_pin.base.records import (
     layout,
 )
 from antenna_pin.compiled.by_address import by_address
-from antenna_pin.compiled.decorators import inlined, kernel
+from antenna_pin.compiled.decorators import inlined, kernel, released
 from antenna_pin.dynamics import link_kernels as _links
 from antenna_pin.dynamics import point_kernels as _points
 from antenna_pin.dynamics.audit_kernels import AuditRecord, audit_state
@@ -204,7 +204,7 @@ class Sights(NamedTuple):
     wrenches: Floats
 
 
-@kernel
+@released
 def observe(
     begin: int, last: int, is_evaluated: bool, samples: SampleArrays, whole: SystemArrays, sights: Sights
 ) -> int:
@@ -266,7 +266,7 @@ def observe(
     return last
 
 
-@kernel
+@released
 def look_at_elements(
     start: int,
     last: int,
@@ -375,7 +375,7 @@ class Holding(NamedTuple):
     residuals: Floats  # largest of positions [m], [rad] and of rates [m/s], [rad/s], (n, 4)
 
 
-@kernel
+@released
 def observe_held(
     start: int,
     last: int,

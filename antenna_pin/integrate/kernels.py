@@ -10,8 +10,8 @@ equation in a vector space, to which any Runge-Kutta method applies with its ful
 (the method of Runge, Kutta, Munthe-Kaas).
 
 ``layout`` is the manifold's (:mod:`antenna_pin.integrate.manifold_kernels`). The rows of ``work`` are the
-stages' rates and, behind them, U, START, TOTAL, STATE and RATES (see below): one array, because each argument
-of a compiled function costs a part of what it computes.
+stages' rates and, behind them, U, START, TOTAL, STATE, RATES and ERRORS (see below): one array, because each
+argument of a compiled function costs a part of what it computes.
 """
 
 from __future__ import annotations
@@ -39,7 +39,8 @@ START = 1  # the state at the start of the step
 TOTAL = 2  # scratch; the components' magnitudes at the end of a step
 STATE = 3  # the state being evaluated
 RATES = 4  # its derivative
-EXTRA_ROWS = 5
+ERRORS = 5  # sums of stages by the weights of the error, two rows
+EXTRA_ROWS = 7
 # Rows of a state from dense output: the state, and scratch (typed, for the compiler).
 STATE_ROW: Any = np.int64(0)
 CHART_ROW: Any = np.int64(1)
@@ -173,16 +174,39 @@ def finish(
     stages = errors.shape[1]
     store(i, stages, layout, work)
     magnitudes(layout, stages, work)
+    for r in range(errors.shape[0]):
+        _sum_errors(r, i + 1, errors, work, nv + nv + nx)
     first: Any = np.int64(0)
-    motion = _norm((first, nv + nv), i, h, errors, work, scales, rtol)
-    plain = _norm((nv + nv, nv + nv + nx), i, h, errors, work, scales, rtol)
+    motion = _norm((first, nv + nv), h, errors, work, scales, rtol)
+    plain = _norm((nv + nv, nv + nv + nx), h, errors, work, scales, rtol)
     # Whichever is not finite is the larger.
     return motion if motion != motion or motion >= plain else plain
 
 
 @inlined
+def _sum_errors(r: int, count: int, errors: Floats, work: Floats, n: int) -> None:
+    """Write the sums of stages by row r of the weights."""
+    row = errors.shape[1] + ERRORS + r
+    k = 0
+    while k < n:
+        if n >= LANES:
+            at = min(k, n - LANES)
+            lanes = same_lane(0.0)
+            for j in range(count):
+                lanes = lanes + errors[r, j] * lane_of_row(work, j, at)
+            put_lane_of_row(work, row, at, lanes)
+            k += LANES
+            continue
+        last = 0.0
+        for j in range(count):
+            last += errors[r, j] * work[j, k]
+        work[row, k] = last
+        k += 1
+
+
+@inlined
 def _norm(
-    part: tuple[int, int], i: int, h: float, errors: Floats, work: Floats, scales: Floats, rtol: float
+    part: tuple[int, int], h: float, errors: Floats, work: Floats, scales: Floats, rtol: float
 ) -> float:
     """Scaled error of a part of the components, from the first number to the second."""
     begin, end = part
@@ -195,16 +219,10 @@ def _norm(
         if scale == math.inf:
             continue
         bound = rtol * (scale + work[stages + TOTAL, k])
-        first = 0.0
-        for j in range(i + 1):
-            first += errors[0, j] * work[j, k]
-        first /= bound
+        first = work[stages + ERRORS, k] / bound
         sum_first += first * first
         if errors.shape[0] == 2:
-            second = 0.0
-            for j in range(i + 1):
-                second += errors[1, j] * work[j, k]
-            second /= bound
+            second = work[stages + ERRORS + 1, k] / bound
             sum_second += second * second
         count += 1
     if count == 0:

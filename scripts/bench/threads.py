@@ -3,11 +3,11 @@
 
 The compiled loop runs without the interpreter's lock, and so does the default engine where the shim to
 Pinocchio's and coal's machine code is used (``antenna-pin info --versions``), of which a tenth as many runs
-are made. Clearance, friction and restitution of each run are
-drawn at random (a fixed seed); results are lean. What a run takes besides the loop (its scenario, its system,
-its record) holds the lock, so that the gain of the second thread is less than two; beside it stands that of
-bare compiled steps, which hold none, in the same rounds: the machine's own. Runs on both must agree to the
-last bit.
+are made. Clearance, friction and restitution of each run are drawn at random (a fixed seed); results are
+lean. What a run takes besides the loop (its scenario, its system, its record) holds the lock, which is passed
+on as in studies, so that the gain of the second thread is less than two; beside it stands that of bare
+compiled steps, which hold none, in the same rounds: the machine's own. Runs on both must agree to the last
+bit.
 """
 
 from __future__ import annotations
@@ -24,9 +24,10 @@ from loop import near_limit_of
 from run import bare_aba
 
 from antenna_pin import Scenario, Trajectory, build_system, simulate
+from antenna_pin.studies.sweep.executor import SWITCH_INTERVAL
 
 RUNS = 1000
-ROUNDS = 10
+ROUNDS = 5
 STEPS = 20_000  # bare ones
 SPAN = 1.0  # [s]
 COMMON = ("integrator.accuracy=1e-3", "output.form=lean")
@@ -56,11 +57,19 @@ def one(case: Scenario) -> Trajectory:
     return simulate(case, duration=SPAN)
 
 
+def timed(case: Scenario) -> tuple[float, Scenario, Trajectory]:
+    """Make a run; return what it took [s], with it."""
+    began = time.perf_counter()
+    run = one(case)
+    return time.perf_counter() - began, case, run
+
+
 def main() -> int:
     """Make the runs."""
     report = Report("threads", __doc__ or "")
     report.parser.add_argument("--runs", type=int, default=RUNS, help="runs of the first engine")
     arguments = report.parse()
+    sys.setswitchinterval(SWITCH_INTERVAL)
     for engine, (changes, share, limit) in ENGINES.items():
         count = 4 if arguments.quick else round(share * arguments.runs)
         measure(report, engine, drawn(count, changes), limit if arguments.runs == RUNS else None)
@@ -84,29 +93,29 @@ def pure_loops() -> Callable[[int], float]:
 def measure(report: Report, engine: str, jobs: list[Scenario], limit: float | None) -> None:
     """Make the runs of an engine on one thread and on two, and add what they take.
 
-    In rounds: some on one thread, the next on two, bare steps on one and on two.
+    In rounds: some on one thread, the same on two, bare steps on one and on two. On two the longest begin
+    first, so that no thread waits long for the other's last run.
     """
     one(jobs[0])  # loads what is compiled
     aba, pure = bare_aba(build_system(jobs[0]).model)(), pure_loops()
-    size = max(4, len(jobs) // ROUNDS)
-    gains, ceilings, alone, both, serial, threaded = [], [], 0.0, 0.0, [], []
-    for first in range(0, len(jobs), size):
-        some = jobs[first : first + size]
-        few = some[: max(2, size // 10)]
-        began = time.perf_counter()
-        serial += [one(job) for job in few]
-        middle = time.perf_counter()
-        with ThreadPoolExecutor(2) as pool:
-            made = list(pool.map(one, some))
-        taken = time.perf_counter() - middle
-        gains.append((middle - began) / len(few) * len(some) / taken)
-        ceilings.append(pure(2) / pure(1))
-        alone, both = alone + middle - began, both + taken
-        threaded += made
-        assert all(same(*pair) for pair in zip(serial[-len(few) :], made, strict=False)), "threads differ"
-    count, evaluations = len(jobs), sum(run.counts.evaluations for run in threaded)
+    size = max(10, len(jobs) // ROUNDS)
+    gains, ceilings, alone, both, evaluations = [], [], 0.0, 0.0, 0
+    with ThreadPoolExecutor(2) as pool:
+        list(pool.map(one, jobs[:2]))  # each thread's first run takes longer
+        for first in range(0, len(jobs), size):
+            runs = sorted(map(timed, jobs[first : first + size]), key=lambda run: -run[0])
+            serial = sum(seconds for seconds, _, _ in runs)
+            began = time.perf_counter()
+            made = list(pool.map(one, [job for _, job, _ in runs]))
+            taken = time.perf_counter() - began
+            gains.append(serial / taken)
+            ceilings.append(pure(2) / pure(1))
+            alone, both = alone + serial, both + taken
+            evaluations += sum(run.counts.evaluations for run in made)
+            assert all(same(run, again) for (_, _, run), again in zip(runs, made, strict=True)), "differ"
+    count = len(jobs)
     report.add(f"{engine}: {count} runs of {SPAN:g} s on 2 threads", both, "s", limit)
-    report.add(f"{engine}: a run on 1 thread", 1e3 * alone / len(serial), "ms")
+    report.add(f"{engine}: a run on 1 thread", 1e3 * alone / count, "ms")
     report.add(f"{engine}: gain of the second thread", np.median(gains))
     report.add(f"{engine}: the same of bare steps, the machine's own", np.median(ceilings))
     report.add(f"{engine}: evaluations of a run", evaluations / count)

@@ -16,6 +16,7 @@ from antenna_pin import AntennaPinError, RunSettings, System, load_scenario, sim
 from antenna_pin.analysis import scenario_rows
 from antenna_pin.base.arguments import fits, rule_of, takes
 from antenna_pin.base.parameters import parameters_of
+from antenna_pin.base.rules import Positive
 from antenna_pin.dynamics.constraints import Closure
 from antenna_pin.elements import (
     DRIVES,
@@ -262,6 +263,20 @@ def test_a_decorated_function_stays_what_it_was():
         far("a", 1, "b")
     with pytest.raises(TypeError, match="missing a required argument"):  # Python's own, of the call itself
         far()
+
+
+def test_what_fitted_once_does_not_let_others_pass():
+    """Neither a type that fits by its unit, nor by its rule, nor by what it holds."""
+
+    @takes(reach="m")
+    def far(reach: "float | str", size: Positive = 1.0, ways: Sequence[float] = ()) -> float:
+        """Return it."""
+        return reach
+
+    assert [far("5 mm"), far(1.0, 2.0, [3.0]), far("6 mm")] == [0.005, 1.0, 0.006]
+    for wrong in ({"reach": "5 s"}, {"size": -2.0}, {"ways": ["a"]}, {"reach": [1.0]}):
+        with pytest.raises(InvalidParameterError, match=f"far: {next(iter(wrong))} must be"):
+            far(**{"reach": 1.0, "size": 2.0, "ways": [3.0], **wrong})
 
 
 #: Rooms whose functions people call with values of their own; the others' are called by these.

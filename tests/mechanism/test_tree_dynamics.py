@@ -1,5 +1,7 @@
 """The compiled tree accelerates as Pinocchio says: random trees of all joints, on the ground and free."""
 
+from collections import deque
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -274,6 +276,30 @@ def test_a_tree_that_is_not_pinocchios_is_refused(crooked, monkeypatch, field):
     with pytest.raises(
         MechanismError, match=r"'crooked': .* must be Pinocchio's to 1e-11 .* deviation of \d"
     ):
+        TreeDynamics(build_mechanism(crooked, "free", GRAVITY))
+
+
+def test_runs_of_one_model_compare_it_once(crooked, monkeypatch):
+    """Another model with the same bodies, and other bodies of one model, are compared themselves."""
+
+    def heavy(mechanism):
+        tree = body_tree(mechanism)
+        tree["mass"][1] *= 2.0
+        return tree
+
+    compared, own = [], TreeDynamics._deviations
+
+    def counted(self, model):
+        compared.append(model)
+        return own(self, model)
+
+    monkeypatch.setattr(TreeDynamics, "_deviations", counted)
+    monkeypatch.setattr(tree_module, "_compared", deque(maxlen=4))
+    for gravity in (GRAVITY, GRAVITY, (0.0, 0.0, 1.0)):
+        TreeDynamics(build_mechanism(crooked, "free", gravity))
+    assert [model.gravity.linear[2] for model in compared] == [GRAVITY[2], 1.0]
+    monkeypatch.setattr(tree_module, "body_tree", heavy)
+    with pytest.raises(MechanismError, match="must be Pinocchio's"):
         TreeDynamics(build_mechanism(crooked, "free", GRAVITY))
 
 

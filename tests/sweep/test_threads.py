@@ -2,6 +2,7 @@
 
 import os
 import signal
+import sys
 import threading
 import time
 import warnings
@@ -52,6 +53,28 @@ def whole(tmp_path_factory):
 def test_threads_make_the_store_of_one_thread(write, tmp_path, whole):
     run_study(write(PLAY, text=STUDY), tmp_path / "three.study", executor=Threads(3))
     assert (tmp_path / "three.study" / "runs.nc").read_bytes() == whole
+
+
+def test_threads_of_studies_pass_the_lock_on_soon():
+    """As long as they run, also if one fails; whoever has it pass sooner keeps that."""
+    own = sys.getswitchinterval()
+
+    def fail(shared, batch):
+        if batch == [2]:
+            raise ValueError
+        return sys.getswitchinterval()
+
+    try:
+        for before, meanwhile in ((0.005, 5e-4), (1e-4, 1e-4)):
+            sys.setswitchinterval(before)
+            found = []
+            with pytest.raises(ValueError):
+                for _, answer in Threads(1).each(fail, None, iter([[1], [2]])):
+                    found.append(answer)
+            # In whole microseconds, rounded down.
+            assert [*found, sys.getswitchinterval()] == pytest.approx([meanwhile, before], abs=2e-6)
+    finally:
+        sys.setswitchinterval(own)
 
 
 def test_ctrl_c_ends_the_runs_under_way_and_the_study_continues(write, tmp_path, whole):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
@@ -12,6 +13,10 @@ from antenna_pin.base.interruption import ended_with
 from antenna_pin.errors import InvalidParameterError
 
 T = TypeVar("T")
+
+#: Time after which a thread passes the interpreter's lock on [s]: a thread back from its loop would wait 5 ms
+#: for the record of another's run.
+SWITCH_INTERVAL = 5e-4
 
 
 class Lost(Exception):  # noqa: N818 - an answer, not an error
@@ -86,7 +91,8 @@ class Threads:
                 return call(shared, batch)
 
         under_way: dict[Future[Any], list[T]] = {}
-        pool = ThreadPoolExecutor(self.width)
+        pool, interval = ThreadPoolExecutor(self.width), sys.getswitchinterval()
+        sys.setswitchinterval(min(interval, SWITCH_INTERVAL))
         try:
             while True:
                 while len(under_way) < self.width and (batch := next(batches, None)) is not None:
@@ -98,6 +104,7 @@ class Threads:
         finally:  # after Ctrl-C in this thread as well: runs under way end as interrupted
             stop.set()
             pool.shutdown(cancel_futures=True)
+            sys.setswitchinterval(interval)
 
     def close(self) -> None:
         """Do nothing."""
