@@ -8,13 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from antenna_pin.analysis import (
-    SCENARIO_COLUMNS,
-    TiltRange,
-    possible_scenarios,
-    scenario_of,
-    scenario_rows,
-)
+from antenna_pin.analysis import SCENARIO_COLUMNS, TiltRange, possible_scenarios, scenario_of, scenario_rows
 from antenna_pin.analysis.scenarios import AssembledJoint
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.joints.geometry import AxialScenario, RadialScenario, RevoluteClearance

@@ -98,10 +98,7 @@ def test_a_fit_gives_the_radii_and_survives_json():
             "factor must have 2 entries",
         ),
         ({"tolerances.play.dimensions.pin": {"nominal": 1}}, "plus is missing"),
-        (
-            {"tolerances.play.dimensions.pin": {"size": "20 H7", "plus": 1}},
-            "plus must be left out with size",
-        ),
+        ({"tolerances.play.dimensions.pin": {"size": "20 H7", "plus": 1}}, "plus must be left out with size"),
     ],
 )
 def test_refusals_of_tables(changes, words):

@@ -95,10 +95,7 @@ def test_what_is_of_a_wrong_kind_is_refused_in_one_line(one):
             lambda: simulate(_pendulum(), events=[Time(1)]),
             "simulate: events must be a sequence of Event, got",
         ),
-        (
-            lambda: simulate(_pendulum(), progress=3),
-            "simulate: progress must be a function, got 3",
-        ),
+        (lambda: simulate(_pendulum(), progress=3), "simulate: progress must be a function, got 3"),
         (
             lambda: simulate(_pendulum(), progress=lambda: None),
             "simulate: progress must be a function of 1 argument, got one of ()",

@@ -17,13 +17,7 @@ def comma(number, digits=12):
 
 def logger():
     """Return what a data logger with a comma for a point writes: lines on itself, names, units, rows."""
-    head = [
-        "Recorder;3.1;Kanal;2",
-        "Prüfstand;Nr. 7",
-        "",
-        "Zeit;Temperatur;Winkel;",
-        "[ms];[°C];[deg];",
-    ]
+    head = ["Recorder;3.1;Kanal;2", "Prüfstand;Nr. 7", "", "Zeit;Temperatur;Winkel;", "[ms];[°C];[deg];"]
     rows = [
         f"{comma(1e3 * t)};{comma(20.5)};{comma(np.degrees(a), 15)};"
         for t, a in zip(TIME, ANGLE, strict=True)

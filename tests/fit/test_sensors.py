@@ -90,11 +90,7 @@ def test_filter_is_butterworths_at_its_corner(order):
     along = np.tile([0.0, 1.0, 0.0], (len(time), 1))
     motion = [
         along * one[:, None]
-        for one in (
-            -np.sin(omega * time) / omega**2,
-            -np.cos(omega * time) / omega,
-            np.sin(omega * time),
-        )
+        for one in (-np.sin(omega * time) / omega**2, -np.cos(omega * time) / omega, np.sin(omega * time))
     ]
     given = input_of_acceleration(time, along, *motion, np.zeros(3))
     # The moments of 24 steps in a period: (2 pi / 24)^4 / 720 = 7e-6; of the first order, which passes what

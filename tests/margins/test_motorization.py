@@ -227,14 +227,7 @@ def test_search_beats_the_corners_of_a_margin_that_is_not_monotone(hinge: Scenar
     """The spring resists by k a b sin(phi) (l_0 / l - 1): nothing at b = 0 and l = l_0, most in between."""
     phi, key = 0.5 * np.pi, "springs.tension.first.point[0]"
     far = -np.sqrt(1.5**2 - 1.0)
-    found = margin(
-        hinge,
-        "hinge",
-        travel=[0.4 * np.pi, phi],
-        count=2,
-        ranges={key: (far, 0.0)},
-        search=True,
-    )
+    found = margin(hinge, "hinge", travel=[0.4 * np.pi, phi], count=2, ranges={key: (far, 0.0)}, search=True)
     corners = [one.margin for one in found.cases if one.origin == "corner"]
     assert found.worst.margin < min(corners) - 1e-3
     assert found.worst.origin == "search"

@@ -15,9 +15,7 @@ from antenna_pin.mechanism import (
     body_tree,
     build_mechanism,
 )
-from antenna_pin.mechanism import (
-    tree as tree_module,
-)
+from antenna_pin.mechanism import tree as tree_module
 from antenna_pin.mechanism.dynamics_kernels import aba
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.tree_kernels import bias_accelerations, place_bodies

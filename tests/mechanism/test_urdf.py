@@ -457,8 +457,7 @@ def test_a_free_joint_has_no_ideal_form_to_go_back_to(crooked):
         with pytest.raises(MechanismError, match=f"joint 'wrist' is {urdf_type} and has no ideal form"):
             variant.variant(joints={"wrist": "ideal"})
         with pytest.raises(
-            MechanismError,
-            match=f"joint 'wrist' is {urdf_type}; only a revolute, continuous or prismatic",
+            MechanismError, match=f"joint 'wrist' is {urdf_type}; only a revolute, continuous or prismatic"
         ):
             variant.variant(joints={"wrist": "free"})
 

@@ -280,10 +280,7 @@ class Maximal:
         spin = turned(back, w)
         moment = turned(back, forces[:-1, 3:]) - cross(spin, turned(self.inertia, spin))
         return np.concatenate(
-            [
-                forces[:-1, :3] / self.mass[:, None],
-                turned(R, turned(self.weight @ self.weight, moment)),
-            ],
+            [forces[:-1, :3] / self.mass[:, None], turned(R, turned(self.weight @ self.weight, moment))],
             axis=1,
         )
 

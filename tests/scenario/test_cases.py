@@ -7,9 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenario_files import DELETED, TABLES, H
 
-from antenna_pin.scenario import (
-    LawSpec,
-)
+from antenna_pin.scenario import LawSpec
 from antenna_pin.scenario.merge import merge
 
 

@@ -10,9 +10,7 @@ from hypothesis import strategies as st
 from scenario_files import TABLES, URDF
 
 from antenna_pin.errors import ScenarioError
-from antenna_pin.scenario import (
-    Scenario,
-)
+from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.merge import read_overrides, toml_value
 
 # --- overrides ---

@@ -6,13 +6,7 @@ import pytest
 from scenario_files import DELETED, H
 
 from antenna_pin import contact
-from antenna_pin.scenario import (
-    IdealClearance,
-    LawChange,
-    LawSpec,
-    PlanarClearance,
-    Scenario,
-)
+from antenna_pin.scenario import IdealClearance, LawChange, LawSpec, PlanarClearance, Scenario
 
 
 def test_the_laws_of_bore_and_flanges(folder):

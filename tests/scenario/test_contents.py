@@ -136,10 +136,7 @@ def test_json_carries_everything_exactly(folder, case):
     assert (again.case, again.overrides) == (
         case,
         ("title=Another", "duration=0.1 s"),
-    ) or again.overrides == (
-        'title="Another"',
-        'duration="0.1 s"',
-    )
+    ) or again.overrides == ('title="Another"', 'duration="0.1 s"')
 
 
 @given(clearance=st.floats(1e-9, 9e-3), rtol=st.floats(1e-15, 0.99), gravity=st.floats(-1e6, 1e6))

@@ -339,10 +339,7 @@ REFUSALS = [
         {"pointing.commanded": "ideal"},
         'pointing.direction must be left out where commanded is "ideal", got [0.0, 0.1, 1.0]',
     ),
-    (
-        {"pointing.direction": DELETED},
-        'pointing.direction is missing; give it where commanded is "orbit"',
-    ),
+    ({"pointing.direction": DELETED}, 'pointing.direction is missing; give it where commanded is "orbit"'),
     (
         {"pointing.direction_up": [0, -0.1, -1]},
         "pointing.direction_up must not lie along direction = [0.0, 0.1, 1.0], got [0.0, -0.1, -1.0]",

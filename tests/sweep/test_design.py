@@ -228,10 +228,7 @@ def test_refused_before_anything_runs(write, tmp_path, what):
         ),
         ('a = { function = "math:nothing" }', "math must have a function 'nothing'"),
         ('a = { function = "own.py:wrong" }', "own.py:wrong raises AttributeError"),
-        (
-            'a = { function = "own.py:changes" }',
-            "own.py:changes must not change the run",
-        ),
+        ('a = { function = "own.py:changes" }', "own.py:changes must not change the run"),
     ],
 )
 def test_refused_responses(write, tmp_path, response, said):
