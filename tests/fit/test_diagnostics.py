@@ -94,8 +94,6 @@ def test_the_command_says_it_first_and_ends_with_a_code_of_its_own(cli, write, t
     ("angle", "noise"),
     [
         (np.full(201, 0.3), "given"),
-        (57.3 * closed_form(TIME), "correlated"),
-        (-closed_form(TIME), "given"),
         (-closed_form(TIME), "correlated"),
     ],
 )

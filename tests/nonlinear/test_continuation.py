@@ -29,29 +29,6 @@ def against_a_stop(oscillator, turned_back):
     return make
 
 
-@pytest.mark.slow
-def test_a_linear_branch_follows_the_response(oscillator):
-    """Over the frequency of the drive, through resonance: the steady state in closed form."""
-    m, k, c, force = 1.0, (2.0 * math.pi) ** 2, 1.0, 2.0
-
-    def family(frequency):
-        return Flow(
-            oscillator(m, k, c, force, frequency), RunSettings(rtol=1e-11, engine="compiled")
-        ), 1.0 / frequency
-
-    flow, period = family(0.9)
-    branch = continued(
-        family, flow.after(flow.first(np.zeros(1), np.zeros(1)), 10 * period), (0.9, 1.1), arc=0.4
-    )
-    assert branch.message == "it came to the end of the range" and branch.bifurcations == ()
-    assert [branch.points[k].value for k in (0, -1)] == [0.9, 1.1]
-    for point in branch.points:
-        w = 2.0 * math.pi * point.value
-        phase = 2.0 * math.pi * point.value * point.orbit.start.time
-        response = force / (k - m * w**2 + 1j * c * w) * np.exp(1j * phase)
-        assert point.orbit.start.q[0] == pytest.approx(response.imag, abs=1e-9)
-
-
 def test_a_fold(pendulum):
     """A constant torque holds a pendulum up to m g l, where its two equilibria meet: closed form.
 
