@@ -95,10 +95,11 @@ def hinge_in_pieces(length, **more):
 
 
 def test_a_piece_that_starts_in_the_wall_touches_it():
-    in_pieces = hinge_in_pieces("4 ms", **{"records.test.window": ["0 s", "16 ms"]})
+    in_pieces = hinge_in_pieces("2 ms", **{"records.test.window": ["6 ms", "12 ms"]})
     (rig,) = in_pieces._prepared.record_tests
     play = float(in_pieces.first[0])
     system = prepared_scenario(rig, tuple(in_pieces.first.tolist())).system
+    assert {State.from_json(origin).memory[0, 0] for origin in rig.origins} == {0.0, 1.0}
     for origin in rig.origins:
         begun = piece_start(rig.begun, origin, np.zeros(6), system)
         away, touches = np.hypot(*begun.q[:2]), State.from_json(origin).memory[0, 0] == 1.0

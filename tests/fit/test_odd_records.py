@@ -131,8 +131,8 @@ def test_a_sensor_that_is_dead_or_at_its_end_is_noted(write):
     high = ANGLE >= 0.05
     note = (
         f"note: records.swing: swing.csv: angle stays at its largest value in {np.count_nonzero(high)} "
-        f"rows, first from row 1 to {np.flatnonzero(~high)[0]}: if that is as far as its sensor goes, empty them "
-        'and give gaps = "skip"'
+        f"rows, first from row 1 to {np.flatnonzero(~high)[0]}: if that is as far as its sensor goes, empty "
+        'them and give gaps = "skip"'
     )
     found = run_fit(write(columns={"angle": np.minimum(ANGLE, 0.05)}))
     assert found.notes[0] == note and note in found.data().attrs["notes"]
