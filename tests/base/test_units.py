@@ -8,7 +8,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from antenna_pin.base import units
@@ -248,6 +248,7 @@ def test_units_convert_by_their_definition(number, factor):
     assert quantity(f"{number!r} {name}", wanted, PLACE) == float(exact)
 
 
+@settings(max_examples=40)
 @given(text=st.text(max_size=20))
 def test_any_text_is_read_or_refused_in_one_line(text):
     try:
