@@ -14,7 +14,6 @@ from antenna_pin.scenario import (
     ContactClearance,
     InitialBaseSpec,
     IntegratorSpec,
-    JointSpec,
     LawChange,
     LawSpec,
     MechanismSpec,
@@ -83,28 +82,14 @@ def test_a_scenario_can_be_built_in_python(folder):
     ("build", "message"),
     [
         (lambda: IntegratorSpec(rtol=-1), "IntegratorSpec: rtol must be between 0 and 1, got -1"),
-        (lambda: OutputSpec(rat=1), "OutputSpec: rat is unknown; did you mean rate?"),
-        (lambda: JointSpec(axis=(0, 0)), "JointSpec: axis must be an array of 3 numbers, got [0, 0]"),
-        (
-            lambda: SPRING_SPECS["spring"](joint="j"),
-            "SpringSpec: must have a stiffness or a damping above zero, got neither",
-        ),
         (
             lambda: LawSpec(law="hertz", parameters={"stifness": 1}),
             "LawSpec: stifness is unknown; did you mean stiffness? law hertz takes stiffness, exponent",
-        ),
-        (
-            lambda: LawSpec(law="hertz", stiffness="1 N"),
-            "LawSpec: stiffness must be a stiffness [N/m**1.5], got",
         ),
         (lambda: LawSpec(parameters={}), "LawSpec: law is missing"),
         (
             lambda: LawChange(parameters={"stiffness": math.nan}),
             "LawChange: parameters.stiffness must be finite",
-        ),
-        (
-            lambda: Scenario(duration=1, mechanism={"urdf": "x", "base": "fre"}, urdf_text=""),
-            "Scenario: mechanism.base must be 'free' or 'fixed', got 'fre'; did you mean free?",
         ),
     ],
 )
