@@ -24,37 +24,26 @@ FINITE = st.floats(allow_nan=False, allow_infinity=False)
     ("value", "unit", "expected"),
     [
         (0.2, "m", 0.2),
-        (3, "m", 3.0),
         (np.float32(0.5), "m", 0.5),
-        (np.int64(7), "kg", 7.0),
         ("0.2 mm", "m", 0.0002),
         ("9.8 mm", "m", 0.0098),  # 9.8 * 0.001 is another float
-        ("9.8mm", "m", 0.0098),
         ("  +.5e1   um ", "m", 5e-6),
         ("1 µm", "m", 1e-6),
         ("-3 in", "m", -0.0762),
         ("10 N*m", "N*m", 10.0),
-        ("10 N m", "N*m", 10.0),
-        ("10 N·m", "N*m", 10.0),
-        ("5 s", "s", 5.0),
         ("10 us", "s", 1e-5),
-        ("1 kHz", "Hz", 1000.0),
         ("2 1/s", "Hz", 2.0),
-        ("207 GPa", "Pa", 207e9),
         ("1e11 N/m**1.5", "N/m**1.5", 1e11),
         ("1e11 N/m^1.5", "N/m**1.5", 1e11),
         ("1e11 N/m**(3/2)", "N/m**1.5", 1e11),
         ("9.81 m/s²", "m/s**2", 9.81),
         ("180 deg", "rad", math.pi),
         ("0.5", "rad", 0.5),  # the radian may be left out
-        ("2 1/s", "rad/s", 2.0),
         ("60 rpm", "rad/s", 2.0 * math.pi),
         ("3 N*m", "N*m/rad", 3.0),
         ("0.9", "1", 0.9),
         ("90 %", "1", 0.9),
-        ("0.9", "-", 0.9),
         ("7 N/mm", ("N*m/rad", "N/m"), 7000.0),
-        ("0 mm", "m", 0.0),
         ("1e-400 m", "m", 0.0),
     ],
 )
@@ -80,34 +69,21 @@ def test_quantity_is_read_in_si(value, unit, expected):
             "m",
             "must be a length [m], got '1,234 mm' (a comma of decimals or of thousands); write 1.234 or 1234",
         ),
-        ("3 Nm", "m", "must be a length [m], got '3 Nm' (torque)"),
-        ("1 mil", "rad", "must be an angle [rad], got '1 mil' (length)"),
         ("3 rev/min", "Hz", "must be a frequency [Hz], got '3 rev/min' (angular rate)"),
-        ("2 lbm*in", "N*m", "must be a torque [N*m], got '2 lbm*in' (kg*m)"),
         ("5 kg", "N", "must be a force [N], got '5 kg' (mass); a weight is 'kgf'"),
         ("5 kg-cm", "N*m", "must be a torque [N*m], got '5 kg-cm' (kg*m); a weight is 'kgf*cm'"),
         ("5 foo", "N*m", "must be a torque [N*m], got '5 foo' (unit 'foo' is unknown; known are N*m, mN*m,"),
         ("short", "m", "must be a length [m], got 'short'; write a number and its unit: '1 m'"),
         ("", "1", "must be a pure number, got ''; write a number"),
         ("1 m +", "m", "must be a length [m], got '1 m +' (unit 'm +' is unknown; known are m, mm"),
-        ("3 kg/m**2", "m", "must be a length [m], got '3 kg/m**2' (kg/m**2)"),
-        ("3 kg*g", "N", "must be a force [N], got '3 kg*g' (kg**2)"),
-        ("3 g", "m", "must be a length [m], got '3 g' (mass)"),
         (True, "m", "must be a length [m], got true"),
         (None, "m", "must be a length [m], got None"),
-        ([1.0], "m", "must be a length [m], got [1.0]"),
-        ({}, "m", "must be a length [m], got a table"),
         (1j, "m", "must be a length [m], got 1j"),
         (math.nan, "m", "must be a length [m], got nan (not finite)"),
-        (-math.inf, "m", "must be a length [m], got -inf (not finite)"),
-        ("nan m", "m", "must be a length [m], got 'nan m' (not finite)"),
         ("inf", "1", "must be a pure number, got 'inf' (not finite)"),
         ("1e400 m", "m", "must be a length [m], got '1e400 m' (not finite)"),
-        ("1e308 km", "m", "must be a length [m], got '1e308 km' (not finite)"),
         ("60 rpm", "Hz", "must be a frequency [Hz], got '60 rpm' (angular rate)"),
-        ("1 rad/s", "Hz", "must be a frequency [Hz], got '1 rad/s' (angular rate)"),
         ("1 kHz", "rad/s", "must be an angular rate [rad/s], got '1 kHz' (frequency)"),
-        ("0.9 rad", "1", "must be a pure number, got '0.9 rad' (angle)"),
         ("5 dB", "1", "must be a pure number, got '5 dB' (unit 'dB' is unknown)"),
         ("20 degC", "1/K", "must be a coefficient of thermal expansion [1/K], got '20 degC' (unit 'degC' is"),
         ("1e11 N/m", "N/m**1.5", "must be a stiffness [N/m**1.5], got '1e11 N/m' (stiffness)"),
@@ -305,25 +281,11 @@ def test_pint_is_imported_on_first_use_only():
     subprocess.run([sys.executable, "-c", code + "sys.exit('pint' in sys.modules)"], check=True)
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        *units._COHERENT,
-        *units._SCALED,
-        *units._CYCLES,
-        *units._KINDS,
-        "",
-        "N/m**1.5",
-        "N*s/m**2.11",
-        "N/m**1.3333333333333",
-        "kg*m/s**2/rad",
-        "1/s",
-        "rad**2*m**-3",
-        "Pa*m**2*s**0.5",
-    ],
-)
-def test_units_that_are_known_without_pint_are_those_of_pint(name):
-    assert units.common_unit(name) == units._parsed(name)
+def test_units_that_are_known_without_pint_are_those_of_pint():
+    names = [*units._COHERENT, *units._SCALED, *units._CYCLES, *units._KINDS, "", "N/m**1.5", "N*s/m**2.11"]
+    names += ["N/m**1.3333333333333", "kg*m/s**2/rad", "1/s", "rad**2*m**-3", "Pa*m**2*s**0.5"]
+    for name in names:
+        assert units.common_unit(name) == units._parsed(name), name
 
 
 @pytest.mark.parametrize("name", ["Nm", "m/", "mm**2", "m**101", "m**-10*s**11", "m m", "s*", "2", "m**"])

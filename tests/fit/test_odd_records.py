@@ -40,9 +40,7 @@ def emptied(*rows):
             "each column its own name",
         ),
         ("", {}, "swing.csv must have a header with time, angle, got nothing"),
-        ("\ufeff", {}, "swing.csv must have a header with time, angle, got nothing"),
         ("time,angle\n", {}, "swing.csv must have 2 rows at least, got 0"),
-        ("time,angle\n0,0.1\n", {}, "swing.csv must have 2 rows at least, got 1"),
         (
             "time,angle\n0,000,0,1\n0,005,0,2\n",
             {},
@@ -68,7 +66,7 @@ def emptied(*rows):
         ),
     ],
     ids=[
-        "name twice", "empty", "nothing but a mark", "header only", "one row", "decimal commas",
+        "name twice", "empty", "header only", "decimal commas",
         "ms as s", "s as ms", "holes",
     ],
 )  # fmt: skip

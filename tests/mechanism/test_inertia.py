@@ -279,7 +279,7 @@ def test_random_trees_are_taken_where_their_mass_matrix_is_regular(monkeypatch):
     Of it with all beyond it the mass matrix is singular, and of all beyond it alone it is not.
     """
     taken = refused = 0
-    for seed, base in itertools.product(range(150), ("free", "fixed")):
+    for seed, base in itertools.product(range(100), ("free", "fixed")):
         urdf = odd_tree(seed)
         try:
             mechanism = build_mechanism(urdf, base, (0.3, 0.2, -9.0))
@@ -315,7 +315,7 @@ def test_random_trees_are_taken_where_their_mass_matrix_is_regular(monkeypatch):
         scale = np.abs(np.concatenate([bias, tau])).max()
         assert np.abs(mass @ (tree.acceleration(q, v, tau) - right)).max() < 1e-9 * scale
         assert np.abs(mass @ right + bias - tau).max() < 1e-9 * scale
-    assert taken > 80 and refused > 80
+    assert taken > 50 and refused > 50
 
 
 ROD = link("rod", 2.0, (0.0, 0.1, 0.1))

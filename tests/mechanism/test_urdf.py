@@ -38,7 +38,6 @@ REFUSED = {
         "<robot name='x'><link name='a'></robot>",
         "u.urdf, line 1: not well-formed XML: Opening and ending tag mismatch: link",
     ),
-    "empty": ("", "u.urdf, line 1: not well-formed XML: "),
     "SDF": (
         "<sdf version='1.6'/>",
         "u.urdf, line 1: the root of a URDF must be <robot>, got <sdf>: this is SDF, Gazebo's format",
@@ -51,7 +50,6 @@ REFUSED = {
         "<robot name='x'><group name='arm'/></robot>",
         "u.urdf, line 1: a mechanism must have at least one <link>, got none: this is an SRDF of MoveIt",
     ),
-    "no URDF at all": ("<html/>", "u.urdf, line 1: the root of a URDF must be <robot>, got <html>"),
     "xacro": (
         '<robot name="x" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arm/></robot>',
         "u.urdf, line 1: <arm> is a xacro macro, not URDF; expand it first",
@@ -62,10 +60,6 @@ REFUSED = {
         .replace("<inertial>", "<xacro:mass/><inertial>", 1),
         "u.urdf, line 2: link 'a': <mass> is a xacro macro, not URDF; expand it first: xacro",
     ),
-    "xacro of an undeclared prefix": (
-        pair(hinge() + "<xacro:arm/>"),
-        "u.urdf, line 4: <arm> is a xacro macro, not URDF; expand it first",
-    ),
     "an expression of xacro": (
         pair(hinge('<origin xyz="0 0 ${pi/2}"/>')),
         "u.urdf, line 4: joint 'j': '0 0 ${pi/2}' is an expression of xacro, not URDF; expand it first",
@@ -74,16 +68,7 @@ REFUSED = {
         pair(hinge() + '<include filename="arm.urdf"/>'),
         "u.urdf, line 4: <include> is a xacro macro, not URDF; expand it first",
     ),
-    "a bound in words": (
-        pair(hinge('<limit lower="low" upper="1" effort="1" velocity="1"/>', kind="revolute")),
-        "u.urdf, line 4: joint 'j': <limit> lower must be 1 finite number(s), got 'low'",
-    ),
-    "no links": ("<robot name='x'/>", "u.urdf, line 1: a mechanism must have at least one <link>, got none"),
     "nameless link": ("<robot name='x'><link/></robot>", "u.urdf, line 1: <link> must have a name, got none"),
-    "blank name": (
-        "<robot name='x'><link name=' '/></robot>",
-        "u.urdf, line 1: link ' ': <link> must have a name, got ' '",
-    ),
     "repeated link": (
         pair(hinge()).replace('name="b"', 'name="a"'),
         "u.urdf, line 3: link name 'a' must be unique, first used in line 2; rename one",
@@ -100,14 +85,6 @@ REFUSED = {
         pair(hinge()).replace('parent link="a"', 'parent link="base"'),
         "u.urdf: parent of joint 'j': link 'base' is unknown; known: a, b",
     ),
-    "unknown child": (
-        pair(hinge()).replace('child link="b"', 'child link="bb"'),
-        "u.urdf: child of joint 'j': link 'bb' is unknown; known: a, b",
-    ),
-    "no child": (
-        pair(hinge()).replace('<child link="b"/>', ""),
-        "u.urdf, line 4: joint 'j': <joint> must have a <child>, got none",
-    ),
     "two parents": (
         pair(hinge() + hinge(name="k")),
         "u.urdf: link 'b' must be the child of one joint, got 'j' and 'k'; a URDF is a tree, cut the loop",
@@ -123,38 +100,9 @@ REFUSED = {
         "revolute, "
         "got 'revolut'; did you mean revolute?",
     ),
-    "no type": (
-        pair(hinge()).replace(' type="continuous"', ""),
-        "u.urdf, line 4: joint 'j': <joint> must have a type, got none",
-    ),
     "mimic": (
         pair(hinge('<mimic multiplier="2"/>')),
         "u.urdf, line 4: joint 'j': <mimic> must have a joint, got none",
-    ),
-    "zero axis": (
-        pair(hinge('<axis xyz="0 0 0"/>')),
-        "u.urdf, line 4: joint 'j': axis must be nonzero, got '0 0 0'",
-    ),
-    "axis of two": (
-        pair(hinge('<axis xyz="0 1"/>')),
-        "u.urdf, line 4: joint 'j': <axis> xyz must be 3 finite number(s), got '0 1'",
-    ),
-    "commas": (
-        pair(hinge('<origin xyz="0, 0, 1"/>')),
-        "u.urdf, line 4: joint 'j': <origin> xyz must be 3 finite number(s), got '0, 0, 1'",
-    ),
-    "not a number": (
-        pair(hinge('<origin rpy="0 0 nan"/>')),
-        "u.urdf, line 4: joint 'j': <origin> rpy must be 3 finite number(s), got '0 0 nan'",
-    ),
-    "no mass": (
-        pair(hinge(), BODY.replace('<mass value="1"/>', "")),
-        "u.urdf, line 3: link 'b': <inertial> must have a <mass>, got none",
-    ),
-    # Left alone, Pinocchio's parser would take this link as massless and say nothing that a caller sees.
-    "mass with unit": (
-        pair(hinge(), body("3kg")),
-        "u.urdf, line 3: link 'b': <mass> value must be 1 finite number(s), got '3kg'",
     ),
     "negative mass": (pair(hinge(), body("-2")), "u.urdf: link 'b': mass must be zero or more, got -2 kg"),
     # Left alone, yourdfpy would take a missing moment as 1 kg m^2.
@@ -314,38 +262,6 @@ def test_a_variant_leaves_its_source_as_it_was(crooked):
     assert crooked.variant().text == before
 
 
-def test_a_variant_changes_the_type_of_a_joint_and_keeps_the_axis(crooked):
-    variant = crooked.variant(joints={"swivel": "free", "slide": "locked", "wrist": "ideal"})
-    assert [variant.joint(name).type for name in ("swivel", "slide", "wrist")] == [
-        "floating",
-        "fixed",
-        "revolute",
-    ]
-    assert np.array_equal(variant.axis("swivel"), crooked.axis("swivel"))
-    assert variant.joint("slide").limit is None
-
-
-def test_a_planar_joint_is_turned_to_z_and_back(crooked):
-    variant = crooked.variant(joints={"wrist": "planar"})
-    joint, mount = variant.joint("wrist"), variant.joint("wrist_plane_mount")
-    assert (joint.type, joint.child, mount.parent, mount.child) == (
-        "planar",
-        "wrist_plane",
-        "wrist_plane",
-        "hand",
-    )
-    assert joint.axis.tolist() == [0.0, 0.0, 1.0]
-    # Angles there and back: some roundings of numbers up to pi.
-    assert (
-        np.abs(
-            variant.placement("wrist") @ variant.placement("wrist_plane_mount") - crooked.placement("wrist")
-        ).max()
-        < 4e-15
-    )
-    normal = variant.placement("wrist")[:3, 2]
-    assert np.abs(normal - crooked.placement("wrist")[:3, :3] @ crooked.axis("wrist")).max() < 4e-15
-
-
 def test_what_else_stands_in_the_file_stays_there(crooked):
     variant = crooked.variant(joints={"swivel": "planar", "wrist": "free"})
     assert "<!-- the hull -->" in variant.text
@@ -421,10 +337,6 @@ def test_an_override_may_give_a_frame_its_inertial(crooked):
             "crooked.urdf: joint 'slide' is prismatic; only a revolute or continuous joint can become planar",
         ),
         (
-            {"joints": {"weld": "planar"}},
-            "crooked.urdf: joint 'weld' is fixed; only a revolute or continuous joint can become planar",
-        ),
-        (
             {"links": {"arms": LinkChange(mass=1.0)}},
             "crooked.urdf: link 'arms' is unknown; did you mean arm?",
         ),
@@ -436,7 +348,6 @@ def test_an_override_may_give_a_frame_its_inertial(crooked):
             {"links": {"arm": LinkChange(shapes={"case": ShapeChange(radius=1.0)})}},
             "crooked.urdf: link 'arm': shape 'case': a box has no radius to change; it has size",
         ),
-        ({"origins": {"wist": JointChange()}}, "crooked.urdf: joint 'wist' is unknown; did you mean wrist?"),
         (
             {"origins": {"weld": JointChange(axis=(1, 0, 0))}},
             "crooked.urdf: joint 'weld' is fixed and has no axis to change",
@@ -519,17 +430,6 @@ def test_a_variant_written_elsewhere_still_finds_its_meshes(antenna, tmp_path):
     scene, shapes = drawn(path)
     assert "dish" in scene and "reflector_0" in shapes
     assert 'filename="dish.obj"' in antenna.to_xml()
-
-
-def test_relative_names_survive_a_move_of_both(antenna, tmp_path):
-    (tmp_path / "one" / "models").mkdir(parents=True)
-    (tmp_path / "one" / "variants").mkdir()
-    antenna.write(tmp_path / "one" / "models" / "antenna.urdf", copy_meshes=True)
-    source = Urdf.load(tmp_path / "one" / "models" / "antenna.urdf")
-    source.write(tmp_path / "one" / "variants" / "v.urdf")
-    assert set(mesh_names(tmp_path / "one" / "variants" / "v.urdf")) == {"../models/dish.obj"}
-    (tmp_path / "one").rename(tmp_path / "two")
-    assert "dish" in drawn(tmp_path / "two" / "variants" / "v.urdf")[0]
 
 
 def test_a_written_file_read_again_finds_the_same_meshes(antenna, tmp_path):
