@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from flexible_links import DISH, KINDS, MODES
+from flexible_links import KINDS, MODES
 
 from antenna_pin import AntennaPinError, RunSettings, System, Urdf, build_mechanism, load_scenario, simulate
 from antenna_pin.analysis import elastic_motion, modal_energy, said_of_spin
@@ -153,25 +152,6 @@ def test_a_mass_on_a_spring_that_spins_softens():
     times, found = run.data["time"].values, run.data["deflection"].values[:, 0]
     omega = np.sqrt((2.0 * np.pi * 5.0) ** 2 - spin**2)
     assert np.abs(found - 1e-6 * np.cos(omega * times)).max() < 1e-6 * 1e-6
-
-
-@pytest.mark.parametrize("overrides", [MODES, {"flexible.reflector": DISH}], ids=["modes", "petals"])
-def test_its_urdf_loads_elsewhere(overrides: dict[str, Any], tmp_path: Path):
-    """Pinocchio's own reader finds the joints, the whole mass and the inertia."""
-    import pinocchio as pin
-
-    from antenna_pin.scenario.assemble import urdf_variant
-
-    scenario = load_scenario("bai2020", case="case1", overrides=overrides)
-    path = urdf_variant(scenario).write(tmp_path / "flexible.urdf")[0]
-    model = pin.buildModelFromUrdf(str(path), pin.JointModelFreeFlyer())
-    rigid = urdf_variant(load_scenario("bai2020", case="case1")).write(tmp_path / "rigid.urdf")[0]
-    whole = pin.buildModelFromUrdf(str(rigid), pin.JointModelFreeFlyer())
-    parts = build_system(scenario).elastic
-    assert {name for name in model.names if name.startswith("reflector_")} == set(parts)
-    assert sum(one.mass for one in model.inertias) == pytest.approx(sum(one.mass for one in whole.inertias))
-    composite = [pin.crba(m, m.createData(), pin.neutral(m))[:6, :6] for m in (model, whole)]
-    assert np.abs(np.triu(composite[0] - composite[1])).max() < 1e-12 * 2400.0
 
 
 @pytest.mark.parametrize(
