@@ -154,11 +154,6 @@ def test_a_pendulum_settles_and_a_drop_is_known():
     assert settling(rest, longest_gap=0.0)[0].time == 0.0
 
 
-def test_an_impact_pair_never_settles():
-    (found,) = settling(simulate(load_scenario("impact_pair")))
-    assert found.time is None
-
-
 def test_little_is_no_error():
     assert settling(simulate(load_scenario("pendulum", case="ideal"), duration=0.01)) == ()
     (found,) = settling(touches([], end=0.0))

@@ -10,7 +10,6 @@ from scipy.signal import lfilter
 from antenna_pin import load_scenario
 from antenna_pin.errors import OutputError
 from antenna_pin.studies.fit import Problem, load_fit, open_fit, run_fit
-from antenna_pin.studies.fit.assessment import certain
 from antenna_pin.studies.fit.run_service import RunService, RunStore
 
 from .conftest import DAMPER, DAMPING, FIRST, STIFFNESS, TIME, closed_form, written
@@ -149,33 +148,6 @@ def test_an_interrupted_fit_goes_on_bit_for_bit(found, write, tmp_path):
         np.testing.assert_array_equal(getattr(resumed, name), getattr(found, name))
     assert not (tmp_path / "fit.nc.parts").exists()
     xr.testing.assert_identical(open_fit(tmp_path / "fit.nc").drop_attrs(), resumed.data().drop_attrs())
-
-
-@pytest.mark.slow
-def test_an_interrupted_profile_goes_on_bit_for_bit(write, tmp_path):
-    """What is asked for when the fit is done stays with its runs: none is made twice, none is lost."""
-    plan, made = write(parameters=DAMPER), []
-
-    def judged(found):
-        made.append(certain(found, profile=True)[0])
-
-    counts = []
-    run_fit(plan, tmp_path / "whole.nc", progress=counts.append, then=judged)
-    fitted, rest = run_fit(plan).runs, counts[-1]
-
-    def until(runs):
-        if runs == fitted + 11:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        run_fit(plan, tmp_path / "fit.nc", progress=until, then=judged)
-    assert (tmp_path / "fit.nc.parts").is_dir()
-    assert open_fit(tmp_path / "fit.nc").attrs["converged"] == 1  # the fit itself is there
-    again = []
-    run_fit(plan, tmp_path / "fit.nc", progress=again.append, then=judged)
-    assert len(again) == rest - fitted - 11
-    assert not (tmp_path / "fit.nc.parts").exists()
-    xr.testing.assert_identical(made[0].drop_attrs(), made[1].drop_attrs())
 
 
 def test_another_fits_notebook_is_refused(write, tmp_path):

@@ -170,28 +170,6 @@ def test_a_graze(against_a_stop):
     assert graze.value == pytest.approx(exact, abs=1e-6)
 
 
-@pytest.mark.slow
-def test_a_period_doubling(against_a_stop):
-    """Where a multiplier of the orbit with one impact passes -1, by its closed form, to 1e-6."""
-    restitution, force, first, last = 0.3, 1.0, 0.42, 0.435
-
-    def product(frequency):
-        exact = Impacts(**NUMBERS, force=force, frequency=frequency, stop=0.0, restitution=restitution)
-        t, v = exact.orbit([0.66 / frequency, -0.16])
-        return float(np.prod(exact.multipliers(t, v) + 1.0).real)
-
-    exact = brentq(product, first, last, xtol=1e-13)
-
-    def family(frequency):
-        return against_a_stop(force, frequency, 0.0, restitution)
-
-    flow, period = family(first)
-    guess = flow.after(flow.first(np.array([-0.5]), np.zeros(1)), 40 * period)
-    branch = continued(family, guess, (first, last), arc=0.3, most=12)
-    (flip,) = branch.bifurcations
-    assert flip.kind == "flip" and flip.value == pytest.approx(exact, abs=1e-6)
-
-
 ISSUE = (0.04, 2.2, 0.8, (2.10765088, -0.19501412))
 
 

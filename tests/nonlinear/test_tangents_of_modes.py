@@ -19,7 +19,6 @@ from antenna_pin.elements import (
 )
 from antenna_pin.studies.nonlinear import Flow
 
-COIL = {"coil": JointSpring(joint="way", stiffness=10.0, damping=0.3)}
 SLIPS = MaxwellSlip(joint="way", stiffness=(10.0, 20.0), slip=(0.5, 2.0))
 SOFT = EndStop(joint="way", upper=0.1, restitution=0.5, stiffness=1e3)
 RESTS = RigidStop(joint="way", upper=0.1, restitution=0.2, rest_rate=0.02)
