@@ -14,7 +14,6 @@ from scipy.linalg import eigh
 
 from antenna_pin import System, Urdf, build_mechanism, build_system, load_scenario
 from antenna_pin.dynamics import JointSpring, PointSpring
-from antenna_pin.elements import PrescribedMotion
 from antenna_pin.studies.linear import eigenmodes, linearise, modes, prepared
 
 TAU = 2.0 * np.pi
@@ -193,35 +192,6 @@ def test_spring_between_points_has_its_geometric_stiffness():
     assert found.frequency[-3:] * TAU == pytest.approx([across, across, along], rel=1e-10, abs=0.0)
     # The mass turns about its centre as it likes.
     assert list(found.data["kind"].values[:3]) == ["free"] * 3
-
-
-SPINNER = """<robot name="s"><link name="w"/><link name="hub"><inertial><mass value="3"/>
-<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
-<link name="m"><inertial><mass value="2"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/>
-</inertial></link>
-<joint name="turn" type="continuous"><parent link="w"/><child link="hub"/><axis xyz="0 0 1"/></joint>
-<joint name="slide" type="prismatic"><parent link="hub"/><child link="m"/><axis xyz="1 0 0"/>
-<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
-
-
-@pytest.mark.parametrize("spin", [0.0, 3.0, 9.999, 12.0])
-def test_a_mass_on_a_spring_softens_with_spin(spin: float):
-    """w^2 = k / m - spin^2 at a spin that is held; it runs away above the frequency that it has at rest."""
-    mechanism = build_mechanism(Urdf.from_text(SPINNER, "spinner"), "fixed")
-    system = System(
-        mechanism,
-        springs={"k": JointSpring(joint="slide", stiffness=200.0)},
-        drives={"turn": PrescribedMotion(joint="turn", rate=spin)},
-    )
-    v = np.zeros(2)
-    v[mechanism.joint("turn").v] = spin
-    found = modes(system, q=system.neutral(), v=v, moving=True)
-    square = 100.0 - spin**2
-    if square > 0.0:
-        assert found.frequency * TAU == pytest.approx([np.sqrt(square)], rel=1e-8)
-    else:
-        assert list(found.data["kind"].values) == ["unstable"]
-        assert found.data["root_real"].values[0].max() == pytest.approx(np.sqrt(-square), rel=1e-8)
 
 
 def test_a_free_spinning_body_nutates():
