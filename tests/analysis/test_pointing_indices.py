@@ -321,14 +321,12 @@ def test_one_run_has_one_interpretation_of_time():
 # --- borders and refusals ---
 
 
-def test_a_window_as_long_as_the_run_has_one_place():
+def test_a_window_or_a_sample_alone():
+    """One as long as the run has one place; one sample has an absolute error."""
     t, error = np.array([0.0, 1.0]), np.array([1.0, 3.0])
     found = pointing_indices(t, error, window=1.0).sel(component="error")
     assert found["extreme"].sel(index="MPE").item() == 2.0
     assert (found["lowest"].sel(index="RPE").item(), found["highest"].sel(index="RPE").item()) == (-1.0, 1.0)
-
-
-def test_one_sample_has_an_absolute_error():
     found = pointing_indices([2.0], [-0.3])
     assert found["extreme"].item() == 0.3
     assert list(found["index"].values) == ["APE"]

@@ -120,15 +120,9 @@ def test_time_between_samples_goes_to_what_is_seen_at_its_ends():
     assert share.sel(radial="one_point") == 4.0
     assert share.sel(radial="two_points") == 1.5
     assert share.sel(radial="line") == 1.5
-
-
-def test_a_contact_without_a_sample_inside_is_counted():
     data = samples(time=[0.0, 1.0, 3.0, 4.0], radial=[0, 0, 0, 0], touching=[[0, 0], [1, 1], [0, 0], [0, 0]])
     share = scenario_shares(data).sel(clearance_joint="a.b", axial="none")
     assert share.sel(radial="two_points") == 0.5
-
-
-def test_other_data_are_refused():
     data = samples(time=[0.0, 1.0], radial=[0, 0], touching=[[0, 0], [0, 0]]).drop_vars("touching")
     with pytest.raises(FileFormatError, match="touching"):
         scenario_shares(data)

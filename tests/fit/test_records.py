@@ -96,6 +96,7 @@ def test_bad_records_are_refused_in_one_line(write, made, words):
 
 
 def test_what_is_no_number_in_a_text_is_named_with_its_line(write, tmp_path):
+    """A file that is not there by its folder."""
     write()
     lines = (tmp_path / "swing.csv").read_text().splitlines()
     lines[3] = '0.01,"0,09"'
@@ -108,9 +109,6 @@ def test_what_is_no_number_in_a_text_is_named_with_its_line(write, tmp_path):
     (tmp_path / "swing.csv").write_text("\n".join(lines))
     with pytest.raises(ScenarioError, match="swing.csv: line 4: must have 2 values, got 3"):
         problem_of(tmp_path)
-
-
-def test_a_file_that_is_not_there_is_refused(write, tmp_path):
     write()
     (tmp_path / "swing.csv").unlink()
     with pytest.raises(

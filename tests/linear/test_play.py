@@ -140,12 +140,10 @@ def test_play_taken_as_ideal_is_the_ideal_joint(case: str):
 
 
 def test_play_taken_as_free_resists_nothing():
+    """A joint held by constraint is the joint of the tree."""
     found = modes(load_scenario("bai2020", case="case3"), play="free")
     assert list(found.data["kind"].values) == ["rigid"] * 6 + ["free"] * 7
     assert not found.frequency.any()
-
-
-def test_a_joint_held_by_constraint_is_the_joint_of_the_tree():
     spring = {"springs.tie": {"joint": "elevation", "stiffness": "300 N*m/rad"}}
     held = modes(load_scenario("bai2020", case="case1-constraint", overrides=spring))
     ideal = modes(load_scenario("bai2020", case="case1", overrides=spring))

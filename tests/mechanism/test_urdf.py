@@ -178,7 +178,8 @@ def test_an_inertia_that_no_body_has_is_said_and_may_be_allowed_by_name():
             build_mechanism(odd, "free")
 
 
-def test_names_are_looked_up_with_the_nearest_one_offered(crooked):
+def test_names_and_axes_of_a_urdf(crooked):
+    """The nearest name is offered; an axis is a direction alone, and x where nothing is said."""
     assert crooked.joint("wrist").child == "hand"
     assert crooked.link("tip").inertial.mass == 0.4
     assert (crooked.name, crooked.root) == ("crooked", "hull")
@@ -186,11 +187,12 @@ def test_names_are_looked_up_with_the_nearest_one_offered(crooked):
         crooked.joint("wirst")
     with pytest.raises(UnknownNameError, match="crooked.urdf: link 'wrist' is unknown"):
         crooked.link("wrist")
-
-
-def test_an_axis_is_the_direction_alone_and_x_where_the_urdf_says_nothing(crooked):
     assert crooked.axis("swivel") == pytest.approx([1 / 3, 2 / 3, -2 / 3], rel=1e-15)
     assert Urdf.from_text(pair(hinge()), "u.urdf").axis("j").tolist() == [1.0, 0.0, 0.0]
+    text = '<robot name="r"><link name="a"/></robot>'
+    for names in (["a"], np.array(["a"]), ("a",)):
+        urdf = Urdf(text=text, where="r.urdf", allow_impossible_inertia=names)
+        assert urdf.allow_impossible_inertia == ("a",)
 
 
 @pytest.mark.parametrize(
@@ -231,11 +233,23 @@ def test_friction_of_joints_is_read_and_what_has_no_axis_is_said(crooked):
         Urdf.from_text(pair(hinge('<dynamics damping="-1"/>')), "u.urdf")
 
 
-def test_files_that_cannot_be_read_are_refused(tmp_path):
+def test_files_that_cannot_be_read_or_written(tmp_path, crooked, antenna):
+    """One line, and nothing is left in the folder."""
     with pytest.raises(MechanismError, match=r"missing\.urdf: cannot be read: No such file or directory"):
         Urdf.load(tmp_path / "missing.urdf")
     with pytest.raises(MechanismError, match="cannot be read: Is a directory"):
         Urdf.load(tmp_path)
+    target = tmp_path / "nowhere" / "u.urdf"
+    with pytest.raises(
+        OutputError, match=rf"{re.escape(str(target))}: cannot be written: No such file or directory"
+    ):
+        crooked.write(target)
+    with pytest.raises(OutputError, match="cannot be written: Is a directory"):
+        crooked.write(tmp_path)
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(OutputError, match="cannot be written: No such file or directory"):
+        antenna.write(tmp_path / "nowhere" / "u.urdf", copy_meshes=True)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_file_is_read_in_the_encoding_that_it_declares(tmp_path):
@@ -252,6 +266,7 @@ def test_a_file_is_read_in_the_encoding_that_it_declares(tmp_path):
 
 
 def test_a_variant_leaves_its_source_as_it_was(crooked):
+    """What else stands in the file stays there."""
     before = crooked.text
     crooked.variant(
         joints={"wrist": "planar", "swivel": "free", "slide": "locked"},
@@ -260,9 +275,6 @@ def test_a_variant_leaves_its_source_as_it_was(crooked):
     )
     assert crooked.text == before
     assert crooked.variant().text == before
-
-
-def test_what_else_stands_in_the_file_stays_there(crooked):
     variant = crooked.variant(joints={"swivel": "planar", "wrist": "free"})
     assert "<!-- the hull -->" in variant.text
     assert "<!-- weighed -->" in variant.text
@@ -392,23 +404,6 @@ def test_a_written_variant_reads_back_as_itself(crooked, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["variant.urdf"]
 
 
-def test_a_file_is_written_whole_or_not_at_all(crooked, tmp_path):
-    target = tmp_path / "nowhere" / "u.urdf"
-    with pytest.raises(
-        OutputError, match=rf"{re.escape(str(target))}: cannot be written: No such file or directory"
-    ):
-        crooked.write(target)
-    with pytest.raises(OutputError, match="cannot be written: Is a directory"):
-        crooked.write(tmp_path)
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_without_the_folder_no_copies_are_made(antenna, tmp_path):
-    with pytest.raises(OutputError, match="cannot be written: No such file or directory"):
-        antenna.write(tmp_path / "nowhere" / "u.urdf", copy_meshes=True)
-    assert list(tmp_path.iterdir()) == []
-
-
 def drawn(path):
     """Names of the shapes that yourdfpy and Pinocchio draw; the latter is told where relative names start."""
     model = pin.buildModelFromUrdf(str(path), pin.JointModelFreeFlyer())
@@ -486,6 +481,7 @@ def test_what_a_wavefront_mesh_names_is_copied_with_it(tmp_path):
 
 
 def test_meshes_from_elsewhere_are_copied_under_their_last_name(tmp_path):
+    """Names that are no files stay as they are."""
     for folder in ("models/own", "models/shared", "target"):
         (tmp_path / folder).mkdir(parents=True)
     (tmp_path / "models/shared/part.stl").write_text("solid part")
@@ -494,10 +490,6 @@ def test_meshes_from_elsewhere_are_copied_under_their_last_name(tmp_path):
     urdf.write(tmp_path / "target" / "u.urdf", copy_meshes=True)
     assert mesh_names(tmp_path / "target" / "u.urdf") == ["part.stl", "other.stl"]
     assert (tmp_path / "target" / "part.stl").read_text() == "solid part"
-
-
-def test_names_that_are_no_files_stay_as_they_are(tmp_path):
-    (tmp_path / "target").mkdir()
     names = ["package://robot/part.stl", "missing.stl"]
     with_meshes(tmp_path, *names).write(tmp_path / "target" / "u.urdf")
     assert mesh_names(tmp_path / "target" / "u.urdf") == names
@@ -524,10 +516,3 @@ def test_copies_that_cannot_be_right_are_refused_before_anything_is_written(tmp_
     assert not (target / "u.urdf").exists()
     with pytest.raises(MechanismError, match="must be a file to be copied"):
         with_meshes(None, "part.stl").write(target / "u.urdf", copy_meshes=True)
-
-
-def test_names_may_come_as_any_sequence():
-    text = '<robot name="r"><link name="a"/></robot>'
-    for names in (["a"], np.array(["a"]), ("a",)):
-        urdf = Urdf(text=text, where="r.urdf", allow_impossible_inertia=names)
-        assert urdf.allow_impossible_inertia == ("a",)

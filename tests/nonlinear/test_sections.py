@@ -112,11 +112,14 @@ def test_a_section_goes_on_from_the_state_that_it_leaves(rig):
 
 
 def test_the_period_of_what_drives(rig):
+    """A quantity that there is none of is refused."""
     assert drive_period(rig(DRIVEN)) == 1.25
     turning = '[drives.hinge]\nkind = "motion"\nrate = "60 rpm"\n'
     assert drive_period(rig(turning, True)) == pytest.approx(1.0, rel=1e-15)
     other = DRIVEN + '[drives.second]\njoint = "way"\nkind = "sine"\namplitude = 1.0\nfrequency = 0.5\n'
     assert drive_period(rig(other), "second") == 2.0
+    with pytest.raises(AntennaPinError, match="speed"):
+        poincare(rig(DRIVEN), Stroboscope(), ["speed"], count=32)
 
 
 STEADY = '[drives.way]\nkind = "constant"\nvalue = 1.0\n'
@@ -146,8 +149,3 @@ def test_refusals(rig, tables, section, count, words):
     with pytest.raises(AntennaPinError, match=words.replace("?", r"\?")) as error:
         poincare(rig(tables), section_of(section), names("way"), count=count, transient=0)
     assert "\n" not in str(error.value)
-
-
-def test_a_quantity_that_there_is_none_of(rig):
-    with pytest.raises(AntennaPinError, match="speed"):
-        poincare(rig(DRIVEN), Stroboscope(), ["speed"], count=32)

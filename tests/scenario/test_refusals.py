@@ -403,9 +403,18 @@ def test_unknown_names(folder, changes, message):
     assert folder.refusal(changes, error=UnknownNameError).startswith(message)
 
 
-def test_an_unknown_case_names_the_known_ones(folder):
+def test_names_of_cases_files_and_tables_in_messages(folder):
+    """Known names, where a file was looked for, quotes where a name needs them."""
     message = folder.refusal(case="tigth", error=UnknownNameError)
     assert message == "case 'tigth' is unknown; did you mean tight? known: by-radius, elastic, tight"
+    message = folder.refusal({"mechanism.urdf": "sub/x.urdf"})
+    where = folder.path.resolve() / "sub"
+    assert message == f"mechanism.urdf must be an existing file, got 'sub/x.urdf'; searched in {where}"
+    file = FILE | {"clearance": {"my hinge": {"model": "ideal", "bearing_radius": -1}}}
+    with pytest.raises(
+        ScenarioError, match=r'^my\.toml: clearance\."my hinge"\.bearing_radius must be positive'
+    ):
+        folder.load(file=file)
 
 
 @pytest.mark.parametrize(
@@ -447,17 +456,3 @@ def test_files_that_are_no_text_are_refused(folder, name):
     (folder.path / name).write_bytes(b"\xff\xff")
     place = "mechanism.urdf" if name == "body.urdf" else "drives.slow.file"
     assert folder.refusal() == f"{place} must be UTF-8 text, got '{name}' (byte 0)"
-
-
-def test_a_missing_file_is_looked_for_beside_the_scenario(folder):
-    message = folder.refusal({"mechanism.urdf": "sub/x.urdf"})
-    where = folder.path.resolve() / "sub"
-    assert message == f"mechanism.urdf must be an existing file, got 'sub/x.urdf'; searched in {where}"
-
-
-def test_names_that_need_quotes_have_them_in_messages(folder):
-    file = FILE | {"clearance": {"my hinge": {"model": "ideal", "bearing_radius": -1}}}
-    with pytest.raises(
-        ScenarioError, match=r'^my\.toml: clearance\."my hinge"\.bearing_radius must be positive'
-    ):
-        folder.load(file=file)

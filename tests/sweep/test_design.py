@@ -28,14 +28,12 @@ distribution = { name = "beta", a = 6, b = 2 }
 """
 
 
-def test_a_grid_runs_through_its_last_parameter_first(write):
+def test_grids_lists_and_numbers_of_arrays(write):
+    """A grid runs through its last parameter first; zipped lists go together."""
     design = design_of(write())
     assert design.sizes == {"play": 3, "rate": 4}
     assert design.values(5) == {"play": "0.2 mm", "rate": "2000.0 Hz"}
     assert len(set(design.seeds.tolist())) == design.count == 12
-
-
-def test_zipped_parameters_go_together(write):
     zipped = """
     [parameters.play]
     key = "clearance.bore.radial_clearance"
@@ -52,6 +50,14 @@ def test_zipped_parameters_go_together(write):
     design = design_of(write(zipped))
     assert design.sizes == {"pair": 3, "length": 2}
     assert design.values(3) == {"play": "0.2 mm", "rate": "2 kHz", "length": "2 ms"}
+    parameter = """
+    [parameters.pull]
+    key = "mechanism.gravity[2]"
+    values = [-1, "-9.81 m/s**2"]
+    """
+    study = write(parameter)
+    made = study.base().with_overrides(design_of(study).overrides(1, study.base()))
+    assert made.mechanism.gravity == (0.0, 0.0, -9.81)
 
 
 @pytest.mark.parametrize("method", ["random", "latin-hypercube", "sobol"])
@@ -82,17 +88,6 @@ def test_every_number_reaches_the_scenario_as_it_is(write):
         made = base.with_overrides(design.overrides(run, base)).clearance["bore"]
         numbers = [column.settings.values[run].number for column in design.columns]
         assert [made.radial_clearance, made.bearing_radius] == numbers[:2]
-
-
-def test_one_number_of_an_array(write):
-    parameter = """
-    [parameters.pull]
-    key = "mechanism.gravity[2]"
-    values = [-1, "-9.81 m/s**2"]
-    """
-    study = write(parameter)
-    made = study.base().with_overrides(design_of(study).overrides(1, study.base()))
-    assert made.mechanism.gravity == (0.0, 0.0, -9.81)
 
 
 @pytest.mark.parametrize(
