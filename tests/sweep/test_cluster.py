@@ -145,6 +145,7 @@ def test_the_only_process_may_be_killed(write, tmp_path, monkeypatch):
 
 def test_a_connection_that_closes_at_any_call_is_lost_in_one_line(monkeypatch):
     """Dask raises errors of several kinds then; here each of the client's calls does."""
+    monkeypatch.setattr("antenna_pin.studies.sweep.cluster._LOOK_EVERY", 0.01)
     errors = (RuntimeError("ConnectionPool is closed"), OSError("closed"), TimeoutError("late"))
     for name, error in zip(("scatter", "submit", "nthreads"), errors, strict=True):
         cluster = Cluster(1)
