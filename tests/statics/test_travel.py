@@ -22,7 +22,7 @@ from antenna_pin.elements import (
     MaxwellSlip,
 )
 from antenna_pin.studies.margins import margin
-from antenna_pin.studies.statics import equilibria, statics, torque_angle_loop, travel
+from antenna_pin.studies.statics import equilibria, statics, travel
 
 from .conftest import BAR
 
