@@ -76,6 +76,7 @@ def test_quantity_is_read_in_si(value, unit, expected):
         ("short", "m", "must be a length [m], got 'short'; write a number and its unit: '1 m'"),
         ("", "1", "must be a pure number, got ''; write a number"),
         ("1 m +", "m", "must be a length [m], got '1 m +' (unit 'm +' is unknown; known are m, mm"),
+        ("3 kg*g", "N", "must be a force [N], got '3 kg*g' (kg**2)"),
         (True, "m", "must be a length [m], got true"),
         (None, "m", "must be a length [m], got None"),
         (1j, "m", "must be a length [m], got 1j"),
