@@ -135,6 +135,7 @@ def test_units_and_dates_of_netcdf_files_count(tmp_path):
             "records.swing.columns.angle: the file's unit must be that of an angle [rad], got '°C'; "
             "known are rad, deg, arcmin and others; give its unit ",
         ),
+        ({"record": LOGGER + '\nencoding = "latin1000"'}, "encoding must be a text encoding of Python"),
         ({"record": 'delimiter = ","\ndecimal = ","'}, "delimiter must differ from decimal, got ','"),
         ({"record": 'rate = "1 kHz"\ntime = "Zeit"'}, "time must be left out with rate"),
         ({"record": 'time_format = "iso"\ntime_unit = "s"'}, "time_unit must be left out with time_format"),

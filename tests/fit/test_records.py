@@ -87,6 +87,12 @@ def swapped(time):
             "angle.filter.corner must be at most half of the record's 200 rows per second, got 1000 Hz; give",
         ),
         ({"column": 'column = "angel"'}, "swing.csv: column 'angel' is unknown; did you mean angle?"),
+        ({"record": 'time = "clock"'}, "swing.csv: column 'clock' is unknown"),
+        (
+            {"record": 'delimiter = ";"'},
+            "the names of columns must be in the first line that counts, got time, angle in line 1; "
+            'give delimiter = ","',
+        ),
     ],
 )
 def test_bad_records_are_refused_in_one_line(write, made, words):
@@ -96,7 +102,6 @@ def test_bad_records_are_refused_in_one_line(write, made, words):
 
 
 def test_what_is_no_number_in_a_text_is_named_with_its_line(write, tmp_path):
-    """A file that is not there by its folder."""
     write()
     lines = (tmp_path / "swing.csv").read_text().splitlines()
     lines[3] = '0.01,"0,09"'
@@ -142,6 +147,11 @@ def test_what_is_no_number_in_a_text_is_named_with_its_line(write, tmp_path):
         (
             {"records.swing.columns.angle.of": "motion_angle[bar]"},
             "columns.angle.of: quantity motion_angle[bar]: joint 'bar' is",
+        ),
+        ({"parameters.stiffness.records": ["swung"]}, "did you mean swing?"),
+        (
+            {"records.swing.columns.angle.compare": "spectrum"},
+            'spectrum is missing; compare = "spectrum" must have it',
         ),
         (
             {"records.swing.columns.angle.sd": "1 mm"},

@@ -112,6 +112,7 @@ REFUSED = {
         "run 0 (play = 0.1 mm): scenario impact_pair: clearance.bore.radial_clearence is unknown; "
         "did you mean radial_clearance?",
     ),
+    "empty list": (PLAY + "values = []", "parameters.play.values must hold a value at least"),
     "empty range": (
         PLAY + 'start = "0.2 mm"\nstop = "0.2 mm"\ncount = 3',
         "parameters.play.start must be a range that rises, got '0.2 mm' to '0.2 mm'",
@@ -201,6 +202,8 @@ def test_refused_before_anything_runs(write, tmp_path, what):
         ('a = { function = "own.py:text" }', "own.py:text must return a number, got 'three'"),
         ('a = { function = "own.py:ends" }', "own.py:ends must return a number, got the exit 3"),
         ('a = { function = "own.py:huge" }', "own.py:huge must return a number, got 1000"),
+        ('a = { function = "own.py:flag" }', "own.py:flag must return a number, got true"),
+        ('a = { function = "own.py:row" }', "own.py:row must return a number, got array([1.]) (ndarray)"),
         ('a = { function = "own.py:turned" }', "own.py:turned must return a number, got 1j (complex)"),
         (
             'a = { function = "own.py:lonely" }',
@@ -215,7 +218,8 @@ def test_refused_responses(write, tmp_path, response, said):
     (tmp_path / "own.py").write_text(
         "def wrong(run):\n    return run.nothing\n\n\ndef text(run):\n    return 'three'\n\n\n"
         "def ends(run):\n    raise SystemExit(3)\n\n\ndef huge(run):\n    return 10**400\n"
-        "def turned(run):\n    return 1j\n\n\ndef lonely():\n    return 1.0\n"
+        "def flag(run):\n    return True\n\n\ndef turned(run):\n    return 1j\n\n\n"
+        "def row(run):\n    return run.data['q'].values[0, :1] ** 0\n\n\ndef lonely():\n    return 1.0\n"
         "def changes(run):\n    run.data['q'][:] = 0.0\n    return 0.0\n"
     )
     text = (
