@@ -400,7 +400,7 @@ def test_a_pose_in_which_a_joint_idles_is_refused_where_others_are_not():
 
 
 def test_next_to_no_mass_is_judged_by_its_size():
-    """The square of 4e-166 kg is nothing, which no number may be divided by; nearly a rod, it is looked at."""
+    """The square of 4e-166 kg is nothing, which no number may be divided by; a rod so, it is looked at."""
     urdf = robot(
         link("a", 1.0, (0.5, 0.4, 0.8)), link("b", 4e-166, (1e-6, 0.8, 0.8)), joint("j", "a", "b", "floating")
     )
