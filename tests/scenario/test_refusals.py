@@ -421,6 +421,10 @@ def test_names_of_cases_files_and_tables_in_messages(folder):
     ("text", "message"),
     [
         ("", "line 1: the header must have time,torque, got an empty file"),
+        (
+            "time,torque [mm]\n0,1\n1,2\n",
+            "the unit of column torque must be that of a torque [N*m] or a force [N], got 'mm'",
+        ),
         ("time,torque\n0,1\n", "line 2: must have at least 2 rows of numbers, got 1"),
         ("time,torque\n0,1\n1,x\n", "line 3: torque must be a finite number, got 'x'"),
     ],
