@@ -121,6 +121,7 @@ def test_a_single_sample_has_no_span(space):
 
 
 def test_what_a_run_does_not_have_is_refused(space):
+    """A joint with play, a joint of the name, dimensions."""
     ideal = simulate(load_scenario("bai2020", case="case1", overrides=["duration=0.002"]))
     for function in (journal_motion, bore_load, scenario_spans):
         with pytest.raises(InvalidParameterError, match="with a clearance joint"):
@@ -132,9 +133,6 @@ def test_what_a_run_does_not_have_is_refused(space):
             function(space, "elevatoin")
     with pytest.raises(InvalidParameterError, match="sectors must be 1 or more"):
         bore_load(space, sectors=0)
-
-
-def test_data_without_dimensions_is_refused(space):
     data = space.data.copy()
     data.attrs = {"case": "case3"}
     with pytest.raises(FileFormatError, match="dimensions"):

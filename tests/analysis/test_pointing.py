@@ -89,23 +89,17 @@ def test_attitude_between_samples_is_of_fourth_order():
     assert errors[-1] < 1e-7
 
 
-def test_attitude_at_samples_is_the_samples():
+def test_attitude_at_samples_is_the_samples_and_of_a_steady_turn_exact():
+    """About a fixed axis at a fixed rate the rotation vector is linear: round-off of 2.5 rad."""
     knots = np.array([0.0, 0.1, 0.1, 0.35, 1.0])  # uneven, one twice
     at, omega = tumbling(knots)
     found = interpolate_attitude(knots, knots, at, omega)
     assert (found.inv() * at).magnitude().max() < 1e-15
-
-
-def test_attitude_of_a_steady_turn_is_exact():
-    """About a fixed axis at a fixed rate the rotation vector is linear: round-off of 2.5 rad."""
     knots, t = np.array([0.0, 1.0]), np.linspace(0.0, 1.0, 11)
     spin = np.array([0.4, -2.0, 1.5])
     at = Rotation.from_rotvec(np.outer(knots, spin))
     found = interpolate_attitude(t, knots, at, np.tile(spin, (2, 1)))
     assert (found.inv() * Rotation.from_rotvec(np.outer(t, spin))).magnitude().max() < 4e-15
-
-
-def test_attitude_is_not_guessed_beyond_the_samples():
     at, omega = tumbling(np.array([0.0, 1.0]))
     with pytest.raises(InvalidParameterError, match="times must be from 0 s to 1 s, got 1.5"):
         interpolate_attitude([0.5, 1.5], [0.0, 1.0], at, omega)

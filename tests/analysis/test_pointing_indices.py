@@ -80,7 +80,7 @@ def levels(t, error, confidence, **windows):
     return found["level"].sel(interpretation="temporal", component="error").to_series()
 
 
-@pytest.mark.parametrize("confidence", [0.5, 0.683, 0.9, 0.997])
+@pytest.mark.parametrize("confidence", [0.683, 0.997])
 def test_levels_of_a_sine_are_those_of_the_arc_sine(confidence):
     """Of |A sin| a share c of the time is below A sin(pi c / 2); means over whole periods vanish."""
     found = levels(*signal(sine=SINE), confidence, **WINDOWS)
@@ -91,7 +91,7 @@ def test_levels_of_a_sine_are_those_of_the_arc_sine(confidence):
         assert found[kind] < 1e-15
 
 
-@pytest.mark.parametrize("confidence", [0.5, 0.683, 0.9, 0.997])
+@pytest.mark.parametrize("confidence", [0.683, 0.997])
 def test_levels_of_a_drift(confidence):
     """APE and MPE uniform, RPE uniform about zero, PDE one value, PRE the sum of two uniform ones."""
     c, places = confidence, PERIOD - WINDOW
@@ -129,7 +129,7 @@ def test_levels_of_a_step():
     assert levels(t, error, 1 - above, **windows)["RPE"] == pytest.approx(level * STEP, rel=1e-2)
 
 
-@pytest.mark.parametrize("confidence", [0.683, 0.95, 0.997])
+@pytest.mark.parametrize("confidence", [0.683, 0.997])
 def test_levels_of_sine_and_drift_together(confidence):
     """In the RPE the sine's phase and the drift's place in the window are independent."""
     half, c = DRIFT * WINDOW / 2, confidence
@@ -147,7 +147,7 @@ def test_levels_of_sine_and_drift_together(confidence):
 
 
 def test_levels_reach_the_extremes_at_certainty_and_never_pass_them():
-    t, error = signal(STEP, SINE, DRIFT, rate=1600)
+    t, error = signal(STEP, SINE, DRIFT, rate=800)
     certain = pointing_indices(t, error, **WINDOWS, confidence=1.0)
     likely = pointing_indices(t, error, **WINDOWS, confidence=0.9)
     extreme, level = certain["extreme"].values, certain["level"].sel(interpretation="temporal").values
@@ -161,7 +161,7 @@ def test_levels_reach_the_extremes_at_certainty_and_never_pass_them():
 
 def test_a_vector_is_averaged_before_its_length_is_taken():
     """A boresight that circles about a steady offset: its half-cone error varies, its departure does not."""
-    t = np.linspace(0.0, SPAN, 40001)
+    t = np.linspace(0.0, SPAN, 10001)
     w = 2 * math.pi * FREQUENCY
     circle = np.column_stack([3e-4 + 1e-4 * np.cos(w * t), 4e-4 + 1e-4 * np.sin(w * t)])
     found = pointing_indices(t, {"half-cone": circle}, **WINDOWS).sel(component="half-cone")
@@ -177,7 +177,7 @@ def test_a_vector_is_averaged_before_its_length_is_taken():
 
 def test_a_vector_along_a_line_is_a_number():
     """All indices of (3, 4) x are five times those of x, in extremes and levels."""
-    t, error = signal(STEP, SINE, DRIFT, rate=160)
+    t, error = signal(STEP, SINE, DRIFT, rate=80)
     found = pointing_indices(t, {"number": error, "vector": np.outer(error, [3.0, 4.0])}, **WINDOWS)
     for name in ("extreme", "level"):
         number, vector = (found[name].sel(component=one).values for one in found["component"].values)
@@ -232,7 +232,7 @@ def by_brute_force(t, x, window, spacing, periods):
     }
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_extremes_are_those_of_brute_force(seed):
     """A grid of places finds no more than the closed form, and nearly as much."""
     t, x = rough(seed)
@@ -246,7 +246,7 @@ def test_extremes_are_those_of_brute_force(seed):
         assert exact == pytest.approx((low, high), abs=0.02 * np.ptp(x[:, 0]))
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_more_samples_on_the_same_polygon_change_nothing(seed):
     """Means are of the polygon, whatever the samples: uneven ones count for the time between them."""
     t, x = rough(seed, jumps=0)
@@ -262,7 +262,7 @@ def test_more_samples_on_the_same_polygon_change_nothing(seed):
         np.testing.assert_allclose(after[name], before[name], rtol=1e-9)
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", range(2))
 def test_the_longest_vector_is_found(seed):
     """Extremes of vectors by directions, against all places of a fine grid."""
     t, x = rough(seed)
@@ -306,7 +306,8 @@ def test_interpretations_of_several_runs():
 def test_runs_of_different_length_count_alike():
     """One run of a second at 1, one of three at 2: half of all is 1."""
     times = [np.array([0.0, 1.0]), np.array([0.0, 3.0])]
-    found = pointing_indices(times, [np.ones(2), 2 * np.ones(2)], window=0.4, periods=0.5, confidence=0.5)
+    more = {"window": 0.4, "periods": 0.5, "confidence": 0.5, "resolution": 100}
+    found = pointing_indices(times, [np.ones(2), 2 * np.ones(2)], **more)
     assert found["level"].sel(interpretation="mixed", index="MPE").item() == pytest.approx(1.0, rel=1e-14)
 
 
@@ -320,14 +321,12 @@ def test_one_run_has_one_interpretation_of_time():
 # --- borders and refusals ---
 
 
-def test_a_window_as_long_as_the_run_has_one_place():
+def test_a_window_or_a_sample_alone():
+    """One as long as the run has one place; one sample has an absolute error."""
     t, error = np.array([0.0, 1.0]), np.array([1.0, 3.0])
     found = pointing_indices(t, error, window=1.0).sel(component="error")
     assert found["extreme"].sel(index="MPE").item() == 2.0
     assert (found["lowest"].sel(index="RPE").item(), found["highest"].sel(index="RPE").item()) == (-1.0, 1.0)
-
-
-def test_one_sample_has_an_absolute_error():
     found = pointing_indices([2.0], [-0.3])
     assert found["extreme"].item() == 0.3
     assert list(found["index"].values) == ["APE"]

@@ -8,13 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from antenna_pin.analysis import (
-    SCENARIO_COLUMNS,
-    TiltRange,
-    possible_scenarios,
-    scenario_of,
-    scenario_rows,
-)
+from antenna_pin.analysis import SCENARIO_COLUMNS, TiltRange, possible_scenarios, scenario_of, scenario_rows
 from antenna_pin.analysis.scenarios import AssembledJoint
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.joints.geometry import AxialScenario, RadialScenario, RevoluteClearance
@@ -29,7 +23,6 @@ TILTED_SURFACE = {(r, A.SURFACE) for r in (R.ONE_POINT, R.TWO_POINTS)}
 TILTED_LINE = {(R.LINE, A.ONE_POINT)}
 LINE = {(R.LINE, A.NONE)}
 BOTH_FLANGES = {(r, A.TWO_POINTS) for r in (R.NONE, R.ONE_POINT, R.TWO_POINTS)}
-LINE_AND_BOTH_FLANGES = {(R.LINE, A.TWO_POINTS)}
 NO_AXIAL_CONTACT = {(r, A.NONE) for r in R}
 
 RIGID = EVERYWHERE | PARALLEL | LINE  # 9: those that every joint with axial play has
@@ -40,16 +33,13 @@ EVERYTHING = {(r, a) for r in R for a in A}
 CASES = {
     # The antenna's: the bore allows 8.0 mrad, both flanges need 17, 25, 34.
     "case3": ({}, 0.0, RIGID),
-    "case4": ({"axial_clearance": 3e-4}, 0.0, RIGID),
     "case5": ({"axial_clearance": 4e-4}, 0.0, RIGID),
     "case2": ({"axial_clearance": 0.0}, 0.0, PARALLEL),
     "case3, 1 um": ({}, 1e-6, SOFT),
     "case3, 0.1 mm": ({}, 1e-4, SOFT),
-    "case5, 0.1 mm": ({"axial_clearance": 4e-4}, 1e-4, SOFT),
     "case2, 1 um": ({"axial_clearance": 0.0}, 1e-6, EVERYTHING - NO_AXIAL_CONTACT),
     # Flanges that stop the tilt before the bore does: little axial play, a short bearing, wide flanges.
     "tight": ({"axial_clearance": 5e-5}, 0.0, RIGID | BOTH_FLANGES),
-    "short": ({"bearing_length": 0.020}, 0.0, RIGID | BOTH_FLANGES),
     "wide": ({"bearing_outer_radius": 0.03, "flange_radius": 0.03}, 0.0, RIGID | BOTH_FLANGES),
     "tight, 1 um": ({"axial_clearance": 5e-5}, 1e-6, SOFT | BOTH_FLANGES),
     "tight, 0.1 mm": ({"axial_clearance": 5e-5}, 1e-4, EVERYTHING),
@@ -259,7 +249,7 @@ def joints(draw):
     )
 
 
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=100, deadline=None, derandomize=True)
 @given(shape=joints(), part=st.sampled_from([0.0, 1e-3, 0.1, 0.5]))
 def test_poses_of_any_joint(shape, part):
     assert_poses(shape, part * shape.radial_clearance)

@@ -55,13 +55,23 @@ def test_settled_is_after_the_last_long_gap():
     assert found.share_after == pytest.approx(7.9 / 8.0, rel=1e-12)
 
 
-def test_ends_of_a_bore_take_turns():
-    """One end touches while the other is apart: together they never part."""
+def test_what_counts_as_touching():
+    """Either end of a bore, a short gap at the end, flanges if asked for."""
+    # One end touches while the other is apart: together they never part.
     run = touches([(0.0, 2.0), (1.5, 4.0), (3.5, 6.0), (5.0, None)], end=10.0, rows=[0, 1, 0, 1])
     (found,) = settling(run, longest_gap=0.0)
     assert found.time == 0.0
     assert math.isnan(found.last_gap)
     assert found.share_after == 1.0
+    (found,) = settling(touches([(1.0, 9.9995)], end=10.0))
+    assert found.time == 1.0
+    run = touches([(1.0, 2.0), (3.0, None)], 10.0, contacts=("a.radial", "a.axial+"), rows=[0, 1])
+    assert settling(run)[0].time is None
+    assert settling(run, contacts="flanges")[0].time == 3.0
+    assert settling(run, contacts="any")[0].contacts == ("a.radial", "a.axial+")
+    assert settling(simulate(load_scenario("pendulum", case="ideal"), duration=0.01)) == ()
+    (found,) = settling(touches([], end=0.0))
+    assert found.note == "one sample is no time to settle in"
 
 
 @pytest.mark.parametrize(
@@ -87,11 +97,6 @@ def test_time_to_tell_is_a_twentieth_of_the_run_or_ten_gaps(gap, least):
         assert (found.time is not None) is settles
 
 
-def test_a_contact_that_parts_at_the_end_has_settled_if_the_gap_is_short():
-    (found,) = settling(touches([(1.0, 9.9995)], end=10.0))
-    assert found.time == 1.0
-
-
 def test_decay_of_speeds_and_the_curve():
     """Speeds 0.2 exp(-3 t): the line through their logarithm is exact."""
     onset = np.arange(10) * 0.5 + 0.1
@@ -111,13 +116,6 @@ def test_decay_of_speeds_and_the_curve():
         (other,) = settling(touches([(t, t + 0.2) for t in onset], end=5.0, speeds=speeds))
         assert other.decays is False  # they grow; a thousandth a second is lost in what they do else
     assert np.isnan(few.curve["mean_approach_speed"].values[[0, 2, 3, 4]]).all()
-
-
-def test_flanges_count_if_asked_for():
-    run = touches([(1.0, 2.0), (3.0, None)], 10.0, contacts=("a.radial", "a.axial+"), rows=[0, 1])
-    assert settling(run)[0].time is None
-    assert settling(run, contacts="flanges")[0].time == 3.0
-    assert settling(run, contacts="any")[0].contacts == ("a.radial", "a.axial+")
 
 
 @pytest.mark.parametrize(
@@ -152,17 +150,6 @@ def test_a_pendulum_settles_and_a_drop_is_known():
     assert found.decay_rate > 0.0
     rest = simulate(load_scenario("pendulum", case="planar-rest"), duration=0.05)
     assert settling(rest, longest_gap=0.0)[0].time == 0.0
-
-
-def test_an_impact_pair_never_settles():
-    (found,) = settling(simulate(load_scenario("impact_pair")))
-    assert found.time is None
-
-
-def test_little_is_no_error():
-    assert settling(simulate(load_scenario("pendulum", case="ideal"), duration=0.01)) == ()
-    (found,) = settling(touches([], end=0.0))
-    assert found.note == "one sample is no time to settle in"
 
 
 @pytest.mark.parametrize(

@@ -86,14 +86,12 @@ def test_a_sine_stands_in_the_spectrum_with_its_power():
     assert peak.sum() * 0.2 == pytest.approx(0.5, rel=1e-3)
 
 
-def test_an_even_signal_is_left_as_it_is():
+def test_an_even_grid_keeps_even_samples_and_changes_uneven_ones_little():
+    """Akima's slopes are of second order: half a percent of the faster sine's 0.1."""
     even = uniform(TIME, sines(TIME))
     assert even.rate == pytest.approx(RATE, rel=1e-12)
     assert np.array_equal(even.values, sines(TIME))
-
-
-def test_samples_at_events_change_little():
-    """Akima's slopes are of second order among uneven samples: half a percent of the faster sine's 0.1."""
+    # Akima's slopes are of second order among uneven samples: half a percent of the faster sine's 0.1.
     random = np.random.default_rng(2)
     crowded = np.sort(np.concatenate([TIME, TIME[100:120], random.uniform(0.0, TIME[-1], 900)]))
     even = uniform(crowded, sines(crowded))

@@ -94,13 +94,11 @@ def test_it_is_seen_in_a_result(load):
     assert "on bearing axle" in said["Joints", "axle"]
 
 
-def test_without_play_it_may_have_a_table_of_play(load):
-    """What waits for another case."""
+def test_a_bearing_beside_play(load):
+    """An ideal joint may wait with a table of play; a preload leaves the joint what it is."""
+    # What waits for another case.
     assert build_system(load(PLAY.format("ideal"))).on_bearings == ("axle",)
-
-
-def test_a_preload_leaves_the_joint_what_it_is(load):
-    """Beside play."""
+    # Beside play.
     text = '[bearings.push]\nkind = "preload"\njoint = "axle"\nforce = "50 N"\nstiffness = "1e5 N/m"\n'
     system = build_system(load(PLAY.format("contact") + text))
     assert system.on_bearings == ()

@@ -41,27 +41,19 @@ def same(law, expected):
     assert law.code() == pytest.approx(expected.code(), rel=1e-12, abs=0.0)  # 10 mm less 0.2 mm
 
 
-def test_each_end_of_the_bearing_carries_half_of_the_line():
+def test_a_line_law_takes_its_line_from_the_joint():
+    """Half of it at each end, the whole in a plane; what is given goes before."""
     flores = FloresDamping(restitution=0.8)
     same(joint(JOHNSON).radial, DampedContact(elastic=Johnson(**line(0.025)), dissipation=flores))
-
-
-def test_a_planar_joint_carries_the_whole_line():
     made = joint(JOHNSON, case="case2-planar")
     same(
         made.radial, DampedContact(elastic=Johnson(**line(0.05)), dissipation=FloresDamping(restitution=0.8))
     )
     assert made.axial is None
-
-
-def test_under_distributed_load_too_the_law_is_that_of_half_the_bore():
-    """However many strips share it out."""
+    # However many strips share it out.
     for strips in (16, 24):
         load = ("clearance.elevation.load=distributed", f"clearance.elevation.strips={strips}")
         same(joint(NORMAL % "law='liu-foundation'", *load).radial, LiuFoundation(**line(0.025)))
-
-
-def test_what_is_given_goes_before_what_the_joint_gives():
     law = joint(NORMAL % "law='johnson', length='10 mm', modulus='90 GPa', bearing_radius='11 mm'").radial
     assert (law.length, law.modulus, law.bearing_radius) == (0.01, 90e9, 0.011)
     assert law.journal_radius == pytest.approx(0.0098, rel=1e-12)

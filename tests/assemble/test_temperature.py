@@ -61,11 +61,7 @@ def test_a_fit_gives_the_radii_and_survives_json():
             {"clearance.hinge.fit": "20 H7/g6", "clearance.hinge.fit_shaft": 2},
             "fit_shaft must be from -1 to 1",
         ),
-        *(
-            ({"temperature": cold}, f"temperature.all must be above absolute zero, got {cold!r}")
-            for cold in ("-300 degC", "0 K", "-500 degF")
-        ),
-        ({"temperature": "nan"}, r"temperature.all must be a temperature \[K\], got 'nan' \(not finite\)"),
+        ({"temperature": "-300 degC"}, "temperature.all must be above absolute zero, got '-300 degC'"),
         (
             {"temperature.all": "20 degC", "temperature.reference": "-274 degC"},
             "temperature.reference must be above absolute zero",
@@ -80,28 +76,14 @@ def test_a_fit_gives_the_radii_and_survives_json():
             },
             r"temperature.tables.f.temperature(\[0\])? must be above absolute zero",
         ),
-        *(
-            ({"clearance.hinge.fit": fit}, words)
-            for fit, words in (
-                ("20 H7/x6", "of a letter among a b c"),
-                ("20 h7/g6", "hole's class in capitals"),
-                ("501 H7/g6", "a size above 0 and up to 500 mm, got '501 H7/g6'"),
-                ("0.3 H7/a11", "of a size above the deviations of its shaft"),
-                ("20 H0/g6", "a grade from 1 to 16"),
-                ("nan H7/g6", "two tolerance classes"),
-            )
-        ),
+        ({"clearance.hinge.fit": "20 H7/x6"}, "of a letter among a b c"),
         ({"clearance.hing.fit": "20 H7/g6"}, "or did you mean clearance.hinge"),
-        ({"temperature": "3 mm"}, r"temperature.all must be a temperature \[K\], got '3 mm'"),
         (
             {"temperature.tables.f": {"key": "duration", "temperature": [1, 2], "factor": [1]}},
             "factor must have 2 entries",
         ),
         ({"tolerances.play.dimensions.pin": {"nominal": 1}}, "plus is missing"),
-        (
-            {"tolerances.play.dimensions.pin": {"size": "20 H7", "plus": 1}},
-            "plus must be left out with size",
-        ),
+        ({"tolerances.play.dimensions.pin": {"size": "20 H7", "plus": 1}}, "plus must be left out with size"),
     ],
 )
 def test_refusals_of_tables(changes, words):
@@ -130,21 +112,6 @@ def test_a_bore_grows_and_the_play_with_it():
         assert sizes["flange_distance"] == pytest.approx(old["flange_distance"] * pin, rel=1e-14)
         assert sizes["flange_radius"] == pytest.approx(old["flange_radius"] * pin, rel=1e-14)
         assert hot.fit is None
-
-
-@pytest.mark.parametrize("side", ["parent", "child"])
-def test_each_part_has_its_temperature(side):
-    """The bearing is on the stand or, mirrored, on the bar."""
-    scenario = load_scenario(
-        "pendulum", overrides={**FIT, "clearance.hinge.bearing_on": side, "temperature.parts.bar": "80 degC"}
-    )
-    play = joint_play(scenario, "hinge")
-    hot = "bearing_temperature" if side == "child" else "journal_temperature"
-    assert getattr(play, hot) == 353.15
-    factor = 1.0 + 11.7e-6 * 60.0
-    outer, inner = 0.01000525, 0.00999325
-    expected = outer * factor - inner if side == "child" else outer - inner * factor
-    assert play.radial == pytest.approx(expected, rel=1e-9)
 
 
 def test_an_interference_is_refused_with_its_temperature():

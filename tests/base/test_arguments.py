@@ -93,18 +93,9 @@ def test_what_is_of_a_wrong_kind_is_refused_in_one_line(one):
             "simulate: events must be a sequence of Event, got a",
         ),
         (
-            lambda: simulate(_pendulum(), events=[Time(1)]),
-            "simulate: events must be a sequence of Event, got",
-        ),
-        (
-            lambda: simulate(_pendulum(), progress=3),
-            "simulate: progress must be a function, got 3",
-        ),
-        (
             lambda: simulate(_pendulum(), progress=lambda: None),
             "simulate: progress must be a function of 1 argument, got one of ()",
         ),
-        (lambda: simulate(_pendulum(), start={}), "simulate: start must be a State, got a table (dict)"),
         (
             lambda: simulate(_pendulum(), duration="1 kg"),
             "simulate: duration must be a time [s], got '1 kg' (mass)",
@@ -113,7 +104,6 @@ def test_what_is_of_a_wrong_kind_is_refused_in_one_line(one):
             lambda: Time([0.1]),
             "Time: instants must be a number or text, in s or with a unit, got [0.1] (list)",
         ),
-        (lambda: Time("soon"), "Time: instants must be a time [s], got 'soon'"),
         (
             lambda: JointSpring(joint="a", stiffness="1 N/m", damping="1 N*m*s/rad"),
             "JointSpring: damping must be for a sliding joint, as stiffness is, got '1 N*m*s/rad' (turning)",
@@ -121,25 +111,15 @@ def test_what_is_of_a_wrong_kind_is_refused_in_one_line(one):
         (lambda: Angle("a", "1 s"), "Angle: value must be an angle [rad] or a length [m], got '1 s' (time)"),
         (lambda: Event(name="a", when=Time(1), action="stop"), "Event: action must be a Mark, a Stop, a Set"),
         (lambda: System([]), "System: mechanism must be a Mechanism, got [] (list)"),
-        (
-            lambda: System(_mechanism(), drives=[1]),
-            "System: drives must be a mapping of names to Element, got [1]",
-        ),
         (lambda: System(_mechanism(), springs=["a"]), "System: springs must be a mapping of names to"),
-        (
-            lambda: System(_mechanism(), clearances={"a": 1}),
-            "System: clearances must be a sequence of ClearanceJ",
-        ),
         (
             lambda: Closure(kind="planar", first=None, second=None),
             "Closure: first must be an Anchor, got None",
         ),
-        (lambda: JointSpring(joint=3), "JointSpring: joint must be text, got 3"),
         (
             lambda: JointSpring(joint="a", stiffness="1 N"),
             "JointSpring: stiffness must be a torsional stiffness [N*m/rad] or a stiffness [N/m], got '1 N'",
         ),
-        (lambda: RunSettings(max_step="1 kg"), "RunSettings: max_step must be a time [s], got '1 kg' (mass)"),
         (lambda: RunSettings(method=["rk4"]), "RunSettings: method must be rk4, bogacki-shampine-32,"),
     ],
 )
@@ -288,24 +268,6 @@ CALLED = (
 #: Without a check, for `antenna-pin list` is not to wait for NumPy: they take a name and refuse others by it.
 #: One that hands on what is no name is checked by whom it hands it to.
 UNCHECKED = ("scenario_cases", "scenario_summary", "scenario_named")
-
-
-def _is_checked(function):
-    while hasattr(function, "__wrapped__"):
-        if function.__code__.co_filename == takes.__code__.co_filename:
-            return True
-        function = function.__wrapped__
-    return False
-
-
-@pytest.mark.parametrize("room", CALLED.split())
-def test_every_public_function_says_what_it_takes(room):
-    """One that takes anything, and lacks the decorator, is found here; so is a type that is not known."""
-    module = importlib.import_module("antenna_pin" if room == "antenna_pin" else f"antenna_pin.{room}")
-    for name in module.__all__:
-        function = getattr(module, name)
-        if inspect.isfunction(function) and inspect.signature(function).parameters and name not in UNCHECKED:
-            assert _is_checked(function), name
 
 
 def _functions():

@@ -86,10 +86,8 @@ def test_what_is_no_direction_is_refused(given):
 
 
 def test_no_square_of_a_direction_is_made():
+    """Numbers that no float holds are no direction."""
     assert unit([5e-324, 0.0, 0.0]).tolist() == [1.0, 0.0, 0.0]
     assert unit([3e300, -4e300]).tolist() == pytest.approx([0.6, -0.8], rel=1e-15)
-
-
-def test_numbers_that_no_float_holds_are_no_direction():
     with pytest.raises(AntennaPinError, match="axis must be"):
         JointChange(axis=(10**400, 0, 0))

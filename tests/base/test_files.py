@@ -19,6 +19,7 @@ from antenna_pin.trajectory.file import write
 
 
 def test_what_was_written_becomes_the_file(tmp_path):
+    """Also of the longest name; a folder that is not there is said in one line."""
     target = tmp_path / "result.txt"
     target.write_text("old")
     with replacing(target) as partial:
@@ -26,6 +27,16 @@ def test_what_was_written_becomes_the_file(tmp_path):
         assert target.read_text() == "old"
     assert target.read_text() == "new"
     assert list(tmp_path.iterdir()) == [target]
+    # The temporary name must not be longer than the file's own.
+    target = tmp_path / ("n" * 252 + ".nc")
+    check_writable(target)
+    with replacing(target) as partial:
+        partial.write_text("new")
+    assert target.read_text() == "new"
+    target = tmp_path / "missing" / "result.txt"
+    message = rf"^{re.escape(str(target))}: cannot be written: No such file or directory$"
+    with pytest.raises(OutputError, match=message), replacing(target) as partial:
+        partial.write_text("new")
 
 
 @pytest.mark.parametrize("reason", [KeyboardInterrupt, ValueError, OutputError("other.txt: is full")])
@@ -40,22 +51,6 @@ def test_what_ends_the_writing_leaves_the_file_as_it_was(tmp_path, reason):
     assert target.read_text() == "old"
     assert list(tmp_path.iterdir()) == [target]
     assert isinstance(reason, type) or str(ended.value) == "other.txt: is full"
-
-
-def test_what_cannot_be_written_is_said_in_one_line(tmp_path):
-    target = tmp_path / "missing" / "result.txt"
-    message = rf"^{re.escape(str(target))}: cannot be written: No such file or directory$"
-    with pytest.raises(OutputError, match=message), replacing(target) as partial:
-        partial.write_text("new")
-
-
-def test_the_longest_name_that_a_folder_takes_is_written(tmp_path):
-    """The temporary name must not be longer than the file's own."""
-    target = tmp_path / ("n" * 252 + ".nc")
-    check_writable(target)
-    with replacing(target) as partial:
-        partial.write_text("new")
-    assert target.read_text() == "new"
 
 
 @pytest.mark.parametrize(
@@ -159,7 +154,7 @@ def test_hdf5_writes_through_a_patient_file_what_it_writes_itself(tmp_path):
 def test_a_disk_that_is_full_at_any_write_costs_the_new_file_only(tmp_path, monkeypatch):
     """HDF5 crashes in its own way out if it ever hears of it; so every write fails once, from then on all."""
     data = xr.Dataset(
-        {f"x{k}": (("time", "axis"), np.full((50, 3), float(k)), {"units": "m"}) for k in range(8)},
+        {f"x{k}": (("time", "axis"), np.full((50, 3), float(k)), {"units": "m"}) for k in range(4)},
         coords={"time": np.arange(50.0), "axis": ["x", "y", "z"]},
         attrs={"format": "any"},
     )
@@ -211,18 +206,8 @@ def test_a_run_whose_result_does_not_fit_says_so_in_one_line(tmp_path, but_for_w
     """The limit holds in every folder, so the result is nowhere; an older one is as it was."""
     (tmp_path / "run.nc").write_text("old")
     said = subprocess.run(
-        [
-            sys.executable,
-            "-m",
-            "antenna_pin.apps.cli",
-            "run",
-            "bai2020",
-            "--case",
-            "case1",
-            "--duration",
-            "0.05",
-        ]
-        + ["--out", "run.nc", "--no-progress"],
+        [sys.executable, "-m", "antenna_pin.apps.cli", "run", "bai2020", "--case", "case1"]
+        + ["--duration", "0.05", "--out", "run.nc", "--no-progress"],
         cwd=tmp_path,
         capture_output=True,
         text=True,

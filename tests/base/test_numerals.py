@@ -1,7 +1,5 @@
 """What is a number in text is the same everywhere: files, tables, quantities, options."""
 
-from pathlib import Path
-
 import pytest
 from typer.testing import CliRunner
 
@@ -13,7 +11,7 @@ from antenna_pin.mechanism.flexible.modal_files import BadModalTableError, read_
 from antenna_pin.scenario._layers import read_table
 
 CSV = "frequency,tx,ty,tz,rx,ry,rz\n{},1,0,0,0,0,0\n"
-NONE = (
+NONE = [
     "1_0",
     "\u0661\u0668",
     "\uff11",
@@ -26,12 +24,12 @@ NONE = (
     "1e",
     "1e400",
     "",
-    "1 2",
-)
+]
+NONE += ["", "1 2"]
 
 
 @pytest.mark.parametrize("text", NONE)
-def test_what_is_no_number_is_none_anywhere(text, tmp_path: Path):
+def test_what_is_no_number_is_none_anywhere(text):
     assert decimal_in(text) is None
     assert whole_in(text) is None
     assert bare(text) == text
@@ -41,15 +39,18 @@ def test_what_is_no_number_is_none_anywhere(text, tmp_path: Path):
         read_table(f'time,torque\n0,1\n"{text}",1\n', ("time", "torque"), ("s", "N*m"))
     with pytest.raises(BadModalTableError, match="line 2: frequency must be a finite number"):
         read_modal_table(CSV.format(f'"{text}"'))
+
+
+@pytest.mark.parametrize("text", ["1_0", "\uff11", "infinity", "nan", "2,000", "1e400"])
+def test_what_is_no_number_is_no_option(text):
     for arguments in (
-        ("lyapunov", "pendulum", "--count", text or "x"),
-        ("pointing", "no.nc", "--body", "b", "--confidence", text or "x"),
-        ("contact", "scenarios", "--penetration", f"{text or 'x'}"),
+        ("lyapunov", "pendulum", "--count"),
+        ("pointing", "no.nc", "--body", "b", "--confidence"),
+        ("contact", "scenarios", "--penetration"),
     ):
-        ended = CliRunner().invoke(app, [arguments[0], *(one for one in arguments[1:])])
+        ended = CliRunner().invoke(app, [*arguments, text])
         assert ended.exit_code == 2
-        assert f"{text}" in ended.stderr
-        assert len(ended.stderr.splitlines()) == 1
+        assert text in ended.stderr and len(ended.stderr.splitlines()) == 1
 
 
 @pytest.mark.parametrize("text", ["1", " +1. ", "-.5", "1e3", "1E-400"])

@@ -90,10 +90,21 @@ def test_units_of_the_header_are_used(header, motion, time, value):
     assert values == pytest.approx([value * x for x in VALUES], rel=2e-16)
 
 
-def test_converted_decimals_are_rounded_once():
-    """As text with a unit is: 9.8 times 0.001 is not 0.0098 in floats."""
+def test_cells_units_and_names_of_odd_tables():
+    """Holes, names with a slash, and units of both kinds of joints."""
+    # As text with a unit is: 9.8 times 0.001 is not 0.0098 in floats.
     (_, values), _ = read_table("time,values [mm]\n0,9.8\n1,1.1\n", COLUMNS, UNITS)
     assert values == (0.0098, 0.0011)
+    with pytest.raises(
+        BadTableError, match=r"torque must be for a turning joint, as angle is, got 'N' \(sliding"
+    ):
+        read_table("angle [deg],torque [N]\n0,1\n1,2\n", ("angle", "torque"), (("rad", "m"), ("N*m", "N")))
+    cells = read_cells("a;b\n1;2\n;\n3;4\n;\n", ("a", "b"), TextLayout(holes=True))
+    assert cells.text == {"a": ["1", "", "3"], "b": ["2", "", "4"]}
+    assert cells.lines == [2, 3, 4]
+    cells = read_cells("time/s,force/left,force/N\n1,2,3\n", ("time", "force/left", "force"))
+    assert cells.text == {"time": ["1"], "force/left": ["2"], "force": ["3"]}
+    assert cells.units == {"time": "s", "force": "N"}
 
 
 @pytest.mark.parametrize(
@@ -123,25 +134,6 @@ def test_what_can_be_read_in_two_ways_or_not_at_all_is_refused(text, says):
     with pytest.raises(BadTableError) as refused:
         read_table(text, COLUMNS, UNITS)
     assert str(refused.value).startswith(says) and "\n" not in str(refused.value)
-
-
-def test_units_of_both_kinds_of_joints_are_refused():
-    with pytest.raises(
-        BadTableError, match=r"torque must be for a turning joint, as angle is, got 'N' \(sliding"
-    ):
-        read_table("angle [deg],torque [N]\n0,1\n1,2\n", ("angle", "torque"), (("rad", "m"), ("N*m", "N")))
-
-
-def test_rows_without_numbers_count_where_holes_are_allowed():
-    cells = read_cells("a;b\n1;2\n;\n3;4\n;\n", ("a", "b"), TextLayout(holes=True))
-    assert cells.text == {"a": ["1", "", "3"], "b": ["2", "", "4"]}
-    assert cells.lines == [2, 3, 4]
-
-
-def test_a_slash_in_a_name_that_no_unit_follows_is_the_names():
-    cells = read_cells("time/s,force/left,force/N\n1,2,3\n", ("time", "force/left", "force"))
-    assert cells.text == {"time": ["1"], "force/left": ["2"], "force": ["3"]}
-    assert cells.units == {"time": "s", "force": "N"}
 
 
 URDF = """<robot name="crane"><link name="rail"/>

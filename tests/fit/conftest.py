@@ -1,6 +1,7 @@
 """Fits to an oscillator in closed form: a bar without weight on a spring and a damper."""
 
 import contextlib
+import functools
 
 import h5py
 import numpy as np
@@ -83,21 +84,21 @@ def matlab_7_3(path):
         stream.write(b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM")
 
 
+def written(folder, time=TIME, columns=None, *, text=FIT, name="swing.csv", **parts):
+    """Write a record and a fit's file, and return the plan."""
+    columns = {"angle": closed_form(time)} if columns is None else columns
+    head = ",".join(["time", *columns])
+    rows = np.column_stack([time, *columns.values()])
+    np.savetxt(folder / name, rows, delimiter=",", header=head, comments="", fmt="%.17g")
+    filled = {"more": "", "parameters": "", "record": "", "column": ""} | parts
+    (folder / "fit.fit.toml").write_text(text.format(**filled))
+    return load_fit(folder / "fit.fit.toml")
+
+
 @pytest.fixture
 def write(tmp_path):
     """Return a function that writes a record and a fit's file, and loads it."""
-
-    def made(time=None, columns=None, *, text=FIT, name="swing.csv", **parts):
-        time = np.linspace(0.0, 1.0, 201) if time is None else time
-        columns = {"angle": closed_form(time)} if columns is None else columns
-        head = ",".join(["time", *columns])
-        rows = np.column_stack([time, *columns.values()])
-        np.savetxt(tmp_path / name, rows, delimiter=",", header=head, comments="", fmt="%.17g")
-        filled = {"more": "", "parameters": "", "record": "", "column": ""} | parts
-        (tmp_path / "fit.fit.toml").write_text(text.format(**filled))
-        return load_fit(tmp_path / "fit.fit.toml")
-
-    return made
+    return functools.partial(written, tmp_path)
 
 
 @pytest.fixture

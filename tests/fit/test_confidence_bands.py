@@ -82,11 +82,15 @@ def test_bands_hold_the_true_curve_as_often_as_they_say():
 
 
 def test_bounds_are_kept_by_drawing_again(times):
+    """Numbers of draws below 2 are refused."""
     model = line(times, _line(times).record, 0.1, lower=np.array([-np.inf, 0.47]))
     found = sure(model, model.best(), noise="given")
     values, _ = draws(model, found, 500, 1)
     assert values[:, 1].min() >= 0.47
     assert np.mean(values[:, 1] < 0.475) < 0.2  # none heaped up at the bound
+    model = _line(times)
+    with pytest.raises(InvalidParameterError, match="draws must be 2 or more"):
+        sampled_bands(model, sure(model, model.best()), 1)
 
 
 def test_curves_of_what_is_told_together_have_bands_and_draws_have_none(times):
@@ -101,9 +105,3 @@ def test_curves_of_what_is_told_together_have_bands_and_draws_have_none(times):
     assert 0.5 * (bands.high - bands.low) == pytest.approx(expected, abs=1e-6)
     with pytest.raises(InvalidParameterError, match="got mass, stiffness"):
         sampled_bands(model, found)
-
-
-def test_bad_numbers_of_draws_are_refused(times):
-    model = _line(times)
-    with pytest.raises(InvalidParameterError, match="draws must be 2 or more"):
-        sampled_bands(model, sure(model, model.best()), 1)

@@ -144,10 +144,7 @@ def test_words_say_by_what():
 
 @pytest.mark.parametrize(
     "more",
-    [
-        {"compare": "rms"},
-        {"compare": "spectrum", "spectrum": {"edges": [5.0, 20.0, 45.0], "segment": 0.5}},
-    ],
+    [{"compare": "rms"}, {"compare": "spectrum", "spectrum": {"edges": [5.0, 20.0, 45.0], "segment": 0.5}}],
     ids=["rms", "spectrum"],
 )
 def test_slopes_of_statistics_are_those_of_differences(more):

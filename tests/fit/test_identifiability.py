@@ -96,12 +96,10 @@ def test_three_that_hang_together_in_two_ways_are_said_two_at_a_time():
 
 
 def test_what_is_told_to_less_than_its_size_is_said(times):
+    """Differences that are no numbers are refused."""
     model = line(times, 0.0 * times, 5.0)
     found = identifiable(model)
     assert found.poor == ("intercept", "slope")  # 5 / sqrt(31) is 0.9, and twice that is more than 1
-
-
-def test_differences_that_are_no_numbers_are_refused(times):
     jacobian = np.ones((4, 2))
     jacobian[2, 1] = np.nan
     with pytest.raises(InvalidParameterError, match="jacobian must be finite, got nan in row 2, column 1"):

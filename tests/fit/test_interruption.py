@@ -93,6 +93,7 @@ def test_profiles_are_the_same_to_the_bit_by_two_workers_and_after_two_interrupt
     finally:
         cluster.close()
     assert (tmp_path / "cut.nc.parts").exists()
+    assert open_fit(tmp_path / "cut.nc").attrs["converged"] == 1  # the fit itself is there
     made.clear()
     xr.testing.assert_identical(profiled("cut.nc"), here)
     assert len(made) < 0.45 * whole  # what was kept was not run again

@@ -40,9 +40,7 @@ def emptied(*rows):
             "each column its own name",
         ),
         ("", {}, "swing.csv must have a header with time, angle, got nothing"),
-        ("\ufeff", {}, "swing.csv must have a header with time, angle, got nothing"),
         ("time,angle\n", {}, "swing.csv must have 2 rows at least, got 0"),
-        ("time,angle\n0,0.1\n", {}, "swing.csv must have 2 rows at least, got 1"),
         (
             "time,angle\n0,000,0,1\n0,005,0,2\n",
             {},
@@ -68,7 +66,7 @@ def emptied(*rows):
         ),
     ],
     ids=[
-        "name twice", "empty", "nothing but a mark", "header only", "one row", "decimal commas",
+        "name twice", "empty", "header only", "decimal commas",
         "ms as s", "s as ms", "holes",
     ],
 )  # fmt: skip
@@ -124,24 +122,18 @@ def test_structures_within_structures_are_read(tmp_path, of_7_3):
         problem_of(tmp_path, write, "swing.mat", **(parts | {"column": 'column = "test.angle"'}))
 
 
-@pytest.mark.parametrize(
-    ("angle", "words"),
-    [
-        (np.full(201, 0.02), "angle is the same in all 201 rows: is its sensor connected?"),
-        (
-            np.minimum(ANGLE, 0.05),
-            "angle stays at its largest value in {stays} rows, first from row 1 to {last}: if that is as far "
-            'as its sensor goes, empty them and give gaps = "skip"',
-        ),
-    ],
-)
-def test_a_sensor_that_is_dead_or_at_its_end_is_noted(write, angle, words):
+def test_a_sensor_that_is_dead_or_at_its_end_is_noted(write):
     """No curve with noise repeats itself row after row."""
+    (dead,) = Problem(write(columns={"angle": np.full(201, 0.02)})).notes
+    assert dead.endswith("swing.csv: angle is the same in all 201 rows: is its sensor connected?")
     high = ANGLE >= 0.05
-    words = words.format(stays=np.count_nonzero(high), last=np.flatnonzero(~high)[0])
-    found = run_fit(write(columns={"angle": angle}))
-    assert found.notes[0] == f"note: records.swing: swing.csv: {words}"
-    assert f"note: records.swing: swing.csv: {words}" in found.data().attrs["notes"]
+    note = (
+        f"note: records.swing: swing.csv: angle stays at its largest value in {np.count_nonzero(high)} "
+        f"rows, first from row 1 to {np.flatnonzero(~high)[0]}: if that is as far as its sensor goes, empty "
+        'them and give gaps = "skip"'
+    )
+    found = run_fit(write(columns={"angle": np.minimum(ANGLE, 0.05)}))
+    assert found.notes[0] == note and note in found.data().attrs["notes"]
 
 
 def test_what_only_looks_odd_is_not_noted(write):

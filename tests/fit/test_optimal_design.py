@@ -14,8 +14,9 @@ def _at(*places):
     return {f"{x:g}": np.array([[1.0, x]]) for x in places}
 
 
-def test_the_best_line_is_measured_at_the_ends_of_its_interval():
-    """D-optimal: half at each end (Fedorov 1972); so is it for the slope alone."""
+def test_optimal_designs_in_closed_form():
+    """Of a line, a parabola, and a value beyond the interval."""
+    # D-optimal: half at each end (Fedorov 1972); so is it for the slope alone.
     grid = _at(*np.linspace(-1.0, 1.0, 21))
     for criterion, wanted in (("D", None), ("c", "slope"), ("A", None)):
         plan = planned(grid, NAMES, ONES, 10, criterion=criterion, wanted=wanted)
@@ -23,27 +24,22 @@ def test_the_best_line_is_measured_at_the_ends_of_its_interval():
         assert plan.weights[[0, -1]] == pytest.approx([0.5, 0.5], abs=1e-3)
         assert plan.gap <= 1e-6
         assert plan.counts.tolist() == [5, *[0] * 19, 5]
-
-
-def test_a_parabola_is_measured_at_ends_and_middle():
-    """D-optimal for 1, x, x^2 on [-1, 1]: a third each at -1, 0, 1."""
+    # D-optimal for 1, x, x^2 on [-1, 1]: a third each at -1, 0, 1.
     grid = {f"{x:g}": np.array([[1.0, x, x**2]]) for x in np.linspace(-1.0, 1.0, 21)}
     plan = planned(grid, ("a", "b", "c"), np.ones(3), 9)
     assert plan.weights[[0, 10, 20]] == pytest.approx(np.full(3, 1.0 / 3.0), abs=1e-3)
     assert plan.counts[[0, 10, 20]].tolist() == [3, 3, 3]
-
-
-def test_extrapolation_weighs_the_ends_as_elfving_says():
-    """For the value at x0 > 1 beyond [-1, 1], weights are (x0 -+ 1) / 2 x0, after a change of the origin.
-
-    With the origin at x0 the intercept is that value, and points lie from -1 - x0 to 1 - x0.
-    """
+    # For the value at x0 > 1 beyond [-1, 1], weights are (x0 -+ 1) / 2 x0, after a change of the origin.
     x0 = 2.0
     grid = _at(*(np.linspace(-1.0, 1.0, 21) - x0))
     plan = planned(grid, NAMES, ONES, 8, criterion="c", wanted="intercept")
     near, far = (x0 + 1.0) / (2.0 * x0), (x0 - 1.0) / (2.0 * x0)
     assert plan.weights[[0, -1]] == pytest.approx([far, near], abs=2e-3)
     assert plan.counts[[0, -1]].tolist() == [2, 6]
+    # With ten measurements at the upper end, ten more for the slope are all made at the lower one.
+    known = np.tile([1.0, 1.0], (10, 1))
+    plan = planned(_at(-1.0, 0.0, 1.0), NAMES, ONES, 10, known=known, criterion="c", wanted="slope")
+    assert plan.counts.tolist() == [10, 0, 0]
 
 
 def test_the_next_test_of_a_line_is_the_one_farthest_from_what_is_known():
@@ -65,7 +61,8 @@ def test_the_next_test_of_a_line_is_the_one_farthest_from_what_is_known():
 
 
 def test_order_does_not_hang_on_units():
-    """Slopes in other units, with the scale that goes with them: the same order and lengths in scales."""
+    """An experiment that leaves something open is the worst."""
+    # Slopes in other units, with the scale that goes with them: the same order and lengths in scales.
     known = np.array([[1.0, 0.9], [1.0, 1.0]])
     one = design(_at(-1.0, 0.0, 1.0), NAMES, ONES, known=known)
     units = np.array([1.0, 1e6])
@@ -75,22 +72,12 @@ def test_order_does_not_hang_on_units():
     assert other.experiments == one.experiments
     assert other.criteria["D"] == pytest.approx(one.criteria["D"], rel=1e-9)
     assert other.half / units == pytest.approx(one.half, rel=1e-9)
-
-
-def test_an_experiment_that_leaves_something_open_is_the_worst():
-    """Two measurements at one place do not tell intercept and slope; the sum of experiments may."""
+    # Two measurements at one place do not tell intercept and slope; the sum of experiments may.
     grid = {"same": np.array([[1.0, 1.0], [1.0, 1.0]]), "two": np.array([[1.0, 0.0], [1.0, 1.0]])}
     found = design(grid, NAMES, ONES)
     assert found.experiments == ("two", "same")
     assert np.isinf(found.half[1]).all() and np.isinf(found.criteria["D"][1])
     assert np.isinf(found.before).all()
-
-
-def test_a_plan_adds_to_what_is_known():
-    """With ten measurements at the upper end, ten more for the slope are all made at the lower one."""
-    known = np.tile([1.0, 1.0], (10, 1))
-    plan = planned(_at(-1.0, 0.0, 1.0), NAMES, ONES, 10, known=known, criterion="c", wanted="slope")
-    assert plan.counts.tolist() == [10, 0, 0]
 
 
 def test_what_cannot_be_planned_is_refused():

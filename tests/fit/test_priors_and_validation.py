@@ -8,7 +8,7 @@ from antenna_pin.studies.fit import Problem, load_fit, run_fit
 from antenna_pin.studies.fit.diagnostics import residual_tests as judged
 from antenna_pin.studies.fit.specs import evaluate, names_in
 
-from .conftest import DAMPING, STIFFNESS, TIME, closed_form
+from .conftest import DAMPING, STIFFNESS, TIME, closed_form, written
 
 NOISE = 1e-4
 DAMPER = """
@@ -28,10 +28,15 @@ def with_prior(mean, sd, jacobian="differences"):
     return {"columns": measured(), "parameters": DAMPER + text, "more": f'jacobian = "{jacobian}"'}
 
 
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory):
+    """Return the fit of the record alone."""
+    return run_fit(written(tmp_path_factory.mktemp("plain"), columns=measured(), parameters=DAMPER))
+
+
 @pytest.mark.parametrize("jacobian", ["differences", "equation"])
-def test_a_prior_is_one_more_measurement(write, jacobian):
+def test_a_prior_is_one_more_measurement(write, plain, jacobian):
     """Information adds up, and the value is the weighted mean: of a linear problem with a normal prior."""
-    plain = run_fit(write(columns=measured(), parameters=DAMPER))
     sd, mean = float(plain.bands.sd[1]), float(plain.values[1]) + 2.0 * float(plain.bands.sd[1])
     fit = run_fit(write(**with_prior(mean, sd, jacobian)))
     inverse = np.linalg.inv(plain.bands.covariance)
@@ -44,14 +49,9 @@ def test_a_prior_is_one_more_measurement(write, jacobian):
     assert fit.bands.chi2 - plain.bands.chi2 == pytest.approx(2.0, rel=0.02)
 
 
-def test_a_prior_far_from_the_record_pulls_no_farther_than_it_weighs(write):
+def test_a_prior_far_from_the_record_pulls_no_farther_than_it_weighs(write, plain):
     fit = run_fit(write(**with_prior(0.4, 1e3)))
-    assert fit.values[1] == pytest.approx(
-        run_fit(write(columns=measured(), parameters=DAMPER)).values[1], rel=1e-9
-    )
-
-
-def test_a_prior_of_another_unit_is_refused(write):
+    assert fit.values[1] == pytest.approx(plain.values[1], rel=1e-9)
     with pytest.raises(AntennaPinError, match="parameters.damping.prior.sd must be of start's unit"):
         write(parameters=DAMPER + 'prior = { mean = "0.2 N*m*s/rad", sd = "0.1 N" }')
 
@@ -70,13 +70,12 @@ unit = "N*m*s/rad"
 
 
 @pytest.mark.parametrize("jacobian", ["differences", "equation"])
-def test_a_derived_number_is_fitted_through_its_parameters(write, jacobian):
+def test_a_derived_number_is_fitted_through_its_parameters(write, plain, jacobian):
     """Damping of stiffness / 400 + excess: both are found, and the derived one has the direct fit's band."""
-    direct = run_fit(write(columns=measured(), parameters=DAMPER))
     fit = run_fit(write(columns=measured(), parameters=EXCESS, more=f'jacobian = "{jacobian}"'))
-    assert fit.values[0] == pytest.approx(direct.values[0], rel=1e-7)
-    assert fit.values[0] / 400.0 + fit.values[1] == pytest.approx(direct.values[1], rel=1e-6)
-    assert fit.lines()[-1].split(None, 1) == direct.lines()[-1].split(None, 1)
+    assert fit.values[0] == pytest.approx(plain.values[0], rel=1e-7)
+    assert fit.values[0] / 400.0 + fit.values[1] == pytest.approx(plain.values[1], rel=1e-6)
+    assert fit.lines()[-1].split(None, 1) == plain.lines()[-1].split(None, 1)
     assert fit.scenario().springs["hinge"].damping == pytest.approx(DAMPING, rel=0.05)
 
 
@@ -119,7 +118,7 @@ sd = "1e-4 rad"
 """
 
 
-def test_a_record_that_was_not_fitted_judges_the_fit(write, tmp_path):
+def test_a_record_that_was_not_fitted_judges_the_fit(write, plain, tmp_path):
     for name, damping, seed in (("same", DAMPING, 8), ("other", 1.1 * DAMPING, 9)):
         angle = closed_form(TIME, STIFFNESS, damping)
         angle += NOISE * np.random.default_rng(seed).standard_normal(len(TIME))
@@ -133,12 +132,8 @@ def test_a_record_that_was_not_fitted_judges_the_fit(write, tmp_path):
     assert other.chi2 > 1000.0 and other.words().endswith(
         "the values do not hold for it, or its sd is too small"
     )
-    plain = run_fit(write(columns=measured(), parameters=DAMPER))
     np.testing.assert_array_equal(fit.values, plain.values)  # it has no part in them
     assert "validation by same: chi2 " in fit.data().attrs["validation"]
-
-
-def test_a_record_for_validation_that_is_not_there_is_refused_before_any_run(write):
     plan = write(columns=measured(), parameters=OTHER.format(name="lost"))
     with pytest.raises(AntennaPinError, match="lost.csv"):
         run_fit(plan)
@@ -149,10 +144,7 @@ def test_a_record_for_validation_that_is_not_there_is_refused_before_any_run(wri
 
 def test_chances_of_white_normal_noise_are_spread_evenly():
     found = [judged(np.random.default_rng(k).standard_normal(200)) for k in range(400)]
-    for chances in (
-        np.array([one.runs_chance for one in found]),
-        np.array([one.normal_chance for one in found]),
-    ):
+    for chances in np.array([(one.runs_chance, one.normal_chance) for one in found]).T:
         # Of 400 a share of a half is 200 +- 10: four of that; runs come in whole numbers.
         assert abs(np.count_nonzero(chances < 0.5) - 200) < 55
 

@@ -59,7 +59,8 @@ def test_what_cannot_be_told_has_an_open_profile_along_which_the_other_goes_with
     assert mass.others[:, 1] / mass.values == pytest.approx(best[1] / best[0], rel=1e-6)
 
 
-def test_a_bound_ends_a_side(times):
+def test_where_a_side_ends(times):
+    """At a bound, and where the model cannot be run."""
     noise = np.random.default_rng(1).standard_normal(times.size)
     record = 2.0 + 0.01 * times + 0.1 * noise
     model = line(times, record, 0.1, lower=np.array([-np.inf, 0.0]))
@@ -68,6 +69,24 @@ def test_a_bound_ends_a_side(times):
     (slope,) = profiles(model, found, ["slope"])
     assert slope.ends == ("bounded", "crossed") and slope.low == 0.0
     assert slope.high == pytest.approx(found.high[1], rel=1e-6)
+
+    def model_of(t, x):
+        if x[1] > 0.52:
+            raise AntennaPinError("no run")
+        return x[0] + x[1] * t
+
+    base = line(times, 2.0 + 0.5 * times + 0.1 * np.random.default_rng(1).standard_normal(times.size), 0.1)
+    model = Curve(base.names, times, model_of, base.slopes, base.record, np.array([2.0, 0.49]), 0.1)
+    found = sure(model, base.best(), noise="given")
+    (slope,) = profiles(model, found, ["slope"])
+    assert slope.ends == ("crossed", "stopped") and slope.high <= 0.52
+    assert slope.low == pytest.approx(found.low[1], rel=1e-6)
+    model = line(times, 0.0 * times)
+    found = sure(model, np.zeros(2))
+    with pytest.raises(
+        InvalidParameterError, match="noise must be given where the model meets the record exactly"
+    ):
+        profiles(model, found)
 
 
 def test_a_better_fit_on_the_way_is_said(times):
@@ -91,29 +110,6 @@ def test_a_better_fit_on_the_way_is_said(times):
     (one,) = profiles(model, wide)
     assert one.better is not None
     assert model.residuals(one.better) @ model.residuals(one.better) < wide.chi_squared
-
-
-def test_where_the_model_cannot_be_run_a_side_stops(times):
-    def model_of(t, x):
-        if x[1] > 0.52:
-            raise AntennaPinError("no run")
-        return x[0] + x[1] * t
-
-    base = line(times, 2.0 + 0.5 * times + 0.1 * np.random.default_rng(1).standard_normal(times.size), 0.1)
-    model = Curve(base.names, times, model_of, base.slopes, base.record, np.array([2.0, 0.49]), 0.1)
-    found = sure(model, base.best(), noise="given")
-    (slope,) = profiles(model, found, ["slope"])
-    assert slope.ends == ("crossed", "stopped") and slope.high <= 0.52
-    assert slope.low == pytest.approx(found.low[1], rel=1e-6)
-
-
-def test_without_noise_there_is_no_profile(times):
-    model = line(times, 0.0 * times)
-    found = sure(model, np.zeros(2))
-    with pytest.raises(
-        InvalidParameterError, match="noise must be given where the model meets the record exactly"
-    ):
-        profiles(model, found)
 
 
 @pytest.mark.parametrize(

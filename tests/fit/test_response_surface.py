@@ -80,11 +80,9 @@ def test_a_surface_of_second_order_is_found_exactly():
     assert surface.scatter == pytest.approx(np.diag([0.0, 0.25]), abs=1e-25)
 
 
-def test_too_few_runs_for_so_many_statistics_are_refused():
+def test_what_a_surface_cannot_take_is_refused(write):
+    """Too few runs for so many statistics, curves beside it."""
     with pytest.raises(InvalidParameterError, match=r"surface\.runs must be more than 18, for 6 statistics"):
         fit_by_surface(Scattering(0), SurfaceSpec(runs=16))
-
-
-def test_curves_beside_a_surface_are_refused(write):
     with pytest.raises(ScenarioError, match="compare must be a statistic with a surface"):
         write(text=FIT.replace("{more}", "surface = {{ runs = 64 }}"))

@@ -10,32 +10,28 @@ from scipy.signal import lfilter
 from antenna_pin import load_scenario
 from antenna_pin.errors import OutputError
 from antenna_pin.studies.fit import Problem, load_fit, open_fit, run_fit
-from antenna_pin.studies.fit.assessment import certain
 from antenna_pin.studies.fit.run_service import RunService, RunStore
 
-from .conftest import DAMPER, DAMPING, FIRST, STIFFNESS, closed_form
+from .conftest import DAMPER, DAMPING, FIRST, STIFFNESS, TIME, closed_form, written
 from .conftest import FIT as FIT_OF_PENDULUM
 
 
-def test_spring_and_damper_of_a_pendulum_are_those_of_the_closed_form(write):
-    found = run_fit(write(parameters=DAMPER))
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    """Return stiffness and damping of an exact record, fitted."""
+    return run_fit(written(tmp_path_factory.mktemp("exact"), parameters=DAMPER))
+
+
+def test_spring_and_damper_of_a_pendulum_are_those_of_the_closed_form(found):
     # The record is exact but for its 17 digits; the runs err by some 1e-9 of the amplitude at rtol = 1e-10,
     # and the search ends where a step changes nothing to 1e-8 of the sum of squares.
     np.testing.assert_allclose(found.values, [STIFFNESS, DAMPING], rtol=1e-6)
     assert found.converged
     assert np.abs(found.residuals).max() < 1e-2
-
-
-def test_covariance_is_that_of_the_linear_theory(write):
-    found = run_fit(write(parameters=DAMPER))
-    time = np.linspace(0.0, 1.0, 201)
     sides = []
-    for i, step in enumerate((1e-4 * STIFFNESS, 1e-4 * DAMPING)):
-        ends = [
-            closed_form(time, *(np.array([STIFFNESS, DAMPING]) + sign * step * np.eye(2)[i]))
-            for sign in (1, -1)
-        ]
-        sides.append((ends[0] - ends[1]) / (2.0 * step) / 1e-4)
+    for step in 1e-4 * np.diag([STIFFNESS, DAMPING]):
+        ahead, behind = (closed_form(TIME, *([STIFFNESS, DAMPING] + sign * step)) for sign in (1, -1))
+        sides.append((ahead - behind) / (2.0 * step.sum()) / 1e-4)
     slopes = np.column_stack(sides)
     # Differences of steps of 1e-4 err by the square of that times third derivatives, some 1e-6 in all.
     np.testing.assert_allclose(found.slopes, slopes, atol=1e-4 * np.abs(slopes).max())
@@ -44,7 +40,7 @@ def test_covariance_is_that_of_the_linear_theory(write):
 
 def test_estimated_noise_scales_the_bands_and_not_the_values(write):
     noise = 5e-4 * np.random.default_rng(0).standard_normal(201)
-    columns = {"angle": closed_form(np.linspace(0.0, 1.0, 201)) + noise}
+    columns = {"angle": closed_form(TIME) + noise}
     estimated = run_fit(write(columns=columns, more='noise = "estimated"'))
     folder = write(columns=columns).folder
     given = run_fit(load_fit(folder / "fit.fit.toml", ["records.swing.columns.angle.sd=5e-4 rad"]))
@@ -79,11 +75,10 @@ between = ["-0.1 rad", "0.1 rad"]
 
 
 def test_a_robust_loss_is_not_moved_by_a_few_wild_rows(write):
-    time = np.linspace(0.0, 1.0, 201)
-    wild = closed_form(time) + 1e-4 * np.random.default_rng(1).standard_normal(201)
+    wild = closed_form(TIME) + 1e-4 * np.random.default_rng(1).standard_normal(201)
     wild[::20] += 0.05
-    plain = run_fit(write(time, {"angle": wild}))
-    robust = run_fit(write(time, {"angle": wild}, more='loss = "cauchy"'))
+    plain = run_fit(write(columns={"angle": wild}))
+    robust = run_fit(write(columns={"angle": wild}, more='loss = "cauchy"'))
     assert abs(plain.values[0] - STIFFNESS) > 10.0 * abs(robust.values[0] - STIFFNESS)
     assert robust.bands.low[0] < STIFFNESS < robust.bands.high[0]
 
@@ -91,7 +86,6 @@ def test_a_robust_loss_is_not_moved_by_a_few_wild_rows(write):
 def test_many_starts_find_the_lowest_of_many_valleys(write):
     valleys = "difference_step = 1e-5\n[starts]\ncount = 16\nkeep = 3"
     far = {"parameters.stiffness.start": "3 N*m/rad"}
-    write(more=valleys)
     folder = write(more=valleys).folder
     alone = load_fit(folder / "fit.fit.toml", {"starts": {"replace": True, "count": 2, "keep": 1}} | far)
     single = run_fit(alone.model_copy(update={"starts": None}))
@@ -102,10 +96,9 @@ def test_many_starts_find_the_lowest_of_many_valleys(write):
     assert costs == sorted(costs) and costs[0] < 1e-3 * costs[-1]
 
 
-@pytest.mark.parametrize("seed", [0, 1])
-def test_play_stiffness_restitution_friction_of_another_codes_joint(tmp_path, seed):
+def test_play_stiffness_restitution_friction_of_another_codes_joint(tmp_path):
     """scripts/bench/fit_coverage.py has a hundred of them."""
-    write_record(tmp_path / "test.csv", record(*TRUTH.values(), TIMES), seed)
+    write_record(tmp_path / "test.csv", record(*TRUTH.values(), TIMES), 0)
     (tmp_path / "joint.fit.toml").write_text(FIT)
     found = run_fit(load_fit(tmp_path / "joint.fit.toml"))
     truth = np.array([*TRUTH.values()])
@@ -138,13 +131,10 @@ def test_pieces_find_what_one_run_does_not(write):
 # --- on the disk ---
 
 
-def test_an_interrupted_fit_goes_on_bit_for_bit(write, tmp_path):
+def test_an_interrupted_fit_goes_on_bit_for_bit(found, write, tmp_path):
     plan = write(parameters=DAMPER)
-    whole = run_fit(plan)
-    made = []
 
     def until_seven(runs):
-        made.append(runs)
         if runs == 7:
             raise KeyboardInterrupt
 
@@ -152,39 +142,12 @@ def test_an_interrupted_fit_goes_on_bit_for_bit(write, tmp_path):
         run_fit(plan, tmp_path / "fit.nc", progress=until_seven)
     assert (tmp_path / "fit.nc.parts").is_dir() and not (tmp_path / "fit.nc").exists()
     again = []
-    found = run_fit(plan, tmp_path / "fit.nc", progress=again.append)
-    assert len(again) == whole.runs - 7  # those of before are not run again
+    resumed = run_fit(plan, tmp_path / "fit.nc", progress=again.append)
+    assert len(again) == found.runs - 7  # those of before are not run again
     for name in ("values", "residuals", "slopes"):
-        np.testing.assert_array_equal(getattr(found, name), getattr(whole, name))
+        np.testing.assert_array_equal(getattr(resumed, name), getattr(found, name))
     assert not (tmp_path / "fit.nc.parts").exists()
-    xr.testing.assert_identical(open_fit(tmp_path / "fit.nc").drop_attrs(), found.data().drop_attrs())
-
-
-@pytest.mark.slow
-def test_an_interrupted_profile_goes_on_bit_for_bit(write, tmp_path):
-    """What is asked for when the fit is done stays with its runs: none is made twice, none is lost."""
-    plan, made = write(parameters=DAMPER), []
-
-    def judged(found):
-        made.append(certain(found, profile=True)[0])
-
-    counts = []
-    run_fit(plan, tmp_path / "whole.nc", progress=counts.append, then=judged)
-    fitted, rest = run_fit(plan).runs, counts[-1]
-
-    def until(runs):
-        if runs == fitted + 11:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        run_fit(plan, tmp_path / "fit.nc", progress=until, then=judged)
-    assert (tmp_path / "fit.nc.parts").is_dir()
-    assert open_fit(tmp_path / "fit.nc").attrs["converged"] == 1  # the fit itself is there
-    again = []
-    run_fit(plan, tmp_path / "fit.nc", progress=again.append, then=judged)
-    assert len(again) == rest - fitted - 11
-    assert not (tmp_path / "fit.nc.parts").exists()
-    xr.testing.assert_identical(made[0].drop_attrs(), made[1].drop_attrs())
+    xr.testing.assert_identical(open_fit(tmp_path / "fit.nc").drop_attrs(), resumed.data().drop_attrs())
 
 
 def test_another_fits_notebook_is_refused(write, tmp_path):
@@ -197,8 +160,7 @@ def test_another_fits_notebook_is_refused(write, tmp_path):
         run_fit(other, tmp_path / "fit.nc")
 
 
-def test_the_scenario_with_the_values_found_loads(write, tmp_path):
-    found = run_fit(write(parameters=DAMPER))
+def test_the_scenario_with_the_values_found_loads(found, tmp_path):
     path = found.write_scenario(tmp_path / "fitted.toml")
     spring = load_scenario(path).springs["hinge"]
     assert (spring.stiffness, spring.damping) == tuple(found.values)
@@ -208,14 +170,12 @@ def test_the_scenario_with_the_values_found_loads(write, tmp_path):
     assert load_scenario(path).initial.joints["hinge"].angle == FIRST
 
 
-def test_lmfit_reports_what_was_found(write):
-    found = run_fit(write(parameters=DAMPER))
+def test_lmfit_reports_what_was_found(found):
     parameters = found.result().params
     assert parameters["damping"].value == found.values[1]
     assert parameters["damping"].stderr == found.bands.sd[1]
-    assert "C(stiffness, damping)" in found.report() or abs(found.bands.covariance[0, 1]) < 0.1 * np.prod(
-        found.bands.sd
-    )
+    small = abs(found.bands.covariance[0, 1]) < 0.1 * np.prod(found.bands.sd)
+    assert small or "C(stiffness, damping)" in found.report()
     residuals = found.minimizer().userfcn(parameters)
     np.testing.assert_array_equal(residuals, found.residuals)
 
@@ -223,9 +183,9 @@ def test_lmfit_reports_what_was_found(write):
 def test_noise_that_hangs_together_is_told_of_and_counts_where_asked(write):
     """Of an offset in noise of AR(1) the variance is (1 + rho) / (1 - rho) that in white noise.
 
-    Andrews' 62 lags of 8001 rows lose 7 % of it (Bartlett's weights) and are known to 10 %: three of that.
+    Andrews' 49 lags of 4001 rows lose 9 % of it (Bartlett's weights) and are known to 13 %: three of that.
     """
-    rho, time = 0.8, np.linspace(0.0, 1.0, 8001)
+    rho, time = 0.8, np.linspace(0.0, 1.0, 4001)
     white = 1e-4 * np.random.default_rng(11).standard_normal(time.size)
     noise = lfilter([np.sqrt(1.0 - rho**2)], [1.0, -rho], white)
     offset = '[parameters.zero]\nkey = "records.swing.columns.angle.offset"\nstart = "0 rad"'
@@ -235,7 +195,7 @@ def test_noise_that_hangs_together_is_told_of_and_counts_where_asked(write):
         return run_fit(write(time, columns, parameters=offset, more=f'noise = "{kind}"'))
 
     plain, kept = fitted(noise, "given"), fitted(noise, "correlated")
-    assert (kept.bands.sd[1] / plain.bands.sd[1]) ** 2 == pytest.approx((1.0 + rho) / (1.0 - rho), rel=0.37)
+    assert (kept.bands.sd[1] / plain.bands.sd[1]) ** 2 == pytest.approx((1.0 + rho) / (1.0 - rho), rel=0.48)
     np.testing.assert_array_equal(kept.values, plain.values)
     assert plain.bands.widening == pytest.approx(np.max(kept.bands.sd / plain.bands.sd))
     assert plain.notes[-1].startswith("note: residuals of swing.angle hang together in time: bands are up ")

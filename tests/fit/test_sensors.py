@@ -90,11 +90,7 @@ def test_filter_is_butterworths_at_its_corner(order):
     along = np.tile([0.0, 1.0, 0.0], (len(time), 1))
     motion = [
         along * one[:, None]
-        for one in (
-            -np.sin(omega * time) / omega**2,
-            -np.cos(omega * time) / omega,
-            np.sin(omega * time),
-        )
+        for one in (-np.sin(omega * time) / omega**2, -np.cos(omega * time) / omega, np.sin(omega * time))
     ]
     given = input_of_acceleration(time, along, *motion, np.zeros(3))
     # The moments of 24 steps in a period: (2 pi / 24)^4 / 720 = 7e-6; of the first order, which passes what
@@ -169,6 +165,7 @@ def test_noise_of_band_powers_is_what_records_scatter():
 
 
 def test_blows_are_counted_in_parts_that_move_without_jumps():
+    """By size, impulse and interval."""
     column = ColumnSpec(of="x", compare="blows", blows={"level": 1.0, "edges": [1.0, 10.0, 100.0, 1000.0]})
     time = np.arange(100) / 100.0
     curve = np.zeros(100)
@@ -177,9 +174,6 @@ def test_blows_are_counted_in_parts_that_move_without_jumps():
     assert counts.sum() == pytest.approx(3.0)  # each blow once
     moved = compared_numbers(column, "N", time, curve * (1.0 + 1e-6))
     assert 0.0 < np.abs(moved - compared_numbers(column, "N", time, curve)).max() < 1e-5
-
-
-def test_impulses_and_intervals_of_blows():
     time = np.arange(1000) / 1000.0
     curve = np.where((time % 0.1 > 0.05) & (time % 0.1 < 0.0595), 4.0, 0.0)
     intervals = ColumnSpec(

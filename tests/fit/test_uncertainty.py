@@ -127,10 +127,16 @@ def test_outliers_widen_no_interval_of_a_robust_loss(times):
     assert np.all(robust.error < 0.5 * plain.error)
 
 
-def test_a_loss_that_falls_far_out_is_refused_where_it_is_no_valley(times):
+def test_what_has_no_covariance_is_refused(times):
+    """A loss that is no valley, fewer residuals than parameters."""
     model = line(times, np.where(np.arange(times.size) % 2 == 0, 50.0, -50.0))
     with pytest.raises(InvalidParameterError, match="take soft_l1, or a larger loss_scale, got 'cauchy'"):
         sure(model, np.zeros(2), loss="cauchy")
+    model = line(np.array([0.0, 1.0]), np.array([1.0, 2.0]))
+    with pytest.raises(
+        InvalidParameterError, match="residuals must be more than the identifiable parameters, 2, got 2"
+    ):
+        sure(model, np.ones(2))
 
 
 def test_residuals_that_hang_together_count_for_less():
@@ -155,11 +161,3 @@ def test_residuals_that_hang_together_count_for_less():
     # Curves of one sample each know no next one.
     apart = sure(mean, mean.best(), noise="correlated", curves=np.arange(count))
     assert apart.error == pytest.approx(plain.error, rel=0.01)
-
-
-def test_fewer_residuals_than_parameters_are_refused():
-    model = line(np.array([0.0, 1.0]), np.array([1.0, 2.0]))
-    with pytest.raises(
-        InvalidParameterError, match="residuals must be more than the identifiable parameters, 2, got 2"
-    ):
-        sure(model, np.ones(2))

@@ -93,11 +93,15 @@ def test_peak_depth_is_continuous_in_the_damping():
     assert np.abs(second).max() < 3.0 * np.abs(second).min() + 1e-14 * depths[0]
 
 
-def test_no_depth_beyond_the_range_of_a_law():
+def test_laws_that_end_or_have_no_closed_form():
+    """No depth beyond the range of a law; none said where there is no closed form."""
     law = Johnson(**DIMENSIONS)
     limit = law.elastic_energy(law.depth_limit)
     assert closed_form_peak_depth(law, mass=1.0, speed=math.sqrt(2.02 * limit)) == math.inf
     assert closed_form_peak_depth(law, mass=1.0, speed=math.sqrt(1.98 * limit)) < law.depth_limit
+    law = KuwabaraKono(stiffness=1e9, damping=1e3)
+    assert closed_form_restitution(law, mass=1.0, speed=0.1) is None
+    assert closed_form_peak_depth(law, mass=1.0, speed=0.1) is None
 
 
 def test_an_impact_beyond_the_range_of_a_law_is_refused():
@@ -166,12 +170,6 @@ def test_table_without_integration_is_quick_and_leaves_them_out():
     ]
     assert all(math.isnan(row.on_wall) and math.isnan(row.of_pair) for row in rows)
     assert rows[1].closed_form == pytest.approx(0.7252, abs=5e-5)
-
-
-def test_laws_without_a_closed_form_say_none():
-    law = KuwabaraKono(stiffness=1e9, damping=1e3)
-    assert closed_form_restitution(law, mass=1.0, speed=0.1) is None
-    assert closed_form_peak_depth(law, mass=1.0, speed=0.1) is None
 
 
 REFUSED = {

@@ -102,7 +102,7 @@ def test_spinning_up(tmp_path: Path, count: int):
     assert apart == pytest.approx(0.073, abs=0.001)
 
 
-@pytest.mark.parametrize("share", [0.02, 0.1, 0.3, 0.9, 1.1])
+@pytest.mark.parametrize("share", [0.1, 0.9, 1.1])
 def test_frequency_over_spin(tmp_path: Path, share: float):
     """omega^2 - Omega^2 of the mass on its spring, omega^2 + 0.19 Omega^2 of the beam."""
     beam = cantilever(MASS, LENGTH, FIRST, 1)

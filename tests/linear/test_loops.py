@@ -78,13 +78,6 @@ def test_slider_crank_about_an_equilibrium(case: str):
     assert abs(STRING * (WALL - x - FREE_LENGTH) * second) > 0.1 * stiffness
 
 
-def test_a_loop_that_is_driven_has_nothing_left():
-    from antenna_pin import AntennaPinError
-
-    with pytest.raises(AntennaPinError, match="something must be left free to move"):
-        modes(load_scenario("slider_crank", case="ideal"))
-
-
 def test_a_turning_loop():
     """About a steady turn: m q'' + m' q'^2 / 2 + V' = 0, linear about an instant with its acceleration."""
     system, q, _ = sprung("ideal")

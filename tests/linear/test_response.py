@@ -18,7 +18,6 @@ from antenna_pin.show.record import record_several
 from antenna_pin.studies.linear import frequency_response, modes, swing
 
 TAU = 2.0 * np.pi
-FLEXIBLE = {"case": "flexible-ideal"}
 
 
 def test_two_masses_on_a_spring(chain: Any):
@@ -104,9 +103,14 @@ def test_refusals(source: str, targets: Any, grid: Any, said: str):
         frequency_response(found, source, targets, grid)
 
 
-def test_a_shape_swings_about_the_state():
+@pytest.fixture(scope="module")
+def found():
+    """Return the modes of the antenna with a flexible dish."""
+    return modes(load_scenario("bai2020", case="flexible-ideal"))
+
+
+def test_a_shape_swings_about_the_state(found):
     """At a quarter of the period each joint is where the shape says; after half of it on the other side."""
-    found = modes(load_scenario("bai2020", **FLEXIBLE))
     first = found.elastic[0]
     run = swing(found, first)
     shape = found.shape(first).real
@@ -122,17 +126,14 @@ def test_a_shape_swings_about_the_state():
     assert np.abs(swing(found, first, 0.5).data["q"].values[12, nod.q.start] / part) == pytest.approx(0.5)
 
 
-def test_a_page_of_several_shapes(tmp_path: Any):
-    found = modes(load_scenario("bai2020", **FLEXIBLE))
-    page = record_several(
-        [swing(found, k) for k in found.elastic], tmp_path / "modes.html", "Shapes"
-    ).read_text()
+def test_a_page_of_several_shapes(found, tmp_path: Any):
+    shapes = [swing(found, k) for k in found.elastic]
+    page = record_several(shapes, tmp_path / "modes.html", "Shapes").read_text()
     assert page.count('class="ap-frame"') == 2
     assert page.count("<h2>") == 2 and "17.3 Hz" in page
 
 
-def test_the_figure_shows_the_response():
-    found = modes(load_scenario("bai2020", **FLEXIBLE))
+def test_the_figure_shows_the_response(found):
     answer = frequency_response(found, "drives.elevation", ["boresight", "base.x"])
     figure = figure_response(answer)
     lines = figure.axes[0].get_lines()
@@ -144,10 +145,9 @@ def test_the_figure_shows_the_response():
 # --- the command ---
 
 
-def test_the_command_says_what_python_finds(cli: Any, tmp_path: Any):
+def test_the_command_says_what_python_finds(found, cli: Any, tmp_path: Any):
     said = cli("modes", "bai2020", "--case", "flexible-ideal", "--json")
     table = json.loads(said.out)
-    found = modes(load_scenario("bai2020", **FLEXIBLE))
     assert [one["frequency"] for one in table["modes"]] == found.frequency.tolist()
     assert table["modes"][0]["damping_ratio"] is None
     shown = cli("modes", "bai2020", "--case", "flexible-ideal", "--hold", "base", "--csv", "m.csv")
@@ -163,20 +163,8 @@ def test_the_command_says_what_python_finds(cli: Any, tmp_path: Any):
 
 
 def test_the_command_draws_and_records(cli: Any, tmp_path: Any):
-    said = cli(
-        "modes",
-        "bai2020",
-        "--case",
-        "flexible-ideal",
-        "--record",
-        "m.html",
-        "--plot",
-        "r.png",
-        "--from",
-        "drives.azimuth",
-        "--to",
-        "azimuth",
-    )
+    wanted = "--record m.html --plot r.png --from drives.azimuth --to azimuth"
+    said = cli("modes", "bai2020", "--case", "flexible-ideal", *wanted.split())
     assert said.code == 0 and "saved m.html" in said.out and "saved r.png" in said.out
     assert (tmp_path / "r.png").stat().st_size > 10_000
 
@@ -195,14 +183,11 @@ def test_the_command_takes_a_time_and_a_result(cli: Any):
     ("arguments", "said"),
     [
         (["--load", "1,2"], "--load must be three numbers"),
-        (["--load", "elevation=1,2,x"], "--load must be three numbers"),
         (["--from", "drives.azimuth"], "--from must be given with --plot FILE"),
         (["--mode", "2"], "--mode must be given with --record FILE"),
-        (["--plot", "r.jpg"], "a file that ends in .png, .pdf, .svg"),
         (["--record", "r.mp4"], "must end in .html"),
         (["--hold", "elevaton"], "did you mean elevation?"),
         (["--at", "noon"], "--at"),
-        (["--play", "contact"], "in free flight"),
         (["--record", "r.html"], "given --mode NUMBER, as nothing vibrates here"),
         (["--record", "r.html", "--mode", "99"], "a number from 1 to"),
     ],

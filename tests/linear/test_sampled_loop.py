@@ -9,12 +9,7 @@ from antenna_pin.errors import AntennaPinError
 from antenna_pin.run.simulation import simulate
 from antenna_pin.scenario import load_scenario
 from antenna_pin.studies.linear import loop_margins
-from antenna_pin.studies.verification import (
-    LoopPoint,
-    margins_of_points,
-    measured_gain_margin,
-    measured_loop,
-)
+from antenna_pin.studies.verification import LoopPoint, margins_of_points, measured_gain_margin, measured_loop
 
 PERIOD, INERTIA = 0.01, 0.5
 

@@ -137,20 +137,15 @@ def test_names_of_other_tools_are_passed_over_and_listed(tag):
     assert (made.simulated, made.undrawn) == (Urdf.from_text(URDF, "u.urdf").simulated, ())
 
 
-def test_slips_in_looks_and_in_what_other_tools_read_are_theirs():
+def test_names_and_text_that_are_passed_over():
+    """Slips in looks and in what other tools read are theirs; a moment may be given twice."""
     text = changed('<material name="m"/>', '<materal/><material name="m"><colour rgb="1 0 0"/></material>')
     text = text.replace("</robot>", "<gazebo><orgin/></gazebo></robot>")
     passed = {kind.what for kind in WrittenUrdf(text=text, where="u.urdf").passed_over}
     assert passed == {"<materal>", "<colour>", "<gazebo>"}
     Urdf.from_text(text, "u.urdf")
-
-
-def test_a_moment_on_the_other_side_of_the_diagonal_may_be_given_too():
     text = changed('ixy="0"', 'ixy="0.10" iyx="0.1"')
     assert Urdf.from_text(text, "u.urdf").link("b").inertial.inertia[1, 0] == 0.1
-
-
-def test_text_is_refused_where_it_stands_for_an_attribute_and_else_passed_over():
     with pytest.raises(MechanismError) as caught:
         Urdf.from_text(changed('<axis xyz="0 1 0"/>', "<axis>0 1<!-- y --> 0</axis>"), "u.urdf")
     assert str(caught.value) == (

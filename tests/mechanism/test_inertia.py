@@ -90,7 +90,9 @@ def test_points_and_rods_fixed_together_are_the_body_that_they_make(seed):
     whole = sum(pieces[1:], pieces[0])
     one = [parts[0], link("hub", whole.mass, whole.inertia, whole.lever), parts[2]]
     for base in ("free", "fixed"):
-        ours, theirs = (accelerations(build_mechanism(robot(*some), base), seed) for some in (parts, one))
+        mechanisms = [build_mechanism(robot(*some), base) for some in (parts, one)]
+        assert [each.impossible for each in mechanisms] == [(), ()]
+        ours, theirs = (accelerations(each, seed) for each in mechanisms)
         # Round-off of a hundred operations.
         assert ours == pytest.approx(theirs, rel=1e-11, abs=1e-11 * np.abs(theirs).max())
 
@@ -279,7 +281,7 @@ def test_random_trees_are_taken_where_their_mass_matrix_is_regular(monkeypatch):
     Of it with all beyond it the mass matrix is singular, and of all beyond it alone it is not.
     """
     taken = refused = 0
-    for seed, base in itertools.product(range(150), ("free", "fixed")):
+    for seed, base in itertools.product(range(100), ("free", "fixed")):
         urdf = odd_tree(seed)
         try:
             mechanism = build_mechanism(urdf, base, (0.3, 0.2, -9.0))
@@ -315,7 +317,7 @@ def test_random_trees_are_taken_where_their_mass_matrix_is_regular(monkeypatch):
         scale = np.abs(np.concatenate([bias, tau])).max()
         assert np.abs(mass @ (tree.acceleration(q, v, tau) - right)).max() < 1e-9 * scale
         assert np.abs(mass @ right + bias - tau).max() < 1e-9 * scale
-    assert taken > 80 and refused > 80
+    assert taken > 50 and refused > 50
 
 
 ROD = link("rod", 2.0, (0.0, 0.1, 0.1))
@@ -398,9 +400,10 @@ def test_a_pose_in_which_a_joint_idles_is_refused_where_others_are_not():
 
 
 def test_next_to_no_mass_is_judged_by_its_size():
-    """The square of 4e-166 kg is nothing, which no number may be divided by."""
-    moments = (0.5, 0.4, 0.8)
-    urdf = robot(link("a", 1.0, moments), link("b", 4e-166, moments), joint("j", "a", "b", "floating"))
+    """The square of 4e-166 kg is nothing, which no number may be divided by; a rod so, it is looked at."""
+    urdf = robot(
+        link("a", 1.0, (0.5, 0.4, 0.8)), link("b", 4e-166, (1e-6, 0.8, 0.8)), joint("j", "a", "b", "floating")
+    )
     assert build_mechanism(urdf, "fixed").model.nv == 6
 
 

@@ -17,9 +17,7 @@ from antenna_pin.mechanism import (
     body_tree,
     build_mechanism,
 )
-from antenna_pin.mechanism import (
-    tree as tree_module,
-)
+from antenna_pin.mechanism import tree as tree_module
 from antenna_pin.mechanism.dynamics_kernels import aba
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.tree_kernels import bias_accelerations, place_bodies
@@ -120,18 +118,14 @@ def change_deviations(mechanism, seed):
 
 @pytest.mark.parametrize("base", ["free", "fixed"])
 @pytest.mark.parametrize("seed", range(40))
-def test_the_acceleration_changes_as_pinocchios(base, seed):
-    """One by one along every freedom, and so along any displacement, for it is linear in that."""
-    mechanism = build_mechanism(random_urdf(seed, 1 + seed % 12), base, GRAVITY)
-    assert max(change_deviations(mechanism, seed)) < CLOSE
-
-
-@pytest.mark.parametrize("base", ["free", "fixed"])
-@pytest.mark.parametrize("seed", range(40))
 def test_random_trees_are_pinocchios(base, seed):
-    """Of 1 to 12 bodies: hinges, slides, free and planar joints in turned frames, massless crosses."""
+    """Of 1 to 12 bodies: hinges, slides, free and planar joints in turned frames, massless crosses.
+
+    The acceleration changes as Pinocchio's along every freedom, and so along any displacement: it is linear.
+    """
     mechanism = build_mechanism(random_urdf(seed, 1 + seed % 12), base, GRAVITY)
     assert max(deviations(mechanism, seed)) < CLOSE
+    assert max(change_deviations(mechanism, seed)) < CLOSE
 
 
 def test_among_the_random_trees_is_everything():
@@ -225,19 +219,6 @@ def test_a_long_chain_is_pinocchios(base):
     assert max(deviations(build_mechanism(urdf, base, GRAVITY), 3)) < CLOSE
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_forces_that_the_mass_matrix_asks_for_make_the_acceleration(seed):
-    """``M a + bias`` put in as the force gives a: the two kernels share next to nothing."""
-    mechanism = build_mechanism(random_urdf(seed, 10, crosses=False), "free", GRAVITY)
-    q, v, wanted = random_state(mechanism.model, seed)
-    tree = TreeDynamics(mechanism)
-    mass, bias = tree.mass_and_bias(q, v)
-    assert np.array_equal(mass, mass.T)
-    found = tree.acceleration(q, v, mass @ wanted + bias)
-    # Round-off of the forces comes back multiplied by the largest mass over the smallest, 1e3 or so.
-    assert np.abs(found - wanted).max() < 1e-11 * np.abs(wanted).max()
-
-
 def test_room_is_not_taken_for_a_place():
     """Numba lets a record stand in for one that it begins as, and warns: where nothing is cached."""
     begins = [[(name, *record.fields[name]) for name in record.names] for record in (ROOM, PLACE)]
@@ -263,19 +244,19 @@ def test_nothing_stays_in_the_room():
     assert np.array_equal(bias[1], fresh_bias)
 
 
+@pytest.mark.parametrize("factor", [1.0 + 1e-7, np.nan])
 @pytest.mark.parametrize("field", ["mass", "centre", "inertia", "position", "rotation", "axis"])
-def test_a_tree_that_is_not_pinocchios_is_refused(crooked, monkeypatch, field):
+def test_a_tree_that_is_not_pinocchios_is_refused(crooked, monkeypatch, field, factor):
     """One number of one body off by 1e-7 of itself is seen, and the message says how far off it is."""
 
     def wrong(mechanism):
         tree = body_tree(mechanism)
-        tree[field][2] *= 1.0 + 1e-7
+        tree[field][2] *= factor
         return tree
 
     monkeypatch.setattr(tree_module, "body_tree", wrong)
-    with pytest.raises(
-        MechanismError, match=r"'crooked': .* must be Pinocchio's to 1e-11 .* deviation of \d"
-    ):
+    rule = r"'crooked': .* must be Pinocchio's to 1e-11 .* deviation of (\d|nan)"
+    with pytest.raises(MechanismError, match=rule):
         TreeDynamics(build_mechanism(crooked, "free", GRAVITY))
 
 
@@ -301,14 +282,3 @@ def test_runs_of_one_model_compare_it_once(crooked, monkeypatch):
     monkeypatch.setattr(tree_module, "body_tree", heavy)
     with pytest.raises(MechanismError, match="must be Pinocchio's"):
         TreeDynamics(build_mechanism(crooked, "free", GRAVITY))
-
-
-def test_a_deviation_that_is_no_number_is_refused(crooked, monkeypatch):
-    def wrong(mechanism):
-        tree = body_tree(mechanism)
-        tree["mass"][1] = np.nan
-        return tree
-
-    monkeypatch.setattr(tree_module, "body_tree", wrong)
-    with pytest.raises(MechanismError, match="deviation of nan"):
-        TreeDynamics(build_mechanism(crooked))

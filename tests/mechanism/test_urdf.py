@@ -38,7 +38,6 @@ REFUSED = {
         "<robot name='x'><link name='a'></robot>",
         "u.urdf, line 1: not well-formed XML: Opening and ending tag mismatch: link",
     ),
-    "empty": ("", "u.urdf, line 1: not well-formed XML: "),
     "SDF": (
         "<sdf version='1.6'/>",
         "u.urdf, line 1: the root of a URDF must be <robot>, got <sdf>: this is SDF, Gazebo's format",
@@ -51,7 +50,6 @@ REFUSED = {
         "<robot name='x'><group name='arm'/></robot>",
         "u.urdf, line 1: a mechanism must have at least one <link>, got none: this is an SRDF of MoveIt",
     ),
-    "no URDF at all": ("<html/>", "u.urdf, line 1: the root of a URDF must be <robot>, got <html>"),
     "xacro": (
         '<robot name="x" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arm/></robot>',
         "u.urdf, line 1: <arm> is a xacro macro, not URDF; expand it first",
@@ -62,10 +60,6 @@ REFUSED = {
         .replace("<inertial>", "<xacro:mass/><inertial>", 1),
         "u.urdf, line 2: link 'a': <mass> is a xacro macro, not URDF; expand it first: xacro",
     ),
-    "xacro of an undeclared prefix": (
-        pair(hinge() + "<xacro:arm/>"),
-        "u.urdf, line 4: <arm> is a xacro macro, not URDF; expand it first",
-    ),
     "an expression of xacro": (
         pair(hinge('<origin xyz="0 0 ${pi/2}"/>')),
         "u.urdf, line 4: joint 'j': '0 0 ${pi/2}' is an expression of xacro, not URDF; expand it first",
@@ -74,16 +68,7 @@ REFUSED = {
         pair(hinge() + '<include filename="arm.urdf"/>'),
         "u.urdf, line 4: <include> is a xacro macro, not URDF; expand it first",
     ),
-    "a bound in words": (
-        pair(hinge('<limit lower="low" upper="1" effort="1" velocity="1"/>', kind="revolute")),
-        "u.urdf, line 4: joint 'j': <limit> lower must be 1 finite number(s), got 'low'",
-    ),
-    "no links": ("<robot name='x'/>", "u.urdf, line 1: a mechanism must have at least one <link>, got none"),
     "nameless link": ("<robot name='x'><link/></robot>", "u.urdf, line 1: <link> must have a name, got none"),
-    "blank name": (
-        "<robot name='x'><link name=' '/></robot>",
-        "u.urdf, line 1: link ' ': <link> must have a name, got ' '",
-    ),
     "repeated link": (
         pair(hinge()).replace('name="b"', 'name="a"'),
         "u.urdf, line 3: link name 'a' must be unique, first used in line 2; rename one",
@@ -100,14 +85,6 @@ REFUSED = {
         pair(hinge()).replace('parent link="a"', 'parent link="base"'),
         "u.urdf: parent of joint 'j': link 'base' is unknown; known: a, b",
     ),
-    "unknown child": (
-        pair(hinge()).replace('child link="b"', 'child link="bb"'),
-        "u.urdf: child of joint 'j': link 'bb' is unknown; known: a, b",
-    ),
-    "no child": (
-        pair(hinge()).replace('<child link="b"/>', ""),
-        "u.urdf, line 4: joint 'j': <joint> must have a <child>, got none",
-    ),
     "two parents": (
         pair(hinge() + hinge(name="k")),
         "u.urdf: link 'b' must be the child of one joint, got 'j' and 'k'; a URDF is a tree, cut the loop",
@@ -123,38 +100,9 @@ REFUSED = {
         "revolute, "
         "got 'revolut'; did you mean revolute?",
     ),
-    "no type": (
-        pair(hinge()).replace(' type="continuous"', ""),
-        "u.urdf, line 4: joint 'j': <joint> must have a type, got none",
-    ),
     "mimic": (
         pair(hinge('<mimic multiplier="2"/>')),
         "u.urdf, line 4: joint 'j': <mimic> must have a joint, got none",
-    ),
-    "zero axis": (
-        pair(hinge('<axis xyz="0 0 0"/>')),
-        "u.urdf, line 4: joint 'j': axis must be nonzero, got '0 0 0'",
-    ),
-    "axis of two": (
-        pair(hinge('<axis xyz="0 1"/>')),
-        "u.urdf, line 4: joint 'j': <axis> xyz must be 3 finite number(s), got '0 1'",
-    ),
-    "commas": (
-        pair(hinge('<origin xyz="0, 0, 1"/>')),
-        "u.urdf, line 4: joint 'j': <origin> xyz must be 3 finite number(s), got '0, 0, 1'",
-    ),
-    "not a number": (
-        pair(hinge('<origin rpy="0 0 nan"/>')),
-        "u.urdf, line 4: joint 'j': <origin> rpy must be 3 finite number(s), got '0 0 nan'",
-    ),
-    "no mass": (
-        pair(hinge(), BODY.replace('<mass value="1"/>', "")),
-        "u.urdf, line 3: link 'b': <inertial> must have a <mass>, got none",
-    ),
-    # Left alone, Pinocchio's parser would take this link as massless and say nothing that a caller sees.
-    "mass with unit": (
-        pair(hinge(), body("3kg")),
-        "u.urdf, line 3: link 'b': <mass> value must be 1 finite number(s), got '3kg'",
     ),
     "negative mass": (pair(hinge(), body("-2")), "u.urdf: link 'b': mass must be zero or more, got -2 kg"),
     # Left alone, yourdfpy would take a missing moment as 1 kg m^2.
@@ -192,8 +140,7 @@ def test_nothing_damaged_reaches_pinocchios_parser(crooked_text, capfd):
         for key in element.attrib:
             damages.append(lambda e, key=key: e.attrib.pop(key))
             damages += [
-                lambda e, key=key, bad=bad: e.set(key, bad)
-                for bad in ("", "x", "-1", "1 2", "1_0", "\u0661", "1e999")
+                lambda e, key=key, bad=bad: e.set(key, bad) for bad in ("", "-1", "1 2", "1_0", "1e999")
             ]
         for damage in damages:
             root = copy.deepcopy(whole)
@@ -203,7 +150,7 @@ def test_nothing_damaged_reaches_pinocchios_parser(crooked_text, capfd):
             except AntennaPinError as error:
                 assert "\n" not in str(error) and "Pinocchio" not in str(error)
                 refused += 1
-    assert refused > 400  # the rest changes a name or leaves out what is optional
+    assert refused > 300  # the rest changes a name or leaves out what is optional
     assert capfd.readouterr().err == ""
 
 
@@ -231,7 +178,8 @@ def test_an_inertia_that_no_body_has_is_said_and_may_be_allowed_by_name():
             build_mechanism(odd, "free")
 
 
-def test_names_are_looked_up_with_the_nearest_one_offered(crooked):
+def test_names_and_axes_of_a_urdf(crooked):
+    """The nearest name is offered; an axis is a direction alone, and x where nothing is said."""
     assert crooked.joint("wrist").child == "hand"
     assert crooked.link("tip").inertial.mass == 0.4
     assert (crooked.name, crooked.root) == ("crooked", "hull")
@@ -239,11 +187,12 @@ def test_names_are_looked_up_with_the_nearest_one_offered(crooked):
         crooked.joint("wirst")
     with pytest.raises(UnknownNameError, match="crooked.urdf: link 'wrist' is unknown"):
         crooked.link("wrist")
-
-
-def test_an_axis_is_the_direction_alone_and_x_where_the_urdf_says_nothing(crooked):
     assert crooked.axis("swivel") == pytest.approx([1 / 3, 2 / 3, -2 / 3], rel=1e-15)
     assert Urdf.from_text(pair(hinge()), "u.urdf").axis("j").tolist() == [1.0, 0.0, 0.0]
+    text = '<robot name="r"><link name="a"/></robot>'
+    for names in (["a"], np.array(["a"]), ("a",)):
+        urdf = Urdf(text=text, where="r.urdf", allow_impossible_inertia=names)
+        assert urdf.allow_impossible_inertia == ("a",)
 
 
 @pytest.mark.parametrize(
@@ -284,11 +233,23 @@ def test_friction_of_joints_is_read_and_what_has_no_axis_is_said(crooked):
         Urdf.from_text(pair(hinge('<dynamics damping="-1"/>')), "u.urdf")
 
 
-def test_files_that_cannot_be_read_are_refused(tmp_path):
+def test_files_that_cannot_be_read_or_written(tmp_path, crooked, antenna):
+    """One line, and nothing is left in the folder."""
     with pytest.raises(MechanismError, match=r"missing\.urdf: cannot be read: No such file or directory"):
         Urdf.load(tmp_path / "missing.urdf")
     with pytest.raises(MechanismError, match="cannot be read: Is a directory"):
         Urdf.load(tmp_path)
+    target = tmp_path / "nowhere" / "u.urdf"
+    with pytest.raises(
+        OutputError, match=rf"{re.escape(str(target))}: cannot be written: No such file or directory"
+    ):
+        crooked.write(target)
+    with pytest.raises(OutputError, match="cannot be written: Is a directory"):
+        crooked.write(tmp_path)
+    assert list(tmp_path.iterdir()) == []
+    with pytest.raises(OutputError, match="cannot be written: No such file or directory"):
+        antenna.write(tmp_path / "nowhere" / "u.urdf", copy_meshes=True)
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_file_is_read_in_the_encoding_that_it_declares(tmp_path):
@@ -305,6 +266,7 @@ def test_a_file_is_read_in_the_encoding_that_it_declares(tmp_path):
 
 
 def test_a_variant_leaves_its_source_as_it_was(crooked):
+    """What else stands in the file stays there."""
     before = crooked.text
     crooked.variant(
         joints={"wrist": "planar", "swivel": "free", "slide": "locked"},
@@ -313,41 +275,6 @@ def test_a_variant_leaves_its_source_as_it_was(crooked):
     )
     assert crooked.text == before
     assert crooked.variant().text == before
-
-
-def test_a_variant_changes_the_type_of_a_joint_and_keeps_the_axis(crooked):
-    variant = crooked.variant(joints={"swivel": "free", "slide": "locked", "wrist": "ideal"})
-    assert [variant.joint(name).type for name in ("swivel", "slide", "wrist")] == [
-        "floating",
-        "fixed",
-        "revolute",
-    ]
-    assert np.array_equal(variant.axis("swivel"), crooked.axis("swivel"))
-    assert variant.joint("slide").limit is None
-
-
-def test_a_planar_joint_is_turned_to_z_and_back(crooked):
-    variant = crooked.variant(joints={"wrist": "planar"})
-    joint, mount = variant.joint("wrist"), variant.joint("wrist_plane_mount")
-    assert (joint.type, joint.child, mount.parent, mount.child) == (
-        "planar",
-        "wrist_plane",
-        "wrist_plane",
-        "hand",
-    )
-    assert joint.axis.tolist() == [0.0, 0.0, 1.0]
-    # Angles there and back: some roundings of numbers up to pi.
-    assert (
-        np.abs(
-            variant.placement("wrist") @ variant.placement("wrist_plane_mount") - crooked.placement("wrist")
-        ).max()
-        < 4e-15
-    )
-    normal = variant.placement("wrist")[:3, 2]
-    assert np.abs(normal - crooked.placement("wrist")[:3, :3] @ crooked.axis("wrist")).max() < 4e-15
-
-
-def test_what_else_stands_in_the_file_stays_there(crooked):
     variant = crooked.variant(joints={"swivel": "planar", "wrist": "free"})
     assert "<!-- the hull -->" in variant.text
     assert "<!-- weighed -->" in variant.text
@@ -422,10 +349,6 @@ def test_an_override_may_give_a_frame_its_inertial(crooked):
             "crooked.urdf: joint 'slide' is prismatic; only a revolute or continuous joint can become planar",
         ),
         (
-            {"joints": {"weld": "planar"}},
-            "crooked.urdf: joint 'weld' is fixed; only a revolute or continuous joint can become planar",
-        ),
-        (
             {"links": {"arms": LinkChange(mass=1.0)}},
             "crooked.urdf: link 'arms' is unknown; did you mean arm?",
         ),
@@ -437,7 +360,6 @@ def test_an_override_may_give_a_frame_its_inertial(crooked):
             {"links": {"arm": LinkChange(shapes={"case": ShapeChange(radius=1.0)})}},
             "crooked.urdf: link 'arm': shape 'case': a box has no radius to change; it has size",
         ),
-        ({"origins": {"wist": JointChange()}}, "crooked.urdf: joint 'wist' is unknown; did you mean wrist?"),
         (
             {"origins": {"weld": JointChange(axis=(1, 0, 0))}},
             "crooked.urdf: joint 'weld' is fixed and has no axis to change",
@@ -457,8 +379,7 @@ def test_a_free_joint_has_no_ideal_form_to_go_back_to(crooked):
         with pytest.raises(MechanismError, match=f"joint 'wrist' is {urdf_type} and has no ideal form"):
             variant.variant(joints={"wrist": "ideal"})
         with pytest.raises(
-            MechanismError,
-            match=f"joint 'wrist' is {urdf_type}; only a revolute, continuous or prismatic",
+            MechanismError, match=f"joint 'wrist' is {urdf_type}; only a revolute, continuous or prismatic"
         ):
             variant.variant(joints={"wrist": "free"})
 
@@ -483,23 +404,6 @@ def test_a_written_variant_reads_back_as_itself(crooked, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["variant.urdf"]
 
 
-def test_a_file_is_written_whole_or_not_at_all(crooked, tmp_path):
-    target = tmp_path / "nowhere" / "u.urdf"
-    with pytest.raises(
-        OutputError, match=rf"{re.escape(str(target))}: cannot be written: No such file or directory"
-    ):
-        crooked.write(target)
-    with pytest.raises(OutputError, match="cannot be written: Is a directory"):
-        crooked.write(tmp_path)
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_without_the_folder_no_copies_are_made(antenna, tmp_path):
-    with pytest.raises(OutputError, match="cannot be written: No such file or directory"):
-        antenna.write(tmp_path / "nowhere" / "u.urdf", copy_meshes=True)
-    assert list(tmp_path.iterdir()) == []
-
-
 def drawn(path):
     """Names of the shapes that yourdfpy and Pinocchio draw; the latter is told where relative names start."""
     model = pin.buildModelFromUrdf(str(path), pin.JointModelFreeFlyer())
@@ -521,17 +425,6 @@ def test_a_variant_written_elsewhere_still_finds_its_meshes(antenna, tmp_path):
     scene, shapes = drawn(path)
     assert "dish" in scene and "reflector_0" in shapes
     assert 'filename="dish.obj"' in antenna.to_xml()
-
-
-def test_relative_names_survive_a_move_of_both(antenna, tmp_path):
-    (tmp_path / "one" / "models").mkdir(parents=True)
-    (tmp_path / "one" / "variants").mkdir()
-    antenna.write(tmp_path / "one" / "models" / "antenna.urdf", copy_meshes=True)
-    source = Urdf.load(tmp_path / "one" / "models" / "antenna.urdf")
-    source.write(tmp_path / "one" / "variants" / "v.urdf")
-    assert set(mesh_names(tmp_path / "one" / "variants" / "v.urdf")) == {"../models/dish.obj"}
-    (tmp_path / "one").rename(tmp_path / "two")
-    assert "dish" in drawn(tmp_path / "two" / "variants" / "v.urdf")[0]
 
 
 def test_a_written_file_read_again_finds_the_same_meshes(antenna, tmp_path):
@@ -588,6 +481,7 @@ def test_what_a_wavefront_mesh_names_is_copied_with_it(tmp_path):
 
 
 def test_meshes_from_elsewhere_are_copied_under_their_last_name(tmp_path):
+    """Names that are no files stay as they are."""
     for folder in ("models/own", "models/shared", "target"):
         (tmp_path / folder).mkdir(parents=True)
     (tmp_path / "models/shared/part.stl").write_text("solid part")
@@ -596,10 +490,6 @@ def test_meshes_from_elsewhere_are_copied_under_their_last_name(tmp_path):
     urdf.write(tmp_path / "target" / "u.urdf", copy_meshes=True)
     assert mesh_names(tmp_path / "target" / "u.urdf") == ["part.stl", "other.stl"]
     assert (tmp_path / "target" / "part.stl").read_text() == "solid part"
-
-
-def test_names_that_are_no_files_stay_as_they_are(tmp_path):
-    (tmp_path / "target").mkdir()
     names = ["package://robot/part.stl", "missing.stl"]
     with_meshes(tmp_path, *names).write(tmp_path / "target" / "u.urdf")
     assert mesh_names(tmp_path / "target" / "u.urdf") == names
@@ -626,10 +516,3 @@ def test_copies_that_cannot_be_right_are_refused_before_anything_is_written(tmp_
     assert not (target / "u.urdf").exists()
     with pytest.raises(MechanismError, match="must be a file to be copied"):
         with_meshes(None, "part.stl").write(target / "u.urdf", copy_meshes=True)
-
-
-def test_names_may_come_as_any_sequence():
-    text = '<robot name="r"><link name="a"/></robot>'
-    for names in (["a"], np.array(["a"]), ("a",)):
-        urdf = Urdf(text=text, where="r.urdf", allow_impossible_inertia=names)
-        assert urdf.allow_impossible_inertia == ("a",)

@@ -29,29 +29,6 @@ def against_a_stop(oscillator, turned_back):
     return make
 
 
-@pytest.mark.slow
-def test_a_linear_branch_follows_the_response(oscillator):
-    """Over the frequency of the drive, through resonance: the steady state in closed form."""
-    m, k, c, force = 1.0, (2.0 * math.pi) ** 2, 1.0, 2.0
-
-    def family(frequency):
-        return Flow(
-            oscillator(m, k, c, force, frequency), RunSettings(rtol=1e-11, engine="compiled")
-        ), 1.0 / frequency
-
-    flow, period = family(0.9)
-    branch = continued(
-        family, flow.after(flow.first(np.zeros(1), np.zeros(1)), 10 * period), (0.9, 1.1), arc=0.4
-    )
-    assert branch.message == "it came to the end of the range" and branch.bifurcations == ()
-    assert [branch.points[k].value for k in (0, -1)] == [0.9, 1.1]
-    for point in branch.points:
-        w = 2.0 * math.pi * point.value
-        phase = 2.0 * math.pi * point.value * point.orbit.start.time
-        response = force / (k - m * w**2 + 1j * c * w) * np.exp(1j * phase)
-        assert point.orbit.start.q[0] == pytest.approx(response.imag, abs=1e-9)
-
-
 def test_a_fold(pendulum):
     """A constant torque holds a pendulum up to m g l, where its two equilibria meet: closed form.
 
@@ -191,28 +168,6 @@ def test_a_graze(against_a_stop):
     graze = branch.bifurcations[0]
     assert graze.kind == "grazing" and graze.doubt < 1e-6
     assert graze.value == pytest.approx(exact, abs=1e-6)
-
-
-@pytest.mark.slow
-def test_a_period_doubling(against_a_stop):
-    """Where a multiplier of the orbit with one impact passes -1, by its closed form, to 1e-6."""
-    restitution, force, first, last = 0.3, 1.0, 0.42, 0.435
-
-    def product(frequency):
-        exact = Impacts(**NUMBERS, force=force, frequency=frequency, stop=0.0, restitution=restitution)
-        t, v = exact.orbit([0.66 / frequency, -0.16])
-        return float(np.prod(exact.multipliers(t, v) + 1.0).real)
-
-    exact = brentq(product, first, last, xtol=1e-13)
-
-    def family(frequency):
-        return against_a_stop(force, frequency, 0.0, restitution)
-
-    flow, period = family(first)
-    guess = flow.after(flow.first(np.array([-0.5]), np.zeros(1)), 40 * period)
-    branch = continued(family, guess, (first, last), arc=0.3, most=12)
-    (flip,) = branch.bifurcations
-    assert flip.kind == "flip" and flip.value == pytest.approx(exact, abs=1e-6)
 
 
 ISSUE = (0.04, 2.2, 0.8, (2.10765088, -0.19501412))

@@ -103,7 +103,7 @@ def holds(oscillator, seed):
     assert found.doubt.max() < (1e-3 if seed % 4 == 0 else 1e-5) * np.linalg.norm(matrix), seed
 
 
-@pytest.mark.parametrize("seed", [0, 2, 19, 54, 55, 168])
+@pytest.mark.parametrize("seed", [19, 54, 55, 168])
 def test_the_doubt_holds(oscillator, seed):
     """Displacements that shrink behind a kink (19), runs off by kinks (54), hidden kinks (55, 168)."""
     holds(oscillator, seed)

@@ -8,12 +8,9 @@ by Brent's method.
 
 import dataclasses
 import math
-from functools import lru_cache
 
 import numpy as np
 import pytest
-from scipy.linalg import expm
-from scipy.optimize import brentq, fsolve
 
 from antenna_pin.studies.nonlinear import continued, family_of, flow_of, periodic_orbit
 
@@ -107,110 +104,3 @@ def test_what_is_remembered_stays(table):
     other = periodic_orbit(family(0.5 * LEAVES)[0], with_speed(begun, 0.6), PERIOD)
     sizes = [np.abs(orbit.multipliers).max() for orbit in (branch.points[0].orbit, other)]
     assert sizes[0] < 0.9 * sizes[1] < 0.9
-
-
-# For bounces: faster, so that it flies less far than the hollow is wide; the air damps, as a contact's damper
-# would end its force before the depth, where derivatives have a kink.
-FAST = 5.0  # [Hz]
-AIR = 4.3  # [N s/m]
-HARD = 1e6  # [N/m]
-BOUNCES = {
-    "drives.shaker.frequency": FAST,
-    "clearance.hollow.normal.stiffness": HARD,
-    "clearance.hollow.normal.damping": 0.0,
-    "springs.air": {
-        "first": {"link": "table", "point": [0.0, 0.0, -5.0]},
-        "second": {"link": "ball", "point": [0.0, 0.0, 0.0]},
-        "stiffness": 0.0,
-        "damping": AIR,
-        "free_length": 5.0,
-    },
-}
-
-
-@lru_cache(maxsize=4096)
-def propagator(touches, later):
-    """Return what a displacement becomes a while later, in contact or in flight."""
-    return expm(np.array([[0.0, 1.0], [-HARD if touches else 0.0, -AIR]]) * later)
-
-
-class Bounces:
-    """The map over a period of height and velocity above the table, each piece in closed form."""
-
-    def __init__(self, amplitude):
-        self.w, self.amplitude, self.period = 2.0 * math.pi * FAST, amplitude, 1.0 / FAST
-
-    def steady(self, touches, t):
-        """Return a solution, (2,), of u'' + AIR u' + k u = -g - z'' with the contact's stiffness or none."""
-        k = HARD if touches else 0.0
-        turn = self.amplitude * self.w**2 * np.exp(1j * self.w * t) / (k - self.w**2 + 1j * AIR * self.w)
-        rest = [-GRAVITY / k, 0.0] if touches else [-GRAVITY / AIR * t, -GRAVITY / AIR]
-        return np.array([turn.imag, (1j * self.w * turn).imag]) + rest
-
-    def moved(self, touches, t, y, later):
-        """Return the state a while later, in contact or in flight."""
-        return self.steady(touches, t + later) + propagator(touches, later) @ (y - self.steady(touches, t))
-
-    def __call__(self, y):
-        """Return the state a period after one in flight at phase zero."""
-        t, touches, step = 0.0, False, self.period / 200.0
-        while t < self.period:
-
-            def left(later, t=t, y=y, touches=touches):
-                u = self.moved(touches, t, y, later)[0]
-                return -u if touches else u
-
-            later = 0.0 if left(step) > 0.0 else step
-            while t + later < self.period and not (left(later + step) <= 0.0 < left(max(later, 1e-9))):
-                later += step
-            if t + later < self.period:
-                later = brentq(left, max(later, 1e-9), later + step, xtol=1e-16)
-            later = min(later, self.period - t)
-            t, y, touches = t + later, self.moved(touches, t, y, later), not touches
-        return y
-
-    def orbit(self, guess):
-        return fsolve(lambda y: self(y) - y, guess, xtol=1e-13)
-
-    def doubling(self, guess):
-        """Return the product of 1 + multiplier of the orbit near a guess, and the orbit."""
-        y, h = self.orbit(guess), 1e-6
-        # Differences of fourth order: a micrometre is small beside depths of a millimetre.
-        weights = {1: 8.0, 2: -1.0}
-        ways = [
-            sum(weight * (self(y + n * h * way) - self(y - n * h * way)) for n, weight in weights.items())
-            for way in np.eye(2)
-        ]
-        matrix = np.column_stack(ways) / (12.0 * h)
-        return 1.0 + np.trace(matrix) + np.linalg.det(matrix), y
-
-
-@pytest.mark.slow  # two to three minutes: kinks are looked for in every step of its contacts
-def test_a_scenario_doubles_its_period(table):
-    """The ball bounces once a period of the table, until it does so high and low by turns."""
-    unit = GRAVITY / (2.0 * math.pi * FAST) ** 2
-    first, last = 1.1 * unit, 1.4 * unit
-    scenario = table.with_overrides(BOUNCES | {"drives.shaker.amplitude": first})
-    flow, start = flow_of(scenario)
-    # Of the impact without a duration: the phase at which it lands, at g T / 2.
-    e, period = 0.6, 1.0 / FAST
-    t = math.acos(math.pi * (1.0 - e) / (1.0 + e) / 1.1) / (2.0 * math.pi * FAST)
-    height = first * math.sin(2.0 * math.pi * FAST * t) + 0.5 * GRAVITY * t * (period - t)
-    speed = GRAVITY * (t - 0.5 * period) - first * 2.0 * math.pi * FAST
-    _, here = Bounces(first).doubling([height, speed])
-    q, v = start.q.copy(), start.v.copy()
-    q[2], v[2] = HOLLOW - here[0], -here[1]
-    branch = continued(
-        family_of(scenario, "drives.shaker.amplitude"), flow.first(q, v), (first, last), arc=0.3, most=12
-    )
-    (flip,) = branch.bifurcations
-    guess = [here]
-
-    def product(amplitude):
-        value, guess[0] = Bounces(amplitude).doubling(guess[0])
-        return value
-
-    exact = brentq(product, first, last, xtol=1e-12 * unit)
-    assert flip.kind == "flip" and branch.points[flip.after].orbit.onsets == (1, 0)
-    # Branches are located to 1e-7 of their range, multipliers known to 1e-8.
-    assert flip.value == pytest.approx(exact, abs=3e-7 * (last - first))

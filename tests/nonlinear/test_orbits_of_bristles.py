@@ -33,7 +33,10 @@ def driven(oscillator, law, engine):
 @pytest.mark.parametrize("engine", ["compiled", pytest.param("pinocchio", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("law", list(LAWS))
 def test_a_driven_mass_with_bristles_repeats_its_period_with_them(oscillator, law, engine):
-    """Way, rate and bristles come back; the drive's work over a period is what friction and damper lose."""
+    """Way, rate and bristles come back; the drive's work over a period is what friction and damper lose.
+
+    Multipliers are those of neighbouring runs, by differences of second order of the map over a period.
+    """
     flow = driven(oscillator, law, engine)
     guess = flow.after(flow.first(np.zeros(1), np.zeros(1)), 10.0 * PERIOD)
     orbit = periodic_orbit(flow, guess, PERIOD)
@@ -56,16 +59,6 @@ def test_a_driven_mass_with_bristles_repeats_its_period_with_them(oscillator, la
     assert stored[-1] == pytest.approx(stored[0], abs=1e-9)
     assert work == pytest.approx(lost, abs=1e-9)
     assert lost > 0.1
-
-
-@pytest.mark.parametrize(
-    "law", ["dahl", "lugre", *(pytest.param(one, marks=pytest.mark.slow) for one in ("gonthier", "bouc-wen"))]
-)
-def test_multipliers_with_bristles_are_those_of_neighbouring_runs(oscillator, law):
-    """Against differences of second order of the map over a period."""
-    flow = driven(oscillator, law, "compiled")
-    guess = flow.after(flow.first(np.zeros(1), np.zeros(1)), 10.0 * PERIOD)
-    orbit = periodic_orbit(flow, guess, PERIOD)
     runs = np.linalg.eigvals(flow.tangent_by_runs(orbit.start, PERIOD, step=1e-5).matrix)
     # Differences are good to 1e-8, found: 6e-10; of Gonthier's law, which rounds a sign off, 1e-8.
     size = 1e-7 if law == "gonthier" else 1e-8

@@ -4,12 +4,9 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
-from scipy.spatial.distance import cdist
 from scipy.special import ellipk
 
 from antenna_pin import simulate
-from antenna_pin.analysis import RecurrenceKind, recurrence
 from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError
 from antenna_pin.run.simulation import Angle, Event, Rate
@@ -115,11 +112,14 @@ def test_a_section_goes_on_from_the_state_that_it_leaves(rig):
 
 
 def test_the_period_of_what_drives(rig):
+    """A quantity that there is none of is refused."""
     assert drive_period(rig(DRIVEN)) == 1.25
     turning = '[drives.hinge]\nkind = "motion"\nrate = "60 rpm"\n'
     assert drive_period(rig(turning, True)) == pytest.approx(1.0, rel=1e-15)
     other = DRIVEN + '[drives.second]\njoint = "way"\nkind = "sine"\namplitude = 1.0\nfrequency = 0.5\n'
     assert drive_period(rig(other), "second") == 2.0
+    with pytest.raises(AntennaPinError, match="speed"):
+        poincare(rig(DRIVEN), Stroboscope(), ["speed"], count=32)
 
 
 STEADY = '[drives.way]\nkind = "constant"\nvalue = 1.0\n'
@@ -149,71 +149,3 @@ def test_refusals(rig, tables, section, count, words):
     with pytest.raises(AntennaPinError, match=words.replace("?", r"\?")) as error:
         poincare(rig(tables), section_of(section), names("way"), count=count, transient=0)
     assert "\n" not in str(error.value)
-
-
-def test_a_quantity_that_there_is_none_of(rig):
-    with pytest.raises(AntennaPinError, match="speed"):
-        poincare(rig(DRIVEN), Stroboscope(), ["speed"], count=32)
-
-
-# The spring beside the way is 1 m long where it wants to be 1.3 m: a place to rest on either side, as of
-# Duffing's oscillator of two wells, and nothing in it is approximated.
-WELLS = {
-    "springs.way.stiffness": 0.0,
-    "springs.way.damping": 0.2,
-    "springs.side.free_length": 1.3,
-    "drives.motor.amplitude": 0.3,
-    "drives.motor.frequency": 0.9 / (2.0 * math.pi),
-    "initial.joints.way.position": 1.0,
-}
-
-
-def energy_distance(one, other):
-    """Of two sets of points, (n, 2): zero where they are of one distribution (Szekely and Rizzo 2013)."""
-    between, own = cdist(one, other).mean(), [cdist(points, points).mean() for points in (one, other)]
-    return 2.0 * between - sum(own)
-
-
-def between_wells(starts, times, damping=0.2, rtol=1e-6):
-    """Return sections by scipy from some starts at once, (starts, times, 2)."""
-
-    def rates(t, y):
-        x, v = y.reshape(2, -1)
-        a = -damping * v - 2.0 * x * (1.0 - 1.3 / np.hypot(1.0, x)) + 0.3 * math.sin(0.9 * t)
-        return np.concatenate([v, a])
-
-    y = np.array(starts).T.ravel()
-    run = solve_ivp(rates, (0.0, times[-1]), y, "DOP853", rtol=rtol, atol=rtol, t_eval=times)
-    return run.y.reshape(2, len(starts), -1).transpose(1, 2, 0)
-
-
-@pytest.mark.slow
-def test_the_section_of_chaos_between_two_wells(stiffening):
-    """Point by point it is scipy's as long as neighbours are near, and as a set for ever.
-
-    Sets are of one attractor if it is as far from those that scipy makes from other starts as these are from
-    one another: what that varies by is measured, and the set of another damping is farther.
-    """
-    section = poincare(
-        stiffening(1e-12).with_overrides(WELLS), Stroboscope(), ["q[way]", "v[way]"], count=400, transient=0
-    )
-    found = np.column_stack([section["q[way]"], section["v[way]"]])
-    period = 2.0 * math.pi / 0.9
-    times = period * np.round(section["time"].values / period)
-    # By itself, or its steps would be chosen for the others too.
-    apart = np.abs(found - between_wells([(1.0, 0.0)], times, rtol=1e-12)[0]).max(axis=1)
-    # Runs at 1e-12; neighbours part by a factor of 1.7 in a period.
-    assert apart[:15].max() < 1e-7 and apart.max() > 0.1
-    assert recurrence(found[40:]).kind is RecurrenceKind.CHAOTIC
-    starts = np.random.default_rng(1).uniform(-1.0, 1.0, (8, 2))
-    sets = between_wells(starts, times)[:, 40:]
-    rest = [
-        np.mean([energy_distance(one, other) for other in sets if other is not one])
-        for one in (sets[k] for k in range(len(sets)))
-    ]
-    own = np.mean([energy_distance(found[40:], other) for other in sets])
-    # Four standard deviations of eight sets and one more, of what is near to a normal distribution.
-    most = np.mean(rest) + 4.0 * np.std(rest, ddof=1)
-    assert own < most
-    damped = between_wells(starts[:1], times, damping=0.4)[0, 40:]
-    assert np.mean([energy_distance(damped, other) for other in sets]) > most

@@ -11,10 +11,9 @@ import math
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 from antenna_pin.run.simulation import Event, Jump
-from antenna_pin.studies.nonlinear import Chart, Flow, continued, flow_of, periodic_orbit
+from antenna_pin.studies.nonlinear import Flow, continued
 
 GRAVITY, PERIOD = 9.81, 0.2
 W = 2.0 * math.pi / PERIOD
@@ -88,37 +87,3 @@ def test_where_a_bouncing_orbit_changes(oscillator, kind, begin, end, phase):
     for point in branch.points[: change.after + 1]:
         values = point.orbit.multipliers
         assert [values.sum(), values.prod()] == pytest.approx([total(point.value, e), e**2], abs=1e-7)
-
-
-HOLLOW = 0.4  # [m]: how far the ball's centre is below the hollow's where they touch
-
-
-@pytest.mark.slow  # two to three minutes: kinks are looked for in every step of its contacts
-def test_a_scenario_whose_contact_lasts_tends_to_the_map_of_impacts(ball_on_table):
-    """Lankarani and Nikravesh's law gives a restitution of its own, the same at all speeds.
-
-    What is left is the time that the contact takes, which goes with K^(-2/5).
-    """
-    scenario = ball_on_table(GRAVITY, HOLLOW, 1.0 / PERIOD)
-    chi = 0.75 * (1.0 - 0.5**2)
-    e = brentq(lambda c: chi * (1.0 + c) - math.log((1.0 + chi) / (1.0 - chi * c)), 0.01, 1.0)
-    drive = 0.5 * sum(limits(e))
-    height, velocity = place(drive, e)
-    off = []
-    for stiffness in (1e8, 1e10):
-        numbers = {"clearance.hollow.normal.stiffness": stiffness, "drives.shaker.amplitude": UNIT * drive}
-        flow, at_rest = flow_of(scenario.with_overrides(numbers))
-        # In the table's axes, z of which is the hinge's: x, then y downwards.
-        q, v = at_rest.q.copy(), at_rest.v.copy()
-        q[2], v[2] = HOLLOW - height, drive * UNIT * W - velocity
-        orbit = periodic_orbit(flow, flow.first(q, v), PERIOD)
-        chart = Chart(flow.system, orbit.start)
-        falls = int(
-            np.argmax(np.abs(chart.coordinates(flow.first(q + [0, 0, 1e-3, 0, 0], v)))[: chart.positions])
-        )
-        own = orbit.tangent[np.ix_([falls, chart.positions + falls], [falls, chart.positions + falls])]
-        off.append([np.trace(own) - total(drive, e), np.linalg.det(own) - e**2])
-    soft, hard = np.abs(off)
-    share = 100.0**-0.4
-    assert hard == pytest.approx(share * soft, rel=0.05)
-    assert (hard < [3e-3, 2e-4]).all()

@@ -68,13 +68,8 @@ def rod(k: int, d: np.ndarray) -> np.ndarray:
     return np.stack([x, y, np.cross(x, y)], axis=1)
 
 
-def platform(*, driven: bool = True, without: tuple[str, ...] = ()) -> Maximal:
-    """Return the mechanism on its path at time zero, all velocities zero.
-
-    Args:
-        driven: Whether the legs' lengths are prescribed.
-        without: Joints left out.
-    """
+def platform() -> Maximal:
+    """Return the mechanism on its path at time zero, all velocities zero, the legs' lengths prescribed."""
     at = path(0.0)[0]
     o, x, y, z = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
     bodies, joints, motions = {"platform": _placed(PLATFORM, at, np.eye(3))}, {}, []
@@ -98,8 +93,7 @@ def platform(*, driven: bool = True, without: tuple[str, ...] = ()) -> Maximal:
                 lambda t, k=k: leg(k, t)[2],
             )
         )
-    kept = {name: joint for name, joint in joints.items() if name not in without}
-    return Maximal(bodies, kept, motions if driven else (), gravity=(GRAVITY, 0.0, 0.0))
+    return Maximal(bodies, joints, motions, gravity=(GRAVITY, 0.0, 0.0))
 
 
 def _placed(body: Body, position: np.ndarray, attitude: np.ndarray) -> Body:

@@ -123,19 +123,6 @@ class Maximal:
             np.concatenate([gamma_1, gamma_2]),
         )
 
-    def singular_values(self, t: float, y: np.ndarray) -> np.ndarray:
-        """Return the singular values of the mass-weighted Jacobian."""
-        return np.linalg.svd(self._weighted(self.constraints(t, y)[1], y), compute_uv=False)
-
-    def rank(self, t: float, y: np.ndarray) -> int:
-        """Return how many of the rows are independent."""
-        values = self.singular_values(t, y)
-        return int((values > _RANK * values[0]).sum())
-
-    def mobility(self, t: float, y: np.ndarray) -> int:
-        """Return how many velocities the rows leave free."""
-        return 6 * len(self.bodies) - self.rank(t, y)
-
     def load_map(self, joint: str, t: float, y: np.ndarray) -> np.ndarray:
         """Return what takes multipliers to the load of a joint, (6, m), see :meth:`History.load`."""
         J = self.constraints(t, y)[1]
@@ -280,10 +267,7 @@ class Maximal:
         spin = turned(back, w)
         moment = turned(back, forces[:-1, 3:]) - cross(spin, turned(self.inertia, spin))
         return np.concatenate(
-            [
-                forces[:-1, :3] / self.mass[:, None],
-                turned(R, turned(self.weight @ self.weight, moment)),
-            ],
+            [forces[:-1, :3] / self.mass[:, None], turned(R, turned(self.weight @ self.weight, moment))],
             axis=1,
         )
 

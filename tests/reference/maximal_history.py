@@ -37,11 +37,6 @@ class History:
         """Return the body's angular velocity in world axes, (k, 3) [rad/s]."""
         return self.states[:, self.system.index(body), 10:13]
 
-    def acceleration(self, body: str, point: Sequence[float] = (0.0, 0.0, 0.0)) -> np.ndarray:
-        """Return the acceleration of a point of the body in world axes, (k, 3) [m/s^2]."""
-        a, arm, spin = self.accelerations[:, self.system.index(body)], self._arm(body, point), self.spin(body)
-        return a[:, :3] + cross(a[:, 3:], arm) + cross(spin, cross(spin, arm))
-
     def load(self, joint: str) -> tuple[np.ndarray, np.ndarray]:
         """Return force [N] and moment [N m] of the joint's first body on its second.
 

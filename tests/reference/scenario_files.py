@@ -8,9 +8,7 @@ import pytest
 from hypothesis import strategies as st
 
 from antenna_pin.errors import AntennaPinError, ScenarioError
-from antenna_pin.scenario import (
-    load_scenario,
-)
+from antenna_pin.scenario import load_scenario
 from antenna_pin.scenario.merge import toml_value
 
 URDF = '<robot name="r"><link name="body"/></robot>\n'

@@ -30,8 +30,6 @@ def differences(one, other):
         if name not in one.data
         or name not in other.data
         or not np.array_equal(
-            one.data[name].values,
-            other.data[name].values,
-            equal_nan=one.data[name].dtype.kind == "f",
+            one.data[name].values, other.data[name].values, equal_nan=one.data[name].dtype.kind == "f"
         )
     )

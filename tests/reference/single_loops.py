@@ -130,10 +130,7 @@ def four_bar() -> Loop:
     tip = (CRANK * cos(CRANK_ANGLE), 0.0, CRANK * sin(CRANK_ANGLE))
     bodies = {
         "crank": Body(
-            mass=0.6,
-            inertia=(3e-4, 9e-4, 7e-4),
-            centre=(0.04, 0.02, 0.01),
-            attitude=turned(CRANK_ANGLE),
+            mass=0.6, inertia=(3e-4, 9e-4, 7e-4), centre=(0.04, 0.02, 0.01), attitude=turned(CRANK_ANGLE)
         ),
         "coupler": Body(
             mass=0.9,

@@ -7,13 +7,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scenario_files import DELETED, TABLES, H
 
-from antenna_pin.scenario import (
-    LawSpec,
-)
+from antenna_pin.scenario import LawSpec
 from antenna_pin.scenario.merge import merge
 
 
 def test_a_case_is_laid_over_the_file(folder):
+    """It removes what its keys exclude, and may replace a table, or all of a kind."""
     scenario = folder.load(case="tight")
     assert (scenario.case, scenario.description) == ("tight", "less play")
     base = folder.load()
@@ -21,18 +20,12 @@ def test_a_case_is_laid_over_the_file(folder):
         update={"radial_clearance": 1e-5}
     )
     assert scenario.drives == base.drives
-
-
-def test_a_case_removes_what_its_keys_exclude(folder):
     hinge = folder.load(case="by-radius").clearance["hinge"]
     assert (hinge.radial_clearance, hinge.journal_radius) == (None, 0.0099)
     assert (hinge.axial_clearance, hinge.flange_distance) == (None, 0.0501)
     # Differences of lengths about 10 mm, to round-off.
     assert hinge.radial_play == pytest.approx(1e-4, abs=1e-17)
     assert hinge.axial_play == pytest.approx(5e-5, abs=1e-17)
-
-
-def test_a_table_may_replace_the_one_below(folder):
     assert folder.load(case="elastic").clearance["hinge"].normal == LawSpec(law="hertz")
     changes = {"cases.elastic.clearance.hinge.normal": {"law": "hertz"}}
     message = folder.refusal(changes, case="elastic")
@@ -40,28 +33,20 @@ def test_a_table_may_replace_the_one_below(folder):
         "clearance.hinge.normal.restitution is unknown; law hertz takes stiffness, exponent "
         "(case elastic sets law: add replace = true to drop the old keys)"
     )
-
-
-def test_a_case_may_replace_all_tables_of_a_kind(folder):
     scenario = folder.load({"cases.quiet": {"drives": {"replace": True}}}, case="quiet")
     assert scenario.drives == {}
-
-
-def test_the_default_case_is_taken_unless_another_is_named(folder):
     changes = {"default_case": "tight"}
     assert folder.load(changes).case == "tight"
     assert folder.load(changes, case="elastic").case == "elastic"
 
 
 def test_values_beside_the_case_are_told_by_their_place_in_the_case(folder):
+    """Also what a file gets after it was loaded."""
     changes = {"cases.tight.clearance.hinge.radial_clearance": "10 us"}
     wanted = "cases.tight.clearance.hinge.radial_clearance must be a length [m], got '10 us' (time)"
     assert folder.refusal(changes, case="tight") == wanted
     assert folder.refusal(changes) == wanted  # though it is not the case to be run
     assert folder.refusal(changes, case="elastic") == wanted
-
-
-def test_a_fault_that_a_case_gets_after_it_was_loaded_is_found(folder):
     assert folder.load(case="elastic").case == "elastic"
     for _ in range(2):  # what is known of a sound file is not of another
         assert "tight" in folder.refusal({"cases.tight.clearance.hinge.colour": "red"}, case="elastic")

@@ -10,9 +10,7 @@ from hypothesis import strategies as st
 from scenario_files import TABLES, URDF
 
 from antenna_pin.errors import ScenarioError
-from antenna_pin.scenario import (
-    Scenario,
-)
+from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.merge import read_overrides, toml_value
 
 # --- overrides ---
@@ -94,15 +92,13 @@ def test_bad_overrides_are_refused(folder, overrides, message):
 
 
 def test_overrides_are_laid_over_the_case(folder):
+    """They remove what their keys exclude, and may replace a table."""
     overrides = ["clearance.hinge.radial_clearance=0.1 mm", "integrator.rtol=1e-9"]
     scenario = folder.load(case="tight", overrides=overrides)
     assert scenario.clearance["hinge"].radial_clearance == 1e-4
     assert scenario.integrator.rtol == 1e-9
     assert scenario.overrides == ('clearance.hinge.radial_clearance="0.1 mm"', "integrator.rtol=1e-09")
     assert folder.load(case="tight", overrides=scenario.overrides) == scenario
-
-
-def test_an_override_removes_what_its_key_excludes(folder):
     hinge = folder.load(overrides=["clearance.hinge.journal_radius=9.9 mm"]).clearance["hinge"]
     assert (hinge.radial_clearance, hinge.journal_radius) == (None, 0.0099)
     both = ["clearance.hinge.journal_radius=9.9 mm", "clearance.hinge.radial_clearance=0.1 mm"]
@@ -110,9 +106,6 @@ def test_an_override_removes_what_its_key_excludes(folder):
         "clearance.hinge must have exactly one of radial_clearance and journal_radius, got both "
         "(set by an override)"
     )
-
-
-def test_an_override_may_replace_a_table(folder):
     text = 'drives.azimuth={replace=true, kind="constant", value="1 N*m"}'
     assert folder.load(overrides=[text]).drives["azimuth"].value == 1.0
     apart = ["drives.azimuth.replace=true", "drives.azimuth.kind=constant", "drives.azimuth.value=1 N*m"]

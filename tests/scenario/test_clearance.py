@@ -6,16 +6,11 @@ import pytest
 from scenario_files import DELETED, H
 
 from antenna_pin import contact
-from antenna_pin.scenario import (
-    IdealClearance,
-    LawChange,
-    LawSpec,
-    PlanarClearance,
-    Scenario,
-)
+from antenna_pin.scenario import IdealClearance, LawChange, LawSpec, PlanarClearance, Scenario
 
 
 def test_the_laws_of_bore_and_flanges(folder):
+    """In common, apart, changed; the unit of a stiffness follows the exponent of its law."""
     hinge = folder.load().clearance["hinge"]
     assert (
         hinge.normal
@@ -26,14 +21,8 @@ def test_the_laws_of_bore_and_flanges(folder):
     assert hinge.axial_law == LawSpec(
         law="lankarani-nikravesh", parameters={"restitution": 0.9, "stiffness": 1e11}
     )
-
-
-def test_another_law_at_the_flanges_takes_nothing_from_the_common_one(folder):
     hinge = folder.load({H + "axial": {"law": "hertz"}, H + "normal.stiffness": 1e9}).clearance["hinge"]
     assert hinge.axial_law == LawSpec(law="hertz")
-
-
-def test_laws_may_be_given_apart_without_a_common_one(folder):
     changes = {
         H + "normal": DELETED,
         H + "axial": {"law": "hertz"},
@@ -41,9 +30,6 @@ def test_laws_may_be_given_apart_without_a_common_one(folder):
     }
     hinge = folder.load(changes).clearance["hinge"]
     assert (hinge.radial_law.parameters, hinge.axial_law.parameters) == ({"stiffness": 1.0}, {})
-
-
-def test_the_unit_of_a_stiffness_follows_the_exponent_of_its_law(folder):
     changes = {
         H + "normal.exponent": 2,
         H + "normal.stiffness": "1 N/mm**2",
@@ -58,14 +44,13 @@ JOHNSON = {"law": "johnson", "dissipation": "flores", "restitution": 0.8}
 
 
 def test_a_dissipation_is_named_beside_an_elastic_law(folder):
+    """Another one keeps the parameters that it knows; a case may change it."""
     scenario = folder.load({H + "normal": JOHNSON, H + "axial": DELETED})
     hinge = scenario.clearance["hinge"]
     assert hinge.normal == LawSpec(law="johnson", dissipation="flores", parameters={"restitution": 0.8})
     assert json.loads(scenario.model_dump_json())["clearance"]["hinge"]["normal"] == JOHNSON
     assert Scenario.model_validate_json(scenario.model_dump_json()) == scenario
 
-
-def test_another_dissipation_keeps_the_parameters_that_it_knows(folder):
     def axial_law(change):
         changes = {H + "normal": JOHNSON, H + "axial": change, "cases": {}}
         return folder.load(changes).clearance["hinge"].axial_law
@@ -78,9 +63,6 @@ def test_another_dissipation_keeps_the_parameters_that_it_knows(folder):
         law="johnson", dissipation="flores", parameters={"restitution": 0.5}
     )
     assert axial_law({"law": "hertz"}) == LawSpec(law="hertz")
-
-
-def test_a_case_changes_the_dissipation(folder):
     changes = {
         H + "normal": JOHNSON,
         H + "axial": DELETED,
@@ -128,6 +110,7 @@ def test_a_joint_without_play_needs_no_dimensions(folder, model):
 
 
 def test_a_planar_joint_needs_no_flanges(folder):
+    """And axial clearance may be zero."""
     planar = {
         "model": "planar",
         "bearing_radius": "10 mm",
@@ -137,9 +120,6 @@ def test_a_planar_joint_needs_no_flanges(folder):
     joint = folder.load({"clearance.hinge": planar, "cases": {}}).clearance["hinge"]
     assert isinstance(joint, PlanarClearance)
     assert joint.radial_play == pytest.approx(0.0005, abs=1e-17)  # round-off of 10 mm
-
-
-def test_zero_axial_clearance_is_allowed(folder):
     assert folder.load({H + "axial_clearance": "0 mm"}).clearance["hinge"].axial_play == 0.0
     changes = {H + "axial_clearance": DELETED, H + "flange_distance": "50 mm"}
     assert folder.load(changes).clearance["hinge"].axial_play == 0.0
@@ -166,6 +146,7 @@ def test_every_law_of_the_registry_can_be_named(family):
 
 
 def test_every_dissipation_of_the_registry_can_be_named():
+    """With any number for each of its parameters."""
     for name, dissipation in contact.DISSIPATIONS.items():
         parameters = dict.fromkeys(contact.law_parameters(dissipation), 0.5)
         spec = LawSpec(law="hertz", dissipation=name, parameters={"stiffness": 1e9} | parameters)

@@ -29,6 +29,7 @@ from antenna_pin.scenario import (
 
 
 def test_values_are_in_si_units(folder):
+    """Files are carried along; drives and springs act at the joint of their name; tables are frozen."""
     scenario = folder.load()
     assert (scenario.name, scenario.title, scenario.duration) == ("my", "A test", 2.0)
     assert (scenario.case, scenario.description, scenario.overrides) == (None, "", ())
@@ -56,15 +57,21 @@ def test_values_are_in_si_units(folder):
     assert scenario.integrator.scales.angle == 0.001
     assert scenario.output.rate == 2000.0
     assert scenario.pointing.orbit.altitude == 5e5
-
-
-def test_files_are_carried_along(folder):
-    scenario = folder.load()
     assert scenario.urdf_text == URDF
     assert scenario.folder == folder.path.resolve()
     assert scenario.urdf_path == folder.path.resolve() / "body.urdf"
     table = scenario.drives["slow"]
     assert (table.file, table.time, table.torque) == ("torque.csv", (0.0, 0.5, 1.0), (0.0, 1.25, -0.001))
+    assert {name: drive.joint for name, drive in scenario.drives.items()} == {
+        "azimuth": "azimuth",
+        "motor": "hinge",
+        "slow": "azimuth",
+    }
+    assert scenario.springs["azimuth"].joint == "azimuth"
+    with pytest.raises(ValueError, match="a table is immutable"):
+        scenario.duration = 3.0
+    with pytest.raises(ValueError, match="a table is immutable"):
+        scenario.clearance["hinge"].radial_clearance = 1.0
 
 
 def test_the_defaults_are_those_of_the_documentation(folder):
@@ -103,24 +110,6 @@ def test_the_defaults_are_those_of_the_documentation(folder):
     assert (joint.maximum_depth, joint.friction) == (None, LawSpec(law="none"))
 
 
-def test_drives_and_springs_act_at_the_joint_of_their_name(folder):
-    scenario = folder.load()
-    assert {name: drive.joint for name, drive in scenario.drives.items()} == {
-        "azimuth": "azimuth",
-        "motor": "hinge",
-        "slow": "azimuth",
-    }
-    assert scenario.springs["azimuth"].joint == "azimuth"
-
-
-def test_the_scenario_is_frozen(folder):
-    scenario = folder.load()
-    with pytest.raises(ValueError, match="a table is immutable"):
-        scenario.duration = 3.0
-    with pytest.raises(ValueError, match="a table is immutable"):
-        scenario.clearance["hinge"].radial_clearance = 1.0
-
-
 # --- JSON and copies ---
 
 
@@ -136,10 +125,7 @@ def test_json_carries_everything_exactly(folder, case):
     assert (again.case, again.overrides) == (
         case,
         ("title=Another", "duration=0.1 s"),
-    ) or again.overrides == (
-        'title="Another"',
-        'duration="0.1 s"',
-    )
+    ) or again.overrides == ('title="Another"', 'duration="0.1 s"')
 
 
 @given(clearance=st.floats(1e-9, 9e-3), rtol=st.floats(1e-15, 0.99), gravity=st.floats(-1e6, 1e6))
@@ -154,25 +140,20 @@ def test_json_carries_every_digit(clearance, rtol, gravity):
     assert Scenario.model_validate_json(scenario.model_dump_json()) == scenario
 
 
-def test_scenarios_travel_to_other_processes(folder):
-    scenario = folder.load()
-    assert pickle.loads(pickle.dumps(scenario)) == scenario
-    assert copy.deepcopy(scenario) == scenario
-
-
-def test_bad_json_is_refused_in_one_line():
+def test_json_has_the_shape_of_a_file(folder):
+    """And is refused in one line where it has not; scenarios travel to other processes."""
+    document = json.loads(folder.load().model_dump_json())
+    assert document["clearance"]["hinge"]["normal"] == {"law": "lankarani-nikravesh", "restitution": 0.9}
+    assert document["clearance"]["hinge"]["axial"] == {"stiffness": 1e11}
     with pytest.raises(ScenarioError, match=r"^Scenario: is not JSON: .*$"):
         Scenario.model_validate_json("{")
     with pytest.raises(ScenarioError, match=r"^Scenario: duration is missing; give a time \[s\]$"):
         Scenario.model_validate_json('{"mechanism": {"urdf": "x"}, "urdf_text": ""}')
     with pytest.raises(ScenarioError, match=r"^Scenario: must be a table, got \[1\]$"):
         Scenario.model_validate([1])
-
-
-def test_json_has_the_shape_of_a_file(folder):
-    document = json.loads(folder.load().model_dump_json())
-    assert document["clearance"]["hinge"]["normal"] == {"law": "lankarani-nikravesh", "restitution": 0.9}
-    assert document["clearance"]["hinge"]["axial"] == {"stiffness": 1e11}
+    scenario = folder.load()
+    assert pickle.loads(pickle.dumps(scenario)) == scenario
+    assert copy.deepcopy(scenario) == scenario
 
 
 def test_a_torque_alone_acts_at_the_origin_of_its_link_and_forces_where_it_is_said(folder):

@@ -1,6 +1,5 @@
 """What is wrong in a file is refused in one line: place, rule, value seen, way out."""
 
-import math
 from collections import Counter
 from typing import get_args
 
@@ -40,8 +39,6 @@ REFUSALS = [
     ({"urdf_text": "x"}, f"urdf_text is unknown; known here: {TOP}, default_case, cases"),
     ({"replace": True}, "replace must be true or false, and belongs in a table of a case or an override"),
     ({"format": 2}, "format must be 1, got 2"),
-    ({"duration": math.nan}, "duration must be a time [s], got nan (not finite)"),
-    ({"duration": True}, "duration must be a time [s], got true"),
     # cases
     ({"default_case": 3}, "default_case must be text, got 3"),
     ({"cases": 3}, "cases must be a table, got 3"),
@@ -65,14 +62,9 @@ REFUSALS = [
         "mechanism.urdf must be an existing file, got 'bdy.urdf'; did you mean body.urdf?",
     ),
     ({"mechanism.base": "floating"}, "mechanism.base must be 'free' or 'fixed', got 'floating'"),
-    ({"mechanism.gravity": [0, 0]}, "mechanism.gravity must be an array of 3 numbers [m/s**2], got [0, 0]"),
     (
         {"mechanism.gravity": [0, 0, "9.81 m"]},
         "mechanism.gravity[2] must be an acceleration [m/s**2], got '9.81 m' (length)",
-    ),
-    (
-        {"mechanism.allow_impossible_inertia": "body"},
-        "mechanism.allow_impossible_inertia must be an array, got 'body'",
     ),
     (
         {"mechanism.allow_impossible_inertia": [3]},
@@ -110,19 +102,6 @@ REFUSALS = [
         {H + "model": "contac"},
         "clearance.hinge.model must be one of contact, planar, spherical, prismatic, cylindrical, ideal, "
         "constraint, got 'contac'; did you mean contact?",
-    ),
-    (
-        {H + "model": 3},
-        "clearance.hinge.model must be one of contact, planar, spherical, prismatic, cylindrical, ideal, "
-        "constraint, got 3",
-    ),
-    (
-        {H + "radial_clearance": "0.2"},
-        "clearance.hinge.radial_clearance must be a length [m], got '0.2' (no unit); write '0.2 m'",
-    ),
-    (
-        {H + "radial_clearance": math.inf},
-        "clearance.hinge.radial_clearance must be a length [m], got inf (not finite)",
     ),
     (
         {H + "radial_clearance": "20 mm"},
@@ -163,11 +142,6 @@ REFUSALS = [
         "clearance.hinge.flange_radius must be larger than bearing_radius = 0.01 m, got 0.009 m",
     ),
     (
-        {H + "geometry": "coall"},
-        "clearance.hinge.geometry must be 'coal' or 'closed-form', got 'coall'; did you mean coal?",
-    ),
-    ({H + "load": "line"}, "clearance.hinge.load must be 'point' or 'distributed', got 'line'"),
-    (
         {H + "journal_material": DELETED},
         "clearance.hinge.journal_material is missing; it decides the stiffness, or give normal.stiffness",
     ),
@@ -178,18 +152,9 @@ REFUSALS = [
     ),
     ({H + "normal": DELETED}, "clearance.hinge.axial.law is missing; there is no normal law to change"),
     ({H + "normal": 3}, "clearance.hinge.normal must be a table, got 3"),
-    ({H + "axial": 3}, "clearance.hinge.axial must be a table, got 3"),
     (
         {H + "normal.law": DELETED},
         f"clearance.hinge.normal.law is missing; give one of {', '.join(contact.NORMAL_LAWS)}",
-    ),
-    (
-        {H + "normal.dissipation": "flores"},
-        f"clearance.hinge.normal.dissipation must be left out, for {WHOLE}",
-    ),
-    (
-        {H + "normal": {"law": "johnson", "dissipation": 3}, H + "axial": DELETED},
-        "clearance.hinge.normal.dissipation must be text, got 3",
     ),
     (
         {H + "normal": {"law": "johnson", "dissipation": "flores"}, H + "axial": DELETED},
@@ -214,7 +179,6 @@ REFUSALS = [
         {H + "friction.dissipation": "flores"},
         "clearance.hinge.friction.dissipation is unknown; law tanh is a friction law and has no dissipation",
     ),
-    ({H + "normal.law": 3}, "clearance.hinge.normal.law must be text, got 3"),
     ({H + "normal.restitution": 1.3}, "clearance.hinge.normal.restitution must be in [0, 1], got 1.3"),
     (
         {H + "model": "ideal", H + "normal.restitution": 1.3},
@@ -229,7 +193,6 @@ REFUSALS = [
         {H + "normal.restitutoin": 1},
         f"clearance.hinge.normal.restitutoin is unknown; did you mean restitution? {LN}",
     ),
-    ({H + "normal.xyz": 1}, f"clearance.hinge.normal.xyz is unknown; {LN}"),
     (
         {H + "normal.stiffness": "1e9 N/m"},
         "clearance.hinge.normal.stiffness must be a stiffness [N/m**1.5], got '1e9 N/m' (stiffness)",
@@ -257,10 +220,6 @@ REFUSALS = [
     ),
     # drives
     (
-        {"drives.motor.kind": DELETED},
-        "drives.motor.kind is missing; give one of constant, sine, table, pd, motion, distance, motor",
-    ),
-    (
         {"drives.motor.kind": "constat"},
         "drives.motor.kind must be one of constant, sine, table, pd, motion, distance, motor, got 'constat'; "
         "did you mean constant?",
@@ -269,28 +228,14 @@ REFUSALS = [
         {"drives.motor.amplitude": 1},
         "drives.motor.amplitude is unknown; known here: kind, joint, axis, on, value",
     ),
-    ({"drives.motor.axis": "shaft"}, "drives.motor.axis must be 'bearing' or 'journal', got 'shaft'"),
     (
         {"drives.motor.motion": "translation"},
         "drives.motor.value must be for a sliding joint, as motion is, got '4 N*m' (turning)",
     ),
-    (
-        {"drives.azimuth.frequency": "60 rpm"},
-        "drives.azimuth.frequency must be a frequency [Hz], got '60 rpm' (angular rate)",
-    ),
-    (
-        {"drives.azimuth.file": "x"},
-        "drives.azimuth.file is unknown; known here: kind, joint, axis, on, amplitude, frequency, phase",
-    ),
     ({"drives.slow.file": DELETED}, "drives.slow must have either file, or time and torque, got neither"),
-    ({"drives.slow.time": [0, 1]}, "drives.slow must have either file, or time and torque, got both"),
     (
         {"drives.slow.file": "torqe.csv"},
         "drives.slow.file must be an existing file, got 'torqe.csv'; did you mean torque.csv?",
-    ),
-    (
-        {"drives.slow.interpolation": "spline"},
-        "drives.slow.interpolation must be 'linear' or 'cubic', got 'spline'",
     ),
     ({"drives.t": {"kind": "table", "time": [0, 1]}}, "drives.t.torque is missing; give an array of numbers"),
     (
@@ -304,14 +249,6 @@ REFUSALS = [
     (
         {"drives.t": {"kind": "table", "time": [0], "torque": [1]}},
         "drives.t.time must be at least 2 numbers, got 1",
-    ),
-    (
-        {"drives.t": {"kind": "table", "time": [0, 0], "torque": [1, 2]}},
-        "drives.t.time[1] must be above the one before, 0.0, got 0.0",
-    ),
-    (
-        {"drives.t": {"kind": "table", "time": [0, math.nan], "torque": [1, 2]}},
-        "drives.t.time[1] must be a time [s], got nan (not finite)",
     ),
     # springs
     (
@@ -332,17 +269,10 @@ REFUSALS = [
         "pointing.up must not lie along boresight = [0.0, 0.0, -2.0], got [0.0, 0.0, 1.0]",
     ),
     (
-        {"pointing.commanded": "ideel"},
-        "pointing.commanded must be 'ideal', 'world' or 'orbit', got 'ideel'; did you mean ideal?",
-    ),
-    (
         {"pointing.commanded": "ideal"},
         'pointing.direction must be left out where commanded is "ideal", got [0.0, 0.1, 1.0]',
     ),
-    (
-        {"pointing.direction": DELETED},
-        'pointing.direction is missing; give it where commanded is "orbit"',
-    ),
+    ({"pointing.direction": DELETED}, 'pointing.direction is missing; give it where commanded is "orbit"'),
     (
         {"pointing.direction_up": [0, -0.1, -1]},
         "pointing.direction_up must not lie along direction = [0.0, 0.1, 1.0], got [0.0, -0.1, -1.0]",
@@ -370,25 +300,11 @@ REFUSALS = [
         "initial.joints.hinge must have at most one of position and angle, got both",
     ),
     (
-        {"initial.joints.hinge.journal_position": [0, "1 rad", 0]},
-        "initial.joints.hinge.journal_position[1] must be a length [m], got '1 rad' (angle)",
-    ),
-    (
         {"initial.base.attitude": [0, 0, 0, 2]},
         "initial.base.attitude must be a unit quaternion x, y, z, w, got [0.0, 0.0, 0.0, 2.0] of length 2",
     ),
-    (
-        {"initial.base.attitude": [0, 0, 1]},
-        "initial.base.attitude must be an array of 4 numbers, got [0, 0, 1]",
-    ),
     ({"mechanism.base": "fixed"}, 'initial.base must be left out where mechanism.base is "fixed"'),
     # integrator
-    (
-        {"integrator.method": "dormand-prince"},
-        "integrator.method must be 'rk4', 'bogacki-shampine-32', 'dormand-prince-54', "
-        "'dormand-prince-853' or 'radau5', "
-        "got 'dormand-prince'; did you mean dormand-prince-54?",
-    ),
     ({"integrator.min_step": 1}, "integrator.min_step must be below max_step = 0.01 s, got 1 s"),
     (
         {"integrator.first_step": 1},
@@ -451,13 +367,6 @@ def test_every_table_is_one_and_knows_its_keys(folder):
         assert folder.refusal({f"{place}.qqq": 1}).startswith(f"{place}.qqq is unknown; ")
 
 
-@pytest.mark.parametrize("value", [0, 1, 0.0, "no", "off", "true", "1"], ids=repr)
-@pytest.mark.parametrize("place", ["initial.joints.azimuth.guess", "mechanism.joints.azimuth.sticks"])
-def test_true_or_false_is_nothing_else(folder, place, value):
-    """No word or number that other readers take for it, of fields with a default and without."""
-    assert folder.refusal({place: value}).startswith(f"{place} must be true or false, got {value!r}")
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
@@ -469,10 +378,6 @@ def test_true_or_false_is_nothing_else(folder, place, value):
             {H + "journal_material": "stel"},
             "clearance.hinge.journal_material: material 'stel' is unknown; did you mean steel? "
             "known: alloy, aluminium-2024-t3,",
-        ),
-        (
-            {"cases.tight.clearance.hinge.bearing_material": "aloy"},
-            "cases.tight.clearance.hinge.bearing_material: material 'aloy' is unknown; did you mean alloy?",
         ),
         (
             {H + "normal.law": "lankarani"},
@@ -489,10 +394,6 @@ def test_true_or_false_is_nothing_else(folder, place, value):
             "known: adams-impact,",
         ),
         (
-            {H + "friction.law": "tan"},
-            "clearance.hinge.friction.law: law 'tan' is unknown; did you mean tanh?",
-        ),
-        (
             {H + "friction.law": "hertz"},
             "clearance.hinge.friction.law: law 'hertz' is unknown; known: ambrosio,",
         ),
@@ -502,29 +403,30 @@ def test_unknown_names(folder, changes, message):
     assert folder.refusal(changes, error=UnknownNameError).startswith(message)
 
 
-def test_an_unknown_case_names_the_known_ones(folder):
+def test_names_of_cases_files_and_tables_in_messages(folder):
+    """Known names, where a file was looked for, quotes where a name needs them."""
     message = folder.refusal(case="tigth", error=UnknownNameError)
     assert message == "case 'tigth' is unknown; did you mean tight? known: by-radius, elastic, tight"
+    message = folder.refusal({"mechanism.urdf": "sub/x.urdf"})
+    where = folder.path.resolve() / "sub"
+    assert message == f"mechanism.urdf must be an existing file, got 'sub/x.urdf'; searched in {where}"
+    file = FILE | {"clearance": {"my hinge": {"model": "ideal", "bearing_radius": -1}}}
+    with pytest.raises(
+        ScenarioError, match=r'^my\.toml: clearance\."my hinge"\.bearing_radius must be positive'
+    ):
+        folder.load(file=file)
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
         ("", "line 1: the header must have time,torque, got an empty file"),
-        ("0,1,2\n1,2,3\n", "line 1: the header must have time,torque, got '0,1,2'"),
-        ("time;tork\n0;1\n", "line 1: the header must have time,torque, got 'time,tork'"),
-        ("time [N],torque\n0,1\n1,2\n", "the unit of column time must be that of a time [s], got 'N'"),
         (
             "time,torque [mm]\n0,1\n1,2\n",
             "the unit of column torque must be that of a torque [N*m] or a force [N], got 'mm'",
         ),
         ("time,torque\n0,1\n", "line 2: must have at least 2 rows of numbers, got 1"),
-        ("time,torque\n0,1\n1\n", "line 3: must have 2 values, got 1"),
-        ("time,torque\n0,1\n1,2,3\n", "line 3: must have 2 values, got 3"),
         ("time,torque\n0,1\n1,x\n", "line 3: torque must be a finite number, got 'x'"),
-        ("time,torque\n0,1\n\n# note\n1,nan\n", "line 5: torque must be a finite number, got 'nan'"),
-        ("time,torque\n0,1\ninf,2\n", "line 3: time must be a finite number, got 'inf'"),
-        ("time,torque\n0,1\n1,2\n1,3\n", "line 4: time must increase strictly, got 1.0 after 1.0"),
     ],
 )
 def test_bad_torque_tables_are_refused_with_file_and_line(folder, text, message):
@@ -532,7 +434,7 @@ def test_bad_torque_tables_are_refused_with_file_and_line(folder, text, message)
     assert folder.refusal({"drives.slow.file": "bad.csv"}) == f"drives.slow.file: bad.csv, {message}"
 
 
-@pytest.mark.parametrize("frequency", [0.3, 15.0, 900.0])
+@pytest.mark.parametrize("frequency", [0.3, 900.0])
 @pytest.mark.parametrize("share", [0.4999, 0.5, 2.0])
 def test_an_elastic_frequency_is_below_half_the_output_rate(frequency, share):
     """Slower samples show another one; a result without samples may have any."""
@@ -553,28 +455,8 @@ def test_an_elastic_frequency_is_below_half_the_output_rate(frequency, share):
     assert load(**{"output.form": "lean"}).output.rate == frequency / share
 
 
-def test_a_torque_table_may_have_comments_and_blanks(folder):
-    (folder.path / "good.csv").write_text("# from a test\n\n time , torque\r\n 0 , 1 \n1e0,-2.5\n")
-    table = folder.load({"drives.slow.file": "good.csv"}).drives["slow"]
-    assert (table.time, table.torque) == ((0.0, 1.0), (1.0, -2.5))
-
-
 @pytest.mark.parametrize("name", ["body.urdf", "torque.csv"])
 def test_files_that_are_no_text_are_refused(folder, name):
     (folder.path / name).write_bytes(b"\xff\xff")
     place = "mechanism.urdf" if name == "body.urdf" else "drives.slow.file"
     assert folder.refusal() == f"{place} must be UTF-8 text, got '{name}' (byte 0)"
-
-
-def test_a_missing_file_is_looked_for_beside_the_scenario(folder):
-    message = folder.refusal({"mechanism.urdf": "sub/x.urdf"})
-    where = folder.path.resolve() / "sub"
-    assert message == f"mechanism.urdf must be an existing file, got 'sub/x.urdf'; searched in {where}"
-
-
-def test_names_that_need_quotes_have_them_in_messages(folder):
-    file = FILE | {"clearance": {"my hinge": {"model": "ideal", "bearing_radius": -1}}}
-    with pytest.raises(
-        ScenarioError, match=r'^my\.toml: clearance\."my hinge"\.bearing_radius must be positive'
-    ):
-        folder.load(file=file)

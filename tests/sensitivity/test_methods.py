@@ -24,13 +24,11 @@ def held(ours):
     return one
 
 
-def test_what_is_displaced_behind_the_largest_is_in_doubt_by_its_share():
+def test_what_runs_say_of_the_equation():
+    """Behind the largest displacement its share is in doubt; what contradicts is refused by its key."""
     one = held(1.01 * BY_RUNS)
     assert (one.values["onset_time"] == 1.01 * BY_RUNS).all()
     assert (one.doubts["onset_time"] >= 0.01 * BY_RUNS * (1.0 - 1e-12)).all()  # round-off of the difference
-
-
-def test_what_runs_contradict_is_refused_by_its_key():
     with pytest.raises(
         SensitivityError, match=r"over a\.play the equation and runs contradict about onset_time"
     ):

@@ -6,11 +6,7 @@ import pytest
 from antenna_pin import AntennaPinError, load_scenario
 from antenna_pin.studies.sensitivity import GrazeError, SensitivityError, sensitivities
 
-PLAIN = {
-    "integrator.engine": "compiled",
-    "mechanism.base": "fixed",
-    "clearance.bore.geometry": "closed-form",
-}
+PLAIN = {"integrator.engine": "compiled", "mechanism.base": "fixed", "clearance.bore.geometry": "closed-form"}
 SPEED = "initial.joints.bore.journal_velocity[0]"
 
 

@@ -125,7 +125,7 @@ def remade(system, mechanism=None, **more):
 def gone(system, engine, start=None):
     """Return a few states of a run of a system, the first included."""
     y = every_kind.started(system) if start is None else start
-    settings = RunSettings(engine=engine, rtol=1e-6, output_rate=4000.0)
+    settings = RunSettings(engine=engine, rtol=1e-6, output_rate=2000.0)
     run = Run(system, system.state(*y), 1e-3, settings)
     run.advance()
     return run.samples.chunk, run.state, settings

@@ -28,14 +28,12 @@ distribution = { name = "beta", a = 6, b = 2 }
 """
 
 
-def test_a_grid_runs_through_its_last_parameter_first(write):
+def test_grids_lists_and_numbers_of_arrays(write):
+    """A grid runs through its last parameter first; zipped lists go together."""
     design = design_of(write())
     assert design.sizes == {"play": 3, "rate": 4}
     assert design.values(5) == {"play": "0.2 mm", "rate": "2000.0 Hz"}
     assert len(set(design.seeds.tolist())) == design.count == 12
-
-
-def test_zipped_parameters_go_together(write):
     zipped = """
     [parameters.play]
     key = "clearance.bore.radial_clearance"
@@ -52,6 +50,14 @@ def test_zipped_parameters_go_together(write):
     design = design_of(write(zipped))
     assert design.sizes == {"pair": 3, "length": 2}
     assert design.values(3) == {"play": "0.2 mm", "rate": "2 kHz", "length": "2 ms"}
+    parameter = """
+    [parameters.pull]
+    key = "mechanism.gravity[2]"
+    values = [-1, "-9.81 m/s**2"]
+    """
+    study = write(parameter)
+    made = study.base().with_overrides(design_of(study).overrides(1, study.base()))
+    assert made.mechanism.gravity == (0.0, 0.0, -9.81)
 
 
 @pytest.mark.parametrize("method", ["random", "latin-hypercube", "sobol"])
@@ -84,29 +90,14 @@ def test_every_number_reaches_the_scenario_as_it_is(write):
         assert [made.radial_clearance, made.bearing_radius] == numbers[:2]
 
 
-def test_one_number_of_an_array(write):
-    parameter = """
-    [parameters.pull]
-    key = "mechanism.gravity[2]"
-    values = [-1, "-9.81 m/s**2"]
-    """
-    study = write(parameter)
-    made = study.base().with_overrides(design_of(study).overrides(1, study.base()))
-    assert made.mechanism.gravity == (0.0, 0.0, -9.81)
-
-
 @pytest.mark.parametrize(
     ("value", "found"),
     [
-        ("0.2 mm", (0.0002, "m")),
         ("30 deg", (pytest.approx(np.pi / 6, rel=1e-15), "rad")),
-        ("2 kHz", (2000.0, "Hz")),
-        ("3 N", (3.0, "N")),
         (4, (4.0, "")),
         ("50 %", (0.5, "1")),
         ("steel", None),
         (True, None),
-        ("1 dB", None),
     ],
 )
 def test_a_quantity_of_any_unit(value, found):
@@ -129,10 +120,6 @@ REFUSED = {
     "outside of what a law allows": (
         '[parameters.e]\nkey = "clearance.bore.normal.restitution"\nvalues = [0.5, 1.2, 1.3]',
         "run 1 (e = 1.2): scenario impact_pair: clearance.bore.normal.restitution must be in [0, 1], got 1.2",
-    ),
-    "another dimension": (
-        PLAY + 'values = ["0.1 mm", "0.1 s"]',
-        "run 1 (play = 0.1 s): scenario impact_pair: clearance.bore.radial_clearance must be a length [m]",
     ),
     "cannot be built": (
         '[parameters.at]\nkey = "initial.joints.bore.journal_position"\n'
@@ -180,10 +167,6 @@ REFUSED = {
         "[parameters.e]\nkey = 3\nvalues = [1]",
         "parameters.e.key must be a key of the scenario, or an array of keys, got 3",
     ),
-    "a number of 400 digits": (
-        PLAY + f"values = [1{'0' * 400}]",
-        "clearance.bore.radial_clearance must be a length [m]",
-    ),
     "too many": (
         PLAY + 'start = "0.1 mm"\nstop = "0.2 mm"\ncount = 1000000\n'
         '[parameters.t]\nkey = "duration"\nstart = 1\nstop = 2\ncount = 1000000',
@@ -220,18 +203,15 @@ def test_refused_before_anything_runs(write, tmp_path, what):
         ('a = { function = "own.py:ends" }', "own.py:ends must return a number, got the exit 3"),
         ('a = { function = "own.py:huge" }', "own.py:huge must return a number, got 1000"),
         ('a = { function = "own.py:flag" }', "own.py:flag must return a number, got true"),
-        ('a = { function = "own.py:turned" }', "own.py:turned must return a number, got 1j (complex)"),
         ('a = { function = "own.py:row" }', "own.py:row must return a number, got array([1.]) (ndarray)"),
+        ('a = { function = "own.py:turned" }', "own.py:turned must return a number, got 1j (complex)"),
         (
             'a = { function = "own.py:lonely" }',
             "responses.a: lonely must be a function of 1 argument (run), got",
         ),
         ('a = { function = "math:nothing" }', "math must have a function 'nothing'"),
         ('a = { function = "own.py:wrong" }', "own.py:wrong raises AttributeError"),
-        (
-            'a = { function = "own.py:changes" }',
-            "own.py:changes must not change the run",
-        ),
+        ('a = { function = "own.py:changes" }', "own.py:changes must not change the run"),
     ],
 )
 def test_refused_responses(write, tmp_path, response, said):
@@ -276,10 +256,8 @@ def test_numbers_are_those_of_single_runs(write, tmp_path):
         assert one["force"] == run.data["peak_force"].max() > 0.0
         assert one["own"] == float(int(one["seed"]) + run.counts.accepted)
         assert one["evaluations"] == run.counts.evaluations
-    assert sorted(path.name for path in (tmp_path / "trial.study" / "runs").iterdir()) == [
-        "000000.nc",
-        "000001.nc",
-    ]
+    kept = sorted(path.name for path in (tmp_path / "trial.study" / "runs").iterdir())
+    assert kept == ["000000.nc", "000001.nc"]
 
 
 def test_runs_are_compared_with_a_full_reference(write, tmp_path, monkeypatch):

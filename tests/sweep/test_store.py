@@ -96,13 +96,22 @@ def test_other_versions_are_refused(write, tmp_path, fake, whole, monkeypatch):
         run_study(write(), tmp_path / "whole.study", executor=fake())
 
 
-def test_a_folder_of_something_else_is_left_alone(write, tmp_path, fake):
+def test_a_folder_of_another_is_left_alone(write, tmp_path, fake):
+    """One driver at a time; what is no study stays."""
     folder = tmp_path / "mine.study"
     folder.mkdir()
     (folder / "thesis.txt").write_text("years")
     with pytest.raises(OutputError, match="contains nothing of this study"):
         run_study(write(), folder, executor=fake())
     assert [path.name for path in folder.iterdir()] == ["thesis.txt"]
+    from antenna_pin.studies.sweep.journal import Journal
+
+    folder = tmp_path / "busy.study"
+    folder.mkdir()
+    other = Journal(folder / "journal", b"k")
+    with pytest.raises(OutputError, match=r"must not be in use|nothing of this study"):
+        run_study(write(), folder, executor=fake())
+    other.close()
 
 
 @pytest.mark.parametrize("what", ["folder", "journal", "replaced"])
@@ -138,17 +147,6 @@ def test_a_store_that_is_deleted_while_the_missing_runs_are_checked_is_missed_be
     with pytest.raises(OutputError, match="journal: must stay while the study runs, got deleted or replaced"):
         run_study(write(), folder, executor=fake(), progress=delete)
     assert set(seen) == {"check"} and not folder.exists()
-
-
-def test_one_driver_at_a_time(write, tmp_path, fake):
-    from antenna_pin.studies.sweep.journal import Journal
-
-    folder = tmp_path / "busy.study"
-    folder.mkdir()
-    other = Journal(folder / "journal", b"k")
-    with pytest.raises(OutputError, match=r"must not be in use|nothing of this study"):
-        run_study(write(), folder, executor=fake())
-    other.close()
 
 
 def test_it_can_be_opened_while_it_runs(write, tmp_path, fake):

@@ -106,8 +106,8 @@ def test_ctrl_c_does_not_wait_for_long_runs(write, tmp_path, monkeypatch):
 
     def press(progress):
         if progress.stage == "run":
-            pressed.append(time.monotonic() + 1.0)
-            threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT)).start()
+            pressed.append(time.monotonic() + 0.3)
+            threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
 
     with pytest.raises(KeyboardInterrupt):
         run_study(study, tmp_path / "long.study", executor=Threads(2), progress=press)

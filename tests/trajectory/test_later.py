@@ -23,10 +23,20 @@ def made(monkeypatch):
 
 
 def test_data_are_made_once_and_when_they_are_read(made):
+    """By threads at once too; a result has no other names than its own."""
     count, run = made
     assert run.completed and run.counts.accepted > 0 and not count
     assert run.data is run.data and count == [1]
     assert {"title", "urdf", "finished"} <= run.data.attrs.keys()
+    _, run = made
+    with ThreadPoolExecutor(4) as pool:
+        found = list(pool.map(lambda _: run.data, range(8)))
+    assert all(one.identical(run.data) for one in found)
+    _, run = made
+    with pytest.raises(AttributeError, match="'Trajectory' object has no attribute 'dats'"):
+        run.dats  # noqa: B018 - asked for
+    with pytest.raises(AttributeError):
+        Trajectory.__new__(Trajectory).data  # noqa: B018 - without any
 
 
 @pytest.mark.parametrize(
@@ -36,21 +46,6 @@ def test_a_copy_has_the_same_data(made, of):
     _, run = made
     other = of(run)
     assert other.data.identical(run.data) and other.outcome is run.outcome
-
-
-def test_threads_that_read_at_once_see_the_same_numbers(made):
-    _, run = made
-    with ThreadPoolExecutor(4) as pool:
-        found = list(pool.map(lambda _: run.data, range(8)))
-    assert all(one.identical(run.data) for one in found)
-
-
-def test_a_result_has_no_other_names_than_its_own(made):
-    _, run = made
-    with pytest.raises(AttributeError, match="'Trajectory' object has no attribute 'dats'"):
-        run.dats  # noqa: B018 - asked for
-    with pytest.raises(AttributeError):
-        Trajectory.__new__(Trajectory).data  # noqa: B018 - without any
 
 
 def test_what_makes_data_may_fail_and_be_asked_again(made):

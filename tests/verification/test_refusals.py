@@ -82,16 +82,13 @@ def test_wrong_files_are_refused_in_one_line(sled, text, said):
     assert "\n" not in str(caught.value)
 
 
-def test_an_object_that_is_not_there_is_refused_at_the_nominal_run(sled):
+def test_objects_and_times_that_are_not_there(sled):
     """Names of joints and signals are known once the mechanism is built."""
     plan = load_verification(
         sled("[requirements.far]\nquantity = 'final_position'\nof = 'slid'\nat_most = 1\n")
     )
     with pytest.raises(AntennaPinError, match="requirements.far: .*'slid' is unknown; did you mean slide"):
         verify(plan, sled("").parent / "out")
-
-
-def test_a_time_beyond_the_run_is_refused(sled):
     text = GOOD.replace("final_position", "signal_peak").replace("'slide'", "'slide_position[slide]'")
     text += "at_most = 1\nafter = '9 s'\n"
     with pytest.raises(AntennaPinError, match="after must be a time with samples .* ends at 1 s, got 9 s"):
