@@ -145,7 +145,8 @@ class NotebookFigure(Figure):
         """Save the figure; panels are placed without drawing their content."""
         self._saving = True
         try:
-            super().savefig(*args, **kwargs)
+            with _fixed_titles(self.axes):
+                super().savefig(*args, **kwargs)
         finally:
             self._saving = False
 
@@ -162,6 +163,35 @@ class NotebookFigure(Figure):
         with matplotlib.rc_context(RC), _any_script():
             self.savefig(buffer, format="png", dpi=RC["figure.dpi"])
         return buffer.getvalue()
+
+
+@contextlib.contextmanager
+def _fixed_titles(panels: Iterable[Axes]) -> Iterator[None]:
+    """Keep titles on their panels' upper edges, except above ticks or above the factor of an axis.
+
+    Matplotlib would measure all ticks again for each title.
+    """
+    fixed = [axes for axes in panels if axes.name == "rectilinear" and not _has_text_above(axes)]
+    before = [getattr(axes, "_autotitlepos", None) for axes in fixed]
+    try:
+        for axes in fixed:
+            setattr(axes, "_autotitlepos", False)  # noqa: B010 - what ``set_title(y=...)`` sets
+        yield
+    finally:
+        for axes, position in zip(fixed, before, strict=True):
+            setattr(axes, "_autotitlepos", position)  # noqa: B010
+
+
+def _has_text_above(axes: Axes) -> bool:
+    """Return whether labels of ticks, or a common factor of them, stand above a panel."""
+    twins = [one for one in axes.figure.axes if one.get_subplotspec() == axes.get_subplotspec()]
+    for one in {axes, *twins, *axes.child_axes}:
+        labels = one.yaxis.get_major_formatter()
+        labels.format_ticks(one.yaxis.get_majorticklocs())
+        above = one.xaxis.get_tick_params().get("labeltop") or one.xaxis.get_label_position() == "top"
+        if above or labels.get_offset():
+            return True
+    return False
 
 
 def new_figure(width: str, height: float) -> NotebookFigure:

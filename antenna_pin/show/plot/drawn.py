@@ -92,7 +92,7 @@ def _of_collection(panel: str, names: tuple[str, str], many: Collection) -> Iter
         kinds = (x, y, "colour")[: 2 + len(more)]
         yield Drawn(panel, _label(many), kinds, (points[:, 0], points[:, 1], *more))
     elif isinstance(many, LineCollection):
-        pieces = [piece for piece in many.get_segments() if len(piece) == 2]
+        pieces = [path.vertices for path in many.get_paths() if len(path.vertices) == 2]
         if not pieces:
             return
         ends = np.asarray(pieces, dtype=float)
