@@ -30,6 +30,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.mathtext import MathTextParser
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
 from antenna_pin.base.readable import printed_unit
@@ -152,6 +153,7 @@ class NotebookFigure(Figure):
 
     def draw(self, renderer: Any) -> None:
         """Draw the figure, or place its panels only."""
+        _share_formulas(renderer)
         engine = self.get_layout_engine()
         if self._saving and isinstance(engine, ConstrainedLayoutEngine):
             engine.execute(self)  # the drawing that counts has a stand-in for it
@@ -163,6 +165,16 @@ class NotebookFigure(Figure):
         with matplotlib.rc_context(RC), _any_script():
             self.savefig(buffer, format="png", dpi=RC["figure.dpi"])
         return buffer.getvalue()
+
+
+_FORMULAS = MathTextParser("path")
+
+
+def _share_formulas(renderer: Any) -> None:
+    """Have a renderer of vectors use formulas that others have parsed: each would parse all anew."""
+    outlines = getattr(renderer, "_text2path", None)
+    if hasattr(outlines, "mathtext_parser"):
+        outlines.mathtext_parser = _FORMULAS
 
 
 @contextlib.contextmanager
