@@ -43,7 +43,8 @@ def frame_aligning_z(axis: npt.ArrayLike) -> Matrix3:
         (3, 3) rotation [-]. Its columns are the axes of the aligned frame in the axes that ``axis`` is given
         in.
     """
-    return frames_aligning_z(direction(axis, "frame_aligning_z", "axis")[None])[0]
+    (rotation,) = frames_aligning_z(direction(axis, "frame_aligning_z", "axis")[None])
+    return np.asarray(rotation)
 
 
 def frames_aligning_z(axes: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:

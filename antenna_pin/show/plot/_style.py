@@ -172,7 +172,7 @@ _FORMULAS = MathTextParser("path")
 
 def _share_formulas(renderer: Any) -> None:
     """Have a renderer of vectors use formulas that others have parsed: each would parse all anew."""
-    outlines = getattr(renderer, "_text2path", None)
+    outlines: Any = getattr(renderer, "_text2path", None)
     if hasattr(outlines, "mathtext_parser"):
         outlines.mathtext_parser = _FORMULAS
 
@@ -199,7 +199,7 @@ def _has_text_above(axes: Axes) -> bool:
     twins = [one for one in axes.figure.axes if one.get_subplotspec() == axes.get_subplotspec()]
     for one in {axes, *twins, *axes.child_axes}:
         labels = one.yaxis.get_major_formatter()
-        labels.format_ticks(one.yaxis.get_majorticklocs())
+        labels.format_ticks(list(one.yaxis.get_majorticklocs()))
         above = one.xaxis.get_tick_params().get("labeltop") or one.xaxis.get_label_position() == "top"
         if above or labels.get_offset():
             return True
