@@ -309,7 +309,7 @@ def _recorded(data: xr.Dataset) -> list[str]:
     """Return the variables over time that hold numbers, all of whose dimensions have labels."""
     return [
         str(name)
-        for name, array in data.data_vars.items()
+        for name, array in ((name, data.variables[name]) for name in data.data_vars)  # no DataArray of each
         if array.dims[:1] == ("time",)
         and array.dtype.kind in "fiub"
         and all(dim in data.coords for dim in array.dims)
@@ -401,7 +401,7 @@ def _written(dims: Sequence[str], variable: str, labels: Sequence[str], size: bo
 
 def _units(data: xr.Dataset, variable: str, labels: Sequence[str]) -> str:
     """Return the unit of a number, which may depend on whether its joint slides."""
-    units = str(data[variable].attrs.get("units", "1"))
+    units = str(data.variables[variable].attrs.get("units", "1"))
     label = labels[0] if labels else ""
     if variable in _ORDER:
         return _unit_of_coordinate(data, label, _ORDER[variable]) or units

@@ -9,6 +9,7 @@ from antenna_pin.mechanism.additions import rotor_joint as rotor_joint
 from antenna_pin.mechanism.additions import with_rotor as with_rotor
 from antenna_pin.mechanism.additions import with_shaken_base as with_shaken_base
 from antenna_pin.mechanism.frames import frame_aligning_z as frame_aligning_z
+from antenna_pin.mechanism.frames import frames_aligning_z as frames_aligning_z
 from antenna_pin.mechanism.frames import quaternion as quaternion
 from antenna_pin.mechanism.frames import quaternions as quaternions
 from antenna_pin.mechanism.frames import roll_pitch_yaw as roll_pitch_yaw

@@ -43,13 +43,20 @@ def frame_aligning_z(axis: npt.ArrayLike) -> Matrix3:
         (3, 3) rotation [-]. Its columns are the axes of the aligned frame in the axes that ``axis`` is given
         in.
     """
-    a, b, c = (float(u) for u in direction(axis, "frame_aligning_z", "axis"))
+    (rotation,) = frames_aligning_z(direction(axis, "frame_aligning_z", "axis")[None])
+    return np.asarray(rotation)
+
+
+def frames_aligning_z(axes: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return the shortest rotations that take ``z`` to unit axes (n, 3), (n, 3, 3)."""
+    a, b, c = axes.T
     radial = a * a + b * b
-    if c < 0.0 and radial < 1e-280:  # so near -z that its reciprocal would overflow
-        return np.diag([1.0, -1.0, -1.0])
-    h = 1.0 / (1.0 + c) if c >= 0.0 else (1.0 - c) / radial
-    rotation = np.array([[1.0 - h * a * a, -h * a * b, a], [-h * a * b, 1.0 - h * b * b, b], [-a, -b, c]])
-    return rotation + 0.0  # no negative zeros
+    opposite = (c < 0.0) & (radial < 1e-280)  # so near -z that its reciprocal would overflow
+    h = np.where(c >= 0.0, 1.0 / np.maximum(1.0 + c, 1.0), (1.0 - c) / np.where(radial < 1e-280, 1.0, radial))
+    rows = [[1.0 - h * a * a, -h * a * b, a], [-h * a * b, 1.0 - h * b * b, b], [-a, -b, c]]
+    rotations = np.moveaxis(np.array(rows), 2, 0) + 0.0  # no negative zeros
+    rotations[opposite] = np.diag([1.0, -1.0, -1.0])
+    return rotations
 
 
 @takes()

@@ -12,7 +12,6 @@ import subprocess
 import sys
 import threading
 import time
-import urllib.error
 import urllib.parse
 import urllib.request
 from pathlib import Path
@@ -83,11 +82,17 @@ class Shown:
         return self.wait()
 
 
+@pytest.fixture(scope="module")
+def served():
+    """One server; each tab has a document of its own."""
+    with explore(load_scenario("bai2020", case="case3"), duration=0.05) as exploration:
+        yield exploration
+
+
 @pytest.fixture
-def shown(local_page, tmp_path):
-    with explore(load_scenario("bai2020", case="case3"), duration=0.05, out=tmp_path) as exploration:
-        yield Shown(local_page, exploration)
-        local_page.open("about:blank")
+def shown(local_page, served):
+    yield Shown(local_page, served)
+    local_page.open("about:blank")
 
 
 def check_same(shown, run):
@@ -281,17 +286,20 @@ def test_a_refused_value_is_told_and_the_curves_stay(shown):
     assert "refused" not in shown.type("clearance.elevation.normal.restitution", "0.5")
 
 
-def test_save_writes_a_file_that_makes_the_curves_and_reset_undoes(shown, tmp_path):
-    shown.open()
-    before = shown.curve("radial")
-    shown.type(PLAY, "0.15 mm")
-    for k in range(2):
-        name = f"bai2020-case3-explored{'-1' * k}.toml"
-        assert f"antenna-pin run {tmp_path / name}" in shown.click("save")
-        check_same(shown, simulate(load_scenario(tmp_path / name)))
-    shown.click("reset")
-    assert shown.value(PLAY) == "0.2 mm"
-    assert np.array_equal(shown.curve("radial"), before)
+def test_save_writes_a_file_that_makes_the_curves_and_reset_undoes(local_page, tmp_path):
+    with explore(load_scenario("bai2020", case="case3"), duration=0.05, out=tmp_path) as exploration:
+        shown = Shown(local_page, exploration)
+        shown.open()
+        before = shown.curve("radial")
+        shown.type(PLAY, "0.15 mm")
+        for k in range(2):
+            name = f"bai2020-case3-explored{'-1' * k}.toml"
+            assert f"antenna-pin run {tmp_path / name}" in shown.click("save")
+            check_same(shown, simulate(load_scenario(tmp_path / name)))
+        shown.click("reset")
+        assert shown.value(PLAY) == "0.2 mm"
+        assert np.array_equal(shown.curve("radial"), before)
+        local_page.open("about:blank")
 
 
 @pytest.mark.slow
@@ -320,52 +328,34 @@ def test_the_page_follows_the_systems_wish_and_fits_a_phone(shown, scheme, dark)
     assert picture.std() > 5.0
 
 
-def test_nobody_gets_in_without_the_key(shown):
-    with pytest.raises(urllib.error.HTTPError) as refused:
-        urllib.request.urlopen(shown.url.partition("?")[0])
-    refused.value.close()
-    assert refused.value.code == 403
-    assert shown.url.startswith("http://127.0.0.1:")
-
-
-def test_only_its_own_host_is_answered():
+def test_only_who_has_the_key_and_names_its_own_host_is_answered(served):
     """A name that another site has led to this machine, or another port, gets nothing."""
-    with explore(load_scenario("bai2020", case="case3")) as exploration:
-        where = urllib.parse.urlsplit(exploration.url)
+    where = urllib.parse.urlsplit(served.url)
+    assert where.hostname == "127.0.0.1"
 
-        def status(host, path):
-            with contextlib.closing(http.client.HTTPConnection(where.hostname, where.port)) as line:
-                line.request("GET", path, headers={"Host": host})
-                return line.getresponse().status
+    def status(host, path):
+        with contextlib.closing(http.client.HTTPConnection(where.hostname, where.port)) as line:
+            line.request("GET", path, headers={"Host": host})
+            return line.getresponse().status
 
-        own = "/static/js/bokeh.min.js"
-        for host in (where.netloc, f"localhost:{where.port}", f"LOCALHOST:{where.port}"):
-            assert status(host, own) == 200
-        for host in (
-            "evil.example",
-            f"evil.example:{where.port}",
-            "localhost:1",
-            "127.0.0.1",
-            "",
-            f"@{where.netloc}",
-        ):
-            assert {status(host, path) for path in (own, f"/?{where.query}", "/ws")} <= {400, 403}, host
+    own, port = "/static/js/bokeh.min.js", where.port
+    for host in (where.netloc, f"localhost:{port}", f"LOCALHOST:{port}"):
+        assert status(host, own) == 200 and status(host, where.path) == 403
+    for host in ("evil.example", f"evil.example:{port}", "localhost:1", "127.0.0.1", "", f"@{where.netloc}"):
+        assert {status(host, path) for path in (own, f"/?{where.query}", "/ws")} <= {400, 403}, host
 
 
-def test_no_command_line_has_the_key(tmp_path):
+def test_the_command_serves_until_ctrl_c_and_has_the_key_on_no_command_line(tmp_path, but_for_work):
     """What is passed to the browser is a file of the user's own, which leads to the page and goes with it."""
-    browser, seen = tmp_path / "browser", tmp_path / "seen"
+    here, browser, seen = tmp_path / "here", tmp_path / "browser", tmp_path / "seen"
+    here.mkdir()
     browser.write_text(f'#!/bin/sh\necho "$@" > {seen}\n')
     browser.chmod(0o700)
     command = [sys.executable, "-m", "antenna_pin.apps.cli", "explore", "bai2020"]
+    settings = os.environ | {"BROWSER": str(browser)}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
     with (
-        subprocess.Popen(
-            command,
-            env=os.environ | {"BROWSER": str(browser)},
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        ) as served,
+        subprocess.Popen(command, cwd=here, env=settings, **pipes) as served,
         contextlib.ExitStack() as ending,
     ):
         ending.callback(served.kill)
@@ -379,32 +369,18 @@ def test_no_command_line_has_the_key(tmp_path):
         assert stat.S_IMODE(page.parent.stat().st_mode) == 0o700
         url = re.search(r"serving (\S+)", said)[1]
         assert html.escape(url) in page.read_text()
-        served.send_signal(signal.SIGINT)
-        served.communicate(timeout=120)
-    assert served.returncode == 0 and not page.parent.exists()
-
-
-def test_a_taken_port_is_refused_in_one_line():
-    scenario = load_scenario("bai2020", case="case3")
-    with explore(scenario) as first:
-        port = int(re.search(r":(\d+)/", first.url)[1])
-        with pytest.raises(OutputError, match=f"explore: port {port} must be free"):
-            explore(scenario, port=port)
-
-
-def test_the_command_serves_until_ctrl_c(tmp_path, but_for_work):
-    command = [sys.executable, "-m", "antenna_pin.apps.cli", "explore", "bai2020", "--no-browser"]
-    with subprocess.Popen(
-        command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as served:
-        said = "".join(itertools.islice(served.stdout, 2))
-        address = re.search(r"serving (\S+)", said)[1]
-        with urllib.request.urlopen(address) as answer:
+        with urllib.request.urlopen(url) as answer:
             assert "Dual-axis satellite antenna" in answer.read().decode()
         served.send_signal(signal.SIGINT)
         out, err = served.communicate(timeout=120)
-    assert (served.returncode, out) == (0, "ended\n")
+    assert (served.returncode, out) == (0, "ended\n") and not page.parent.exists()
     loading, building, *run = but_for_work(err).splitlines()
     assert (loading, building) == ("antenna-pin: note: loading", "antenna-pin: note: building the mechanism")
     assert all("note: first run: " in line for line in run)  # where the page's came so far
-    assert list(Path(tmp_path).iterdir()) == []
+    assert list(here.iterdir()) == []
+
+
+def test_a_taken_port_is_refused_in_one_line(served):
+    port = int(re.search(r":(\d+)/", served.url)[1])
+    with pytest.raises(OutputError, match=f"explore: port {port} must be free"):
+        explore(load_scenario("bai2020", case="case3"), port=port)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from antenna_pin.errors import InvalidParameterError
+from antenna_pin.show.plot import _style
 from antenna_pin.show.plot._compared import panels_sheet
 from antenna_pin.show.plot._style import LINEAR_BETWEEN, footnote
 from antenna_pin.show.plot._thinned import between_spikes
@@ -125,3 +126,13 @@ def test_a_function_of_a_figure_says_what_its_arguments_are_and_checks_them():
     assert len(figure_line(2.0).axes) == 1
     with pytest.raises(InvalidParameterError, match="size"):
         figure_line("long")
+
+
+def test_a_title_is_above_the_factor_of_an_axis():
+    """Saved as drawn: titles are fixed on their panels only where nothing stands above these."""
+    figure = _style.new_figure("column", 40.0)
+    plain, large = figure.subplots(1, 2)
+    for axes, size in ((plain, 1.0), (large, 1e9)):
+        axes.plot([0.0, 1.0], [0.0, size])
+        axes.set_title("title", loc="left")
+    assert (_style._has_text_above(plain), _style._has_text_above(large)) == (False, True)

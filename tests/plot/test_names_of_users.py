@@ -207,7 +207,7 @@ def test_names_in_pages_and_tables_are_as_they_are(pendulum, cli, tmp_path):
         ("report", "run.nc", "contact.nc", "--out", "report.html", "--no-recordings"),
         ("record", "contact.nc", "--out", "page.html"),
         ("record", "contact.nc", "--view", "joint", "--out", "joint.html"),
-        ("plot", "contact.nc", "--out", "figures"),
+        ("plot", "contact.nc", "--figure", "journal_orbit", "--out", "figures"),
         ("impacts", "contact.nc", "--csv", "impacts.csv"),
         ("info", "contact.nc"),
     ):

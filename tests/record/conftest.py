@@ -1,12 +1,17 @@
 """Short runs that recordings are made of."""
 
 import base64
+import functools
 
 import numpy as np
 import pytest
 import umsgpack
 
 from antenna_pin import load_scenario, simulate
+from antenna_pin.show import record as made
+
+#: As in the package; equal recordings are made once.
+record = functools.cache(made.record)
 
 
 @pytest.fixture(scope="session")

@@ -13,11 +13,12 @@ from scipy.spatial.transform import Rotation
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import body_poses, quantity
-from antenna_pin.show.record import record, shared_head
+from antenna_pin.show.record import shared_head
+
+from .conftest import record
 
 SIZE = (900, 640)
 FIELD_OF_VIEW = np.radians(32.0)
-BORESIGHT = np.array([0.0, 0.0, 1.0])  # z of the reflector: nothing hides its tip
 MARK = np.array([0x00, 0x72, 0xB2])  # the tip's colour; it is drawn without light
 CAMERA, TARGET = np.array([4.5, 1.5, 2.9]), np.array([0.0, 0.4, 1.8])
 
@@ -78,7 +79,9 @@ def test_a_mark_is_where_the_trajectory_has_it(opened, clearance_run, gravity, u
     """
     mechanism = json.loads(clearance_run.data.attrs["mechanism"]) | {"gravity": gravity}
     data = clearance_run.data.assign_attrs(mechanism=json.dumps(mechanism))
-    recording = record(dataclasses.replace(clearance_run, data=data), body="reflector", boresight=BORESIGHT)
+    recording = record(
+        dataclasses.replace(clearance_run, data=data), body="reflector", boresight=(0.0, 0.0, 1.0)
+    )  # nothing hides its tip
     page = opened(recording)
     page.run("recording.setCamera(a[0], a[1]);", CAMERA.tolist(), TARGET.tolist())
     reflector = f"run/{list_of_bodies(clearance_run).index('reflector')}"
@@ -300,7 +303,7 @@ def place_of_curve(page):
 @pytest.mark.parametrize("name", ["|contact_force[elevation.radial-]|", "motion_angle[elevation]"])
 def test_the_value_below_the_pointer_is_the_results(opened, clearance_run, name):
     """To the last digit, with its unit, at a sample that is nearest in time of those that are drawn."""
-    page = opened(record(clearance_run, curves=[name]))
+    page = opened(record(clearance_run, curves=(name,)))
     exact = quantity(clearance_run, name)
     left, middle, width = place_of_curve(page)
     unit = "N" if name.startswith("|") else "rad"

@@ -14,14 +14,14 @@ from scipy.spatial.transform import Rotation
 from antenna_pin.analysis import body_poses, quantity
 from antenna_pin.errors import InvalidParameterError, OutputError, UnknownNameError
 from antenna_pin.mechanism import Urdf
-from antenna_pin.show.record import record, shared_head
+from antenna_pin.show.record import shared_head
 from antenna_pin.show.record._joint_pictures import BEARING, DIRECTION, JOURNAL, LOAD_COLOURS, drawn_axes
 from antenna_pin.show.record.curves import thinned
 from antenna_pin.show.record.scene import clearest
 from antenna_pin.show.record.shapes import visual_shapes
 from antenna_pin.trajectory import Outcome, Trajectory
 
-from .conftest import doubles, drawn_meshes, floats
+from .conftest import doubles, drawn_meshes, floats, record
 
 
 class Loads(HTMLParser):
@@ -221,17 +221,12 @@ def test_curves_hold_samples_of_the_run_and_say_what_they_leave_out(clearance_ru
     first = data["series"][data["first"]]["name"]
     forces = {name: peak for name, peak in peaks.items() if name.startswith("|contact_force")}
     assert forces[first] == max(forces.values())
-    asked = record(clearance_run, curves=["|journal_velocity[elevation]|", "gap[elevation.axial+]"]).data[
-        "curves"
-    ]
-    assert asked["first"] == 0
-    assert [one["name"] for one in asked["series"][:2]] == [
-        "|journal_velocity[elevation]|",
-        "gap[elevation.axial+]",
-    ]
+    wanted = ("|journal_velocity[elevation]|", "gap[elevation.axial+]")
+    asked = record(clearance_run, curves=wanted).data["curves"]
+    assert asked["first"] == 0 and tuple(one["name"] for one in asked["series"][:2]) == wanted
     assert record(clearance_run, curves=()).data["curves"]["series"] == []
     with pytest.raises(UnknownNameError, match="name 'sped'"):
-        record(clearance_run, curves=["sped"])
+        record(clearance_run, curves=("sped",))
 
 
 @pytest.mark.parametrize("samples", [100_001, 300_001])

@@ -30,6 +30,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.mathtext import MathTextParser
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
 from antenna_pin.base.readable import printed_unit
@@ -145,12 +146,14 @@ class NotebookFigure(Figure):
         """Save the figure; panels are placed without drawing their content."""
         self._saving = True
         try:
-            super().savefig(*args, **kwargs)
+            with _fixed_titles(self.axes):
+                super().savefig(*args, **kwargs)
         finally:
             self._saving = False
 
     def draw(self, renderer: Any) -> None:
         """Draw the figure, or place its panels only."""
+        _share_formulas(renderer)
         engine = self.get_layout_engine()
         if self._saving and isinstance(engine, ConstrainedLayoutEngine):
             engine.execute(self)  # the drawing that counts has a stand-in for it
@@ -162,6 +165,45 @@ class NotebookFigure(Figure):
         with matplotlib.rc_context(RC), _any_script():
             self.savefig(buffer, format="png", dpi=RC["figure.dpi"])
         return buffer.getvalue()
+
+
+_FORMULAS = MathTextParser("path")
+
+
+def _share_formulas(renderer: Any) -> None:
+    """Have a renderer of vectors use formulas that others have parsed: each would parse all anew."""
+    outlines: Any = getattr(renderer, "_text2path", None)
+    if hasattr(outlines, "mathtext_parser"):
+        outlines.mathtext_parser = _FORMULAS
+
+
+@contextlib.contextmanager
+def _fixed_titles(panels: Iterable[Axes]) -> Iterator[None]:
+    """Keep titles on their panels' upper edges, except above ticks or above the factor of an axis.
+
+    Matplotlib would measure all ticks again for each title.
+    """
+    fixed = [axes for axes in panels if axes.name == "rectilinear" and not _has_text_above(axes)]
+    before = [getattr(axes, "_autotitlepos", None) for axes in fixed]
+    try:
+        for axes in fixed:
+            setattr(axes, "_autotitlepos", False)  # noqa: B010 - what ``set_title(y=...)`` sets
+        yield
+    finally:
+        for axes, position in zip(fixed, before, strict=True):
+            setattr(axes, "_autotitlepos", position)  # noqa: B010
+
+
+def _has_text_above(axes: Axes) -> bool:
+    """Return whether labels of ticks, or a common factor of them, stand above a panel."""
+    twins = [one for one in axes.figure.axes if one.get_subplotspec() == axes.get_subplotspec()]
+    for one in {axes, *twins, *axes.child_axes}:
+        labels = one.yaxis.get_major_formatter()
+        labels.format_ticks(list(one.yaxis.get_majorticklocs()))
+        above = one.xaxis.get_tick_params().get("labeltop") or one.xaxis.get_label_position() == "top"
+        if above or labels.get_offset():
+            return True
+    return False
 
 
 def new_figure(width: str, height: float) -> NotebookFigure:

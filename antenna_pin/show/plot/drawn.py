@@ -92,7 +92,8 @@ def _of_collection(panel: str, names: tuple[str, str], many: Collection) -> Iter
         kinds = (x, y, "colour")[: 2 + len(more)]
         yield Drawn(panel, _label(many), kinds, (points[:, 0], points[:, 1], *more))
     elif isinstance(many, LineCollection):
-        pieces = [piece for piece in many.get_segments() if len(piece) == 2]
+        lines = (np.asarray(path.vertices, dtype=float) for path in many.get_paths())
+        pieces = [line for line in lines if len(line) == 2]
         if not pieces:
             return
         ends = np.asarray(pieces, dtype=float)

@@ -136,8 +136,8 @@ def _farthest_first(times: Array, values: Array, most: int) -> NDArray[np.intp]:
         span = times[end] - times[begin]
         inside = slice(begin + 1, end)
         share = (times[inside] - times[begin]) / span if span > 0.0 else np.zeros(end - begin - 1)
-        off = np.abs(values[begin] + share * (values[end] - values[begin]) - values[inside])
-        k = int(np.argmax(off))
+        off = abs(values[begin] + share * (values[end] - values[begin]) - values[inside])
+        k = int(off.argmax())
         if off[k] > least:
             heapq.heappush(waiting, (-float(off[k]), begin, begin + 1 + k, end))
 

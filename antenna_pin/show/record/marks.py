@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from antenna_pin.mechanism import Mechanism, frame_aligning_z
+from antenna_pin.mechanism import Mechanism, frame_aligning_z, frames_aligning_z
 from antenna_pin.show.record.bending import drawn_poses
 from antenna_pin.show.record.scene import Scene, packed_doubles, track
 from antenna_pin.show.record.shapes import Box, Cylinder, Geometry, Sphere, ring
@@ -361,7 +361,7 @@ def _strand(
     """Draw a strand twice, taut and slack; yield paths and tracks."""
     way = ends - begins
     length = np.maximum(np.linalg.norm(way, axis=1), 1e-12)
-    turned = np.stack([frame_aligning_z(one) for one in way / length[:, None]])
+    turned = frames_aligning_z(way / length[:, None])
     turned[:, :, 2] *= length[:, None]
     for colour, seen in ((MESHING, taut), (SLACK, ~taut)):
         own = f"{path} {colour[1:]}"

@@ -83,13 +83,19 @@ def thinned(columns: Sequence[_Array], most: int) -> Iterable[_Array]:
     count = columns[0].size
     if count <= most:
         return columns
-    stretches = np.array_split(np.arange(count), max(most // 3, 1))
     values = np.asarray(columns[1], dtype=float)
     low, high = np.nan_to_num(values, nan=np.inf), np.nan_to_num(values, nan=-np.inf)
-    kept = {0, count - 1}
-    for part in stretches:
-        kept |= {int(part[0]), int(part[low[part].argmin()]), int(part[high[part].argmax()])}
-    chosen = np.array(sorted(kept))
+    # The first parts are a sample longer where the parts do not divide the samples.
+    parts = max(most // 3, 1)
+    length, longer = divmod(count, parts)
+    split = longer * (length + 1)
+    kept = [np.array([0, count - 1])]
+    for begin, end, width in ((0, split, length + 1), (split, count, length)):
+        first = np.arange(begin, end, width)
+        kept.append(first)
+        kept += [first + low[begin:end].reshape(-1, width).argmin(axis=1)]
+        kept += [first + high[begin:end].reshape(-1, width).argmax(axis=1)]
+    chosen = np.unique(np.concatenate(kept))
     return [np.asarray(column)[chosen] for column in columns]
 
 
