@@ -33,7 +33,6 @@ from antenna_pin.elements import (
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import layout_kernels as _layout
-from antenna_pin.joints.geometry import RevoluteClearance
 from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
 
 # --- joints held by constraint ------------------------------------------------------------------------------
@@ -411,10 +410,10 @@ def _position(place: str, preload: AxialPreload, joint: ClearanceJoint) -> float
     """Return where along the bearing's axis a preload's force is given [m]."""
     if preload.given_at == "centred":
         return 0.0
-    if not isinstance(joint.geometry, RevoluteClearance) or joint.axial is None:
+    way = joint.axial_clearance
+    if way is None or joint.axial is None:
         rule = f"centred, for joint {joint.name!r} has no flanges; or give position"
         raise InvalidParameterError(place, "given_at", rule, preload.given_at)
-    way = joint.geometry.axial_clearance
     if preload.given_at == "rest":
         way += _depth(place, preload, joint)
     return math.copysign(way, preload.force)

@@ -147,7 +147,7 @@ def _keys(cls: type[Any], names: Collection[str], nested: Mapping[str, Any]) -> 
             continue
         hint = nested.get(item.name, hints[item.name])
         if item.name in parameters:
-            hint = _annotated(parameters[item.name], hint)
+            hint = annotated(parameters[item.name], hint)
         given: Any = {"repr": item.repr}
         if item.name in nested and item.default_factory is not MISSING:
             given["default_factory"] = dict if item.default_factory is dict else hint
@@ -159,7 +159,7 @@ def _keys(cls: type[Any], names: Collection[str], nested: Mapping[str, Any]) -> 
     return keys
 
 
-def _annotated(parameter: Any, hint: Any) -> Any:
+def annotated(parameter: Any, hint: Any) -> Any:
     """Return the annotation of a key that holds a parameter."""
     optional = type(None) in get_args(hint)
     kind: Any

@@ -39,11 +39,11 @@ def test_a_square_guide_may_end():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"key_width": "4 mm"}, "keyway_width must be positive and finite"),
+        ({"key_width": "4 mm"}, "keyway_width must be positive, as a key has all three, got 0 m"),
         (KEY | {"key_width": "5 mm"}, "key_width must be below keyway_width = 0.0041 m"),
-        ({"guide_length": "-1 mm"}, "guide_length must be positive"),
-        ({"load": "distributed"}, "load must be point for a slider"),
-        ({"radial_clearance": "30 mm"}, "radial_clearance must be smaller than bearing_radius"),
+        ({"guide_length": "-1 mm"}, "guide_length must be zero or more"),
+        ({"load": "distributed"}, "load must be point where the joint is not one of journal"),
+        ({"radial_clearance": "30 mm"}, "radial_clearance must make journal_radius positive"),
     ],
 )
 def test_refuses_in_one_line(changes, message):
