@@ -5,7 +5,7 @@ A table has the keys of all shapes: those of others than its own wait for anothe
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Annotated, Any, NamedTuple
 
@@ -80,17 +80,14 @@ def _keys_of(shape: type[Any]) -> Iterator[_Key]:
         doc = parameter.doc.removesuffix(".")
         for play in shape.plays:
             if play.decides == name and play.key:
-                required, doc = False, f"{doc}, if not given by ``{play.key}``"
+                required, doc = False, f"{doc}; or give ``{play.key}``"
                 if play.key not in seen:
                     seen.add(play.key)
                     yield _Key(play.key, Annotated[float, QuantityRule("m", play.rule)], play.doc, False)
         if one.times is not None:
             factor, other = one.times
-            times = "" if factor == 1.0 else f"{factor:g} times "
-            required, doc = (
-                False,
-                f"{doc}; {times}``{dimensions[other].key}`` is assumed where it is not given",
-            )
+            times = "" if factor == 1.0 else f"{factor:g} "
+            required, doc = False, f"{doc}; {times}``{dimensions[other].key}`` is assumed"
         yield _Key(one.key, annotated(parameter, float), f"{doc}.", required)
 
 
@@ -101,10 +98,15 @@ def dimension_keys() -> type[Spec]:
     for shape in SHAPES.values():
         for key in _keys_of(shape):
             found.setdefault(key.name, key)
-    lines = "".join(f"        {key.name}: {key.doc}\n" for key in found.values())
-    doc = f"Dimensions of joints with play.\n\n    Attributes:\n{lines}    "
+    doc = _doc("Dimensions of joints with play.", found.values())
     fields: dict[str, Any] = {key.name: (key.kind | None, None) for key in found.values()}
     return create_model("DimensionKeys", __base__=Fit, __doc__=doc, __module__=__name__, **fields)
+
+
+def _doc(text: str, keys: Iterable[_Key]) -> str:
+    """Return the docstring of a table."""
+    lines = "".join(f"        {key.name}: {key.doc}\n" for key in keys)
+    return f"{text}\n\n    Attributes:\n{lines}    "
 
 
 def table_of(name: str, base: type[Any], model: Any, shape: type[Any] | None = None) -> Any:
@@ -114,13 +116,14 @@ def table_of(name: str, base: type[Any], model: Any, shape: type[Any] | None = N
         name: Name of the class, by which its base's module finds it.
         base: Its base; without a shape also its description.
         model: Type of the key ``model``.
-        shape: Class of its shape, whose docstring is its description.
+        shape: Class of its shape, whose summary is its description.
     """
-    keys = () if shape is None else _keys_of(shape)
+    keys = [] if shape is None else [*_keys_of(shape)]
     fields: dict[str, Any] = {"model": (model, ...)}
     fields |= {key.name: (key.kind, ...) for key in keys if key.required}
-    doc, bases = (base if shape is None else shape).__doc__, (base, dimension_keys())
-    table: Any = create_model(name, __base__=bases, __doc__=doc, __module__=base.__module__, **fields)
+    doc = base.__doc__ if shape is None else _doc((shape.__doc__ or "").partition("\n\n")[0], keys)
+    bases, module = (base, dimension_keys()), base.__module__
+    table: Any = create_model(name, __base__=bases, __doc__=doc, __module__=module, **fields)
     if shape is not None:
         table.shape_class = shape
     return table

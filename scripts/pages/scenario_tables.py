@@ -15,6 +15,7 @@ from scenario_reference import Row, first_line, keys_of, kinds_of, listed, said_
 
 from antenna_pin.contact import MATERIALS
 from antenna_pin.elements import FAMILIES, REFERENCES
+from antenna_pin.joints.geometry.dimension import dimensions_of
 from antenna_pin.scenario import (
     DRIVE_SPECS,
     FAMILY_SPECS,
@@ -174,10 +175,13 @@ def _clearance_rows() -> list[Row]:
 
 def _clearance_models() -> dict[str, str]:
     """Return what each model of a joint is."""
-    return {
-        "` or `".join(get_args(cls.model_fields["model"].annotation)): first_line(cls)
-        for cls in dict.fromkeys(CLEARANCES.values())
-    }
+    found = {}
+    for cls in dict.fromkeys(CLEARANCES.values()):
+        own = dimensions_of(cls.shape_class).items() if hasattr(cls, "shape_class") else ()
+        other = [f"`{one.key}` is the {name.replace('_', ' ')}" for name, one in own if one.key != name]
+        said = "; ".join((first_line(cls), *other))
+        found["` or `".join(get_args(cls.model_fields["model"].annotation))] = said
+    return found
 
 
 def _coupling_rows(cls: type[Any]) -> list[Row]:

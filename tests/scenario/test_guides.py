@@ -36,6 +36,15 @@ def test_a_square_guide_may_end():
     assert load_scenario("slider", case="driven").clearance["slide"].shape().guide_length == 0.0
 
 
+def test_widths_leave_half_of_what_they_differ_by_to_each_side():
+    slide = load_scenario("slider", case="driven").clearance["slide"]
+    assert (slide.radial_clearance, slide.guide_width, slide.slider_width) == (None, 0.0401, 0.04)
+    assert slide.radial_play == pytest.approx(5e-5, rel=1e-11)  # a difference of sizes of 0.04 m
+    given = load_scenario("slider", case="driven", overrides=["clearance.slide.radial_clearance=0.1 mm"])
+    shape = given.clearance["slide"].shape()  # which takes the place of both widths
+    assert (shape.slider_width, shape.slider_height) == (0.0401 - 2e-4, 0.0602 - 2e-4)
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
