@@ -174,6 +174,94 @@ def test_a_second_kind_in_springs_is_an_element_of_its_own(copy):
     assert np.abs(error).max() < 1e-7 * energy[0]  # rtol over some ten steps
 
 
+# --- a controller ---
+
+HOLDER = '''
+"""A controller that pushes back, by what it measures."""
+
+import dataclasses
+from dataclasses import dataclass
+
+from antenna_pin.base.parameters import check, parameter
+from antenna_pin.elements.control.controller import SampledController
+from antenna_pin.elements.control.measurement import Measure
+from antenna_pin.elements.control.pid import Course
+
+
+@dataclass(frozen=True, kw_only=True)
+class Holder(SampledController):
+    """u = k (r - phi).
+
+    Attributes:
+        acts_on: A drive.
+        measures: What it measures.
+        gain: k [-].
+        reference: r.
+    """
+
+    acts_on: str
+    measures: str = ""
+    gain: float = parameter(rule="positive")
+    reference: float | Course = 0.0
+
+    def __post_init__(self):
+        check(self)
+
+    @property
+    def measured(self):
+        return (Measure.read(self, "measures", self.measures),)
+
+    def placed(self, joints, axes):
+        return dataclasses.replace(self, measures=f"angle {joints[self.acts_on]}")
+
+    def update(self, now):
+        wanted = self.reference(now.time)[0] if callable(self.reference) else self.reference
+        return {self.acts_on: self.gain * (wanted - self.measured[0](now))}
+'''
+
+
+def test_a_controller_is_a_file_and_a_line(copy):
+    """Its table, with a reference in the unit of what it measures or to be followed, follows from its class."""
+    add(
+        copy,
+        "elements/control/holder.py",
+        HOLDER,
+        "elements/control/registry.py",
+        before='"pid":',
+        entry='"holder": "holder.Holder",',
+    )
+    swing(copy, 'stiffness = "10 N*m/rad"')
+    with (copy / "swing.toml").open("a", encoding="utf-8") as file:
+        file.write(
+            "[drives.motor]\nkind = 'constant'\njoint = 'hinge'\nvalue = 0.0\n[controllers.hold]\n"
+            "kind = 'holder'\nacts_on = 'motor'\nperiod = '50 ms'\ngain = 3\nreference = '90 deg'\n"
+        )
+    followed = """
+from antenna_pin import load_scenario
+slow = {"references.slow": {"kind": "sine", "amplitude": 1.0, "frequency": 1.0}, "controllers.hold.follows": "slow"}
+print(load_scenario("swing.toml", overrides=slow | {"controllers.hold.reference": 0.0}).controllers["hold"].follows)
+try:
+    load_scenario("swing.toml", overrides=slow)
+except ValueError as error:
+    print(error)
+"""
+    _, told, chosen = run_all(
+        copy,
+        ("run", "swing.toml", "--out", "swing.nc", "--quiet"),
+        "import json, antenna_pin.trajectory as t; d = t.Trajectory.load('swing.nc').data\n"
+        "print(json.dumps([d.time.values.tolist(), d.motion_angle.values[:, 0].tolist(),"
+        " d.drive_torque.values[:, 0].tolist()]))",
+        followed,
+    )
+    time, angle, torque = map(np.array, json.loads(told))
+    at = int(np.argmin(np.abs(time - 0.1)))
+    assert time[at] == pytest.approx(0.1, abs=1e-12)
+    # Held from a sampling time on.
+    assert torque[at + 1] == pytest.approx(3.0 * (np.pi / 2.0 - angle[at]), rel=1e-12)
+    slow, refused = chosen.splitlines()
+    assert slow == "slow" and "reference must be left out with follows, which gives the reference" in refused
+
+
 # --- a law ---
 
 STAIRS = '''

@@ -29,6 +29,7 @@ from pydantic_core import CoreSchema, PydanticKnownError, core_schema
 from antenna_pin.base.lazy import Classes
 from antenna_pin.base.parameters import parameters_of
 from antenna_pin.base.units import matching_unit, shown
+from antenna_pin.elements.control.registry import CONTROLLERS
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario.spec import QuantityRule, Spec, Vector, read_count, refuse
 
@@ -125,12 +126,19 @@ def _table(
 
 
 def made_of(
-    cls: type[Any], base: type[_Spec], kind: Any, module: str, without: tuple[str, ...], **nested: Any
+    cls: type[Any],
+    base: type[_Spec],
+    kind: Any,
+    module: str,
+    without: tuple[str, ...],
+    name: str = "",
+    /,
+    **nested: Any,
 ) -> type[_Spec]:
-    """Return the table of a kind, derived from a class, with its key ``kind``."""
+    """Return the table of a kind, derived from a class, with its key ``kind``; named after the class."""
     names = {item.name for item in dataclasses.fields(cls)} - {*without}
     keys = {"kind": kind, **_keys(cls, names, nested)}
-    return _table(name_of_table(cls.__name__), base, cls.__doc__, module, cls, keys)
+    return _table(name or name_of_table(cls.__name__), base, cls.__doc__, module, cls, keys)
 
 
 def name_of_table(name: str) -> str:
@@ -307,13 +315,12 @@ EVENT_SPECS = Classes(
 )
 """Tables of events by their kind."""
 
-CONTROLLER_SPECS = Classes(
-    _ROOM,
-    {
-        "pid": "controllers.PidSpec",
-        "state-feedback": "controllers.StateFeedbackSpec",
-        "attitude": "controllers.AttitudeSpec",
-        "bang-bang": "controllers.BangBangSpec",
-    },
-)
+
+def _controller_table(kind: str) -> type[Spec]:
+    from antenna_pin.scenario.controllers import table_of_kind  # which loads the controllers
+
+    return table_of_kind(kind)
+
+
+CONTROLLER_SPECS = Tables(CONTROLLERS, _controller_table)
 """Tables of controllers by their kind."""

@@ -27,7 +27,6 @@ from antenna_pin.scenario import (
     ChangeEvent,
     ClosureSpec,
     ContactClearance,
-    ControllerSpec,
     CouplingSpec,
     DifferentialSpec,
     DimensionSpec,
@@ -60,6 +59,7 @@ from antenna_pin.scenario import (
     ThermalBearing,
     TimeEvent,
 )
+from antenna_pin.scenario._class_tables import CONTROLLER_SPECS
 from antenna_pin.scenario.clearance import CLEARANCES
 from antenna_pin.scenario.parameters import ParameterSpec
 from antenna_pin.scenario.requirements import RequirementSpec
@@ -345,8 +345,7 @@ def _driven() -> list[Part]:
     references = {kind: keys_of(cls, without=("motion", "kind")) for kind, cls in REFERENCE_SPECS.items()}
     references["table"] = [_with_file(row) for row in references["table"]]
     controllers = {}
-    for spec in get_args(ControllerSpec):
-        (kind,) = get_args(spec.model_fields["kind"].annotation)
+    for kind, spec in CONTROLLER_SPECS.items():
         left = ("kind", "motion", "sensor", "rate_sensor", "sensors")
         controllers[kind] = keys_of(spec, without=left)
     return [

@@ -107,8 +107,7 @@ def controllers_of(scenario: Scenario) -> dict[str, Controller]:
     found = {}
     for name, table in scenario.controllers.items():
         follows = getattr(table, "follows", None)
-        key = "share" if table.kind == "attitude" else "reference"
-        more = {} if follows is None else {key: reference_for(scenario, follows, None).over_time()}
+        more = {} if follows is None else {table.course: reference_for(scenario, follows, None).over_time()}
         found[name] = table.build(**more)
     return found
 
