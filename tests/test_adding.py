@@ -221,7 +221,7 @@ class Holder(SampledController):
 
 
 def test_a_controller_is_a_file_and_a_line(copy):
-    """Its table, with a reference in the unit of what it measures or to be followed, follows from its class."""
+    """Its table follows from its class; its reference is in the unit of what it measures, or followed."""
     add(
         copy,
         "elements/control/holder.py",
@@ -238,8 +238,12 @@ def test_a_controller_is_a_file_and_a_line(copy):
         )
     followed = """
 from antenna_pin import load_scenario
-slow = {"references.slow": {"kind": "sine", "amplitude": 1.0, "frequency": 1.0}, "controllers.hold.follows": "slow"}
-print(load_scenario("swing.toml", overrides=slow | {"controllers.hold.reference": 0.0}).controllers["hold"].follows)
+slow = {
+    "references.slow": {"kind": "sine", "amplitude": 1.0, "frequency": 1.0},
+    "controllers.hold.follows": "slow",
+}
+free = load_scenario("swing.toml", overrides=slow | {"controllers.hold.reference": 0.0})
+print(free.controllers["hold"].follows)
 try:
     load_scenario("swing.toml", overrides=slow)
 except ValueError as error:

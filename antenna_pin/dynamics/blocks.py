@@ -166,7 +166,7 @@ class InPython(NamedTuple):
 
 def slides(mechanism: Mechanism, clearances: Sequence[ClearanceJoint], joint: str) -> bool:
     """Return whether a joint slides along its axis rather than turning about it."""
-    return mechanism.joint(joint).kind == "prismatic" or any(
+    return mechanism.joint(joint).slides or any(
         one.name == joint and one.geometry.motion == "slide" for one in clearances
     )
 
@@ -284,7 +284,7 @@ def check_motion(
 ) -> None:
     """Refuse a motion without a suitable axis, or beside another motion or drive."""
     slot = mechanism.joint(motion.joint)
-    if slot.kind not in ("revolute", "continuous", "prismatic") and motion.joint not in turning:
+    if not slot.has_one_axis and motion.joint not in turning:
         raise MechanismError(
             f"{place}: joint {motion.joint!r} is {slot.kind} here, and only a revolute or continuous joint, "
             "with play or without, or a prismatic one without can follow a motion; drive another joint"
@@ -302,7 +302,7 @@ def check_holds(place: str, mechanism: Mechanism, element: Element) -> None:
     """Refuse a holding element without a row of its own, or with indeterminate load."""
     joint = element.joint
     slot = mechanism.joint(joint)
-    if slot.kind not in ("revolute", "continuous", "prismatic"):
+    if not slot.has_one_axis:
         raise MechanismError(
             f"{place}: joint {joint!r} is {slot.kind} here, and only a revolute, continuous or prismatic "
             f"joint without play {_rule(element)}"

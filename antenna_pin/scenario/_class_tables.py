@@ -316,11 +316,10 @@ EVENT_SPECS = Classes(
 """Tables of events by their kind."""
 
 
-def _controller_table(kind: str) -> type[Spec]:
-    from antenna_pin.scenario.controllers import table_of_kind  # which loads the controllers
+def name_of_kind(kind: str) -> str:
+    """Return the name of the table of a kind of controller: ``PidSpec`` of ``pid``."""
+    return f"{kind.title().replace('-', '')}Spec"
 
-    return table_of_kind(kind)
 
-
-CONTROLLER_SPECS = Tables(CONTROLLERS, _controller_table)
+CONTROLLER_SPECS = Classes(_ROOM, {kind: f"controllers.{name_of_kind(kind)}" for kind in CONTROLLERS})
 """Tables of controllers by their kind."""

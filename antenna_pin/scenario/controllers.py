@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import fields
+from functools import cache
 from typing import Annotated, Any, ClassVar, Literal, Self, get_args, get_type_hints
 
 from pydantic import BeforeValidator, model_validator
@@ -11,7 +12,7 @@ from pydantic import BeforeValidator, model_validator
 from antenna_pin.base.units import matching_unit, shown
 from antenna_pin.elements.control import Course, Matrix, Sensor
 from antenna_pin.elements.control.registry import CONTROLLERS
-from antenna_pin.scenario._class_tables import CONTROLLER_SPECS, MadeSpec, Motion, made_of, reads
+from antenna_pin.scenario._class_tables import MadeSpec, Motion, made_of, name_of_kind, reads
 from antenna_pin.scenario.spec import read_quantity, refuse
 
 # Units of what is measured, by its kind; of a joint that turns, and that slides.
@@ -95,7 +96,8 @@ def _matrix(value: object) -> object:
 _ROWS: Any = Annotated[Matrix, BeforeValidator(_matrix)] | None
 
 
-def table_of_kind(kind: str) -> type[ControllerSpec]:
+@cache
+def _table_of(kind: str) -> type[ControllerSpec]:
     """Return the table of a kind of controller; its memory is no key."""
     cls, base, course = CONTROLLERS[kind], ControllerSpec, ""
     hints = get_type_hints(cls)
@@ -110,21 +112,17 @@ def table_of_kind(kind: str) -> type[ControllerSpec]:
             nested[item.name], course = float, item.name
             base = _FollowingMeasure if hints.get("measures") is str else _Following
     key: Any = (Literal[kind], ...)
-    table = made_of(cls, base, key, __name__, ("state",), _name_of(kind), **nested)
+    table = made_of(cls, base, key, __name__, ("state",), name_of_kind(kind), **nested)
     if course:
         table.course = course  # type: ignore[attr-defined]
     return table
 
 
-def _name_of(kind: str) -> str:
-    return f"{kind.title().replace('-', '')}Spec"
-
-
 def __getattr__(name: str) -> Any:
-    """Return a table's class by name, as a pickled scenario refers to it."""
-    for kind in CONTROLLER_SPECS:
-        if _name_of(kind) == name:
-            return CONTROLLER_SPECS[kind]
+    """Return a table's class by name: ``PidSpec`` of ``pid``."""
+    for kind in CONTROLLERS:
+        if name_of_kind(kind) == name:
+            return _table_of(kind)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -290,7 +290,7 @@ def _check_units(scenario: Scenario, mechanism: Mechanism, spec: CouplingSpec, *
     check_motion(scenario, follower, spec.motion, *place, "offset")
     if spec.leader not in mechanism.joints:
         return
-    units = ["m" if slot.kind == "prismatic" else "rad" for slot in (follower, mechanism.joint(spec.leader))]
+    units = ["m" if slot.slides else "rad" for slot in (follower, mechanism.joint(spec.leader))]
     ratio = "1" if units[0] == units[1] else "/".join(units)
     if spec.conversion not in (None, ratio):
         raise ScenarioError(
