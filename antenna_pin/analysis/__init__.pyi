@@ -52,7 +52,6 @@ from antenna_pin.analysis.impacts import blow_statistics as blow_statistics
 from antenna_pin.analysis.impacts import blows as blows
 from antenna_pin.analysis.impacts import impact_statistics as impact_statistics
 from antenna_pin.analysis.impacts import impacts as impacts
-from antenna_pin.analysis.interface import interface_loads as interface_loads
 from antenna_pin.analysis.journal import STEADY as STEADY
 from antenna_pin.analysis.journal import bearing_up as bearing_up
 from antenna_pin.analysis.journal import bore_load as bore_load
@@ -60,10 +59,8 @@ from antenna_pin.analysis.journal import clearance_shapes as clearance_shapes
 from antenna_pin.analysis.journal import journal_motion as journal_motion
 from antenna_pin.analysis.journal import steady_up as steady_up
 from antenna_pin.analysis.limits import said_of_limits as said_of_limits
-from antenna_pin.analysis.loads import load_statistics as load_statistics
+from antenna_pin.analysis.numbers import load_statistics as load_statistics
 from antenna_pin.analysis.numbers import numbers_of as numbers_of
-from antenna_pin.analysis.orbit import Orbit as Orbit
-from antenna_pin.analysis.orbit import orbit_angles as orbit_angles
 from antenna_pin.analysis.own import is_own as is_own
 from antenna_pin.analysis.own import own_number as own_number
 from antenna_pin.analysis.own import own_numbers as own_numbers
@@ -77,7 +74,9 @@ from antenna_pin.analysis.phase import portrait_of as portrait_of
 from antenna_pin.analysis.phase import portrait_table as portrait_table
 from antenna_pin.analysis.pointing import Antenna as Antenna
 from antenna_pin.analysis.pointing import Command as Command
+from antenna_pin.analysis.pointing import Orbit as Orbit
 from antenna_pin.analysis.pointing import boresight as boresight
+from antenna_pin.analysis.pointing import orbit_angles as orbit_angles
 from antenna_pin.analysis.pointing import pointing_error as pointing_error
 from antenna_pin.analysis.pointing import pointing_spec as pointing_spec
 from antenna_pin.analysis.pointing_indices import INTERPRETATIONS as INTERPRETATIONS
@@ -154,6 +153,7 @@ from antenna_pin.analysis.vibration import power_density as power_density
 from antenna_pin.analysis.vibration import transfer as transfer
 from antenna_pin.analysis.wheel_orders import LOAD_AXES as LOAD_AXES
 from antenna_pin.analysis.wheel_orders import SpeedRecord as SpeedRecord
+from antenna_pin.analysis.wheel_orders import interface_loads as interface_loads
 from antenna_pin.analysis.wheel_orders import speed_records as speed_records
 from antenna_pin.analysis.wheel_orders import wheel_orders as wheel_orders
 from antenna_pin.trajectory.columns import ROUND_OFF as ROUND_OFF

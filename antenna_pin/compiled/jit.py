@@ -17,7 +17,6 @@ from typing import Any
 
 import numba
 
-import antenna_pin.compiled.address_intrinsics  # noqa: F401 - which tells Numba of them
 import antenna_pin.compiled.intrinsics  # noqa: F401 - which tells Numba of them
 import antenna_pin.compiled.slots  # noqa: F401 - likewise
 from antenna_pin.compiled.kernel_cache import FORMAT, keep, remembered
@@ -41,7 +40,6 @@ def stamped_files() -> tuple[Path, ...]:
         "**/*kernels.py",
         "contact/records.py",
         "base/records.py",
-        "compiled/address_intrinsics.py",
         "compiled/by_address.py",
         "compiled/calls.py",
         "compiled/deferred.py",

@@ -6,6 +6,8 @@ missing, so that the kernel is compiled and written again. The files are pickles
 read: a folder that another user may write to (:mod:`antenna_pin.compiled.ownership`) is neither read nor
 written.
 
+Of processes that need the same kernel one compiles it, and the others wait.
+
 A kernel called from Python needs a hundred kernels compiled alone (:mod:`antenna_pin.compiled.stand_alone`).
 They are read one by one at its first load, and packed into one file for the next process, which links them
 for machine code only.
@@ -16,6 +18,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import gc
+import glob
 import hashlib
 import io
 import itertools
@@ -23,8 +26,10 @@ import os
 import pickle
 import sys
 import threading
+import time
 import warnings
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +37,6 @@ from antenna_pin.compiled.compile_time import tell_of_compiling
 from antenna_pin.compiled.machine_code import Kept, KernelCode, called, kept_of, link
 from antenna_pin.compiled.ownership import open_to, stranger_of
 from antenna_pin.compiled.slots import declare
-from antenna_pin.compiled.stale_files import pack_of, sweep
 from antenna_pin.compiled.stand_alone import (
     all_needs,
     deferred_calls_of,
@@ -43,7 +47,114 @@ from antenna_pin.compiled.stand_alone import (
     symbols_of,
 )
 from antenna_pin.compiled.target import BASELINE, aim_at_baseline, baseline_runs
-from antenna_pin.compiled.turns import Turn
+
+#: Modules cleaned by this process, by folder of machine code and name.
+_swept: set[tuple[Path, str]] = set()
+
+
+def pack_of(index: str, key: Any) -> str:
+    """Return the path of a function's pack for argument types, by index and key."""
+    digest = hashlib.sha256(str(key[0]).encode()).hexdigest()
+    return f"{index.removesuffix('.nbi')}.{digest[:16]}.nbp"
+
+
+def sweep(index: str, read: Callable[[str], Any], stamp: tuple[Any, Any], source: Path) -> None:
+    """Delete a folder's machine code of other stamps of a module, and of missing modules.
+
+    Files of the same version of Python only. A process about to read a deleted file finds nothing, and
+    compiles. Unreadable files are left: they may belong to others.
+
+    Args:
+        index: Path of the index of a function of the module.
+        read: Reads an index.
+        stamp: Version of Numba and stamp of the module's machine code.
+        source: File of the module.
+    """
+    folder = Path(index).parent
+    if (folder, source.stem) in _swept:
+        return
+    _swept.add((folder, source.stem))
+    tag = index.removesuffix(".nbi").rpartition(".")[2]
+    # Listed before indexes are read: a file written meanwhile is in its index first.
+    found = {
+        path
+        for kind in ("nbi", "*.nbc", "*.nbp")
+        for path in folder.glob(f"*.{tag}.{kind}")
+        if _module(path) == source.stem or not source.with_name(f"{_module(path)}.py").exists()
+    }
+    for path in [path for path in found if path.suffix == ".nbi"]:
+        try:
+            *own, names = read(str(path))
+        except Exception:  # pickle may raise any exception
+            found.difference_update(folder.glob(f"{glob.escape(path.stem)}.*"))
+            continue
+        if tuple(own) == stamp and _module(path) == source.stem:
+            packs = (pack_of(str(path), key) for key in names)
+            found.difference_update([path, *map(Path, packs), *(folder / name for name in names.values())])
+    for path in found:
+        with contextlib.suppress(OSError):
+            path.unlink()
+
+
+def _module(path: Path) -> str:
+    """Return the name of the module whose machine code a file holds."""
+    return path.name.partition(".")[0]
+
+
+# Longest wait for a process that hangs [s], and time between two checks [s].
+_LONGEST, _LOOK = 300.0, 0.02
+
+
+class Turn:
+    """Turn of a kernel in this process."""
+
+    def __init__(self, kernel: str) -> None:
+        """Name the kernel."""
+        self.kernel = kernel
+        # Below 4 GB: some systems cannot lock bytes beyond.
+        self._byte = int.from_bytes(hashlib.sha256(kernel.encode()).digest()[:4], "little")
+        self._file: int | None = None
+
+    @property
+    def is_held(self) -> bool:
+        """Return whether this process has the turn."""
+        return self._file is not None
+
+    def begin(self, folder: str) -> None:
+        """Take the turn to compile the kernel into a folder, after whoever has it."""
+        if self.is_held:
+            return
+        end = time.monotonic() + _LONGEST
+        with contextlib.suppress(OSError, AttributeError):  # Windows has no lockf
+            file = _file_in(folder)
+            while time.monotonic() < end:
+                try:
+                    _move(file, self._byte)
+                    os.lockf(file, os.F_TLOCK, 1)
+                except BlockingIOError:
+                    time.sleep(_LOOK)
+                else:
+                    self._file = file
+                    break
+
+    def end(self) -> None:
+        """Let others have it."""
+        file, self._file = self._file, None  # once, whichever thread ends it
+        if file is not None:
+            with contextlib.suppress(OSError):
+                _move(file, self._byte)
+                os.lockf(file, os.F_ULOCK, 1)
+
+
+@lru_cache
+def _file_in(folder: str) -> int:
+    """Return the open lock file of a folder; closing it releases all turns."""
+    return os.open(os.path.join(folder, "kernels.turns"), os.O_RDWR | os.O_CREAT, 0o644)
+
+
+def _move(file: int, byte: int) -> None:
+    os.lseek(file, byte, os.SEEK_SET)
+
 
 try:
     from numba.core.caching import FunctionCache, IndexDataCacheFile, InTreeCacheLocator, NullCache

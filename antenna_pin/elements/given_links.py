@@ -80,7 +80,7 @@ def _compiled(function: Any, sizes: tuple[int, int, int, int]) -> Any:
     from numba import carray, cfunc, float64, njit
 
     from antenna_pin.base.records import words_of
-    from antenna_pin.compiled.pointer import pointer
+    from antenna_pin.compiled.intrinsics import pointer
     from antenna_pin.elements.desk_kernels import JOINT, LINK, STATE, WHOLE
 
     numbers, links, joints, states = sizes

@@ -86,7 +86,7 @@ def entry(room: str, name: str, value: Any) -> str:
     place = f"antenna_pin.{room}.{name}"
     if inspect.isclass(value) and get_origin(value) is None:
         more = "   :undoc-members:\n" if issubclass(value, enum.Enum) else ""
-        fields = fields_of(value)
+        fields = fields_of(value) if value.__name__ == name else {}  # of an alias its class says it
         if dataclasses.is_dataclass(value) or fields:  # its docstring says what its fields are, or this does
             names = getattr(value, "_fields", None) or [one.name for one in dataclasses.fields(value)]
             more += f"   :exclude-members: {', '.join(names)}\n"

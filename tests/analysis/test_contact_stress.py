@@ -10,7 +10,7 @@ import xarray as xr
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.analysis import SurfaceFile, contact_stress, read_surfaces
-from antenna_pin.analysis.element_stress import ball_loads, flank_stress
+from antenna_pin.analysis.contact_stress import ball_loads, flank_stress
 from antenna_pin.analysis.surface_stress import Pair, StressCriteria
 from antenna_pin.contact import MATERIALS, effective_modulus, hertz_line, persson_line
 from antenna_pin.elements import BallBearing

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numba
 import numpy as np
 
-import antenna_pin.compiled.address_intrinsics  # noqa: F401 - which tells Numba of such tuples
+import antenna_pin.compiled.intrinsics  # noqa: F401 - which tells Numba of such tuples
 from antenna_pin.compiled.by_address import by_address
 
 

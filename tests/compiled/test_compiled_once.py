@@ -11,7 +11,7 @@ import pytest
 
 from antenna_pin import load_scenario, simulate
 from antenna_pin.compiled import kernel_cache as _kernel_cache
-from antenna_pin.compiled.turns import Turn
+from antenna_pin.compiled.kernel_cache import Turn
 from antenna_pin.scenario import list_scenarios
 
 pytestmark = pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
@@ -98,7 +98,7 @@ def test_a_turn_is_taken_whatever_the_kernel_is_called(tmp_path, kernel):
 
 _TAKES = """\
 import sys, time
-from antenna_pin.compiled.turns import Turn
+from antenna_pin.compiled.kernel_cache import Turn
 turn = Turn("kernel")
 turn.begin(sys.argv[1])
 print("has it", flush=True)

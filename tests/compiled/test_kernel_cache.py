@@ -15,7 +15,7 @@ import pytest
 from antenna_pin import load_scenario, simulate
 from antenna_pin.compiled import jit
 from antenna_pin.compiled import kernel_cache as _kernel_cache
-from antenna_pin.compiled import stale_files as _sweep
+from antenna_pin.compiled import kernel_cache as _sweep
 from antenna_pin.compiled.compile_time import told_of_compiling
 from antenna_pin.compiled.kernel_cache import KernelCacheWarning, keep
 from antenna_pin.compiled.stand_alone import kernel_named, needs_of

@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from antenna_pin.compiled import turns
+from antenna_pin.compiled import kernel_cache
 
 
 def test_one_who_never_ends_is_waited_for_five_minutes(tmp_path, monkeypatch):
@@ -18,9 +18,9 @@ def test_one_who_never_ends_is_waited_for_five_minutes(tmp_path, monkeypatch):
     def held_by_another(*_):
         raise BlockingIOError
 
-    monkeypatch.setattr(turns, "time", SimpleNamespace(monotonic=lambda: clock[0], sleep=sleep))
-    monkeypatch.setattr(turns.os, "lockf", held_by_another)
-    turn = turns.Turn("kernel")
+    monkeypatch.setattr(kernel_cache, "time", SimpleNamespace(monotonic=lambda: clock[0], sleep=sleep))
+    monkeypatch.setattr(kernel_cache.os, "lockf", held_by_another)
+    turn = kernel_cache.Turn("kernel")
     turn.begin(str(tmp_path))
     assert not turn.is_held
     assert clock[0] == pytest.approx(300.0, abs=0.1)

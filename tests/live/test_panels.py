@@ -5,7 +5,7 @@ import pytest
 
 from antenna_pin.apps.live.explored import Curve, Curves
 
-panels = pytest.importorskip("antenna_pin.apps.live.panels", reason="the extra explore is not installed")
+panels = pytest.importorskip("antenna_pin.apps.live.page", reason="the extra explore is not installed")
 
 
 def curves(size=1.0, names=("end +", "radial", "acceleration, hinge")):

@@ -11,7 +11,7 @@ from antenna_pin import load_scenario, run_study, simulate
 from antenna_pin.apps.cli.study import said_of_time
 from antenna_pin.base.units import any_quantity
 from antenna_pin.errors import AntennaPinError
-from antenna_pin.studies.sweep import design_of, jobs, load_study, preparation, run_seconds
+from antenna_pin.studies.sweep import design_of, driver, jobs, load_study, run_seconds
 from antenna_pin.studies.sweep.responses import ResponseSpec, evaluate
 from antenna_pin.trajectory import Counts, Outcome
 
@@ -299,18 +299,18 @@ def test_runs_are_compared_with_a_full_reference(write, tmp_path, monkeypatch):
     assert table["off"].values == pytest.approx([0.0, 0.2], abs=1e-5)
     # A signal that comes in the reference's run leaves a part, with which nothing is compared.
     study, run = (
-        preparation.prepare(write(starts, reference, text)),
+        driver.prepare(write(starts, reference, text)),
         simulate(load_scenario("pendulum"), duration=1e-3),
     )
     stopped = SimpleNamespace(outcome=Outcome.INTERRUPTED)
     made = iter([run, stopped])
     monkeypatch.setattr(jobs, "simulate", lambda *_: next(made))
-    monkeypatch.setattr(preparation, "simulate", lambda *_, **__: stopped)
+    monkeypatch.setattr(driver, "simulate", lambda *_, **__: stopped)
     jobs._reference.cache_clear()
     with pytest.raises(KeyboardInterrupt):
         jobs.do_jobs(study.work, [study.job(0)])
     with pytest.raises(KeyboardInterrupt):
-        preparation.trial(study)
+        driver.trial(study)
 
 
 @pytest.mark.parametrize(
@@ -377,13 +377,13 @@ def test_the_estimate_of_a_run_is_that_of_the_runs(write, monkeypatch):
         counts = Counts(wall_seconds=slow, compile_seconds=40.0 * (len(made) == 1))
         return SimpleNamespace(counts=counts, outcome=Outcome.COMPLETED)
 
-    monkeypatch.setattr(preparation, "simulate", simulated)
-    monkeypatch.setattr(preparation, "time", SimpleNamespace(perf_counter=lambda: now[0]))
+    monkeypatch.setattr(driver, "simulate", simulated)
+    monkeypatch.setattr(driver, "time", SimpleNamespace(perf_counter=lambda: now[0]))
     exact = 0.1 + 2.0 * (1 + 4 + 8) / 3
-    assert run_seconds(preparation.prepare(study)) == pytest.approx((exact, exact, exact), rel=1e-12)
+    assert run_seconds(driver.prepare(study)) == pytest.approx((exact, exact, exact), rel=1e-12)
     assert max(made) < 2e-3
     even, made[:] = False, []  # nothing takes time up to 0.3 ms: what comes then is within the bounds
-    found, true = run_seconds(preparation.prepare(study)), 0.1 + 2.0 * (0.7 + 3.7 + 7.7) / 3
+    found, true = run_seconds(driver.prepare(study)), 0.1 + 2.0 * (0.7 + 3.7 + 7.7) / 3
     assert 2.0 * found.least < true <= found.most * (1.0 + 1e-12)
     said = said_of_time(3, found, 2)
     assert re.fullmatch(r"some [\d.]+ to [\d.]+ s a run, .* some [\d.]+.s to [\d.]+.s on 2 cores", said), said

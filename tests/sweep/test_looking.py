@@ -10,11 +10,11 @@ from matplotlib.text import Text
 from typer.testing import CliRunner
 
 from antenna_pin import open_study, run_study
-from antenna_pin.errors import InvalidParameterError
+from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.show import plot
 from antenna_pin.show.report import study_report
 from antenna_pin.studies.sweep import TrialRun, sensitivities
-from antenna_pin.studies.sweep.statistics import quantiles
+from antenna_pin.studies.sweep.sensitivity import quantiles
 
 THREE = """
 [parameters.a]
@@ -103,6 +103,8 @@ def test_intervals_of_quantiles_are_between_ranks(count, confidence):
         assert found["quantile"].values[k] == pytest.approx(1.0 + share * (count - 1), rel=1e-12)
         for name, rank in (("low", low[-1:]), ("high", high[:1])):
             np.testing.assert_equal(found[name].values[k], float(rank[0]) if rank else np.nan)
+    with pytest.raises(UnknownNameError, match="response 'forse' is unknown; did you mean force"):
+        quantiles(xr.Dataset({"force": ("sample", runs)}), "forse")
 
 
 def test_a_map_has_every_value_in_its_place(write, tmp_path, fake):

@@ -86,8 +86,8 @@ def test_a_store_of_another_study_is_not_written_to(write, tmp_path, fake, whole
 
 
 def test_other_versions_are_refused(write, tmp_path, fake, whole, monkeypatch):
+    import antenna_pin.studies.sweep.driver as prepare_module
     import antenna_pin.studies.sweep.jobs as work_module
-    import antenna_pin.studies.sweep.preparation as prepare_module
 
     versions = {**work_module.library_versions(), "numpy": "9.9"}
     monkeypatch.setattr(prepare_module, "library_versions", lambda: versions)

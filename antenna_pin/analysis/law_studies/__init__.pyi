@@ -1,8 +1,3 @@
-from antenna_pin.analysis.law_studies.comparison import differing_factor as differing_factor
-from antenna_pin.analysis.law_studies.comparison import elastic_laws_of_joint as elastic_laws_of_joint
-from antenna_pin.analysis.law_studies.comparison import force_table as force_table
-from antenna_pin.analysis.law_studies.comparison import force_within as force_within
-from antenna_pin.analysis.law_studies.comparison import laws_left_out as laws_left_out
 from antenna_pin.analysis.law_studies.impacts import Impact as Impact
 from antenna_pin.analysis.law_studies.impacts import RestitutionRow as RestitutionRow
 from antenna_pin.analysis.law_studies.impacts import closed_form_peak_depth as closed_form_peak_depth
@@ -20,7 +15,12 @@ from antenna_pin.analysis.law_studies.pin_joint import ExperimentPoint as Experi
 from antenna_pin.analysis.law_studies.pin_joint import LeastError as LeastError
 from antenna_pin.analysis.law_studies.pin_joint import ReproducedTable as ReproducedTable
 from antenna_pin.analysis.law_studies.pin_joint import compare_with_experiment as compare_with_experiment
+from antenna_pin.analysis.law_studies.pin_joint import differing_factor as differing_factor
+from antenna_pin.analysis.law_studies.pin_joint import elastic_laws_of_joint as elastic_laws_of_joint
 from antenna_pin.analysis.law_studies.pin_joint import experiment_findings as experiment_findings
+from antenna_pin.analysis.law_studies.pin_joint import force_table as force_table
+from antenna_pin.analysis.law_studies.pin_joint import force_within as force_within
+from antenna_pin.analysis.law_studies.pin_joint import laws_left_out as laws_left_out
 from antenna_pin.analysis.law_studies.pin_joint import printed_columns as printed_columns
 from antenna_pin.analysis.law_studies.pin_joint import ranked as ranked
 from antenna_pin.analysis.law_studies.pin_joint import reproduce_table as reproduce_table

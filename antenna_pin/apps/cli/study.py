@@ -157,7 +157,7 @@ def show(
     import numpy as np
 
     from antenna_pin.studies.sweep import open_study, sensitivities
-    from antenna_pin.studies.sweep.statistics import quantiles
+    from antenna_pin.studies.sweep.sensitivity import quantiles
 
     target = csv_target(csv)
     table = open_study(store)

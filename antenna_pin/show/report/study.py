@@ -16,8 +16,7 @@ from antenna_pin.show import plot
 from antenna_pin.show.report._page import Cell, Details, PageTable, Picture, Row, Section, Status, statement
 from antenna_pin.show.report.document import Report, page
 from antenna_pin.show.report.figures import picture
-from antenna_pin.studies.sweep.sensitivity import sensitivities
-from antenna_pin.studies.sweep.statistics import quantiles
+from antenna_pin.studies.sweep.sensitivity import quantiles, sensitivities
 
 _MOST_FAILURES = 200
 _MOST_FIGURES = 40

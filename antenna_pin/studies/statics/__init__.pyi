@@ -1,4 +1,3 @@
-from antenna_pin.studies.statics.equilibria import equilibria as equilibria
 from antenna_pin.studies.statics.quasi_static import travel as travel
 from antenna_pin.studies.statics.result import Equilibrium as Equilibrium
 from antenna_pin.studies.statics.result import QuasiStaticTravel as QuasiStaticTravel
@@ -8,4 +7,5 @@ from antenna_pin.studies.statics.torque_angle import DEFINITIONS as DEFINITIONS
 from antenna_pin.studies.statics.torque_angle import TorqueAngleLoop as TorqueAngleLoop
 from antenna_pin.studies.statics.torque_angle import torque_angle_loop as torque_angle_loop
 from antenna_pin.studies.statics.whole import Statics as Statics
+from antenna_pin.studies.statics.whole import equilibria as equilibria
 from antenna_pin.studies.statics.whole import statics as statics

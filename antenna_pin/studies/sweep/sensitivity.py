@@ -1,4 +1,4 @@
-"""Global sensitivity of responses: elementary effects of Morris, variance shares of Sobol'.
+"""Quantiles of responses, and sensitivity: elementary effects of Morris, variance shares of Sobol'.
 
 Both are SALib's, on the unit cube of cumulative probabilities. So an elementary effect of Morris is that of
 the whole distribution of a parameter, in the unit of the response.
@@ -7,6 +7,7 @@ the whole distribution of a parameter, in the unit of the response.
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,60 @@ import xarray as xr
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.arrays import Array
-from antenna_pin.errors import InvalidParameterError, MissingToolError
+from antenna_pin.errors import InvalidParameterError, MissingToolError, UnknownNameError
+
+
+def quantiles(
+    study: xr.Dataset,
+    response: str,
+    shares: Sequence[float] = (0.05, 0.5, 0.95, 0.997),
+    confidence: float = 0.95,
+) -> xr.Dataset:
+    """Return quantiles of a response over the runs that have one.
+
+    An interval is that between two runs in order of size: as many runs lie below the quantile as a binomial
+    distribution says, whatever the response's own distribution. It holds for independent samples
+    (``random``), and is too wide rather than too narrow for stratified ones.
+
+    Args:
+        study: What :func:`antenna_pin.open_study` returns.
+        response: Name of the response.
+        shares: Of the runs that lie below [-].
+        confidence: Of the intervals [-].
+
+    Returns:
+        Over ``share``: ``quantile``, ``low`` and ``high``, in the response's unit; an end that so few runs do
+        not have is NaN. Attribute ``runs``: how many have a number.
+
+    Raises:
+        UnknownNameError: The study has no such response.
+    """
+    from scipy import stats
+
+    if response not in study.data_vars:
+        raise UnknownNameError("quantiles", "response", response, map(str, study.data_vars))
+    values = np.ravel(study[response].values).astype(float)
+    values = np.sort(values[np.isfinite(values)])
+    count = values.size
+    ends = np.full((2, len(shares)), np.nan)
+    for k, share in enumerate(shares):
+        low = int(stats.binom.ppf(0.5 * (1.0 - confidence), count, share)) - 1
+        high = int(stats.binom.ppf(0.5 * (1.0 + confidence), count, share))
+        if low >= 0:
+            ends[0, k] = values[low]
+        if high < count:
+            ends[1, k] = values[high]
+    found = np.quantile(values, shares) if count else np.full(len(shares), np.nan)
+    units = {"units": str(study[response].attrs.get("units", ""))}
+    return xr.Dataset(
+        {
+            "quantile": ("share", found, units),
+            "low": ("share", ends[0], units),
+            "high": ("share", ends[1], units),
+        },
+        coords={"share": list(shares)},
+        attrs={"runs": int(count), "confidence": confidence},
+    )
 
 
 def _salib(name: str) -> Any:

@@ -110,7 +110,7 @@ def _loops(verified: Verified, say: Callable[[str], None]) -> Iterator[dict[str,
 def _measured_loops(verified: Verified) -> Iterator[dict[str, Any]]:
     """Yield the loops of requirements that measure them in runs, one line for each amplitude."""
     from antenna_pin.studies.linear import loop_margins
-    from antenna_pin.studies.verification.measured_loop import (
+    from antenna_pin.studies.verification.measurement import (
         frequencies_around,
         margins_of_points,
         measured_loop,

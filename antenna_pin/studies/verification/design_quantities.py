@@ -90,7 +90,7 @@ def _of_loops() -> Iterator[VerifiedQuantity]:
 
 def _by_runs(kind: str) -> Find:
     def find(case: Case, spec: RequirementSpec) -> Value:
-        from antenna_pin.studies.verification.measured_loop import measured_gain_margin, measured_phase_margin
+        from antenna_pin.studies.verification.measurement import measured_gain_margin, measured_phase_margin
 
         if spec.of is None or spec.amplitude is None:
             missing = "of" if spec.of is None else "amplitude"
@@ -121,7 +121,7 @@ _SAME_ORDER = 0.05
 def orders_of(case: Case, spec: RequirementSpec) -> Any:
     """Return the orders of a requirement's wheel, those that are found and the requirement's own."""
     from antenna_pin.analysis import wheel_orders
-    from antenna_pin.studies.verification.measured_orders import records_at_speeds
+    from antenna_pin.studies.verification.measurement import records_at_speeds
 
     if spec.speeds is None:
         raise InvalidParameterError(
