@@ -98,7 +98,7 @@ def parameter(
         default: The default; required if not given.
         repr: Whether the field is shown.
         from_joint: Whether a scenario may leave it out, as it follows from the joint.
-        more: Further declarations, by name, for those who know the class.
+        more: Further declarations of the class, by name.
     """
     metadata = {"unit": unit, "sliding": sliding, "rule": rule, "sizes": sizes, "from_joint": from_joint}
     return field(default=default, metadata={**metadata, **more}, repr=repr)

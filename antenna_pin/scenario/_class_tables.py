@@ -135,7 +135,7 @@ def made_of(
     /,
     **nested: Any,
 ) -> type[_Spec]:
-    """Return the table of a kind, derived from a class, with its key ``kind``; named after the class."""
+    """Return the table of a kind, derived from a class and named after it."""
     names = {item.name for item in dataclasses.fields(cls)} - {*without}
     keys = {"kind": kind, **_keys(cls, names, nested)}
     return _table(name or name_of_table(cls.__name__), base, cls.__doc__, module, cls, keys)

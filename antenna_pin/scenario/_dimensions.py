@@ -1,4 +1,4 @@
-"""Dimensions of joints with play in scenarios: keys and checks that follow from the shapes' classes.
+"""Dimensions of joints with play in scenarios: keys and checks from the shapes' classes.
 
 A table has the keys of all shapes: those of others than its own wait for another case.
 """
@@ -110,7 +110,9 @@ def _doc(text: str, keys: Iterable[_Key]) -> str:
 
 
 def table_of(name: str, base: type[Any], model: Any, shape: type[Any] | None = None) -> Any:
-    """Return the table of a model of a joint: keys of dimensions, those of its base, and ``model``.
+    """Return the table of a model of a joint.
+
+    It has the keys of dimensions, those of its base, and ``model``.
 
     Args:
         name: Name of the class, by which its base's module finds it.
@@ -131,7 +133,7 @@ def table_of(name: str, base: type[Any], model: Any, shape: type[Any] | None = N
 
 @cache
 def alternatives() -> tuple[tuple[frozenset[str], frozenset[str]], ...]:
-    """Return keys of which a table has one or the other: plays and dimensions that they decide, and fits."""
+    """Return keys that exclude each other: plays and dimensions that they decide, and fits."""
     found: dict[str, set[str]] = {}
     for shape in SHAPES.values():
         for key, names in by_key(shape).items():
@@ -141,7 +143,7 @@ def alternatives() -> tuple[tuple[frozenset[str], frozenset[str]], ...]:
 
 
 def by_key(shape: type[Any]) -> dict[str, list[str]]:
-    """Return the keys of the dimensions that each play of a shape decides, by the play's key."""
+    """Return the keys of dimensions that plays of a shape decide, by the play's key."""
     found: dict[str, list[str]] = {}
     for play in shape.plays:
         if play.key:
@@ -173,7 +175,7 @@ def check_plays(table: Any) -> None:
 
 
 def solved(table: Any) -> Sizes:
-    """Return the dimensions of a table's shape: given, decided by a play, assumed, or by default."""
+    """Return the dimensions of a table's shape, given, decided by a play, or assumed."""
     shape = table.shape_class
     parameters = parameters_of(shape)
     sizes: dict[str, float] = {}

@@ -69,7 +69,7 @@ class TouchingSpec(Clearance):
 
     @property
     def kind(self) -> str:
-        """Kind of its shape, by which results and readers know it."""
+        """Kind of its shape, as in results."""
         return str(self.shape_class.kind)
 
     @property

@@ -32,7 +32,7 @@ class SensorSpec(MadeSpec):
 
 
 class ControllerSpec(MadeSpec):
-    """A controller, derived from its class; ``kind`` says which one."""
+    """A table of a controller, derived from the class of its ``kind``."""
 
 
 class _Following(ControllerSpec):
@@ -58,7 +58,7 @@ class _Following(ControllerSpec):
 
 
 class _FollowingMeasure(_Following):
-    """One whose number is in the unit of what it measures.
+    """A controller that may follow a reference in the unit of its measurement.
 
     Attributes:
         motion: Motion of the measured joint by the unit of the number; None without a unit.

@@ -1,4 +1,4 @@
-"""Declaration of a shape's dimensions: unit, rule, part, key in a scenario, and plays between two of them.
+"""Dimensions of shapes as declared: unit, rule, part, key, and plays between two.
 
 A shape declares each dimension as a field, by :func:`dimension`, and says which two of them leave which
 :class:`Play`. Tables of scenarios, assumptions, growth with temperature and knobs follow from these.
@@ -38,7 +38,9 @@ class Dimension(NamedTuple):
 
 
 class Play(NamedTuple):
-    """Play between two dimensions: what the outer exceeds the inner by is ``share`` times the play.
+    """Play between two dimensions.
+
+    The outer exceeds the inner by ``share`` times the play.
 
     Attributes:
         key: Its key in a scenario, given instead of the dimension that it decides; "" for none.
