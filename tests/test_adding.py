@@ -137,12 +137,12 @@ class CubicSpring(Element):
 
 
 @inlined
-def effort(spring, t, angle, rate):
+def effort(spring, t, angle, rate) -> float:
     return -spring.cubic * angle**3
 
 
 @inlined
-def stored(spring, angle):
+def stored(spring, angle) -> float:
     return 0.25 * spring.cubic * angle**4
 '''
 
