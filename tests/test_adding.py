@@ -138,12 +138,12 @@ class CubicSpring(Element):
 
 
 @inlined
-def effort(spring, t, angle, rate):
+def effort(spring, t, angle, rate) -> float:
     return -spring.cubic * angle**3
 
 
 @inlined
-def stored(spring, angle):
+def stored(spring, angle) -> float:
     return 0.25 * spring.cubic * angle**4
 '''
 
@@ -173,6 +173,98 @@ def test_a_second_kind_in_springs_is_an_element_of_its_own(copy):
     assert np.ptp(angle) > 0.1
     assert energy == pytest.approx(10.0 * angle**4, rel=1e-12)  # the recorder's own formula is the kernel's
     assert np.abs(error).max() < 1e-7 * energy[0]  # rtol over some ten steps
+
+
+# --- a controller ---
+
+HOLDER = '''
+"""A controller that pushes back, by what it measures."""
+
+import dataclasses
+from dataclasses import dataclass
+
+from antenna_pin.base.parameters import check, parameter
+from antenna_pin.elements.control.controller import SampledController
+from antenna_pin.elements.control.measurement import Measure
+from antenna_pin.elements.control.pid import Course
+
+
+@dataclass(frozen=True, kw_only=True)
+class Holder(SampledController):
+    """u = k (r - phi).
+
+    Attributes:
+        acts_on: A drive.
+        measures: What it measures.
+        gain: k [-].
+        reference: r.
+    """
+
+    acts_on: str
+    measures: str = ""
+    gain: float = parameter(rule="positive")
+    reference: float | Course = 0.0
+
+    def __post_init__(self):
+        check(self)
+
+    @property
+    def measured(self):
+        return (Measure.read(self, "measures", self.measures),)
+
+    def placed(self, joints, axes):
+        return dataclasses.replace(self, measures=f"angle {joints[self.acts_on]}")
+
+    def update(self, now):
+        wanted = self.reference(now.time)[0] if callable(self.reference) else self.reference
+        return {self.acts_on: self.gain * (wanted - self.measured[0](now))}
+'''
+
+
+def test_a_controller_is_a_file_and_a_line(copy):
+    """Its table follows from its class; its reference is in the unit of what it measures, or followed."""
+    add(
+        copy,
+        "elements/control/holder.py",
+        HOLDER,
+        "elements/control/registry.py",
+        before='"pid":',
+        entry='"holder": "holder.Holder",',
+    )
+    swing(copy, 'stiffness = "10 N*m/rad"')
+    with (copy / "swing.toml").open("a", encoding="utf-8") as file:
+        file.write(
+            "[drives.motor]\nkind = 'constant'\njoint = 'hinge'\nvalue = 0.0\n[controllers.hold]\n"
+            "kind = 'holder'\nacts_on = 'motor'\nperiod = '50 ms'\ngain = 3\nreference = '90 deg'\n"
+        )
+    followed = """
+from antenna_pin import load_scenario
+slow = {
+    "references.slow": {"kind": "sine", "amplitude": 1.0, "frequency": 1.0},
+    "controllers.hold.follows": "slow",
+}
+free = load_scenario("swing.toml", overrides=slow | {"controllers.hold.reference": 0.0})
+print(free.controllers["hold"].follows)
+try:
+    load_scenario("swing.toml", overrides=slow)
+except ValueError as error:
+    print(error)
+"""
+    _, told, chosen = run_all(
+        copy,
+        ("run", "swing.toml", "--out", "swing.nc", "--quiet"),
+        "import json, antenna_pin.trajectory as t; d = t.Trajectory.load('swing.nc').data\n"
+        "print(json.dumps([d.time.values.tolist(), d.motion_angle.values[:, 0].tolist(),"
+        " d.drive_torque.values[:, 0].tolist()]))",
+        followed,
+    )
+    time, angle, torque = map(np.array, json.loads(told))
+    at = int(np.argmin(np.abs(time - 0.1)))
+    assert time[at] == pytest.approx(0.1, abs=1e-12)
+    # Held from a sampling time on.
+    assert torque[at + 1] == pytest.approx(3.0 * (np.pi / 2.0 - angle[at]), rel=1e-12)
+    slow, refused = chosen.splitlines()
+    assert slow == "slow" and "reference must be left out with follows, which gives the reference" in refused
 
 
 # --- a law ---
@@ -442,36 +534,49 @@ def test_a_quantity_of_contacts_is_one_line_and_needs_no_new_run(copy):
 # --- a joint with play ---
 
 RING = '''
-"""A thin ring on a rod: radial play at one place, and nothing that holds it along or keeps it upright."""
+"""A thin ring on a rod: play at one place, and nothing that holds it along or keeps it upright."""
 
 from dataclasses import dataclass
 
 from antenna_pin.joints.geometry import kernels
-from antenna_pin.joints.geometry.look import radial_words
-from antenna_pin.joints.geometry.planar import PlanarClearance
-from antenna_pin.joints.geometry.shape import ContactPlace, RoundShape, flat, require_lengths
 from antenna_pin.joints.geometry.coal_pairs import CoalPlanar
+from antenna_pin.joints.geometry.dimension import Play, dimension
+from antenna_pin.joints.geometry.look import length, radial_words
+from antenna_pin.joints.geometry.planar import PlanarClearance
 from antenna_pin.joints.geometry.round_kernels import ROUND
+from antenna_pin.joints.geometry.shape import ContactPlace, RoundShape, flat
+
+
+def words(size):
+    ring = radial_words("ring", size["bearing_radius"], "rod", size["journal_radius"])
+    return [ring, f"wire {length(size['wire'])} thick"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Ring(RoundShape):
+    """A ring on a rod.
+
+    Attributes:
+        bearing_radius: Of the hoop [m].
+        journal_radius: Of the rod [m].
+        wire: Thickness of the hoop [m].
+    """
+
     kind = "ring"
     planar = False
     motion = "turn"
     half_length = None
     look = PlanarClearance.look._replace(
         held="a ring on a rod, held by contact alone",
-        dimensions=lambda size: [radial_words("ring", size["bearing_radius"], "rod", size["journal_radius"])],
+        dimensions=words,
         contacts=frozenset({"hoop"}),
         rows=("radial",),
     )
+    plays = (Play("hoop_clearance", "bearing_radius", "journal_radius", "Between hoop and rod [m]."),)
 
-    bearing_radius: float
-    journal_radius: float
-
-    def __post_init__(self):
-        require_lengths(self, "bearing_radius", "journal_radius")
+    bearing_radius: float = dimension("bearing", key="hoop_radius")
+    journal_radius: float = dimension("journal", key="rod_radius", below="bearing_radius")
+    wire: float = dimension("bearing", below="bearing_radius", times=(0.25, "bearing_radius"), words="wire")
 
     @property
     def contact_places(self):
@@ -483,29 +588,53 @@ class Ring(RoundShape):
     def coal(self, axes):
         return CoalPlanar(self.bearing_radius, self.journal_radius)
 '''
-RING_SPEC = '''
 
-class RingClearance(TouchingSpec):
-    """A ring on a rod."""
+RING_SCENARIO = """format = 1
+title = "two bodies that meet in a ring"
+duration = "2 ms"
+[mechanism]
+urdf = "{urdf}"
+base = "free"
+gravity = [0.0, 0.0, 0.0]
+[clearance.bore]
+model = "ring"
+hoop_radius = "10 mm"
+hoop_clearance = "0.1 mm"
+[initial.joints.bore]
+journal_velocity = ["0.1 m/s", "0 m/s", "0 m/s"]
+[integrator]
+rtol = 1e-8
+"""
 
-    kind = "ring"
-    kinds: ClassVar[tuple[Kind, ...]] = ("radial",)
+RING_READ = """
+import json
+from antenna_pin import load_scenario
+from antenna_pin.errors import ScenarioError
+from antenna_pin.trajectory import Trajectory
 
-    model: Literal["ring"]
-    bearing_radius: PositiveLength
-
-    def sizes(self) -> dict[str, float]:
-        return {
-            "bearing_radius": self.bearing_radius,
-            "journal_radius": self.bearing_radius - self.radial_play,
-        }
-
-'''
+joint = load_scenario("ring.toml").clearance["bore"]
+rod = load_scenario("ring.toml", overrides={"clearance.bore.rod_radius": "9.8 mm"}).clearance["bore"]
+hot = load_scenario("ring.toml", overrides={"temperature": "120 degC"})
+from antenna_pin.scenario.assemble import at_temperature, joint_play
+grown = at_temperature(hot).clearance["bore"].sizes()["wire"] / joint.sizes()["wire"]
+try:
+    load_scenario("ring.toml", overrides={"clearance.bore.hoop_clearance": "11 mm"})
+except ScenarioError as error:
+    refused = str(error)
+coal, plain = (Trajectory.load(name).data for name in ("coal.nc", "plain.nc"))
+print(json.dumps({
+    "assumed": joint.assumed, "rod": [rod.hoop_clearance, rod.radial_play], "grown": grown,
+    "refused": refused, "contacts": coal.contact.values.tolist(),
+    "apart": float(coal.attrs["gap_difference"]), "touching": int(coal.touching.max()),
+    "momentum": coal.linear_momentum.values[[0, -1]].tolist(),
+    "forces": [float(abs(one.joint_force).max()) for one in (coal, plain)],
+}))
+"""
 
 
 @pytest.mark.slow
 def test_a_kind_of_joint_with_play_is_run_drawn_recorded_and_told_of(copy):
-    """One file of geometry with its line, and a class of the scenario: nothing else knows of it."""
+    """One file of geometry with its line in the registry: nothing else knows of it."""
     add(
         copy,
         "joints/geometry/ring.py",
@@ -514,25 +643,32 @@ def test_a_kind_of_joint_with_play_is_run_drawn_recorded_and_told_of(copy):
         before='"spherical":',
         entry='"ring": "ring.Ring",',
     )
-    insert(copy, "scenario/clearance.py", "ClearanceSpec = ", RING_SPEC)
-    said = run(
-        copy, "run", "impact_pair", "--set", "clearance.bore.model=ring", "--duration", "2 ms",
-        "--set", "integrator.rtol=1e-8", "--out", "ring.nc", "--quiet",
-    )  # fmt: skip
-    told = run(
+    urdf = ROOT.parent / "models/impact_pair/pair.urdf"
+    (copy / "ring.toml").write_text(RING_SCENARIO.format(urdf=urdf), encoding="utf-8")
+    *_, info, told = run_all(
         copy,
-        code="import json, antenna_pin.trajectory as t; d = t.Trajectory.load('ring.nc').data;"
-        "print(json.dumps([d.contact.values.tolist(), float(d.attrs['gap_difference']),"
-        " d.touching.values.max().item(), d.linear_momentum.values[[0, -1]].tolist()]))",
+        ("run", "ring.toml", "--out", "coal.nc", "--quiet"),
+        ("run", "ring.toml", "--geometry", "closed-form", "--out", "plain.nc", "--quiet"),
+        ("info", "ring.toml"),
+        RING_READ,
     )
-    contacts, apart, touched, (before, after) = json.loads(told)
-    assert contacts == ["bore.hoop"] and touched == 1
-    assert apart < 1e-15  # coal's distance of a point from a cylinder is a closed form
+    assert "with play (ring)" in info
+    seen = json.loads(told)
+    assert seen["assumed"]["wire"] == 0.0025 and "hoop_clearance" not in seen["assumed"]
+    assert seen["rod"] == [None, pytest.approx(2e-4, rel=1e-12)]  # the radius takes the clearance's place
+    assert seen["grown"] == pytest.approx(1.0 + 100.0 * 11.7e-6, rel=1e-12)  # steel, of which it is assumed
+    rule = "clearance.bore.hoop_clearance must make rod_radius positive and finite, got 0.011 m"
+    assert rule in seen["refused"]
+    assert seen["contacts"] == ["bore.hoop"] and seen["touching"] == 1
+    assert seen["apart"] < 1e-15  # coal's distance of a point from a cylinder is a closed form
+    before, after = seen["momentum"]
     assert after == pytest.approx(before, rel=1e-11, abs=1e-14)  # internal forces, round-off
+    coal, plain = seen["forces"]
+    assert coal == pytest.approx(plain, rel=1e-6) and coal > 1.0
     figures = ("--figure", "contact_forces", "--figure", "journal_orbit")
-    assert len(run(copy, "plot", "ring.nc", "--out", "f", *figures).split()) == 2
-    run(copy, "record", "ring.nc", "--view", "joint", "--out", "ring.html")
-    run(copy, "report", "ring.nc", "--out", "report.html", "--no-figures", "--no-recordings")
+    assert len(run(copy, "plot", "coal.nc", "--out", "f", *figures).split()) == 2
+    run(copy, "record", "coal.nc", "--view", "joint", "--out", "ring.html")
+    run(copy, "report", "coal.nc", "--out", "report.html", "--no-figures", "--no-recordings")
     page = (copy / "report.html").read_text(encoding="utf-8")
     assert "a ring on a rod, held by contact alone" in page and "ring of radius 10" in page
-    assert said == ""
+    assert "wire 2.5" in page  # among its dimensions and the assumptions

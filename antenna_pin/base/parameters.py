@@ -17,6 +17,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import re
+import types
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, field
 from functools import cache
@@ -82,6 +83,7 @@ def parameter(
     default: Any = MISSING,
     repr: bool = True,
     from_joint: bool = False,
+    more: Mapping[str, Any] = types.MappingProxyType({}),
 ) -> Any:
     """Return a dataclass field that holds a number, or several, with a unit.
 
@@ -96,9 +98,14 @@ def parameter(
         default: The default; required if not given.
         repr: Whether the field is shown.
         from_joint: Whether a scenario may leave it out, as it follows from the joint.
+        more: Further declarations of the class, by name.
     """
     metadata = {"unit": unit, "sliding": sliding, "rule": rule, "sizes": sizes, "from_joint": from_joint}
-    return field(default=default, metadata=metadata, repr=repr)
+    return field(default=default, metadata={**metadata, **more}, repr=repr)
+
+
+# What is declared of each.
+_SAID = ("unit", "sliding", "rule", "sizes", "from_joint")
 
 
 def parameters_of(cls: type[Any]) -> dict[str, Parameter]:
@@ -118,7 +125,8 @@ def _parameters_of(cls: type[Any]) -> dict[str, Parameter]:
         found[item.name] = Parameter(
             required=required,
             default=None if required else item.default,
-            **{"doc": docs.get(item.name, ""), **item.metadata},
+            doc=docs.get(item.name, ""),
+            **{name: item.metadata[name] for name in _SAID},
         )
     return found
 

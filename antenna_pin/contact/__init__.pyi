@@ -56,6 +56,7 @@ from antenna_pin.contact.materials import effective_modulus as effective_modulus
 from antenna_pin.contact.materials import hertz_stiffness as hertz_stiffness
 from antenna_pin.contact.materials import internal_hertz_stiffness as internal_hertz_stiffness
 from antenna_pin.contact.materials import material_pairs as material_pairs
+from antenna_pin.contact.materials import point_stiffness as point_stiffness
 from antenna_pin.contact.normal import CompiledNormalLaw as CompiledNormalLaw
 from antenna_pin.contact.normal import CustomNormal as CustomNormal
 from antenna_pin.contact.normal import DampedContact as DampedContact

@@ -28,6 +28,7 @@ __all__ = [
     "effective_modulus",
     "hertz_stiffness",
     "internal_hertz_stiffness",
+    "point_stiffness",
     "Material",
     "MATERIAL_PAIRS",
     "material_pairs",
@@ -310,7 +311,17 @@ def internal_hertz_stiffness(bearing_radius: float, journal_radius: float, modul
         raise InvalidParameterError(
             "hertz_stiffness", "journal_radius", f"in (0, {bearing_radius}) [m]", journal_radius
         )
-    radius = bearing_radius * journal_radius / (bearing_radius - journal_radius)
+    return point_stiffness(bearing_radius * journal_radius / (bearing_radius - journal_radius), modulus)
+
+
+@takes(radius="m", modulus="Pa")
+def point_stiffness(radius: float, modulus: float) -> float:
+    """Return K of ``K depth^1.5`` for an effective radius of curvature [N/m^1.5].
+
+    Args:
+        radius: Effective radius [m], positive.
+        modulus: E* of the pair [Pa].
+    """
     return 4.0 / 3.0 * modulus * math.sqrt(radius)
 
 

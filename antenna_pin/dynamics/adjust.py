@@ -14,7 +14,7 @@ from antenna_pin.dynamics import kernels
 from antenna_pin.dynamics.mode_kernels import is_held
 from antenna_pin.dynamics.system import System
 from antenna_pin.elements import FAMILIES, Change, Element, ForceElement, Met, Modal, kind_of
-from antenna_pin.elements.control import AttitudeFeedback, Controller, Pid
+from antenna_pin.elements.control import Controller
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 
 # --- elements -----------------------------------------------------------------------------------------------
@@ -77,13 +77,8 @@ def settled(controllers: Mapping[str, Controller], system: System) -> dict[str, 
     found: dict[str, Controller] = {}
     for name, one in controllers.items():
         joints = {command: elements[places[command].rpartition(".")[0]].acts_at for command in one.commands}
-        if isinstance(one, Pid):
-            found[name] = one.at(joints)
-        elif isinstance(one, AttitudeFeedback):
-            axes = {command: _axis_in_base(system, joint) for command, joint in joints.items()}
-            found[name] = one.about(axes)
-        else:
-            found[name] = one
+        axes = {command: _axis_in_base(system, joint) for command, joint in joints.items()}
+        found[name] = one.placed(joints, axes)
     return found
 
 

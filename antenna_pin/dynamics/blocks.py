@@ -33,7 +33,6 @@ from antenna_pin.elements import (
 from antenna_pin.errors import InvalidParameterError, MechanismError, UnknownNameError
 from antenna_pin.joints import ClearanceJoint
 from antenna_pin.joints import layout_kernels as _layout
-from antenna_pin.joints.geometry import RevoluteClearance
 from antenna_pin.mechanism import JointSlot, Mechanism, frame_aligning_z
 
 # --- joints held by constraint ------------------------------------------------------------------------------
@@ -167,7 +166,7 @@ class InPython(NamedTuple):
 
 def slides(mechanism: Mechanism, clearances: Sequence[ClearanceJoint], joint: str) -> bool:
     """Return whether a joint slides along its axis rather than turning about it."""
-    return mechanism.joint(joint).kind == "prismatic" or any(
+    return mechanism.joint(joint).slides or any(
         one.name == joint and one.geometry.motion == "slide" for one in clearances
     )
 
@@ -285,7 +284,7 @@ def check_motion(
 ) -> None:
     """Refuse a motion without a suitable axis, or beside another motion or drive."""
     slot = mechanism.joint(motion.joint)
-    if slot.kind not in ("revolute", "continuous", "prismatic") and motion.joint not in turning:
+    if not slot.has_one_axis and motion.joint not in turning:
         raise MechanismError(
             f"{place}: joint {motion.joint!r} is {slot.kind} here, and only a revolute or continuous joint, "
             "with play or without, or a prismatic one without can follow a motion; drive another joint"
@@ -303,7 +302,7 @@ def check_holds(place: str, mechanism: Mechanism, element: Element) -> None:
     """Refuse a holding element without a row of its own, or with indeterminate load."""
     joint = element.joint
     slot = mechanism.joint(joint)
-    if slot.kind not in ("revolute", "continuous", "prismatic"):
+    if not slot.has_one_axis:
         raise MechanismError(
             f"{place}: joint {joint!r} is {slot.kind} here, and only a revolute, continuous or prismatic "
             f"joint without play {_rule(element)}"
@@ -411,10 +410,10 @@ def _position(place: str, preload: AxialPreload, joint: ClearanceJoint) -> float
     """Return where along the bearing's axis a preload's force is given [m]."""
     if preload.given_at == "centred":
         return 0.0
-    if not isinstance(joint.geometry, RevoluteClearance) or joint.axial is None:
+    way = joint.axial_clearance
+    if way is None or joint.axial is None:
         rule = f"centred, for joint {joint.name!r} has no flanges; or give position"
         raise InvalidParameterError(place, "given_at", rule, preload.given_at)
-    way = joint.geometry.axial_clearance
     if preload.given_at == "rest":
         way += _depth(place, preload, joint)
     return math.copysign(way, preload.force)

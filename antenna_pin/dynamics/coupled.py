@@ -68,7 +68,7 @@ def _check(mechanism: Mechanism, place: str, coupling: Coupling, way_out: str) -
 
 def facts_of_couplings(mechanism: Mechanism, couplings: Mapping[str, Coupling]) -> dict[str, dict[str, Any]]:
     """Return, by coupling, its joints and numbers, and which of them slide."""
-    sliding = {name for name, slot in mechanism.joints.items() if slot.kind == "prismatic"}
+    sliding = {name for name, slot in mechanism.joints.items() if slot.slides}
     return {
         name: {
             **dataclasses.asdict(one),

@@ -298,7 +298,7 @@ def _lengths(workspace: Workspace, element_rows: int) -> Array:
     plan = workspace.system.plan
     slots = [workspace.system.mechanism.joint(one.joint) for one in workspace.system.holds]
     assert plan is not None or not element_rows
-    return np.array([1.0 if slot.kind == "prismatic" or plan is None else plan.length for slot in slots])
+    return np.array([1.0 if slot.slides or plan is None else plan.length for slot in slots])
 
 
 # --- joints held where motions move them --------------------------------------------------------------------

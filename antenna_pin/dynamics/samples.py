@@ -326,7 +326,7 @@ def joint_motion(
             for first, last in program_parts(programs):
                 own = (one[first:last] for one in (states, accelerations, motion))
                 sample_kernels.clearance_motion(programs[first], block, *own)
-        elif block < 0 and slot.kind in ("revolute", "continuous"):
+        elif block < 0 and slot.turns:
             motion[:, 0] = states[:, slot.q.start]
             if slot.kind == "continuous":
                 turned = nq + nv + system.turn_x[slot.name]
@@ -381,7 +381,7 @@ def sliding_motion(
             at_centre = a[:, :3] + np.cross(a[:, 3:], centre) + np.cross(v[:, 3:], velocity)
             along = np.einsum("ij,ij->i", bearing, at_centre)
             motion = np.column_stack([sign * pose["centre"][:, 2], sign * pose["velocity"][:, 2], along])
-        elif slot.kind == "prismatic":
+        elif slot.slides:
             motion = np.column_stack([states[:, slot.q], v, a])
         else:
             continue

@@ -114,6 +114,12 @@ class ClearanceJoint:
         return self.geometry.planar
 
     @property
+    def axial_clearance(self) -> float | None:
+        """Play at each flange [m]; None without flanges."""
+        found: float | None = getattr(self.geometry, "axial_clearance", None)
+        return found
+
+    @property
     def contact_names(self) -> tuple[str, ...]:
         """Names of the contacts, led by the joint's."""
         return tuple(f"{self.name}.{place.name}" for place in self.geometry.contact_places)

@@ -90,6 +90,21 @@ class JointSlot:
     frame_rotation: Matrix3
 
     @property
+    def slides(self) -> bool:
+        """Return whether it slides along its axis, and that alone."""
+        return self.kind == "prismatic"
+
+    @property
+    def turns(self) -> bool:
+        """Return whether it turns about its axis, and that alone."""
+        return self.kind in ("revolute", "continuous")
+
+    @property
+    def has_one_axis(self) -> bool:
+        """Return whether it has one degree of freedom, along or about its axis."""
+        return self.slides or self.turns
+
+    @property
     def ways(self) -> slice:
         """Its translations among the generalized velocities; they come before its turns."""
         count = {"floating": 3, "planar": 2, "prismatic": 1}.get(self.kind, 0)
@@ -307,8 +322,8 @@ def _put_armature(model: Any, joints: Mapping[str, JointSlot], armature: Mapping
     given = np.zeros(model.nv)
     for name, inertia in armature.items():
         slot = joints.get(name)
-        if slot is None or slot.kind not in ("revolute", "continuous"):
-            turning = ", ".join(one for one, own in joints.items() if own.kind in ("revolute", "continuous"))
+        if slot is None or not slot.turns:
+            turning = ", ".join(one for one, own in joints.items() if own.turns)
             rule = f"at a joint that turns, without play ({turning or 'there is none'})"
             raise InvalidParameterError("build_mechanism", "armature", rule, name)
         if not 0.0 <= inertia < math.inf:

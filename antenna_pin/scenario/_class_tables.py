@@ -29,6 +29,7 @@ from pydantic_core import CoreSchema, PydanticKnownError, core_schema
 from antenna_pin.base.lazy import Classes
 from antenna_pin.base.parameters import parameters_of
 from antenna_pin.base.units import matching_unit, shown
+from antenna_pin.elements.control.registry import CONTROLLERS
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.scenario.spec import QuantityRule, Spec, Vector, read_count, refuse
 
@@ -125,12 +126,19 @@ def _table(
 
 
 def made_of(
-    cls: type[Any], base: type[_Spec], kind: Any, module: str, without: tuple[str, ...], **nested: Any
+    cls: type[Any],
+    base: type[_Spec],
+    kind: Any,
+    module: str,
+    without: tuple[str, ...],
+    name: str = "",
+    /,
+    **nested: Any,
 ) -> type[_Spec]:
-    """Return the table of a kind, derived from a class, with its key ``kind``."""
+    """Return the table of a kind, derived from a class and named after it."""
     names = {item.name for item in dataclasses.fields(cls)} - {*without}
     keys = {"kind": kind, **_keys(cls, names, nested)}
-    return _table(name_of_table(cls.__name__), base, cls.__doc__, module, cls, keys)
+    return _table(name or name_of_table(cls.__name__), base, cls.__doc__, module, cls, keys)
 
 
 def name_of_table(name: str) -> str:
@@ -147,7 +155,7 @@ def _keys(cls: type[Any], names: Collection[str], nested: Mapping[str, Any]) -> 
             continue
         hint = nested.get(item.name, hints[item.name])
         if item.name in parameters:
-            hint = _annotated(parameters[item.name], hint)
+            hint = annotated(parameters[item.name], hint)
         given: Any = {"repr": item.repr}
         if item.name in nested and item.default_factory is not MISSING:
             given["default_factory"] = dict if item.default_factory is dict else hint
@@ -159,7 +167,7 @@ def _keys(cls: type[Any], names: Collection[str], nested: Mapping[str, Any]) -> 
     return keys
 
 
-def _annotated(parameter: Any, hint: Any) -> Any:
+def annotated(parameter: Any, hint: Any) -> Any:
     """Return the annotation of a key that holds a parameter."""
     optional = type(None) in get_args(hint)
     kind: Any
@@ -307,13 +315,11 @@ EVENT_SPECS = Classes(
 )
 """Tables of events by their kind."""
 
-CONTROLLER_SPECS = Classes(
-    _ROOM,
-    {
-        "pid": "controllers.PidSpec",
-        "state-feedback": "controllers.StateFeedbackSpec",
-        "attitude": "controllers.AttitudeSpec",
-        "bang-bang": "controllers.BangBangSpec",
-    },
-)
+
+def name_of_kind(kind: str) -> str:
+    """Return the name of the table of a kind of controller: ``PidSpec`` of ``pid``."""
+    return f"{kind.title().replace('-', '')}Spec"
+
+
+CONTROLLER_SPECS = Classes(_ROOM, {kind: f"controllers.{name_of_kind(kind)}" for kind in CONTROLLERS})
 """Tables of controllers by their kind."""

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Annotated, Any, ClassVar, Literal, Self
+from dataclasses import fields
+from functools import cache
+from typing import Annotated, Any, ClassVar, Literal, Self, get_args, get_type_hints
 
 from pydantic import BeforeValidator, model_validator
 
 from antenna_pin.base.units import matching_unit, shown
-from antenna_pin.elements.control import AttitudeFeedback, BangBang, Matrix, Pid, Sensor, StateFeedback
-from antenna_pin.scenario._class_tables import MadeSpec, Motion, reads
+from antenna_pin.elements.control import Course, Matrix, Sensor
+from antenna_pin.elements.control.registry import CONTROLLERS
+from antenna_pin.scenario._class_tables import MadeSpec, Motion, made_of, name_of_kind, reads
 from antenna_pin.scenario.spec import read_quantity, refuse
 
 # Units of what is measured, by its kind; of a joint that turns, and that slides.
@@ -28,41 +31,55 @@ class SensorSpec(MadeSpec):
     """Errors of a sensor: bias, noise by seed, steps."""
 
 
-@reads(Pid, without=("state",), reference=float, sensor=SensorSpec, rate_sensor=SensorSpec)
-class PidSpec(MadeSpec):
-    """A sampled PID controller.
+class ControllerSpec(MadeSpec):
+    """A table of a controller, derived from the class of its ``kind``."""
+
+
+class _Following(ControllerSpec):
+    """A controller that may follow a reference instead of a number.
 
     Attributes:
-        motion: Motion of the measured joint by the unit of the reference; None without a unit.
-        follows: A table of ``[references]``, by name, instead of a number as reference; none if left out.
+        follows: A table of ``[references]``, by name, instead of a number; none if left out.
+    """
+
+    # The key of the number.
+    course: ClassVar[str]
+
+    follows: str | None = None
+
+    @model_validator(mode="after")
+    def _check_one_course(self) -> Self:
+        """Refuse a number to be held beside a course to be followed."""
+        # Not by the keys that are set: those of a copied scenario all are.
+        default = type(self).model_fields[self.course].default
+        if self.follows is not None and getattr(self, self.course) != default:
+            refuse(f"must be left out with follows, which gives the {self.course}", self.course)
+        return self
+
+
+class _FollowingMeasure(_Following):
+    """A controller that may follow a reference in the unit of its measurement.
+
+    Attributes:
+        motion: Motion of the measured joint by the unit of the number; None without a unit.
     """
 
     carried: ClassVar[frozenset[str]] = frozenset({"motion"})
 
     motion: Motion | None = None
-    kind: Literal["pid"]
-    follows: str | None = None
-
-    @model_validator(mode="after")
-    def _check_one_reference(self) -> Self:
-        """Refuse a number to be held beside a course to be followed."""
-        # Not by the keys that are set: those of a copied scenario all are.
-        if self.follows is not None and self.reference != 0.0:
-            refuse("must be left out with follows, which gives the reference", "reference")
-        return self
 
     @model_validator(mode="before")
     @classmethod
-    def _read_reference(cls, data: Any) -> Any:
-        """Read the reference in a unit of what is measured."""
-        if not isinstance(data, Mapping) or "reference" not in data:
+    def _read_course(cls, data: Any) -> Any:
+        """Read the number in a unit of what is measured."""
+        if not isinstance(data, Mapping) or cls.course not in data:
             return data
-        measures = data.get("measures") or "angle"
+        measures, given = data.get("measures") or "angle", data[cls.course]
         units = _UNITS.get(str(measures).split(" ")[0], ("1",))
-        unit, done = matching_unit(data["reference"], units), dict(data)
+        unit, done = matching_unit(given, units), dict(data)
         if len(units) > 1 and unit is not None:
             done["motion"] = "translation" if units.index(unit) else "rotation"
-        done["reference"] = read_quantity(data["reference"], units, "", "reference")
+        done[cls.course] = read_quantity(given, units, "", cls.course)
         return done
 
 
@@ -76,59 +93,37 @@ def _matrix(value: object) -> object:
     )
 
 
-_Rows = Annotated[Matrix, BeforeValidator(_matrix)] | None
+_ROWS: Any = Annotated[Matrix, BeforeValidator(_matrix)] | None
 
 
-@reads(
-    StateFeedback,
-    without=("state",),
-    sensors=tuple[SensorSpec, ...],
-    gain=_Rows,
-    a=_Rows,
-    b=_Rows,
-    c=_Rows,
-    g=_Rows,
-)
-class StateFeedbackSpec(MadeSpec):
-    """A sampled controller that feeds back what it measures by matrices."""
-
-    kind: Literal["state-feedback"]
-
-    motion: ClassVar[None] = None
-
-
-@reads(AttitudeFeedback, share=float)
-class AttitudeSpec(MadeSpec):
-    """Feedback of the base's quaternion and rate, by wheels.
-
-    Attributes:
-        follows: A table of ``[references]``, by name, from 0 to 1: the share of the way; none if left out.
-    """
-
-    kind: Literal["attitude"]
-    follows: str | None = None
-
-    motion: ClassVar[None] = None
-
-    @model_validator(mode="after")
-    def _check_one_share(self) -> Self:
-        """Refuse a share to be held beside one to be followed."""
-        if self.follows is not None and self.share != 1.0:
-            refuse("must be left out with follows, which gives the share", "share")
-        return self
+@cache
+def _table_of(kind: str) -> type[ControllerSpec]:
+    """Return the table of a kind of controller; its memory is no key."""
+    cls, base, course = CONTROLLERS[kind], ControllerSpec, ""
+    hints = get_type_hints(cls)
+    nested: dict[str, Any] = {}
+    for item in fields(cls):
+        hint: Any = hints[item.name]
+        if hint in (Sensor, tuple[Sensor, ...]):
+            nested[item.name] = SensorSpec if hint is Sensor else tuple[SensorSpec, ...]
+        elif Matrix in get_args(hint):
+            nested[item.name] = _ROWS
+        elif Course in get_args(hint):
+            nested[item.name], course = float, item.name
+            base = _FollowingMeasure if hints.get("measures") is str else _Following
+    key: Any = (Literal[kind], ...)
+    table = made_of(cls, base, key, __name__, ("state",), name_of_kind(kind), **nested)
+    if course:
+        table.course = course  # type: ignore[attr-defined]
+    return table
 
 
-@reads(BangBang, without=("state",), sensor=SensorSpec, rate_sensor=SensorSpec)
-class BangBangSpec(MadeSpec):
-    """A sampled on-off controller with a switching line of angle and rate."""
-
-    kind: Literal["bang-bang"]
-
-    motion: ClassVar[None] = None
-
-
-ControllerSpec = PidSpec | StateFeedbackSpec | AttitudeSpec | BangBangSpec
-"""A controller; ``kind`` says which class it is."""
+def __getattr__(name: str) -> Any:
+    """Return a table's class by name: ``PidSpec`` of ``pid``."""
+    for kind in CONTROLLERS:
+        if name_of_kind(kind) == name:
+            return _table_of(kind)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def check_commands(controllers: Mapping[str, Any], families: Mapping[str, Mapping[str, Any]]) -> None:

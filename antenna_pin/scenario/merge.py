@@ -16,14 +16,6 @@ Overrides = Mapping[str, Any] | Sequence[str]
 
 # Keys of which a table has one or the other: giving one removes the other from below. "*" is any name.
 _ALTERNATIVES: dict[tuple[str, ...], tuple[tuple[frozenset[str], frozenset[str]], ...]] = {
-    ("clearance", "*"): (
-        (frozenset({"radial_clearance"}), frozenset({"journal_radius"})),
-        (frozenset({"axial_clearance"}), frozenset({"flange_distance"})),
-        (
-            frozenset({"fit", "fit_hole", "fit_shaft"}),
-            frozenset({"bearing_radius", "radial_clearance", "journal_radius"}),
-        ),
-    ),
     ("integrator",): ((frozenset({"accuracy"}), frozenset({"method", "rtol"})),),
     ("drives", "*"): ((frozenset({"file"}), frozenset({"time", "torque", "reference"})),),
     ("flexible", "*"): (
@@ -91,6 +83,10 @@ def _alternatives(path: tuple[str, ...]) -> Iterator[tuple[frozenset[str], froze
             key in ("*", seen) for key, seen in zip(pattern, path, strict=True)
         ):
             yield from pairs
+    if len(path) == 2 and path[0] == "clearance":
+        from antenna_pin.scenario._dimensions import alternatives  # which loads the shapes
+
+        yield from alternatives()
 
 
 def read_overrides(overrides: Overrides) -> tuple[dict[str, Any], tuple[str, ...]]:

@@ -78,7 +78,7 @@ def _approach_speeds(scenario: Scenario, system: System) -> dict[str, float]:
     found = {}
     for joint in system.clearances:
         slot = system.mechanism.joint(joint.name)
-        play = 2.0 * max(joint.geometry.radial_clearance, getattr(joint.geometry, "axial_clearance", 0.0))
+        play = 2.0 * max(joint.geometry.radial_clearance, joint.axial_clearance or 0.0)
         reach = 0.5 * float(getattr(joint.geometry, "bearing_length", 0.0))
         speed, gain = (_of_surface(slot, one[slot.v], joint.offset, reach) for one in (v, a))
         found[joint.name] = speed + math.sqrt(2.0 * play * gain)

@@ -15,6 +15,7 @@ from scenario_reference import Row, first_line, keys_of, kinds_of, listed, said_
 
 from antenna_pin.contact import MATERIALS
 from antenna_pin.elements import FAMILIES, REFERENCES
+from antenna_pin.joints.geometry.dimension import dimensions_of
 from antenna_pin.scenario import (
     DRIVE_SPECS,
     FAMILY_SPECS,
@@ -26,7 +27,6 @@ from antenna_pin.scenario import (
     ChangeEvent,
     ClosureSpec,
     ContactClearance,
-    ControllerSpec,
     CouplingSpec,
     DifferentialSpec,
     DimensionSpec,
@@ -59,6 +59,7 @@ from antenna_pin.scenario import (
     ThermalBearing,
     TimeEvent,
 )
+from antenna_pin.scenario._class_tables import CONTROLLER_SPECS
 from antenna_pin.scenario.clearance import CLEARANCES
 from antenna_pin.scenario.parameters import ParameterSpec
 from antenna_pin.scenario.requirements import RequirementSpec
@@ -174,10 +175,13 @@ def _clearance_rows() -> list[Row]:
 
 def _clearance_models() -> dict[str, str]:
     """Return what each model of a joint is."""
-    return {
-        "` or `".join(get_args(cls.model_fields["model"].annotation)): first_line(cls)
-        for cls in dict.fromkeys(CLEARANCES.values())
-    }
+    found = {}
+    for cls in dict.fromkeys(CLEARANCES.values()):
+        own = dimensions_of(cls.shape_class).items() if hasattr(cls, "shape_class") else ()
+        other = [f"`{one.key}` is the {name.replace('_', ' ')}" for name, one in own if one.key != name]
+        said = "; ".join((first_line(cls), *other))
+        found["` or `".join(get_args(cls.model_fields["model"].annotation))] = said
+    return found
 
 
 def _coupling_rows(cls: type[Any]) -> list[Row]:
@@ -341,8 +345,7 @@ def _driven() -> list[Part]:
     references = {kind: keys_of(cls, without=("motion", "kind")) for kind, cls in REFERENCE_SPECS.items()}
     references["table"] = [_with_file(row) for row in references["table"]]
     controllers = {}
-    for spec in get_args(ControllerSpec):
-        (kind,) = get_args(spec.model_fields["kind"].annotation)
+    for kind, spec in CONTROLLER_SPECS.items():
         left = ("kind", "motion", "sensor", "rate_sensor", "sensors")
         controllers[kind] = keys_of(spec, without=left)
     return [

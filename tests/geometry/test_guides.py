@@ -269,11 +269,11 @@ def test_a_sliders_axis_is_seen_at_the_ends_of_what_is_guided(kind, shape):
     ("change", "message"),
     [
         ({"journal_radius": 0.02}, "journal_radius must be below bearing_radius = 0.01 m, got 0.02"),
-        ({"guide_length": -1.0}, "guide_length must be a length [m], or 0 for a guide without end, got -1.0"),
-        ({"guide_length": math.nan}, "guide_length must be a length [m], or 0 for a guide without end"),
-        ({"key_width": 1e-3}, "keyway_width must be positive and finite [m], got 0.0"),
+        ({"guide_length": -1.0}, "guide_length must be zero or more, and finite, got -1.0"),
+        ({"guide_length": math.nan}, "guide_length must be zero or more, and finite, got nan"),
+        ({"key_width": 1e-3}, "keyway_width must be positive, as a key has all three, got 0.0"),
         (KEY | {"key_width": 5e-3}, "key_width must be below keyway_width = 0.0041 m, got 0.005"),
-        ({"slider_length": 0.0}, "slider_length must be positive and finite [m], got 0.0"),
+        ({"slider_length": 0.0}, "slider_length must be positive and finite, got 0.0"),
     ],
 )  # fmt: skip
 def test_refuses_what_is_no_rod_in_a_guide(change, message):

@@ -122,7 +122,7 @@ GOOD = dict(
 @pytest.mark.parametrize("length", GOOD)
 @pytest.mark.parametrize("value", [0.0, -0.01, math.nan, math.inf])
 def test_refuses_what_is_no_length(length, value):
-    message = f"RevoluteClearance: {length} must be positive and finite [m], got {value!r}"
+    message = f"RevoluteClearance: {length} must be positive and finite, got {value!r}"
     with pytest.raises(ValueError, match=f"^{re.escape(message)}$"):
         RevoluteClearance(**(GOOD | {length: value}))
 
@@ -130,7 +130,7 @@ def test_refuses_what_is_no_length(length, value):
 @pytest.mark.parametrize("length", GOOD)
 def test_refuses_a_length_whose_square_is_no_number(length):
     with pytest.raises(
-        ValueError, match=rf"^RevoluteClearance: {length} must be at most 1e\+100 m, got 1e\+200$"
+        ValueError, match=rf"^RevoluteClearance: {length} must be at most 1e\+100 in size, got 1e\+200$"
     ):
         RevoluteClearance(**(GOOD | {length: 1e200}))
 
@@ -180,11 +180,11 @@ def test_axial_clearance_of_zero_is_allowed(joint):
         ),
         (
             {"bearing_radius": -0.01, "journal_radius": 0.011},
-            "PlanarClearance: bearing_radius must be positive and finite [m], got -0.01",
+            "PlanarClearance: bearing_radius must be positive and finite, got -0.01",
         ),
         (
             {"bearing_radius": 0.01, "journal_radius": math.nan},
-            "PlanarClearance: journal_radius must be positive and finite [m], got nan",
+            "PlanarClearance: journal_radius must be positive and finite, got nan",
         ),
     ],
 )

@@ -36,14 +36,23 @@ def test_a_square_guide_may_end():
     assert load_scenario("slider", case="driven").clearance["slide"].shape().guide_length == 0.0
 
 
+def test_widths_leave_half_of_what_they_differ_by_to_each_side():
+    slide = load_scenario("slider", case="driven").clearance["slide"]
+    assert (slide.radial_clearance, slide.guide_width, slide.slider_width) == (None, 0.0401, 0.04)
+    assert slide.radial_play == pytest.approx(5e-5, rel=1e-11)  # a difference of sizes of 0.04 m
+    given = load_scenario("slider", case="driven", overrides=["clearance.slide.radial_clearance=0.1 mm"])
+    shape = given.clearance["slide"].shape()  # which takes the place of both widths
+    assert (shape.slider_width, shape.slider_height) == (0.0401 - 2e-4, 0.0402 - 2e-4)
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"key_width": "4 mm"}, "keyway_width must be positive and finite"),
+        ({"key_width": "4 mm"}, "keyway_width must be positive, as a key has all three, got 0 m"),
         (KEY | {"key_width": "5 mm"}, "key_width must be below keyway_width = 0.0041 m"),
-        ({"guide_length": "-1 mm"}, "guide_length must be positive"),
-        ({"load": "distributed"}, "load must be point for a slider"),
-        ({"radial_clearance": "30 mm"}, "radial_clearance must be smaller than bearing_radius"),
+        ({"guide_length": "-1 mm"}, "guide_length must be zero or more"),
+        ({"load": "distributed"}, "load must be point where the joint is not one of journal"),
+        ({"radial_clearance": "30 mm"}, "radial_clearance must make journal_radius positive"),
     ],
 )
 def test_refuses_in_one_line(changes, message):

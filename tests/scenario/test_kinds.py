@@ -12,7 +12,6 @@ from antenna_pin.errors import ScenarioError
 from antenna_pin.scenario import FAMILY_SPECS, REFERENCE_SPECS, Scenario, load_scenario
 from antenna_pin.scenario._class_tables import CONTROLLER_SPECS, COUPLING_SPECS, EVENT_SPECS, FLEXIBLE_SPECS
 from antenna_pin.scenario.closures import AnyCoupling
-from antenna_pin.scenario.controllers import ControllerSpec
 from antenna_pin.scenario.events import EventSpec
 from antenna_pin.scenario.flexible import FlexibleSpec
 
@@ -20,19 +19,18 @@ from antenna_pin.scenario.flexible import FlexibleSpec
 @pytest.mark.parametrize(
     ("tables", "classes", "key"),
     [
-        (CONTROLLER_SPECS, ControllerSpec, "kind"),
         (COUPLING_SPECS, AnyCoupling, "kind"),
         (EVENT_SPECS, EventSpec, "kind"),
         (FLEXIBLE_SPECS, FlexibleSpec, "kind"),
     ],
-    ids=["controllers", "couplings", "events", "flexible"],
+    ids=["couplings", "events", "flexible"],
 )
 def test_the_kinds_are_those_of_the_classes(tables, classes, key):
     said = {kind: cls for cls in get_args(classes) for kind in get_args(cls.model_fields[key].annotation)}
     assert dict(tables) == said
 
 
-@pytest.mark.parametrize("tables", [*FAMILY_SPECS.values(), REFERENCE_SPECS])
+@pytest.mark.parametrize("tables", [*FAMILY_SPECS.values(), REFERENCE_SPECS, CONTROLLER_SPECS])
 def test_a_class_is_made_once_and_found_by_its_name(tables):
     for kind in tables:
         cls = tables[kind]

@@ -105,7 +105,8 @@ REFUSALS = [
     ),
     (
         {H + "radial_clearance": "20 mm"},
-        "clearance.hinge.radial_clearance must be smaller than bearing_radius = 0.01 m, got 0.02 m",
+        "clearance.hinge.radial_clearance must make journal_radius positive and finite, got 0.02 m, which "
+        "makes it -0.01 m",
     ),
     (
         {H + "radial_clearance": DELETED},
@@ -117,12 +118,12 @@ REFUSALS = [
     ),
     (
         {H + "radial_clearance": DELETED, H + "journal_radius": "11 mm"},
-        "clearance.hinge.journal_radius must be smaller than bearing_radius = 0.01 m, got 0.011 m",
+        "clearance.hinge.journal_radius must be below bearing_radius = 0.01 m, got 0.011 m",
     ),
     (
         {H + "axial_clearance": "-0.2 mm"},
-        "clearance.hinge.axial_clearance must be at least zero, or for a hard preload less by at most "
-        "0.0001 m, got -0.0002 m",
+        "clearance.hinge.axial_clearance must make flange_distance at least bearing_length = 0.05 m, or for "
+        "a hard preload less by at most 0.02 bearing_radius, got -0.0002 m, which makes it 0.0496 m",
     ),
     (
         {H + "flange_distance": "54 mm"},
@@ -131,15 +132,15 @@ REFUSALS = [
     (
         {H + "axial_clearance": DELETED, H + "flange_distance": "40 mm"},
         "clearance.hinge.flange_distance must be at least bearing_length = 0.05 m, or for a hard preload "
-        "less by at most 0.0002 m, got 0.04 m",
+        "less by at most 0.02 bearing_radius, got 0.04 m",
     ),
     (
         {H + "bearing_outer_radius": "10 mm"},
-        "clearance.hinge.bearing_outer_radius must be larger than bearing_radius = 0.01 m, got 0.01 m",
+        "clearance.hinge.bearing_outer_radius must be above bearing_radius = 0.01 m, got 0.01 m",
     ),
     (
         {H + "flange_radius": "9 mm"},
-        "clearance.hinge.flange_radius must be larger than bearing_radius = 0.01 m, got 0.009 m",
+        "clearance.hinge.flange_radius must be above bearing_radius = 0.01 m, got 0.009 m",
     ),
     (
         {H + "journal_material": DELETED},

@@ -13,6 +13,7 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.base.parameters import parameters_of
 from antenna_pin.base.readable import GIVEN, bare, readable
 from antenna_pin.base.units import quantity
+from antenna_pin.joints.geometry.dimension import dimensions_of
 from antenna_pin.scenario import LawChange, LawSpec, Scenario, TouchingSpec
 from antenna_pin.scenario.laws import declared_parameters, laws, needs_materials, unit_of
 
@@ -176,19 +177,17 @@ def _of_play(scenario: Scenario, joint: str | None) -> Iterator[Knob]:
     spec = scenario.clearance.get(joint or "")
     if not isinstance(spec, TouchingSpec):
         return
-    sizes: dict[str, tuple[str, float, float]] = {
-        # key that stands in the table: what it is called, and start and factor of the play that it makes
-        "radial_clearance": ("radial play", 0.0, 1.0),
-        "journal_radius": ("radial play", spec.bearing_radius or 0.0, -1.0),
-        "axial_clearance": ("axial play", 0.0, 1.0),
-        "flange_distance": ("axial play", spec.bearing_length or 0.0, 2.0),
-        "slider_width": ("play across the width", spec.guide_width or 0.0, -2.0),
-        "slider_height": ("play across the height", spec.guide_height or 0.0, -2.0),
-    }
-    shown = {*sizes} if spec.kinds != ("radial",) else {*sizes} - {"axial_clearance", "flange_distance"}
-    widest = _WIDEST_PLAY * min(
-        size for size in (spec.bearing_radius, spec.guide_width, spec.guide_height) if size is not None
-    )
+    # Key that stands in the table: name, and start and factor of the play that it makes.
+    sizes: dict[str, tuple[str, float, float]] = {}
+    hollow, given = [], spec.sizes()
+    for play in spec.shape_class.plays:
+        if play.key:
+            name = dimensions_of(spec.shape_class)[play.decides].key
+            start, sign = (given[play.inner], 1.0) if play.along else (given[play.outer], -1.0)
+            sizes[play.key] = (play._replace(name="").words, 0.0, 1.0)
+            sizes[name] = (play.words, start, sign * play.share)
+            hollow += [] if play.along else [start]
+    widest, shown = _WIDEST_PLAY * min(hollow), {*sizes}
     if spec.fit is not None:  # its radii follow from places in the zones of hole and shaft
         shown -= {"journal_radius"}
         for key, name in (("fit_hole", "hole in its zone"), ("fit_shaft", "shaft in its zone")):

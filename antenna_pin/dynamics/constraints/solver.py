@@ -398,7 +398,7 @@ def _driven(mechanism: Mechanism, joints: Sequence[DrivenJoint], row: int) -> ND
     for k, (record, one) in enumerate(zip(records, joints, strict=True)):
         slot = mechanism.joint(one.joint)
         record["row"], record["q"], record["v"] = row + k, slot.q.start, slot.v.start
-        record["slides"], record["turn"] = slot.kind == "prismatic", one.turn
+        record["slides"], record["turn"] = slot.slides, one.turn
         record["kind"], record["words"], record["x"] = one.kind, one.words, one.x
         if slot.kind in _MORE:
             record["moves"] = _MORE[slot.kind]
@@ -421,9 +421,9 @@ def _coupled(
         slots = [mechanism.joint(name) for name in names]
         multiplier = coupling.multiplier if first else 0.0
         further = coupling.second_multiplier if second else 0.0
-        follower, leader, third = (1.0 if slot.kind == "prismatic" else length for slot in slots)
+        follower, leader, third = (1.0 if slot.slides else length for slot in slots)
         largest = max(abs(multiplier) * follower / leader, abs(further) * follower / third)
-        record["row"], record["slides"] = row + k, slots[0].kind == "prismatic"
+        record["row"], record["slides"] = row + k, slots[0].slides
         record["multiplier"], record["offset"] = multiplier, coupling.offset
         record["second"] = further
         record["scale"] = 1.0 / max(1.0, largest)

@@ -113,7 +113,7 @@ class AttitudeFeedback(SampledController):
         """Measured quantities."""
         return tuple(Measure(kind, axis) for kind in ("base-rotation", "base-rate") for axis in "xyz")
 
-    def about(self, axes: Mapping[str, Array | None]) -> AttitudeFeedback:
+    def placed(self, joints: Mapping[str, str | None], axes: Mapping[str, Array | None]) -> AttitudeFeedback:
         """Return the controller with its wheels' axes in base axes, by command."""
         if self.axes is not None:
             return self

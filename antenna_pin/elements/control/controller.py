@@ -222,6 +222,15 @@ class Controller:
         """Return the commands from now on, by name; those left out stay as they are."""
         raise NotImplementedError
 
+    def placed(self, joints: Mapping[str, str | None], axes: Mapping[str, Any]) -> Controller:
+        """Return the controller with what it takes from the places of its commands.
+
+        Args:
+            joints: The joint that each command acts at; None for none.
+            axes: Its axis in a free base's axes, (3,), where the base itself carries it; else None.
+        """
+        return self
+
     def words(self) -> str:
         """Return a description."""
         return type(self).__name__

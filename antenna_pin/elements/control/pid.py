@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal
 
 from antenna_pin.base.arguments import check_takes, takes
 from antenna_pin.base.parameters import check, parameter
@@ -143,7 +143,7 @@ class Pid(SampledController):
             return (found,)
         return found, Measure(_RATES[found.kind], found.name)
 
-    def at(self, joints: Mapping[str, str | None]) -> Pid:
+    def placed(self, joints: Mapping[str, str | None], axes: Mapping[str, Any]) -> Pid:
         """Return the controller with its default measurement, by the actuated joints."""
         if self.measures:
             return self

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.base.arguments import takes
+from antenna_pin.errors import InvalidParameterError
 from antenna_pin.joints.geometry import kernels
+from antenna_pin.joints.geometry.dimension import RADIAL, Play, dimension
 from antenna_pin.joints.geometry.look import Across, Array, Look, Sizes, circle, length, radial_words
 from antenna_pin.joints.geometry.prismatic import (
-    check_guide_length,
     clamped,
     guide_words,
     guided_length,
@@ -27,9 +27,9 @@ from antenna_pin.joints.geometry.shape import (
     ContactPlace,
     Motion,
     RoundShape,
+    check_dimensions,
     flat,
     require_below,
-    require_lengths,
 )
 
 if TYPE_CHECKING:
@@ -90,15 +90,6 @@ _SIGNS = ((1.0, "+"), (-1.0, "-"))
 _KEY = ("key_width", "keyway_width", "key_reach")
 
 
-@takes(
-    bearing_radius="m",
-    journal_radius="m",
-    slider_length="m",
-    guide_length="m",
-    key_width="m",
-    keyway_width="m",
-    key_reach="m",
-)
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CylindricalClearance(RoundShape):
     """A round slider in a round guide: it slides, and turns without a key.
@@ -115,9 +106,9 @@ class CylindricalClearance(RoundShape):
         bearing_radius: R_i, of the guide [m].
         journal_radius: R_j, of the slider, below R_i [m].
         slider_length: Along the axis [m].
-        guide_length: Along the axis, 0 for a guide longer than the slider's travel [m].
-        key_width: Of the key, 0 for none [m].
-        keyway_width: Of the keyway, above the key's [m].
+        guide_length: Along the axis; 0 for a guide longer than the slider's travel [m].
+        key_width: Of a key that keeps a round slider from turning; 0 for none [m].
+        keyway_width: Above the key's [m].
         key_reach: From the axis to the load-bearing part of the key's flanks [m].
     """
 
@@ -125,22 +116,25 @@ class CylindricalClearance(RoundShape):
     look: ClassVar[Look] = LOOK
     planar: ClassVar[bool] = False
     motion: ClassVar[Motion] = "slide"
+    plays: ClassVar[tuple[Play, ...]] = (RADIAL, Play("", "keyway_width", "key_width", share=2.0))
+    no_line: ClassVar[str] = "the end of a round slider"
 
-    bearing_radius: float
-    journal_radius: float
-    slider_length: float
-    guide_length: float = 0.0
-    key_width: float = 0.0
-    keyway_width: float = 0.0
-    key_reach: float = 0.0
+    bearing_radius: float = dimension("bearing")
+    journal_radius: float = dimension("journal", below="bearing_radius")
+    slider_length: float = dimension("journal")
+    guide_length: float = dimension("bearing", rule="zero or more", default=0.0)
+    key_width: float = dimension("journal", rule="zero or more", default=0.0)
+    keyway_width: float = dimension("bearing", rule="zero or more", default=0.0)
+    key_reach: float = dimension("journal", rule="zero or more", default=0.0)
 
     def __post_init__(self) -> None:
         """Check the dimensions."""
-        require_lengths(self, "bearing_radius", "journal_radius", "slider_length")
-        require_below(self, "journal_radius", "bearing_radius")
-        check_guide_length(self)
-        if any(getattr(self, name) != 0.0 for name in _KEY):
-            require_lengths(self, *_KEY)
+        check_dimensions(self)
+        given = [getattr(self, name) for name in _KEY]
+        if any(given):
+            for name, length in zip(_KEY, given, strict=True):
+                if not length:
+                    raise InvalidParameterError(self, name, "positive, as a key has all three")
             require_below(self, "key_width", "keyway_width")
 
     @property

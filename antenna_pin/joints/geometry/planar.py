@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.base.arguments import takes
 from antenna_pin.joints.geometry import kernels
+from antenna_pin.joints.geometry.dimension import dimension
 from antenna_pin.joints.geometry.look import Across, Array, Look, Sizes, across_centre, radial_words
 from antenna_pin.joints.geometry.round_kernels import ROUND
 from antenna_pin.joints.geometry.shape import (
@@ -17,8 +17,6 @@ from antenna_pin.joints.geometry.shape import (
     Motion,
     RoundShape,
     flat,
-    require_below,
-    require_lengths,
 )
 
 if TYPE_CHECKING:
@@ -49,13 +47,12 @@ LOOK = Look(
 # --- shape --------------------------------------------------------------------------------------------------
 
 
-@takes(bearing_radius="m", journal_radius="m")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlanarClearance(RoundShape):
     """Journal in a bore, restricted to its plane: radial play only, one candidate contact.
 
     Attributes:
-        bearing_radius: R_i [m].
+        bearing_radius: R_i, radius of the bore [m].
         journal_radius: R_j, below R_i [m].
     """
 
@@ -65,13 +62,8 @@ class PlanarClearance(RoundShape):
     motion: ClassVar[Motion | None] = "turn"
     half_length: ClassVar[float | None] = None
 
-    bearing_radius: float
-    journal_radius: float
-
-    def __post_init__(self) -> None:
-        """Check the dimensions."""
-        require_lengths(self, "bearing_radius", "journal_radius")
-        require_below(self, "journal_radius", "bearing_radius")
+    bearing_radius: float = dimension("bearing")
+    journal_radius: float = dimension("journal", below="bearing_radius")
 
     @property
     def contact_places(self) -> tuple[ContactPlace, ...]:

@@ -7,25 +7,24 @@ import itertools
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Protocol
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.base.arguments import check_number, takes
 from antenna_pin.base.readable import GIVEN, readable
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.joints.geometry import kernels
 from antenna_pin.joints.geometry.corner_kernels import CORNER
+from antenna_pin.joints.geometry.dimension import RADIAL, Play, dimension
 from antenna_pin.joints.geometry.guide_kernels import EDGE
 from antenna_pin.joints.geometry.look import Across, Array, Look, Sizes, length
 from antenna_pin.joints.geometry.shape import (
     ContactPlace,
     Motion,
     Shape,
+    check_dimensions,
     flat,
-    require_below,
-    require_lengths,
 )
 
 if TYPE_CHECKING:
@@ -141,19 +140,6 @@ _SIGNS = ((1.0, "+"), (-1.0, "-"))
 Vector = NDArray[np.float64]
 
 
-class _Guided(Protocol):
-    """Protocol of sliders in a guide."""
-
-    @property
-    def guide_length(self) -> float: ...
-
-
-def check_guide_length(shape: _Guided) -> None:
-    """Refuse a guide's length that is none: of a guide without end it is 0."""
-    if not 0.0 <= shape.guide_length < math.inf:
-        raise InvalidParameterError(shape, "guide_length", "a length [m], or 0 for a guide without end")
-
-
 def guided_length(slider: float, guide: float) -> float:
     """Return the guided length of a centred slider, from both lengths [m]."""
     return min(slider, guide) if guide else slider
@@ -177,16 +163,6 @@ def walls(
     return flat(CORNER, *((kind, corner, wall, at, radius) for corner, wall, at in corners))
 
 
-@takes(
-    guide_width="m",
-    guide_height="m",
-    slider_width="m",
-    slider_height="m",
-    slider_length="m",
-    corner_radius="m",
-    guide_length="m",
-    roll="rad",
-)
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PrismaticClearance(Shape):
     """A rectangular slider with rounded edges in a rectangular guide: a prismatic joint with play.
@@ -202,14 +178,14 @@ class PrismaticClearance(Shape):
     guide, except for its block's face.
 
     Attributes:
-        guide_width: Of the hollow, along the section's x [m].
-        guide_height: Along the section's y [m].
+        guide_width: Of a guide's hollow, along its section's x [m].
+        guide_height: Along its section's y [m].
         slider_width: Below the guide's [m].
         slider_height: Below the guide's [m].
         slider_length: Along the axis [m].
-        corner_radius: Of the rounding of the slider's edges, 0 or more, below half of each of its sides [m].
-        roll: Of the section about the axis, from the x axis of the bearing frame [rad].
-        guide_length: Along the axis, 0 for a guide longer than the slider's travel [m].
+        corner_radius: Of the rounding of the slider's edges, below half of each of its sides; 0 for none [m].
+        roll: Of a guide's section about the axis, from the x axis of the bearing frame [rad].
+        guide_length: Along the axis; 0 for a guide longer than the slider's travel [m].
 
     References:
         Flores, Leine and Glocker (2010), Multibody Syst. Dyn. 23, 165-190 (recalled): planar, with sharp
@@ -220,33 +196,40 @@ class PrismaticClearance(Shape):
     look: ClassVar[Look] = LOOK
     planar: ClassVar[bool] = False
     motion: ClassVar[Motion] = "slide"
+    plays: ClassVar[tuple[Play, ...]] = tuple(
+        RADIAL._replace(
+            outer=f"guide_{side}", inner=f"slider_{side}", share=2.0, name=f"play across the {side}"
+        )
+        for side in ("width", "height")
+    )
+    no_line: ClassVar[str] = "the corner of a slider"
+    sharp: ClassVar[str] = "corner_radius: a sharp corner has no stiffness"
 
-    guide_width: float
-    guide_height: float
-    slider_width: float
-    slider_height: float
-    slider_length: float
-    corner_radius: float = 0.0
-    roll: float = 0.0
-    guide_length: float = 0.0
+    guide_width: float = dimension("bearing")
+    guide_height: float = dimension("bearing")
+    slider_width: float = dimension("journal", below="guide_width")
+    slider_height: float = dimension("journal", below="guide_height")
+    slider_length: float = dimension("journal")
+    corner_radius: float = dimension("journal", rule="zero or more", default=0.0)
+    roll: float = dimension("bearing", unit="rad", rule="", default=0.0)
+    guide_length: float = dimension("bearing", rule="zero or more", default=0.0)
 
     def __post_init__(self) -> None:
         """Check the dimensions."""
-        require_lengths(self, "guide_width", "guide_height", "slider_width", "slider_height", "slider_length")
-        for side in ("width", "height"):
-            require_below(self, f"slider_{side}", f"guide_{side}")
+        check_dimensions(self)
         half = 0.5 * min(self.slider_width, self.slider_height, self.slider_length)
-        if not 0.0 <= self.corner_radius < half:
-            raise InvalidParameterError(
-                self, "corner_radius", f"zero or more, and below half of each side, {half:g} m"
-            )
-        check_number(self, "roll", self.roll, "", "rad")
-        check_guide_length(self)
+        if not self.corner_radius < half:
+            raise InvalidParameterError(self, "corner_radius", f"below half of each side, {half:g} m")
 
     @property
     def radial_clearance(self) -> float:
         """The lesser of the plays to each side [m]."""
         return 0.5 * min(self.guide_width - self.slider_width, self.guide_height - self.slider_height)
+
+    @property
+    def contact_radius(self) -> float:
+        """Radius of a corner, which is on a plane [m]."""
+        return self.corner_radius
 
     @property
     def section_radius(self) -> float:

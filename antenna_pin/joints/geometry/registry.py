@@ -15,14 +15,16 @@ if TYPE_CHECKING:
 SHAPES = Classes(
     "antenna_pin.joints.geometry",
     {
-        # Of several kinds in a figure forces are drawn as of the first: those without an axis first.
+        "revolute": "revolute.RevoluteClearance",
+        "planar": "planar.PlanarClearance",
         "spherical": "spherical.SphericalClearance",
         "prismatic": "prismatic.PrismaticClearance",
         "cylindrical": "cylindrical.CylindricalClearance",
-        "revolute": "revolute.RevoluteClearance",
-        "planar": "planar.PlanarClearance",
     },
 )
+
+#: What a scenario calls a kind, where that is another word.
+MODELS = {"revolute": "contact"}
 
 
 def __getattr__(name: str) -> Any:

@@ -10,20 +10,19 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.base.arguments import takes
 from antenna_pin.base.records import CONTACT
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.joints.geometry import kernels
+from antenna_pin.joints.geometry.dimension import RADIAL, Play, dimension
 from antenna_pin.joints.geometry.look import Across, Array, Look, Sizes, circle, length, radial_words
 from antenna_pin.joints.geometry.revolute_kernels import REVOLUTE, scenario_in
 from antenna_pin.joints.geometry.shape import (
     ContactPlace,
     Motion,
     RoundShape,
+    check_dimensions,
     flat,
     pose_of,
-    require_below,
-    require_lengths,
 )
 
 if TYPE_CHECKING:
@@ -81,16 +80,22 @@ LOOK = Look(
 
 #: Greatest depth of a hard preload, over the bearing's radius: that at which contact stiffness still applies.
 HARDEST = 0.01
+#: Outer radius of a bearing over that of its bore, where a scenario does not give it [-]: a thick plain bush.
+OUTER = 1.5
 
-
-@takes(
-    bearing_radius="m",
-    journal_radius="m",
-    bearing_length="m",
-    flange_distance="m",
-    bearing_outer_radius="m",
-    flange_radius="m",
+_AXIAL = Play(
+    "axial_clearance",
+    "flange_distance",
+    "bearing_length",
+    "C_a at each flange when centred, below 0 a hard preload; if left out, from the flanges, else the radial "
+    "one [m].",
+    share=2.0,
+    rule="",
+    along=True,
+    like="radial_clearance",
 )
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RevoluteClearance(RoundShape):
     r"""A journal with two flanges in a bearing, with radial and axial play.
@@ -107,11 +112,13 @@ class RevoluteClearance(RoundShape):
     error in depth of at most eccentricity times tilt, because force and energy stay continuous that way.
 
     Attributes:
-        bearing_radius: R_i, of the bore [m].
+        bearing_radius: R_i, radius of the bore [m].
         journal_radius: R_j, below R_i [m].
         bearing_length: L_i [m].
-        flange_distance: L_j, between the flanges' inner faces [m]. Below L_i both faces are pressed by
-            -C_a in the centred place, a hard preload; by at most a hundredth of R_i.
+        flange_distance: L_j = L_i + 2 C_a, between the flanges' inner faces [m]
+
+            Below L_i both faces are pressed by -C_a in the centred place, a hard preload; by at most a
+            hundredth of R_i.
         bearing_outer_radius: R_io, above R_i [m].
         flange_radius: R_f, above R_i [m].
 
@@ -124,19 +131,26 @@ class RevoluteClearance(RoundShape):
     look: ClassVar[Look] = LOOK
     planar: ClassVar[bool] = False
     motion: ClassVar[Motion] = "turn"
+    plays: ClassVar[tuple[Play, ...]] = (RADIAL, _AXIAL)
+    ends: ClassVar[int] = 2
 
-    bearing_radius: float
-    journal_radius: float
-    bearing_length: float
-    flange_distance: float
-    bearing_outer_radius: float
-    flange_radius: float
+    bearing_radius: float = dimension("bearing")
+    journal_radius: float = dimension("journal", below="bearing_radius")
+    bearing_length: float = dimension("bearing")
+    flange_distance: float = dimension("journal")
+    bearing_outer_radius: float = dimension(
+        "bearing", above="bearing_radius", times=(OUTER, "bearing_radius"), words="outer radius"
+    )
+    flange_radius: float = dimension(
+        "journal",
+        above="bearing_radius",
+        times=(1.0, "bearing_outer_radius"),
+        words="flanges of radius",
+    )
 
     def __post_init__(self) -> None:
         """Check the dimensions."""
-        require_lengths(self, "bearing_radius", "journal_radius", "bearing_length", "flange_distance")
-        require_lengths(self, "bearing_outer_radius", "flange_radius")
-        require_below(self, "journal_radius", "bearing_radius")
+        check_dimensions(self)
         # A difference of round-off size is an axial clearance of zero.
         hardest = 2.0 * HARDEST * self.bearing_radius + 1e-12 * self.bearing_length
         if not self.flange_distance >= self.bearing_length - hardest:
@@ -146,9 +160,6 @@ class RevoluteClearance(RoundShape):
                 f"at least bearing_length = {self.bearing_length:g} m, or for a hard preload less by at most "
                 f"{2.0 * HARDEST:g} bearing_radius",
             )
-        for name in ("bearing_outer_radius", "flange_radius"):
-            if not getattr(self, name) > self.bearing_radius:
-                raise InvalidParameterError(self, name, f"above bearing_radius = {self.bearing_radius:g} m")
 
     @classmethod
     def from_clearances(

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, Literal, NamedTuple, Protocol
+from typing import Any, ClassVar, Literal, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.base.arguments import check_number
 from antenna_pin.base.directions import direction
-from antenna_pin.base.parameters import LARGEST
+from antenna_pin.base.parameters import check
 from antenna_pin.base.records import CONTACT, POSE
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.joints.geometry import kernels
+from antenna_pin.joints.geometry.dimension import RADIAL, Play, dimensions_of
 
 Vector3 = NDArray[np.float64]
 Motion = Literal["turn", "slide"]
@@ -69,8 +69,8 @@ class Distances(Protocol):
 class ClearanceGeometry(Protocol):
     """Shape of a joint with play: candidate contacts and freedom.
 
-    A kind of joint with play is one class of this protocol, in a file of its own and in
-    ``geometry/__init__.py``.
+    A kind of joint with play is one class of this protocol, from :class:`Shape`, in a file of its own with a
+    line in ``geometry/registry.py``.
     """
 
     @property
@@ -117,13 +117,37 @@ class ClearanceGeometry(Protocol):
 
 
 class Shape:
-    """Base of shapes, with members beyond those of their protocol."""
+    """Base of shapes: a frozen dataclass of dimensions, with members beyond those of their protocol.
+
+    A scenario's table of the kind follows from its fields
+    (:func:`~antenna_pin.joints.geometry.dimension.dimension`) and ``plays``.
+
+    Attributes:
+        plays: Plays between two of its dimensions.
+        no_line: What touches, where no law of contact along a line can hold; "" if one can.
+        ends: Number of contacts that share a line along the bearing [-].
+        sharp: The key that a Hertz stiffness needs and may be zero, and why; "" where there is none.
+    """
 
     __slots__ = ()
+
+    plays: ClassVar[tuple[Play, ...]] = ()
+    no_line: ClassVar[str] = ""
+    ends: ClassVar[int] = 1
+    sharp: ClassVar[str] = ""
+
+    def __post_init__(self) -> None:
+        """Check the dimensions."""
+        check_dimensions(self)
 
     @property
     def patch_radius(self) -> float | None:
         """None: the load acts at points."""
+        return None
+
+    @property
+    def axial_clearance(self) -> float | None:
+        """None: without flanges."""
         return None
 
     def contacts(
@@ -148,6 +172,8 @@ class RoundShape(Shape):
 
     __slots__ = ()
 
+    plays: ClassVar[tuple[Play, ...]] = (RADIAL,)
+
     @property
     def section_radius(self: _Radii) -> float:
         """R_i, the size of the hollow [m]."""
@@ -157,6 +183,11 @@ class RoundShape(Shape):
     def radial_clearance(self: _Radii) -> float:
         """C_r, the hollow's radius less that of the part inside [m]."""
         return self.bearing_radius - self.journal_radius
+
+    @property
+    def contact_radius(self: _Radii) -> float:
+        """Effective radius of curvature of a contact, R_i R_j / C_r [m]."""
+        return self.bearing_radius * self.journal_radius / (self.bearing_radius - self.journal_radius)
 
 
 def pose_of(p_HJ: ArrayLike, attitude: ArrayLike) -> NDArray[Any]:
@@ -219,17 +250,18 @@ def flat(layout: np.dtype[Any], *rows: tuple[Any, ...]) -> NDArray[np.float64]:
     return np.array(list(rows), dtype=layout).view(np.float64).reshape(len(rows), -1)
 
 
+def check_dimensions(shape: Any) -> None:
+    """Check the dimensions of a shape by their declarations: units, rules, order."""
+    check(shape)
+    for name, one in dimensions_of(type(shape)).items():
+        if one.below:
+            require_below(shape, name, one.below)
+        if one.above and not getattr(shape, name) > getattr(shape, one.above):
+            raise InvalidParameterError(shape, name, f"above {one.above} = {getattr(shape, one.above):g} m")
+
+
 def require_below(shape: object, name: str, other: str) -> None:
     """Refuse a dimension that is not smaller than another."""
     most = getattr(shape, other)
     if not getattr(shape, name) < most:
         raise InvalidParameterError(shape, name, f"below {other} = {most:g} m")
-
-
-def require_lengths(shape: object, *names: str) -> None:
-    """Refuse a dimension that is not a positive length."""
-    for name in names:
-        length = getattr(shape, name)
-        check_number(shape, name, length, "positive", "m")
-        if length > LARGEST:
-            raise InvalidParameterError(shape, name, f"at most {LARGEST:g} m")

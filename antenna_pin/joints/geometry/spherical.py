@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from antenna_pin.base.arguments import takes
 from antenna_pin.joints.geometry import kernels
+from antenna_pin.joints.geometry.dimension import RADIAL, Play, dimension
 from antenna_pin.joints.geometry.look import Across, Array, Look, Sizes, across_centre, radial_words
 from antenna_pin.joints.geometry.round_kernels import ROUND
 from antenna_pin.joints.geometry.shape import (
@@ -17,8 +17,6 @@ from antenna_pin.joints.geometry.shape import (
     Motion,
     RoundShape,
     flat,
-    require_below,
-    require_lengths,
 )
 
 if TYPE_CHECKING:
@@ -50,7 +48,6 @@ LOOK = Look(
 # --- shape --------------------------------------------------------------------------------------------------
 
 
-@takes(socket_radius="m", ball_radius="m")
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SphericalClearance(RoundShape):
     """A ball in a socket with play: one contact, on the line of centres.
@@ -70,14 +67,11 @@ class SphericalClearance(RoundShape):
     planar: ClassVar[bool] = False
     motion: ClassVar[Motion | None] = None
     half_length: ClassVar[float | None] = None
+    plays: ClassVar[tuple[Play, ...]] = (RADIAL._replace(outer="socket_radius", inner="ball_radius"),)
+    no_line: ClassVar[str] = "a ball in a socket"
 
-    socket_radius: float
-    ball_radius: float
-
-    def __post_init__(self) -> None:
-        """Check the dimensions."""
-        require_lengths(self, "socket_radius", "ball_radius")
-        require_below(self, "ball_radius", "socket_radius")
+    socket_radius: float = dimension("bearing", key="bearing_radius")
+    ball_radius: float = dimension("journal", key="journal_radius", below="socket_radius")
 
     @property
     def bearing_radius(self) -> float:

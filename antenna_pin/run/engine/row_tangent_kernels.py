@@ -32,17 +32,10 @@ from antenna_pin.dynamics.tangent_room_kernels import TangentRoom
 from antenna_pin.elements import kernels as elements
 from antenna_pin.elements.ledger_kernels import write_work_change
 from antenna_pin.integrate.difference_kernels import (
-    BEGIN,
-    FINER,
-    OFTEN,
-    add,
-    clear,
+    differentiated,
     displace_words,
     note_words,
-    place_at,
     put_back_words,
-    rests,
-    settle,
 )
 from antenna_pin.mechanism.mass_kernels import mass_and_bias
 from antenna_pin.mechanism.tangent_kernels import read_bodies
@@ -72,32 +65,29 @@ def prepare_rows(t: float, y: Floats, tau: Floats, room: TangentRoom) -> None:
     read_ties(plan, work, numbers.gravity, room.bodies, rows.ties)
 
 
+@inlined
+def _move_displaced(h: float, t: float, m: int, room: TangentRoom) -> None:
+    """Write the accelerations of motions with number m displaced, or the time (-1)."""
+    numbers, wanted = room.numbers, room.rows.wanted
+    plan, program = numbers.plan, numbers.program
+    if m >= 0:
+        displace_words(program, room.shifts.program, m, h)
+    for k in range(wanted.shape[0]):
+        own = driven_at(plan, k)
+        _, _, wanted[k] = elements.motion(own.kind, program, own.words, t if m >= 0 else t + h)
+
+
+_differences = differentiated(_move_displaced)
+
+
 @kernel
 def _differentiate_motions(t: float, m: int, step: float, room: TangentRoom, out: Floats) -> None:
     """Write the derivatives of motions' accelerations over number m, or over time (-1), (kinds, motions)."""
-    numbers, rows, words = room.numbers, room.rows, room.shifts.program
-    plan, program = numbers.plan, numbers.program
-    count, found, points = plan_of(plan).motions, BEGIN, room.weights.shape[1]
+    rows, words, program = room.rows, room.shifts.program, room.numbers.program
+    count = plan_of(room.numbers.plan).motions
     if m >= 0:
         note_words(program, words, m)
-    for _ in range(OFTEN):
-        clear(rows.trial, count)
-        moves = False
-        for turn in range(2 * points + 1):
-            place = place_at(turn, points)
-            h = place * step
-            if m >= 0:
-                displace_words(program, words, m, h)
-            for k in range(count):
-                own = driven_at(plan, k)
-                _, _, rows.wanted[k] = elements.motion(own.kind, program, own.words, t if m >= 0 else t + h)
-            moves = add(rows.wanted, count, place, room.weights, rows.trial) or moves
-            if rests(turn, moves, count, rows.trial):
-                break
-        found = settle(rows.trial, rows.wanted, step, (0, count), found, out)
-        if not found[2]:
-            break
-        step /= FINER
+    _differences(step, (0, count, count, count), (rows.wanted, room.weights, rows.trial), out, t, m, room)
     if m >= 0:
         put_back_words(program, words, m)
 

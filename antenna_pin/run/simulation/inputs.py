@@ -29,7 +29,6 @@ from antenna_pin.dynamics import (
 from antenna_pin.elements import FAMILIES
 from antenna_pin.elements.control import Controller
 from antenna_pin.errors import InvalidParameterError, ScenarioError, UnknownNameError
-from antenna_pin.joints.geometry import RevoluteClearance
 from antenna_pin.joints.pose_kernels import place_journal
 from antenna_pin.run.engine import check_compiled
 from antenna_pin.run.simulation.constraints import check_sets
@@ -108,8 +107,7 @@ def controllers_of(scenario: Scenario) -> dict[str, Controller]:
     found = {}
     for name, table in scenario.controllers.items():
         follows = getattr(table, "follows", None)
-        key = "share" if table.kind == "attitude" else "reference"
-        more = {} if follows is None else {key: reference_for(scenario, follows, None).over_time()}
+        more = {} if follows is None else {table.course: reference_for(scenario, follows, None).over_time()}
         found[name] = table.build(**more)
     return found
 
@@ -198,7 +196,7 @@ def check_start(system: System, y: np.ndarray) -> None:
     workspace = Workspace(system)
     workspace.locate(y, table)
     for joint in system.clearances:
-        if isinstance(joint.geometry, RevoluteClearance):
+        if joint.axial_clearance is not None:
             pose = np.zeros(1, POSE)
             place_journal(system.program, system.clearance_blocks[joint.name], y, system.model.nq, pose)
             axis = pose["axis"][0]

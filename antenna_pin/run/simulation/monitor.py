@@ -169,7 +169,7 @@ def turning_text(run: Workspace, y: Array, step: float) -> str:
     rates = {
         name: float(np.abs(y[nq : nq + run.model.nv][slot.v]).max())
         for name, slot in system.mechanism.joints.items()
-        if slot.kind in ("continuous", "revolute")
+        if slot.turns
     }
     fastest = max(rates, key=rates.__getitem__, default="")
     if not fastest or not rates[fastest] * step > _TURN:

@@ -290,7 +290,7 @@ def _check_units(scenario: Scenario, mechanism: Mechanism, spec: CouplingSpec, *
     check_motion(scenario, follower, spec.motion, *place, "offset")
     if spec.leader not in mechanism.joints:
         return
-    units = ["m" if slot.kind == "prismatic" else "rad" for slot in (follower, mechanism.joint(spec.leader))]
+    units = ["m" if slot.slides else "rad" for slot in (follower, mechanism.joint(spec.leader))]
     ratio = "1" if units[0] == units[1] else "/".join(units)
     if spec.conversion not in (None, ratio):
         raise ScenarioError(
@@ -407,8 +407,8 @@ def _check_controllers(scenario: Scenario, system: System) -> None:
         place, spec = ("controllers", name), scenario.controllers[name]
         for measure in measures_of(one):
             if measure.of == "joint":
-                joints = system.mechanism.joints
+                joints, motion = system.mechanism.joints, getattr(spec, "motion", None)
                 check_known(scenario, [measure.name], "moving joint", joints, *place, "measures")
-                check_motion(scenario, system.mechanism.joint(measure.name), spec.motion, *place)
+                check_motion(scenario, system.mechanism.joint(measure.name), motion, *place)
             elif measure.of == "contact":
                 check_known(scenario, [measure.name], "contact", system.contact_names, *place, "measures")

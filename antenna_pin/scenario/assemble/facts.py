@@ -87,7 +87,7 @@ def _start(scenario: Scenario, system: System, q: NDArray[np.float64]) -> dict[s
             far[name] = {"turn": turn, "shift": shift}
     start = {}
     for name, slot in mechanism.joints.items():
-        if slot.kind in ("revolute", "continuous", "prismatic"):
+        if slot.has_one_axis:
             own_q = q[slot.q]
             start[name] = float(own_q[0] if len(own_q) == 1 else np.arctan2(own_q[1], own_q[0]))
     return {"start": start, "moved": far}
@@ -111,7 +111,7 @@ def _joints(scenario: Scenario, system: System) -> dict[str, str]:
 
 def _drive(system: System, name: str) -> str:
     drive = system.drives[name]
-    slides = system.mechanism.joint(drive.joint).kind == "prismatic"
+    slides = system.mechanism.joint(drive.joint).slides
     return f"{drive.words(slides)}, at {drive.joint}"
 
 

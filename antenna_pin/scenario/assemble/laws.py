@@ -18,6 +18,7 @@ from antenna_pin.contact import (
     internal_hertz_stiffness,
     make_normal_law,
     normal_parameters,
+    point_stiffness,
 )
 from antenna_pin.errors import InvalidParameterError, ScenarioError
 from antenna_pin.joints import ClearanceJoint
@@ -85,9 +86,10 @@ def _normal_law(
     elastic = made.parts.elastic
     if not isinstance(elastic, LineLaw):
         return made
-    if spec.no_line:
+    if spec.shape_class.no_line:
         raise ScenarioError(
-            f"{place}.law: must be a law of a point, such as hertz, for {spec.no_line}, got {law.law!r}"
+            f"{place}.law: must be a law of a point, such as hertz, for {spec.shape_class.no_line}, got "
+            f"{law.law!r}"
         )
     if radial is None:
         return made
@@ -111,7 +113,8 @@ def _flange_law(spec: Any, bore: LineLaw) -> Hertz:
         return Hertz(
             stiffness=internal_hertz_stiffness(bore.bearing_radius, bore.journal_radius, bore.modulus)
         )
-    outer = min(spec.radii)
+    sizes = spec.sizes()
+    outer = min(sizes["bearing_outer_radius"], sizes["flange_radius"])
     punch = annular_punch_factor(spec.bearing_radius / outer) * 2.0 * bore.modulus * outer
     if spec.flange_modulus is not None:
         punch = spec.flange_modulus * math.pi * (outer**2 - spec.bearing_radius**2)
@@ -144,22 +147,25 @@ def _stiffness(
         )
     if isinstance(bore, LineLaw):
         return internal_hertz_stiffness(bore.bearing_radius, bore.journal_radius, bore.modulus)
-    modulus = _from_joint(scenario, spec, "modulus", place)
-    return float(spec.hertz_stiffness(modulus, place))
+    modulus, shape = _from_joint(scenario, spec, "modulus", place), spec.shape()
+    if not shape.contact_radius:
+        raise ScenarioError(f"{place}: is missing; give it, or the joint's {shape.sharp}")
+    return point_stiffness(shape.contact_radius, modulus)
 
 
 def _from_joint(scenario: Scenario, spec: Any, key: str, place: str) -> float:
     """Return what a law takes from the joint's dimensions and materials."""
-    if key == "bearing_radius":
-        return float(spec.bearing_radius)
-    if key == "journal_radius":
-        return float(spec.bearing_radius - spec.radial_play)
+    if key in ("bearing_radius", "journal_radius"):
+        radius = getattr(spec.shape(), key, None)
+        if radius is None:
+            raise ScenarioError(f"{place}: must be given for {spec.shape_class.no_line}, which has no radius")
+        return float(radius)
     if key == "length":
         if spec.bearing_length is None:
             raise ScenarioError(f"{place}: is missing; give it or the joint's bearing_length")
         # Of a line along the bearing each end has half, which under distributed load its strips share out; in
         # a planar joint the one contact has the whole.
-        return float(spec.bearing_length / spec.ends)
+        return float(spec.bearing_length / spec.shape_class.ends)
     for key, material in zip(("bearing_material", "journal_material"), spec.materials, strict=True):
         if material is None:
             raise ScenarioError(f"{place}: is missing; give it or the joint's {key}")

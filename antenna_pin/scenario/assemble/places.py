@@ -26,7 +26,7 @@ def check_known(
 def slides(scenario: Scenario, slot: JointSlot) -> bool:
     """Return true for a joint that slides along its axis, with play or without."""
     play = scenario.clearance.get(slot.name)
-    return slot.kind == "prismatic" or (slot.kind == "floating" and play is not None and play.slides)
+    return slot.slides or (slot.kind == "floating" and play is not None and play.slides)
 
 
 def check_motion(scenario: Scenario, slot: JointSlot, motion: str | None, *place: str) -> None:

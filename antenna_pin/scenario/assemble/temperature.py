@@ -15,12 +15,15 @@ from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree as ET
 
 from antenna_pin.base.arguments import takes
+from antenna_pin.base.parameters import parameters_of
 from antenna_pin.base.readable import readable
 from antenna_pin.base.tolerance_chain import Dimension, ToleranceChain
 from antenna_pin.base.units import any_quantity
 from antenna_pin.errors import AntennaPinError, ScenarioError, UnknownNameError
+from antenna_pin.joints.geometry.dimension import dimensions_of
 from antenna_pin.scenario import Scenario
 from antenna_pin.scenario._clearance import law_tables
+from antenna_pin.scenario._dimensions import FIT, by_key
 from antenna_pin.scenario.assemble.places import check_known, where
 from antenna_pin.scenario.clearance import TouchingSpec
 from antenna_pin.scenario.numbers import number_of, with_number
@@ -28,25 +31,6 @@ from antenna_pin.scenario.temperature import JointPlay, TemperatureSpec, Thermal
 
 if TYPE_CHECKING:
     from antenna_pin.elements import BallBearing
-
-# Dimensions by the part that they are of; all others of a joint's shape are the bearing's.
-_OF_JOURNAL = (
-    "journal_radius",
-    "flange_distance",
-    "flange_radius",
-    "ball_radius",
-    "slider_width",
-    "slider_height",
-    "slider_length",
-    "corner_radius",
-    "key_width",
-    "key_reach",
-)
-# Keys of a joint's table by the names that its shape has for them, where these are others.
-_KEYS = {"socket_radius": "bearing_radius", "ball_radius": "journal_radius"}
-_NOT_LENGTHS = ("roll",)
-# Ways of giving a play, which explicit dimensions take the place of.
-_GIVEN = ("fit", "fit_hole", "fit_shaft", "radial_clearance", "axial_clearance")
 
 
 @takes()
@@ -121,7 +105,7 @@ def joint_play(scenario: Scenario, joint: str) -> JointPlay:
     table: Any = scenario.clearance[joint]
     spec = scenario.temperature or TemperatureSpec()
     sizes, grown = table.sizes(), _grown(scenario, spec, joint, table)
-    before, after = _plays(sizes), _plays(grown)
+    before, after = _plays(table, sizes), _plays(table, grown)
     bearing, journal = _temperatures(scenario, spec, joint, table)
     least_before, least_after = min(before[0]), min(after[0])
     closing = least_before / (least_before - least_after) if least_after < least_before else math.nan
@@ -166,32 +150,23 @@ def play_over_temperature(scenario: Scenario, joint: str, temperatures: Sequence
     return found
 
 
-def _plays(sizes: dict[str, float]) -> tuple[list[float], float]:
+def _plays(table: TouchingSpec, sizes: dict[str, float]) -> tuple[list[float], float]:
     """Return plays across the axis and the play at each flange [m]; NaN without flanges."""
-    pairs = (
-        ("bearing_radius", "journal_radius", 1.0),
-        ("socket_radius", "ball_radius", 1.0),
-        ("guide_width", "slider_width", 0.5),
-        ("guide_height", "slider_height", 0.5),
-        ("keyway_width", "key_width", 0.5),
-    )
-    across = [
-        share * (sizes[one] - sizes[other])
-        for one, other, share in pairs
-        if sizes.get(one) and sizes.get(other)
-    ]
-    flanges = sizes.get("flange_distance")
-    return across, math.nan if flanges is None else 0.5 * (flanges - sizes["bearing_length"])
+    plays = [one for one in table.shape_class.plays if sizes[one.outer] and sizes[one.inner]]
+    across = [one.of(sizes) for one in plays if not one.along]
+    return across, next((one.of(sizes) for one in plays if one.along), math.nan)
 
 
 def _grown(scenario: Scenario, spec: TemperatureSpec, joint: str, table: Any) -> dict[str, float]:
     """Return the dimensions of a joint at its temperatures, by the names of its shape."""
     rises = [one - spec.reference for one in _temperatures(scenario, spec, joint, table)]
-    factors = []
-    for rise, name, key in zip(rises, table.materials, ("bearing_material", "journal_material"), strict=True):
-        factors.append(1.0 + rise * _expansion(scenario, name, "clearance", joint, key) if rise else 1.0)
+    factors = {}
+    for rise, name, part in zip(rises, table.materials, ("bearing", "journal"), strict=True):
+        key = f"{part}_material"
+        factors[part] = 1.0 + rise * _expansion(scenario, name, "clearance", joint, key) if rise else 1.0
+    dimensions, units = dimensions_of(table.shape_class), parameters_of(table.shape_class)
     return {
-        name: value if name in _NOT_LENGTHS else value * factors[name in _OF_JOURNAL]
+        name: value * factors[dimensions[name].part] if units[name].unit == "m" else value
         for name, value in table.sizes().items()
     }
 
@@ -229,8 +204,9 @@ def _expanded(scenario: Scenario, spec: TemperatureSpec, joint: str, table: Any)
         )
     grown = _grown(scenario, spec, joint, table)
     data = table.model_dump(exclude_none=True) | law_tables(table)
-    data = {key: value for key, value in data.items() if key not in _GIVEN}
-    lengths = {_KEYS.get(name, name): value for name, value in grown.items() if value}
+    data = {key: value for key, value in data.items() if key not in (*FIT, *by_key(table.shape_class))}
+    dimensions = dimensions_of(table.shape_class)
+    lengths = {dimensions[name].key: value for name, value in grown.items() if value}
     if "bearing_length" in data and "bearing_length" not in lengths:  # of a planar joint its shape has none
         rise = play.bearing_temperature - spec.reference
         expansion = (

@@ -37,6 +37,9 @@ from antenna_pin.show.plot.grammar import (
 )
 from antenna_pin.trajectory import contact_ends, contact_kinds
 
+# Forces of joints of several kinds are drawn as of those without an axis, if there are any.
+_FIRST = ("contact", "transverse", "radial")
+
 # How dots of blows look; of many they are pixels.
 _DOT: dict[str, Any] = {
     "linestyle": "none",
@@ -147,7 +150,8 @@ def _comparable(sizes: list[float]) -> bool:
 def _kinds(runs: list[LabelledRun], joint: str) -> tuple[str, ...]:
     """Return the rows for the contacts that the joint has in any run."""
     found = {contact_kinds(run.data)[name] for run in runs for name in run.contacts_of(joint)}
-    return next((look.rows for look in LOOKS.values() if look.contacts <= found), ("radial",))
+    rows = [look.rows for look in LOOKS.values() if look.contacts <= found]
+    return min(rows, key=lambda row: (_FIRST.index(row[0]), -len(row)), default=("radial",))
 
 
 def _resultant(run: LabelledRun, joint: str, kinds: tuple[str, ...]) -> dict[str, Array]:

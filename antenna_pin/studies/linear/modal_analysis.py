@@ -346,7 +346,7 @@ def _largest(system: System, acceleration: Array) -> tuple[str, float, str]:
     k = int(np.argmax(np.abs(acceleration)))
     name = system.names_v[k]
     slides = name.endswith((".vx", ".vy", ".vz")) or any(
-        slot.kind == "prismatic" and slot.v.start == k for slot in system.mechanism.joints.values()
+        slot.slides and slot.v.start == k for slot in system.mechanism.joints.values()
     )
     return name, float(abs(acceleration[k])), "m/s^2" if slides else "rad/s^2"
 

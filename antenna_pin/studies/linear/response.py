@@ -155,7 +155,7 @@ def targets_of(modes: Modes) -> list[str]:
     held = {name for name, kind in system.held.items() if kind == "spherical"}
     with_play = {joint.name for joint in system.clearances} | {*system.held, *system.on_bearings}
     for name, slot in system.mechanism.joints.items():
-        axis = slot.kind in ("revolute", "continuous", "prismatic") or name in with_play
+        axis = slot.has_one_axis or name in with_play
         if axis and name not in ball | held:
             found.append(name)
     return found + (list(_BASE_MOTIONS) if system.mechanism.base == "free" else [])

@@ -156,7 +156,7 @@ def _labels(system: System, count: int) -> dict[str, Any]:
 def _way(system: System, name: str) -> str:
     """Return the unit of a number of q, or of an integrated number of v."""
     if name in system.mechanism.joints:
-        return "m" if system.mechanism.joints[name].kind == "prismatic" else "rad"
+        return "m" if system.mechanism.joints[name].slides else "rad"
     part = name.rpartition(".")[2]
     return "m" if part in ("x", "y", "z", "vx", "vy", "vz") else "rad" if part in ("wx", "wy", "wz") else "1"
 

@@ -494,7 +494,7 @@ class Balance:
         for joint in self.system.clearances:
             v = self.system.mechanism.joint(joint.name).v
             geometry = joint.geometry
-            plays = [geometry.radial_clearance, getattr(geometry, "axial_clearance", None) or 0.0]
+            plays = [geometry.radial_clearance, joint.axial_clearance or 0.0]
             least = min((one for one in plays if one > 0.0), default=0.01 * max(joint.depth_limits))
             trusted = _TRUSTED_IN_PLAY * least
             lever = geometry.half_length or geometry.section_radius

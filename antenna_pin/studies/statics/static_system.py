@@ -231,7 +231,7 @@ def _with_sticking(
         if not isinstance(one, JointFriction) or one.friction == 0.0 or not one.on:
             continue
         place = f"springs.{name}"
-        if system.mechanism.joint(one.joint).kind in ("revolute", "continuous", "prismatic"):
+        if system.mechanism.joint(one.joint).has_one_axis:
             own = name if name not in frictions else f"{name} of springs"
             frictions[own] = StickingFriction(joint=one.joint, coulomb=one.friction, viscous=one.damping)
             del families["springs"][name]

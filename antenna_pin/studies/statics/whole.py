@@ -134,7 +134,7 @@ def _coordinates(balance: Balance, y: Array) -> Array:
         elif slot.kind == "planar":
             parts += [own[:2] / balance.length, own[2:]]
         else:
-            parts.append(own / (balance.length if slot.kind == "prismatic" else 1.0))
+            parts.append(own / (balance.length if slot.slides else 1.0))
     return np.concatenate(parts)
 
 
@@ -243,9 +243,9 @@ def _random(balance: Balance, y: Array, hold: Sequence[str], starts: int, seed: 
         for name, slot in system.mechanism.joints.items():
             if name in hold or name in balance.system.held:
                 continue
-            if slot.kind in ("revolute", "continuous", "prismatic"):
+            if slot.has_one_axis:
                 lower, upper = limits_of(system, name)
-                span = math.pi * (balance.length if slot.kind == "prismatic" else 1.0)
+                span = math.pi * (balance.length if slot.slides else 1.0)
                 low = lower if math.isfinite(lower) else -span
                 high = upper if math.isfinite(upper) else span
                 place = float(random.uniform(low, high))
