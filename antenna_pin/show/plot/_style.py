@@ -171,7 +171,7 @@ _FORMULAS = MathTextParser("path")
 
 
 def _share_formulas(renderer: Any) -> None:
-    """Have a renderer of vectors use formulas that others have parsed: each would parse all anew."""
+    """Have a renderer of vectors use formulas that others have parsed."""
     outlines: Any = getattr(renderer, "_text2path", None)
     if hasattr(outlines, "mathtext_parser"):
         outlines.mathtext_parser = _FORMULAS
@@ -179,7 +179,7 @@ def _share_formulas(renderer: Any) -> None:
 
 @contextlib.contextmanager
 def _fixed_titles(panels: Iterable[Axes]) -> Iterator[None]:
-    """Keep titles on their panels' upper edges, except above ticks or above the factor of an axis.
+    """Keep titles on their panels' upper edges, except above ticks or a factor.
 
     Matplotlib would measure all ticks again for each title.
     """
