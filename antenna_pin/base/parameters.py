@@ -125,7 +125,7 @@ def _parameters_of(cls: type[Any]) -> dict[str, Parameter]:
         found[item.name] = Parameter(
             required=required,
             default=None if required else item.default,
-            doc=docs.get(item.name, ""),
+            doc=item.metadata.get("doc", docs.get(item.name, "")),
             **{name: item.metadata[name] for name in _SAID},
         )
     return found

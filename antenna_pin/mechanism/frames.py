@@ -47,6 +47,7 @@ def frame_aligning_z(axis: npt.ArrayLike) -> Matrix3:
     return np.asarray(rotation)
 
 
+@takes()
 def frames_aligning_z(axes: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
     """Return the shortest rotations that take ``z`` to unit axes (n, 3), (n, 3, 3)."""
     a, b, c = axes.T

@@ -11,7 +11,7 @@ from closure_force import force_of_closure
 
 from antenna_pin import load_scenario, models_path, simulate
 from antenna_pin.analysis import body_motion, joint_loads
-from antenna_pin.contact import hertz_stiffness
+from antenna_pin.contact import hertz_stiffness, point_stiffness
 from antenna_pin.mechanism import Urdf, build_mechanism
 
 FOLDER = models_path() / "slider_crank"
@@ -215,7 +215,7 @@ def test_the_stiffness_is_that_of_each_clearance(case, stiffness):
     modulus = 207e9 / (2.0 * (1.0 - 0.3**2))
     assert found == pytest.approx(4.0 / 3.0 * modulus * math.sqrt(0.010 * ball / spec.radial_play), rel=1e-12)
     assert found == pytest.approx(stiffness, rel=5e-3)
-    assert spec.hertz_stiffness(modulus, "") == pytest.approx(found, rel=1e-12)
+    assert point_stiffness(spec.shape().contact_radius, modulus) == pytest.approx(found, rel=1e-12)
 
 
 @pytest.mark.parametrize("case", ["planar", "flores", "friction", "bearing-on-rod", "3d", "fast"])
