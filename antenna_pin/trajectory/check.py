@@ -15,9 +15,8 @@ from pydantic import AfterValidator, AllowInfNan, BaseModel, Field, TypeAdapter,
 
 from antenna_pin.base.units import shown
 from antenna_pin.trajectory.columns import Breach, ColumnRule
-from antenna_pin.trajectory.kept_quantities import left_out_of
 from antenna_pin.trajectory.outcome import REACHED_END
-from antenna_pin.trajectory.quantities import RUN
+from antenna_pin.trajectory.quantities import RUN, left_out_of
 from antenna_pin.trajectory.read import contact_kinds, is_lean, json_in, names_along
 from antenna_pin.trajectory.schema import COORDINATES, DIMENSIONS, TIME, variables_of
 

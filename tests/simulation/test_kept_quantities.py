@@ -10,7 +10,7 @@ import pytest
 from antenna_pin import Outcome, RunSettings, Trajectory, load_scenario, simulate
 from antenna_pin.errors import InvalidParameterError, LedgerOpenWarning, UnknownNameError
 from antenna_pin.run.simulation.samples import FEW
-from antenna_pin.trajectory.kept_quantities import KEEPABLE, OF_SAMPLES
+from antenna_pin.trajectory.quantities import KEEPABLE, OF_SAMPLES
 
 
 @pytest.fixture

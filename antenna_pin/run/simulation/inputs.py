@@ -50,7 +50,7 @@ from antenna_pin.run.simulation.events import (
 )
 from antenna_pin.scenario import Scenario, settings_key
 from antenna_pin.scenario.assemble import build_system, initial_angles, initial_state, reference_for
-from antenna_pin.trajectory.kept_quantities import KEEPABLE
+from antenna_pin.trajectory.quantities import KEEPABLE
 
 # --- settings, events and controllers of a scenario ---------------------------------------------------------
 

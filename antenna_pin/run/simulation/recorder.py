@@ -32,8 +32,8 @@ from antenna_pin.run.simulation.variables import (
 )
 from antenna_pin.trajectory import ENDED_WELL, Outcome
 from antenna_pin.trajectory.columns import first_not_finite
-from antenna_pin.trajectory.kept_quantities import OF_SAMPLES
 from antenna_pin.trajectory.labelled import Unlabelled
+from antenna_pin.trajectory.quantities import OF_SAMPLES
 
 if TYPE_CHECKING:
     import xarray as xr

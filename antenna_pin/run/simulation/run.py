@@ -38,8 +38,8 @@ from antenna_pin.run.simulation.recorder import Recorder, result_data
 from antenna_pin.run.simulation.samples import FEW, check_room
 from antenna_pin.scenario import Scenario, scenario_named
 from antenna_pin.trajectory import Outcome, Trajectory, library_versions, write_blocks
-from antenna_pin.trajectory.kept_quantities import needs_samples
 from antenna_pin.trajectory.labelled import Unlabelled
+from antenna_pin.trajectory.quantities import needs_samples
 
 if TYPE_CHECKING:
     from antenna_pin.scenario import Scenario

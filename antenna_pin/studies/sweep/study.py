@@ -19,7 +19,7 @@ from antenna_pin.scenario.runs_file import RunsFile, nested
 from antenna_pin.scenario.spec import Count, Folder, Spec, refuse, refuse_name
 from antenna_pin.studies.sweep.measures import MEASURES
 from antenna_pin.studies.sweep.responses import ResponseSpec
-from antenna_pin.trajectory.kept_quantities import KEEPABLE, needs_samples
+from antenna_pin.trajectory.quantities import KEEPABLE, needs_samples
 
 #: Names that the dataset of a study has for itself.
 RESERVED = (
