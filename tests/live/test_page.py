@@ -82,10 +82,10 @@ class Shown:
         return self.wait()
 
 
-@pytest.fixture(scope="module")
-def served():
-    """One server; each tab has a document of its own."""
-    with explore(load_scenario("bai2020", case="case3"), duration=0.05) as exploration:
+@pytest.fixture
+def served(tmp_path):
+    """A server of its own, for a page that is opened again goes on where it was."""
+    with explore(load_scenario("bai2020", case="case3"), duration=0.05, out=tmp_path) as exploration:
         yield exploration
 
 
@@ -286,20 +286,17 @@ def test_a_refused_value_is_told_and_the_curves_stay(shown):
     assert "refused" not in shown.type("clearance.elevation.normal.restitution", "0.5")
 
 
-def test_save_writes_a_file_that_makes_the_curves_and_reset_undoes(local_page, tmp_path):
-    with explore(load_scenario("bai2020", case="case3"), duration=0.05, out=tmp_path) as exploration:
-        shown = Shown(local_page, exploration)
-        shown.open()
-        before = shown.curve("radial")
-        shown.type(PLAY, "0.15 mm")
-        for k in range(2):
-            name = f"bai2020-case3-explored{'-1' * k}.toml"
-            assert f"antenna-pin run {tmp_path / name}" in shown.click("save")
-            check_same(shown, simulate(load_scenario(tmp_path / name)))
-        shown.click("reset")
-        assert shown.value(PLAY) == "0.2 mm"
-        assert np.array_equal(shown.curve("radial"), before)
-        local_page.open("about:blank")
+def test_save_writes_a_file_that_makes_the_curves_and_reset_undoes(shown, tmp_path):
+    shown.open()
+    before = shown.curve("radial")
+    shown.type(PLAY, "0.15 mm")
+    for k in range(2):
+        name = f"bai2020-case3-explored{'-1' * k}.toml"
+        assert f"antenna-pin run {tmp_path / name}" in shown.click("save")
+        check_same(shown, simulate(load_scenario(tmp_path / name)))
+    shown.click("reset")
+    assert shown.value(PLAY) == "0.2 mm"
+    assert np.array_equal(shown.curve("radial"), before)
 
 
 @pytest.mark.slow

@@ -452,7 +452,7 @@ def test_figures_of_a_slider_and_of_its_ideal_joint_can_be_read(
         each.figure.name for each in allowed
     }
     for each in allowed:
-        if each.figure.name in (*SLIDES, "orbit", "contact_forces", "joint_load", "energy"):
+        if each.figure.name in (*SLIDES, "journal_orbit", "contact_forces", "joint_load", "energy"):
             readable(each.draw([("play", slider_run), ("no play", ideal_slider_run)], width=width))
 
 
