@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import sys
 import time
+import warnings
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -24,6 +25,7 @@ from loop import near_limit_of
 from run import bare_aba
 
 from antenna_pin import Scenario, Trajectory, build_system, simulate
+from antenna_pin.errors import StiffRunWarning
 from antenna_pin.studies.sweep.executor import SWITCH_INTERVAL
 
 RUNS = 1000
@@ -70,6 +72,7 @@ def main() -> int:
     report.parser.add_argument("--runs", type=int, default=RUNS, help="runs of the first engine")
     arguments = report.parse()
     sys.setswitchinterval(SWITCH_INTERVAL)
+    warnings.simplefilter("ignore", StiffRunWarning)  # of the random parameters some are
     for engine, (changes, share, limit) in ENGINES.items():
         count = 4 if arguments.quick else round(share * arguments.runs)
         measure(report, engine, drawn(count, changes), limit if arguments.runs == RUNS else None)

@@ -38,6 +38,7 @@ def test_the_smaller_play_stops_the_tilt(axial_clearance, stopped_by):
 @pytest.mark.slow
 def test_the_table_of_bai_and_zhao_is_made(monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["bai2020.py", "--quick"])
+    monkeypatch.syspath_prepend(SCRIPTS)
     with pytest.raises(SystemExit) as ended:
         runpy.run_path(str(SCRIPTS / "bai2020.py"), run_name="__main__")
     assert not ended.value.code
