@@ -138,12 +138,12 @@ class CubicSpring(Element):
 
 
 @inlined
-def effort(spring, t, angle, rate) -> float:
+def effort(spring, t, angle, rate):
     return -spring.cubic * angle**3
 
 
 @inlined
-def stored(spring, angle) -> float:
+def stored(spring, angle):
     return 0.25 * spring.cubic * angle**4
 '''
 

@@ -58,7 +58,7 @@ def said_of_open(system: System, residuals: Any, length: float) -> str:
     fastest = max(rates, key=rates.__getitem__, default="")
     if fastest and max(residuals.gap / length, residuals.turn) <= speed <= _ROUND_OFF * rates[fastest]:
         joint = system.drives[fastest].joint
-        unit = "m/s" if system.mechanism.joint(joint).slides else "rad/s"
+        unit = "m/s" if system.slides(joint) else "rad/s"
         return (
             f"motion {fastest!r} is too fast: it moves joint {joint!r} by {number(rates[fastest])} "
             f"{unit} at t = 0, and its loops cannot be closed better than to the round-off of that, "

@@ -443,7 +443,8 @@ class System:
 
     def slides(self, joint: str) -> bool:
         """Return whether a joint slides along its axis rather than turning about it."""
-        return slides(self.mechanism, self.clearances, joint)
+        held = self.free_with_axis.get(joint) == "prismatic"
+        return held or slides(self.mechanism, self.clearances, joint)
 
     @property
     def closed_to_world(self) -> bool:

@@ -16,7 +16,7 @@ from collections.abc import Callable
 from typing import Any
 
 from antenna_pin.base.records import place_of, words_of
-from antenna_pin.compiled.decorators import ByKind, in_python, kernel, record
+from antenna_pin.compiled.decorators import ByKind, kernel, record
 from antenna_pin.elements import registry
 from antenna_pin.elements.element import LOSS, Drive, Element, ForceElement, takes_tail
 from antenna_pin.elements.hook_kernels import Hooks
@@ -46,6 +46,7 @@ def _row(name: str, last: str, default: _Default = lambda element: None, plain: 
     like = getattr(Hooks, name, _mode)
     parameters = [one for one in inspect.signature(like).parameters if one not in ("self", "element")]
     head = f"def {name}({', '.join(['words', 'at', *parameters])}):\n    "
+    cast = "float" if like.__annotations__["return"] == "float" else ""  # a kind's own needs no annotation
 
     def of_kind(number: int) -> Any:
         element: Any = registry.element_of(number)
@@ -57,7 +58,6 @@ def _row(name: str, last: str, default: _Default = lambda element: None, plain: 
             if hook is not None:
                 tail = f"words[at + {words_of(element.layout())} :], " if takes_tail(hook) else ""
                 call = one.replace(f"{called}(", f"hook({_own(element)}, {tail}")
-                cast = "float" if in_python(hook).__annotations__["return"] == "float" else ""
                 return _kernel(name, f"{head}return {cast}({call})", namer, hook)
         if (statement := default(element)) is not None:
             return _kernel(name, head + statement, element)

@@ -16,7 +16,7 @@ from antenna_pin.base.parameters import parameters_of
 from antenna_pin.base.units import shown
 from antenna_pin.errors import InvalidParameterError
 from antenna_pin.joints.geometry.dimension import RADIAL, Play, dimensions_of
-from antenna_pin.joints.geometry.registry import SHAPES
+from antenna_pin.joints.geometry.registry import MODELS, SHAPES
 from antenna_pin.scenario._class_tables import annotated
 from antenna_pin.scenario.spec import QuantityRule, Spec, read_quantity, refuse
 
@@ -132,13 +132,17 @@ def table_of(name: str, base: type[Any], model: Any, shape: type[Any] | None = N
 
 
 @cache
-def alternatives() -> tuple[tuple[frozenset[str], frozenset[str]], ...]:
-    """Return keys that exclude each other: plays and dimensions that they decide, and fits."""
-    found: dict[str, set[str]] = {}
-    for shape in SHAPES.values():
+def alternatives(model: str) -> tuple[tuple[frozenset[str], frozenset[str]], ...]:
+    """Return keys of a model's table that exclude each other: plays and their dimensions, and fits.
+
+    Dimensions of other shapes exclude no play of the model's own: they wait for another case.
+    """
+    own = (shape for kind, shape in SHAPES.items() if MODELS.get(kind, kind) == model)
+    found: dict[str, frozenset[str]] = {}
+    for shape in (*own, *SHAPES.values()):
         for key, names in by_key(shape).items():
-            found.setdefault(key, set()).update(names)
-    plays = ((frozenset({key}), frozenset(names)) for key, names in found.items())
+            found.setdefault(key, frozenset(names))
+    plays = ((frozenset({key}), names) for key, names in found.items())
     return (*plays, (frozenset(FIT), frozenset(_OF_FIT)))
 
 

@@ -6,6 +6,7 @@ The table of a joint whose parts touch follows from the class of its shape
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, cast
 
@@ -99,8 +100,8 @@ class TouchingSpec(Clearance):
 
     @property
     def axial_play(self) -> float:
-        """C_a of a joint with flanges, however given; by default the radial play [m]."""
-        return min(self._plays(along=True))
+        """C_a, however given; by default the radial play; NaN without flanges [m]."""
+        return min(self._plays(along=True), default=math.nan)
 
     def _plays(self, *, along: bool) -> list[float]:
         keys = {play.key for play in self.shape_class.plays if play.along == along}

@@ -57,7 +57,7 @@ def merge(base: Mapping[str, Any], over: Mapping[str, Any], path: tuple[str, ...
     ``radial_clearance``, removes the other.
     """
     merged = dict(base)
-    for one, other in _alternatives(path):
+    for one, other in _alternatives(path, over.get("model", base.get("model"))):
         for given, excluded in ((one, other), (other, one)):
             if given & over.keys():
                 for key in excluded:
@@ -77,7 +77,7 @@ def merge(base: Mapping[str, Any], over: Mapping[str, Any], path: tuple[str, ...
     return merged
 
 
-def _alternatives(path: tuple[str, ...]) -> Iterator[tuple[frozenset[str], frozenset[str]]]:
+def _alternatives(path: tuple[str, ...], model: object) -> Iterator[tuple[frozenset[str], frozenset[str]]]:
     for pattern, pairs in _ALTERNATIVES.items():
         if len(pattern) == len(path) and all(
             key in ("*", seen) for key, seen in zip(pattern, path, strict=True)
@@ -86,7 +86,7 @@ def _alternatives(path: tuple[str, ...]) -> Iterator[tuple[frozenset[str], froze
     if len(path) == 2 and path[0] == "clearance":
         from antenna_pin.scenario._dimensions import alternatives  # which loads the shapes
 
-        yield from alternatives()
+        yield from alternatives(model if isinstance(model, str) else "")
 
 
 def read_overrides(overrides: Overrides) -> tuple[dict[str, Any], tuple[str, ...]]:

@@ -180,14 +180,16 @@ def test_numbers_follow_their_tables():
 def test_the_preload_of_a_pair_follows_the_housing():
     """Back-to-back rows share half of the difference of lengths; a rigid contact angle gives K x^1.5."""
     scenario = load_scenario("reaction_wheel")
-    name, table = next(iter(scenario.families["bearings"].items()))
+    (table,) = scenario.families["bearings"].values()
+    name = "shaft.1"  # which stands in quotes
+    scenario = scenario.model_copy(update={"bearings": {name: table}})
     made = table.build()
     assert isinstance(made, BallBearing)
     hot = scenario.with_overrides(
         {
             "temperature.all": "60 degC",
-            f"temperature.bearings.{name}.shaft_material": "steel-440c",
-            f"temperature.bearings.{name}.housing_material": "aluminium-7075-t6",
+            f'temperature.bearings."{name}".shaft_material': "steel-440c",
+            f'temperature.bearings."{name}".housing_material': "aluminium-7075-t6",
         }
     )
     after = at_temperature(hot).families["bearings"][name].build().preload

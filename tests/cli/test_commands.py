@@ -13,6 +13,7 @@ import pytest
 import xarray as xr
 
 import antenna_pin.run.simulation
+from antenna_pin import load_scenario
 from antenna_pin.apps.cli import app
 from antenna_pin.errors import InvalidParameterError, OutputError
 from antenna_pin.scenario import list_scenarios
@@ -192,6 +193,21 @@ def test_progress_bar_shows_time_speed_and_step(cli):
     said = cli("run", "bai2020", "--case", "case1", "--duration", "0.01", "--no-summary")
     assert (said.code, said.out) == (0, "saved bai2020-case1.nc\n")
     assert all(words in said.err for words in ("bai2020-case1", "0.01 of 0.01 s", "s/s", "step"))
+
+
+def test_the_geometry_reaches_joints_of_any_name(cli, tmp_path):
+    folder = load_scenario("impact_pair").folder
+    for name in ("scenario.toml", "pair.urdf"):
+        text = (folder / name).read_text(encoding="utf-8").replace('"bore"', '"bore.1"')
+        text = text.replace("clearance.bore]", 'clearance."bore.1"]').replace(
+            "joints.bore]", 'joints."bore.1"]'
+        )
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    said = cli(
+        "run", "scenario.toml", "--duration", "1e-4", "--quiet", "--geometry", "closed-form", "--out", "a.nc"
+    )
+    assert said.code == 0, said.err
+    assert Trajectory.load(tmp_path / "a.nc").scenario.clearance["bore.1"].geometry == "closed-form"
 
 
 def test_settings_reach_the_scenario(cli, tmp_path):

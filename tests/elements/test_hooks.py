@@ -9,7 +9,7 @@ import pytest
 
 from antenna_pin.base.parameters import parameter
 from antenna_pin.base.records import words_of
-from antenna_pin.compiled.decorators import ByKind, in_python, record
+from antenna_pin.compiled.decorators import ByKind, in_python, inlined, record
 from antenna_pin.elements import ELEMENTS, PointSpring, kernels
 from antenna_pin.elements.element import Element, packed
 from antenna_pin.elements.hook_kernels import Hooks
@@ -95,3 +95,17 @@ def test_a_record_has_the_numbers_of_the_class_that_names_the_kernels():
     own = record(words[:size], Example.layout())
     assert (own.stiffness, own.count, own.stays, own.largest) == (3.0, 2, 1, math.inf)
     assert own.axis.tolist() == [0.0, 0.6, 0.8] and words[size:].tolist() == [1.0, 2.0]
+
+
+@inlined
+def effort(example, t, angle, rate):
+    """Return a whole number, without annotations."""
+    return 2
+
+
+def test_a_hook_needs_no_annotations(monkeypatch):
+    """What it returns follows from the declaration of the hook, also for compiled callers."""
+    monkeypatch.setattr(kernels.registry, "element_of", lambda number: Example)
+    words = Example(joint="hinge").words_of_kernel()
+    found = in_python(kernels.effort.at.__wrapped__(0))(words, 0, 0.0, 0.5, 0.0)
+    assert (found, type(found)) == (2.0, float)

@@ -120,7 +120,7 @@ def test_phase_margin_and_bandwidth_are_those_of_a_fine_root(wheel):
 def test_coulomb_friction_counts_as_constant(wheel):
     """A joint at rest under regularised friction has the margins of the same without its Coulomb part."""
     loop = "kp = 40\nkd = 6\ndelay_periods = 1"
-    rub = '[springs.rub]\njoint = "axis"\nkind = "friction"\nfriction = {}\ndamping = 0.2'
+    rub = '[springs."rub.1"]\njoint = "axis"\nkind = "friction"\nfriction = {}\ndamping = 0.2'
     with_friction = loop_margins(wheel(loop, rub.format(0.3)))
     without = loop_margins(wheel(loop, rub.format(0.0), "smooth"))
     assert with_friction.gain_margin == pytest.approx(without.gain_margin, rel=1e-12)

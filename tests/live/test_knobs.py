@@ -192,3 +192,22 @@ def test_a_fit_is_turned_by_places_in_its_zones():
     hole = knobs["clearance.hinge.fit_hole"]
     turned = scenario.with_overrides(hole.settings(1.0)).clearance["hinge"]
     assert turned.bearing_radius == pytest.approx(10.0105e-3, rel=1e-15)
+
+
+def test_names_with_dots_stand_in_quotes(tmp_path):
+    """A joint's name is any text: knobs of its play, law, start and drives are laid over all the same."""
+    folder = load_scenario("slider").folder
+    for name in ("slider.urdf", "scenario.toml"):
+        text = (folder / name).read_text(encoding="utf-8").replace('"slide"', '"slide.1"')
+        text = text.replace("clearance.slide]", 'clearance."slide.1"]').replace(
+            "drives.push]", 'drives."push 1"]'
+        )
+        (tmp_path / name).write_text(text.replace("joints.slide]", 'joints."slide.1"]'), encoding="utf-8")
+    start = {'initial.joints."slide.1".velocity': "0.1 m/s"}
+    scenario = load_scenario(tmp_path / "scenario.toml", overrides=start)
+    knobs = knobs_of(scenario, "slide.1")
+    places = {knob.place for knob in knobs}
+    assert {'clearance."slide.1".slider_width', 'drives."push 1".value', *start} <= places
+    assert any(place.startswith('clearance."slide.1".friction.') for place in places)
+    for knob in knobs:
+        scenario.with_overrides(knob.settings(knob.value))

@@ -136,3 +136,11 @@ def test_many_alike_things_have_a_line_each(shown):
     names = [f"{joint}, {case}" for joint in ("root", "first", "second", "third") for case in cases]
     assert list(found) == names
     assert all(line["touches"] == 0.0 and "fastest rebound" not in line for line in found.values())
+
+
+@pytest.mark.parametrize("model", ["prismatic", "ideal"])
+def test_a_bare_number_at_a_sliding_joint_is_a_force(model):
+    over = {"drives.push.value": 4.0, "clearance.slide.model": model, "duration": "1 ms"}
+    run = simulate(load_scenario("slider", case="driven", overrides=over))
+    html = report(run, figures=False, recordings=False).html
+    assert "constant 4\N{NO-BREAK SPACE}N, at slide" in html

@@ -1,6 +1,7 @@
 """Joints with play in scenario files."""
 
 import json
+import math
 
 import pytest
 from scenario_files import DELETED, H
@@ -120,6 +121,7 @@ def test_a_planar_joint_needs_no_flanges(folder):
     joint = folder.load({"clearance.hinge": planar, "cases": {}}).clearance["hinge"]
     assert isinstance(joint, PlanarClearance)
     assert joint.radial_play == pytest.approx(0.0005, abs=1e-17)  # round-off of 10 mm
+    assert math.isnan(joint.axial_play)
     assert folder.load({H + "axial_clearance": "0 mm"}).clearance["hinge"].axial_play == 0.0
     changes = {H + "axial_clearance": DELETED, H + "flange_distance": "50 mm"}
     assert folder.load(changes).clearance["hinge"].axial_play == 0.0

@@ -45,6 +45,17 @@ def test_widths_leave_half_of_what_they_differ_by_to_each_side():
     assert (shape.slider_width, shape.slider_height) == (0.0401 - 2e-4, 0.0402 - 2e-4)
 
 
+def test_a_width_that_waits_for_a_slider_leaves_the_play_of_a_round_part():
+    """A play excludes dimensions of its own shape alone; the other way about a slider's play is its own."""
+    over = {"clearance.bore.slider_width": 0.03, "clearance.bore.slider_height": 0.03}
+    for model in ("planar", "ideal", "contact"):
+        found = load_scenario("impact_pair", overrides=over | {"clearance.bore.model": model})
+        assert found.clearance["bore"].radial_clearance == 1e-4
+    over = {"clearance.slide.journal_radius": 0.01, "clearance.slide.radial_clearance": "0.1 mm"}
+    slide = load_scenario("slider", case="driven", overrides=over).clearance["slide"]
+    assert (slide.slider_width, slide.radial_play) == (None, 1e-4)
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [

@@ -15,6 +15,7 @@ from antenna_pin.base.state import State
 from antenna_pin.errors import AntennaPinError, InvalidParameterError
 from antenna_pin.run.session import EndedError, InUseError, start
 from antenna_pin.run.simulation import Angle, Event, Force, Mark, Rate, Set, Stop, Time
+from antenna_pin.scenario.assemble import scenario_facts
 
 
 @pytest.fixture(scope="module")
@@ -523,3 +524,18 @@ def test_a_second_thread_is_refused_while_a_session_goes_on(short, call):
         done.set()
         first.join()
     assert session.step(1e-6)
+
+
+@pytest.mark.parametrize("model", ["prismatic", "constraint", "ideal"])
+def test_a_joint_that_slides_has_units_of_length_and_force(model):
+    """With play, held by constraint or ideal: in the start, its drive, its numbers, and in words."""
+    overrides = {"clearance.slide.model": model, "initial.joints.slide.position": "0.1 m"}
+    scenario = load_scenario("slider", case="driven", overrides=overrides)
+    assert scenario_facts(scenario)["drives"] == {"push": "constant 4\N{NO-BREAK SPACE}N, at slide"}
+    session = start(scenario)
+    session.set("drives.push.value", "5 N")
+    with pytest.raises(AntennaPinError, match=r"drives\.push\.value must be a force \[N\], got '5 N\*m'"):
+        session.set("drives.push.value", "5 N*m")
+    names = session.names()
+    assert (names["slide.angle"], names["drives.push.value"]) == ("m", "N")
+    assert session["slide.angle"] == pytest.approx(0.1, abs=1e-15)

@@ -73,6 +73,13 @@ def test_threads_of_studies_pass_the_lock_on_soon():
                     found.append(answer)
             # In whole microseconds, rounded down.
             assert [*found, sys.getswitchinterval()] == pytest.approx([meanwhile, before], abs=2e-6)
+            # Of two studies at once the one that began first ends first.
+            studies = [Threads(1).each(fail, None, iter([[1], [3]])) for _ in range(2)]
+            for study in (*studies, *studies):
+                assert next(study)[1] == pytest.approx(meanwhile, abs=2e-6)
+            for study, after in zip(studies, (meanwhile, before), strict=True):
+                assert [*study] == []
+                assert sys.getswitchinterval() == pytest.approx(after, abs=2e-6)
     finally:
         sys.setswitchinterval(own)
 

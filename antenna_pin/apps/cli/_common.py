@@ -169,6 +169,7 @@ def load(
 ) -> Scenario:
     """Return the scenario with the changes of the command line."""
     from antenna_pin.scenario import load_scenario
+    from antenna_pin.scenario.merge import key_of
 
     changes = list(settings or ())
     if duration is not None:
@@ -176,7 +177,7 @@ def load(
     loaded = load_scenario(name, case=case, overrides=changes)
     if geometry is None or not loaded.clearance:
         return loaded
-    changes += [f"clearance.{joint}.geometry={geometry.value}" for joint in loaded.clearance]
+    changes += [f"{key_of(('clearance', joint, 'geometry'))}={geometry.value}" for joint in loaded.clearance]
     return load_scenario(name, case=case, overrides=changes)
 
 

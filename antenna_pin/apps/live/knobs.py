@@ -16,6 +16,7 @@ from antenna_pin.base.units import quantity
 from antenna_pin.joints.geometry.dimension import dimensions_of
 from antenna_pin.scenario import LawChange, LawSpec, Scenario, TouchingSpec
 from antenna_pin.scenario.laws import declared_parameters, laws, needs_materials, unit_of
+from antenna_pin.scenario.merge import key_of
 
 # How far a number may be turned, as a factor either way: a stiffness, anything else that is positive.
 _WIDE, _USUAL = 100.0, 20.0
@@ -191,7 +192,7 @@ def _of_play(scenario: Scenario, joint: str | None) -> Iterator[Knob]:
     if spec.fit is not None:  # its radii follow from places in the zones of hole and shaft
         shown -= {"journal_radius"}
         for key, name in (("fit_hole", "hole in its zone"), ("fit_shaft", "shaft in its zone")):
-            place = f"clearance.{joint}.{key}"
+            place = key_of(("clearance", str(joint), key))
             yield Knob(f"Play in {joint}", name, place, "1", getattr(spec, key), -1.0, 1.0, False)
     for key, (name, start, factor) in sizes.items():
         written = getattr(spec, key)
@@ -203,7 +204,7 @@ def _of_play(scenario: Scenario, joint: str | None) -> Iterator[Knob]:
             high = min(high, max(widest, play))
         else:  # pressed, or with no play: up to what it may be
             low, high = min(2.0 * play, 0.0), 0.05 * widest
-        place, ends = f"clearance.{joint}.{key}", (low, high, logarithmic)
+        place, ends = key_of(("clearance", str(joint), key)), (low, high, logarithmic)
         yield Knob(f"Play in {joint}", name, place, "m", play, *ends, start, factor)
 
 
@@ -219,7 +220,7 @@ def _of_laws(scenario: Scenario, joint: str | None) -> Iterator[Knob]:
     for table in ("normal", "radial", "axial", "friction"):
         law: LawSpec | LawChange | None = getattr(spec, table)
         if law is not None:
-            yield from _of_law(spec, f"clearance.{joint}.{table}", table, law, str(joint))
+            yield from _of_law(spec, key_of(("clearance", str(joint), table)), table, law, str(joint))
 
 
 def _of_law(
@@ -249,7 +250,7 @@ def _of_law(
 def _of_material(scenario: Scenario, name: str, group: str) -> Knob:
     """Return the knob of a material's modulus."""
     material = scenario.material(name)
-    place = f"materials.{name}"
+    place = key_of(("materials", name))
     beside: dict[str, Any] = {}
     if name not in scenario.materials:
         for key in (item.name for item in fields(material) if item.name != "young"):
@@ -272,7 +273,7 @@ def _of_element(family: str, name: str, spec: Any, sliding: Collection[str]) -> 
         if not isinstance(value, float) or (value == 0.0 and not about.required):
             continue
         group = f"{_PLURAL.sub('', _words(family)).capitalize()} {name}"
-        unit, place = about.sliding if slides and about.sliding else about.unit, f"{family}.{name}.{key}"
+        unit, place = about.sliding if slides and about.sliding else about.unit, key_of((family, name, key))
         yield Knob(group, _words(key), place, unit, value, *_ranged_by(key, value))
 
 
@@ -283,5 +284,5 @@ def _of_start(scenario: Scenario, sliding: Collection[str]) -> Iterator[Knob]:
         for key, unit, along in (("velocity", "rad/s", "m/s"), ("rate", "rad/s", "rad/s")):
             value = getattr(spec, key)
             if value:
-                place, own = f"initial.joints.{name}.{key}", along if slides else unit
+                place, own = key_of(("initial", "joints", name, key)), along if slides else unit
                 yield Knob(f"Start of {name}", _words(key), place, own, value, *_ranged(value))

@@ -34,7 +34,7 @@ _SHOWN = 6  # names that a message offers
 
 def slides(run: Run, joint: str) -> bool:
     """Return whether a joint slides along its axis."""
-    return run.system.mechanism.joint(joint).slides
+    return run.system.slides(joint)
 
 
 class StateNumbers:

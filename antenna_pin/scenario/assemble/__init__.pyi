@@ -3,10 +3,10 @@ from antenna_pin.scenario.assemble.build import reference_for as reference_for
 from antenna_pin.scenario.assemble.facts import scenario_facts as scenario_facts
 from antenna_pin.scenario.assemble.initial import initial_angles as initial_angles
 from antenna_pin.scenario.assemble.initial import initial_state as initial_state
+from antenna_pin.scenario.assemble.places import as_written as as_written
 from antenna_pin.scenario.assemble.temperature import at_temperature as at_temperature
 from antenna_pin.scenario.assemble.temperature import closing_temperature as closing_temperature
 from antenna_pin.scenario.assemble.temperature import joint_play as joint_play
 from antenna_pin.scenario.assemble.temperature import play_over_temperature as play_over_temperature
 from antenna_pin.scenario.assemble.temperature import tolerance_chain as tolerance_chain
-from antenna_pin.scenario.assemble.variant import as_written as as_written
 from antenna_pin.scenario.assemble.variant import urdf_variant as urdf_variant

@@ -38,14 +38,19 @@ from antenna_pin.scenario import (
 )
 from antenna_pin.scenario.assemble.closures import closures_of, link_of
 from antenna_pin.scenario.assemble.laws import clearance_joint
-from antenna_pin.scenario.assemble.places import check_known, check_motion, slides, where
+from antenna_pin.scenario.assemble.places import (
+    as_written,
+    check_known,
+    check_motion,
+    slides,
+    unchanged_joint_types,
+    where,
+)
 from antenna_pin.scenario.assemble.temperature import at_temperature, said_of_temperature
 from antenna_pin.scenario.assemble.variant import (
     armature_of,
-    as_written,
     by_name,
     elements_by_family,
-    unchanged_joint_types,
     variant_and_parts,
 )
 from antenna_pin.scenario.clearance import TouchingSpec, said_of_assumed

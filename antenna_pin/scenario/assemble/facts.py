@@ -14,7 +14,7 @@ from antenna_pin.scenario import Scenario
 from antenna_pin.scenario.assemble.build import build_system
 from antenna_pin.scenario.assemble.closures import reversed_axes
 from antenna_pin.scenario.assemble.initial import guess_of, initial_angles, initial_state
-from antenna_pin.scenario.assemble.variant import as_written
+from antenna_pin.scenario.assemble.places import as_written
 from antenna_pin.scenario.clearance import TouchingSpec
 
 # What an assembly may move a joint by before it is told [rad, or of ways the mechanism's length]: 10 deg. A
@@ -111,8 +111,7 @@ def _joints(scenario: Scenario, system: System) -> dict[str, str]:
 
 def _drive(system: System, name: str) -> str:
     drive = system.drives[name]
-    slides = system.mechanism.joint(drive.joint).slides
-    return f"{drive.words(slides)}, at {drive.joint}"
+    return f"{drive.words(system.slides(drive.joint))}, at {drive.joint}"
 
 
 def _residuals(system: System, y: Any) -> tuple[float, float]:

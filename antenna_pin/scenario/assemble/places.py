@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+from antenna_pin.base.arguments import takes
 from antenna_pin.errors import ScenarioError, UnknownNameError
-from antenna_pin.mechanism import JointSlot
+from antenna_pin.mechanism import JointSlot, WrittenUrdf
 from antenna_pin.scenario import Scenario
 
 
@@ -23,10 +24,33 @@ def check_known(
             raise UnknownNameError(where(scenario, *place), what, name, known)
 
 
+def unchanged_joint_types(scenario: Scenario) -> dict[str, str]:
+    """Return the joint types of the unchanged URDF, by name."""
+    if not any(spec.model == "constraint" for spec in scenario.clearance.values()):
+        return {}
+    return {name: joint.type for name, joint in as_written(scenario).joints.items()}
+
+
+@takes()
+def as_written(scenario: Scenario) -> WrittenUrdf:
+    """Return a scenario's unchanged URDF, its mechanics not yet checked."""
+    return WrittenUrdf(
+        text=scenario.urdf_text,
+        where=str(scenario.urdf_path),
+        folder=scenario.urdf_path.parent,
+        package_path=tuple(scenario.folder / root for root in scenario.mechanism.package_path),
+        allow_impossible_inertia=scenario.mechanism.allow_impossible_inertia,
+    )
+
+
 def slides(scenario: Scenario, slot: JointSlot) -> bool:
-    """Return true for a joint that slides along its axis, with play or without."""
+    """Return true for a joint that slides along its axis, with play, without, or held by constraint."""
     play = scenario.clearance.get(slot.name)
-    return slot.slides or (slot.kind == "floating" and play is not None and play.slides)
+    if slot.slides or slot.kind != "floating" or play is None:
+        return slot.slides
+    return play.slides or (
+        play.model == "constraint" and unchanged_joint_types(scenario).get(slot.name) == "prismatic"
+    )
 
 
 def check_motion(scenario: Scenario, slot: JointSlot, motion: str | None, *place: str) -> None:

@@ -26,6 +26,7 @@ from antenna_pin.scenario._clearance import law_tables
 from antenna_pin.scenario._dimensions import FIT, by_key
 from antenna_pin.scenario.assemble.places import check_known, where
 from antenna_pin.scenario.clearance import TouchingSpec
+from antenna_pin.scenario.merge import key_of
 from antenna_pin.scenario.numbers import number_of, with_number
 from antenna_pin.scenario.temperature import JointPlay, TemperatureSpec, ThermalBearing
 
@@ -60,7 +61,7 @@ def at_temperature(scenario: Scenario) -> Scenario:
     found = found.model_copy(update={"clearance": joints})
     for name, bearing in spec.bearings.items():
         preload = _preload(found, spec, name, bearing)
-        found = with_number(found, f"bearings.{name}.preload", preload)
+        found = with_number(found, key_of(("bearings", name, "preload")), preload)
     return found
 
 

@@ -21,7 +21,7 @@ from antenna_pin.mechanism import (
 )
 from antenna_pin.mechanism.flexible import ElasticPart, split
 from antenna_pin.scenario import AnchorSpec, ElementSpec, JointsSpec, Scenario
-from antenna_pin.scenario.assemble.places import check_known, where
+from antenna_pin.scenario.assemble.places import as_written, check_known, where
 from antenna_pin.scenario.clearance import TouchingSpec
 
 # --- parts of flexible links --------------------------------------------------------------------------------
@@ -206,25 +206,6 @@ def _path(urdf: WrittenUrdf, link: str) -> list[str]:
         joint, link = above[link]
         found.append(joint)
     return found
-
-
-def unchanged_joint_types(scenario: Scenario) -> dict[str, str]:
-    """Return the joint types of the unchanged URDF, by name."""
-    if not any(spec.model == "constraint" for spec in scenario.clearance.values()):
-        return {}
-    return {name: joint.type for name, joint in as_written(scenario).joints.items()}
-
-
-@takes()
-def as_written(scenario: Scenario) -> WrittenUrdf:
-    """Return a scenario's unchanged URDF, its mechanics not yet checked."""
-    return WrittenUrdf(
-        text=scenario.urdf_text,
-        where=str(scenario.urdf_path),
-        folder=scenario.urdf_path.parent,
-        package_path=tuple(scenario.folder / root for root in scenario.mechanism.package_path),
-        allow_impossible_inertia=scenario.mechanism.allow_impossible_inertia,
-    )
 
 
 @takes()

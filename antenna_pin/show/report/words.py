@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -27,6 +27,7 @@ from antenna_pin.scenario import ClearanceSpec, PointingSpec, Scenario, Touching
 from antenna_pin.scenario.clearance import words_of_assumed
 from antenna_pin.show.report._page import Section, Statement
 from antenna_pin.show.report._runs import ReportedRun, labels_of
+from antenna_pin.trajectory.quantities import slides_along
 
 # --- laws of contact and friction in words, with all parameters as they were used, and materials ---
 
@@ -109,12 +110,13 @@ def _elastic_part(part: dict[str, Any]) -> str:
 # --- drives, springs and forces in words: each knows its own ---
 
 
-def words_of_elements(scenario: Scenario) -> Iterator[tuple[str, str]]:
-    """Yield each element of a scenario, with what it does."""
+def words_of_elements(scenario: Scenario, sliding: Collection[str]) -> Iterator[tuple[str, str]]:
+    """Yield each element of a scenario, with what it does, by the joints that slide."""
     for table, specs in scenario.families.items():
         for name, spec in specs.items():
             element: ForceElement = spec.build()
-            text = element.words(getattr(spec, "motion", None) == "translation")
+            slides = getattr(spec, "motion", None) == "translation" or element.acts_at in sliding
+            text = element.words(slides)
             if element.acts_at not in (None, name):
                 text += f", at {element.acts_at}"
             clearance = scenario.clearance.get(element.acts_at or "")
@@ -321,7 +323,7 @@ def _words(run: ReportedRun) -> Iterator[tuple[str, Words]]:
     if scenario is not None:
         yield "Clearance", dict(words_of_clearances(scenario))
         yield "Controllers", {name: _controller(table) for name, table in scenario.controllers.items()}
-        elements = words_of_elements(scenario)
+        elements = words_of_elements(scenario, slides_along(run.data, "sliding_joint"))
     else:
         yield "Clearance", dict(words_of_carried_clearances(run))
         elements = names_of_elements(run)

@@ -23,6 +23,7 @@ from antenna_pin.base.arguments import takes
 from antenna_pin.base.arrays import Array, Complex
 from antenna_pin.errors import InvalidParameterError, UnknownNameError
 from antenna_pin.scenario import Scenario
+from antenna_pin.scenario.merge import key_of
 from antenna_pin.studies.linear.modal_analysis import modes
 from antenna_pin.studies.linear.response import Plant, plant_of
 
@@ -176,8 +177,12 @@ def loop_margins(scenario: Scenario, controller: str | None = None) -> LoopMargi
 
 def _slipping(scenario: Scenario) -> Scenario:
     """Return a scenario without the Coulomb part of friction elements."""
-    rubs = [name for name, one in scenario.springs.items() if one.kind == "friction" and one.friction]
-    return scenario.with_overrides({f"springs.{name}.friction": 0.0 for name in rubs}) if rubs else scenario
+    rubs = [
+        key_of(("springs", name, "friction"))
+        for name, one in scenario.springs.items()
+        if one.kind == "friction" and one.friction
+    ]
+    return scenario.with_overrides(dict.fromkeys(rubs, 0.0)) if rubs else scenario
 
 
 def _joint_of(controller: Any, drive: Any) -> str:

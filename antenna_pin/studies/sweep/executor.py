@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -17,6 +18,24 @@ T = TypeVar("T")
 #: Time after which a thread passes the interpreter's lock on [s]: a thread back from its loop would wait 5 ms
 #: for the record of another's run.
 SWITCH_INTERVAL = 5e-4
+# Intervals before studies in threads that are under way, the oldest first.
+_intervals: list[float] = []
+_studies = threading.Lock()
+
+
+@contextlib.contextmanager
+def _short_switch_interval() -> Iterator[None]:
+    """Have threads pass the lock on soon, until the last of the studies under way ends."""
+    with _studies:
+        _intervals.append(_intervals[0] if _intervals else sys.getswitchinterval())
+        sys.setswitchinterval(min(_intervals[0], SWITCH_INTERVAL))
+    try:
+        yield
+    finally:
+        with _studies:
+            before = _intervals.pop()
+            if not _intervals:
+                sys.setswitchinterval(before)
 
 
 class Lost(Exception):  # noqa: N818 - an answer, not an error
@@ -91,20 +110,19 @@ class Threads:
                 return call(shared, batch)
 
         under_way: dict[Future[Any], list[T]] = {}
-        pool, interval = ThreadPoolExecutor(self.width), sys.getswitchinterval()
-        sys.setswitchinterval(min(interval, SWITCH_INTERVAL))
-        try:
-            while True:
-                while len(under_way) < self.width and (batch := next(batches, None)) is not None:
-                    under_way[pool.submit(answer, batch)] = batch
-                if not under_way:
-                    return
-                for future in wait(under_way, return_when=FIRST_COMPLETED).done:
-                    yield under_way.pop(future), future.result()
-        finally:  # after Ctrl-C in this thread as well: runs under way end as interrupted
-            stop.set()
-            pool.shutdown(cancel_futures=True)
-            sys.setswitchinterval(interval)
+        pool = ThreadPoolExecutor(self.width)
+        with _short_switch_interval():
+            try:
+                while True:
+                    while len(under_way) < self.width and (batch := next(batches, None)) is not None:
+                        under_way[pool.submit(answer, batch)] = batch
+                    if not under_way:
+                        return
+                    for future in wait(under_way, return_when=FIRST_COMPLETED).done:
+                        yield under_way.pop(future), future.result()
+            finally:  # after Ctrl-C in this thread as well: runs under way end as interrupted
+                stop.set()
+                pool.shutdown(cancel_futures=True)
 
     def close(self) -> None:
         """Do nothing."""
