@@ -133,7 +133,7 @@ def table_of(name: str, base: type[Any], model: Any, shape: type[Any] | None = N
 
 @cache
 def alternatives(model: str) -> tuple[tuple[frozenset[str], frozenset[str]], ...]:
-    """Return keys of a model's table that exclude each other: plays and their dimensions, and fits.
+    """Return keys of a model's table that exclude each other.
 
     Dimensions of other shapes exclude no play of the model's own: they wait for another case.
     """

@@ -44,7 +44,7 @@ def as_written(scenario: Scenario) -> WrittenUrdf:
 
 
 def slides(scenario: Scenario, slot: JointSlot) -> bool:
-    """Return true for a joint that slides along its axis, with play, without, or held by constraint."""
+    """Return true for a joint that slides along its axis, however it is modelled."""
     play = scenario.clearance.get(slot.name)
     if slot.slides or slot.kind != "floating" or play is None:
         return slot.slides

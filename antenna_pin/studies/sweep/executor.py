@@ -25,7 +25,7 @@ _studies = threading.Lock()
 
 @contextlib.contextmanager
 def _short_switch_interval() -> Iterator[None]:
-    """Have threads pass the lock on soon, until the last of the studies under way ends."""
+    """Have threads pass the lock on soon until the last study ends."""
     with _studies:
         _intervals.append(_intervals[0] if _intervals else sys.getswitchinterval())
         sys.setswitchinterval(min(_intervals[0], SWITCH_INTERVAL))
