@@ -15,7 +15,6 @@ import pytest
 from antenna_pin import load_scenario, simulate
 from antenna_pin.compiled import jit
 from antenna_pin.compiled import kernel_cache as _kernel_cache
-from antenna_pin.compiled import kernel_cache as _sweep
 from antenna_pin.compiled.compile_time import told_of_compiling
 from antenna_pin.compiled.kernel_cache import KernelCacheWarning, keep
 from antenna_pin.compiled.stand_alone import kernel_named, needs_of
@@ -213,7 +212,8 @@ def answer(source, monkeypatch):
 
     def answered(text=_PAIR, more=""):
         source.write_text(text)
-        command = [sys.executable, "-c", _ASKED + more, str(source.parent)]
+        # -B: bytecode of a text written in the same second, as long, would be taken for this one's.
+        command = [sys.executable, "-B", "-c", _ASKED + more, str(source.parent)]
         done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=True)
         return done.stdout.split()
 
@@ -246,7 +246,7 @@ def test_a_kernel_that_was_linked_for_its_callers_can_be_called_itself(answer):
 
 def test_what_is_kept_under_other_stamps_goes_when_something_is_kept(source, monkeypatch):
     """Of the module's other functions and of modules that are gone, but for what cannot be read."""
-    monkeypatch.setattr(_sweep, "_swept", set())
+    monkeypatch.setattr(_kernel_cache, "_swept", set())
     compiled(source, "old")(2)
     folder = source.parent / "__pycache__"
     (index,) = files(source, ".nbi")
@@ -264,7 +264,7 @@ def test_what_is_kept_under_other_stamps_goes_when_something_is_kept(source, mon
     strange.append(strange[0].with_name(strange[0].name.replace(".nbi", ".1.nbc")))
     for path in strange:
         path.write_bytes(b"somebody else's")
-    monkeypatch.setattr(_sweep, "_swept", set())  # another process
+    monkeypatch.setattr(_kernel_cache, "_swept", set())  # another process
     assert compiled(source, "new")(2) == 4
     left = {path.name for path in [*files(source, ".nbi"), *files(source, ".nbc"), *files(source, ".nbp")]}
     mine = {path.name for path in old}
