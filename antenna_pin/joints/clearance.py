@@ -26,7 +26,6 @@ from antenna_pin.joints import kernels
 from antenna_pin.joints import layout_kernels as _layout
 from antenna_pin.joints.geometry import ClearanceGeometry, Distances
 from antenna_pin.joints.geometry.own_backend import OwnBackend
-from antenna_pin.joints.geometry.patch_kernels import NODE
 from antenna_pin.joints.patch_kernels import patch_energy
 from antenna_pin.joints.python_path import LawInRun, PythonPath, has_code, range_of
 
@@ -259,12 +258,10 @@ class ClearanceJoint:
         """Write into a block where its strips' rows start; return how many rows they are."""
         if self.load != "distributed":
             return 0
-        start = in_python(_layout.candidate_at)(0, 4)
-        tail = block[start : start + _layout.PATCHES_WORDS].view(_layout.PATCHES)
+        tail, nodes = _layout.tail_of(block)
         tail["strips"], tail["sectors"], tail["first"] = self.strips, self.sectors, begin
         tail["radius"] = self.geometry.patch_radius
         t = math.pi * ((np.arange(self.sectors) + 0.5) / self.sectors - 0.5)
-        nodes = block[start + _layout.PATCHES_WORDS :].view(NODE)
         nodes["sine"], nodes["share"] = np.sin(t), np.cos(t) / self.sectors
         return self.strips + 2 * self.sectors
 

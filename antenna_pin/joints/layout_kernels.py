@@ -8,11 +8,17 @@ without reference counts returns none.
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
 from antenna_pin.base.records import Floats, Matrix3, Record, Vector3, layout, words_of
-from antenna_pin.compiled.decorators import inlined, record
+from antenna_pin.compiled.decorators import in_python, inlined, record
 from antenna_pin.contact.kernels import NORMAL_SIZE
 from antenna_pin.contact.records import FRICTION_SIZE
 from antenna_pin.joints.geometry.kernels import CANDIDATE
+from antenna_pin.joints.geometry.patch_kernels import NODE
 from antenna_pin.joints.geometry.revolute_kernels import REVOLUTE, Revolute
 
 #: The kind of block that a joint with play is in a program.
@@ -125,3 +131,10 @@ def patches_at(p: Floats, b: int) -> Patches:
 def nodes_at(b: int) -> int:
     """Return where the nodes of the sectors stand."""
     return candidate_at(b, 4) + PATCHES_WORDS
+
+
+def tail_of(block: NDArray[np.float64]) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return views of a block with distributed load: PATCHES, (1,), and the sectors' nodes."""
+    at = in_python(candidate_at)(0, 4)
+    end = at + PATCHES_WORDS
+    return block[at:end].view(PATCHES), block[end:].view(NODE)

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from antenna_pin.base.arguments import AskedFunction, told_numbers
 from antenna_pin.base.records import POSE
-from antenna_pin.compiled import decorators
 from antenna_pin.compiled.given_functions import callable_of
 from antenna_pin.contact import FrictionLaw, NormalLaw
 from antenna_pin.contact.kernels import elastic_energy, elastic_force, friction_force, normal_force
@@ -22,8 +21,7 @@ from antenna_pin.joints.geometry import Distances
 from antenna_pin.joints.geometry.coal_backend import CoalBackend
 from antenna_pin.joints.geometry.coal_patches import PatchLayout
 from antenna_pin.joints.geometry.coal_revolute import CoalRevolute
-from antenna_pin.joints.geometry.patch_kernels import NODE
-from antenna_pin.joints.layout_kernels import JOINT, JOINT_WORDS, PATCHES, PATCHES_WORDS, candidate_at
+from antenna_pin.joints.layout_kernels import JOINT, JOINT_WORDS, tail_of
 from antenna_pin.joints.pose_kernels import place_journal
 
 Array = NDArray[np.float64]
@@ -132,9 +130,7 @@ class PythonPath:
         self._distributed = bool(head["distributed"][0])
         self._pose = np.zeros(1, POSE)
         if bool(head["distributed"][0]) and isinstance(distances, CoalRevolute):
-            at = decorators.in_python(candidate_at)(0, 4)
-            end = at + PATCHES_WORDS
-            (patches,), nodes = block[at:end].view(PATCHES), block[end:].view(NODE)
+            (patches,), nodes = tail_of(block)
             first = int(patches["first"]) - self.row
             distances = distances.patches(
                 PatchLayout(int(patches["strips"]), first, float(patches["radius"]), nodes)
