@@ -137,7 +137,7 @@ def alternatives(model: str) -> tuple[tuple[frozenset[str], frozenset[str]], ...
 
     Dimensions of other shapes exclude no play of the model's own: they wait for another case.
     """
-    own = (shape for kind, shape in SHAPES.items() if MODELS.get(kind, kind) == model)
+    own = [SHAPES[MODELS[model]]] if model in MODELS else []
     found: dict[str, frozenset[str]] = {}
     for shape in (*own, *SHAPES.values()):
         for key, names in by_key(shape).items():

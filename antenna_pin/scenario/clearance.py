@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, cast
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, cast, get_args
 
 from pydantic import model_validator
 
@@ -178,9 +178,8 @@ class TouchingSpec(Clearance):
 ClearanceSpec = TouchingSpec | IdealSpec
 """A joint with play; ``model`` says which class it is."""
 
-_KINDS = {MODELS.get(kind, kind): kind for kind in SHAPES}
 _IDEAL: Any = Literal["ideal", "constraint"]
-_IDEALS = ("ideal", "constraint")
+_IDEALS: tuple[str, ...] = get_args(_IDEAL)
 
 
 def _name_of(model: str) -> str:
@@ -194,11 +193,11 @@ def _table(model: str) -> type[Any]:
     if model == "ideal":
         table: type[Any] = table_of(name, IdealSpec, _IDEAL)
     else:
-        table = table_of(name, TouchingSpec, Literal[model], SHAPES[_KINDS[model]])
+        table = table_of(name, TouchingSpec, Literal[model], SHAPES[MODELS[model]])
     return table
 
 
-CLEARANCES = Tables((*_KINDS, *_IDEALS), _table)
+CLEARANCES = Tables((*MODELS, *_IDEALS), _table)
 """Joints with play by their ``model``."""
 
 

@@ -23,8 +23,8 @@ SHAPES = Classes(
     },
 )
 
-#: What a scenario calls a kind, where that is another word.
-MODELS = {"revolute": "contact"}
+#: Kinds by the ``model`` of a scenario, which for one is another word.
+MODELS = {"contact" if kind == "revolute" else kind: kind for kind in SHAPES}
 
 
 def __getattr__(name: str) -> Any:
