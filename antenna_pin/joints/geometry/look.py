@@ -20,8 +20,11 @@ Sizes = Mapping[str, float]
 """The dimensions of a shape by the names that its class has for them, [m] and [rad]."""
 Picture = Literal["journal", "ball", "slider", "rod"]
 """Which close-up of :mod:`antenna_pin.show.record` shows it."""
-Row = Literal["radial", "axial", "transverse", "contact"]
-"""What is drawn of a joint's forces: their sizes across the axis (by two names), along it, or as a whole."""
+Row = Literal["contact", "transverse", "radial", "axial"]
+"""What is drawn of a joint's forces: their sizes as a whole, across the axis (by two names), or along it.
+
+Joints of several kinds are drawn by the first of these that one of them has.
+"""
 
 
 class Across(NamedTuple):

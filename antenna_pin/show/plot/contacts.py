@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import xarray as xr
@@ -15,6 +15,7 @@ from matplotlib.path import Path
 
 from antenna_pin.analysis import is_round_off, journal_motion, round_off_scales, scenario_spans
 from antenna_pin.joints.geometry import LOOKS
+from antenna_pin.joints.geometry.look import Row
 from antenna_pin.show.plot._compared import pick_touching
 from antenna_pin.show.plot._kinds import TOUCHING, RunFigure
 from antenna_pin.show.plot._runs import Blow, LabelledRun, Runs, episodes_of, sharp, smooth, strongest_blow
@@ -36,9 +37,6 @@ from antenna_pin.show.plot.grammar import (
     largest_of,
 )
 from antenna_pin.trajectory import contact_ends, contact_kinds
-
-# Forces of joints of several kinds are drawn as of those without an axis, if there are any.
-_FIRST = ("contact", "transverse", "radial")
 
 # How dots of blows look; of many they are pixels.
 _DOT: dict[str, Any] = {
@@ -151,7 +149,7 @@ def _kinds(runs: list[LabelledRun], joint: str) -> tuple[str, ...]:
     """Return the rows for the contacts that the joint has in any run."""
     found = {contact_kinds(run.data)[name] for run in runs for name in run.contacts_of(joint)}
     rows = [look.rows for look in LOOKS.values() if look.contacts <= found]
-    return min(rows, key=lambda row: (_FIRST.index(row[0]), -len(row)), default=("radial",))
+    return min(rows, key=lambda row: (get_args(Row).index(row[0]), -len(row)), default=("radial",))
 
 
 def _resultant(run: LabelledRun, joint: str, kinds: tuple[str, ...]) -> dict[str, Array]:
