@@ -104,10 +104,6 @@ def parameter(
     return field(default=default, metadata={**metadata, **more}, repr=repr)
 
 
-# What is declared of each.
-_SAID = ("unit", "sliding", "rule", "sizes", "from_joint")
-
-
 def parameters_of(cls: type[Any]) -> dict[str, Parameter]:
     """Return the parameters of a class by name, in the order of fields."""
     owner: Any = cls
@@ -125,8 +121,8 @@ def _parameters_of(cls: type[Any]) -> dict[str, Parameter]:
         found[item.name] = Parameter(
             required=required,
             default=None if required else item.default,
-            doc=item.metadata.get("doc", docs.get(item.name, "")),
-            **{name: item.metadata[name] for name in _SAID},
+            **{"doc": docs.get(item.name, "")}
+            | {name: value for name, value in item.metadata.items() if name in Parameter.__slots__},
         )
     return found
 

@@ -167,7 +167,7 @@ def quantities(
 
     ``scales`` are those of the runs, by which numbers may be zero to round-off.
     """
-    still = [bool(scales) and is_round_off(value, unit, scales or {}) for value in values]
+    still = [is_round_off(value, unit, scales) for value in values] if scales else [False] * len(values)
     factor, printed = prefixed(unit, [v for v, zero in zip(values, still, strict=True) if not zero])
     cells = (
         Cell(ZERO, value) if zero else _cell(value, factor, digits)
