@@ -20,7 +20,7 @@ import numpy as np
 
 from antenna_pin.base.arguments import takes
 from antenna_pin.base.material import Material
-from antenna_pin.base.rules import NumberRule
+from antenna_pin.base.rules import NumberRule, Positive
 from antenna_pin.errors import InvalidParameterError
 
 __all__ = [
@@ -315,11 +315,13 @@ def internal_hertz_stiffness(bearing_radius: float, journal_radius: float, modul
 
 
 @takes(radius="m", modulus="Pa")
-def point_stiffness(radius: float, modulus: float) -> float:
-    """Return K of ``K depth^1.5`` for an effective radius of curvature [N/m^1.5].
+def point_stiffness(radius: Positive, modulus: Positive) -> float:
+    r"""Return K of ``K depth^1.5`` for an effective radius of curvature [N/m^1.5].
+
+    Hertz's for spheres, :math:`K = \tfrac43 E^* \sqrt{R}`.
 
     Args:
-        radius: Effective radius [m], positive.
+        radius: R: of two convex spheres 1/R = 1/R_1 + 1/R_2, of one in a hollow 1/R = 1/R_j - 1/R_i [m].
         modulus: E* of the pair [Pa].
     """
     return 4.0 / 3.0 * modulus * math.sqrt(radius)

@@ -6,7 +6,15 @@ import re
 import pytest
 from value_classes import check_refusals
 
-from antenna_pin.contact import MATERIALS, LankaraniNikravesh, Material, effective_modulus, hertz_stiffness
+from antenna_pin.contact import (
+    MATERIALS,
+    LankaraniNikravesh,
+    Material,
+    effective_modulus,
+    hertz_stiffness,
+    point_stiffness,
+)
+from antenna_pin.errors import InvalidParameterError
 
 STEEL = Material(young=207e9, poisson=0.3)
 R_I, R_J = 0.010, 0.0098
@@ -67,6 +75,13 @@ def test_refuses_a_journal_that_does_not_fit(journal):
     message = f"hertz_stiffness: journal_radius must be in (0, 0.01) [m], got {journal!r}"
     with pytest.raises(ValueError, match=f"^{re.escape(message)}$"):
         hertz_stiffness(0.01, journal, STEEL, STEEL)
+
+
+@pytest.mark.parametrize("name", ["radius", "modulus"])
+@pytest.mark.parametrize("value", [0.0, -1e-3])
+def test_a_point_of_no_radius_or_modulus_has_no_stiffness(name, value):
+    with pytest.raises(InvalidParameterError, match=f"point_stiffness: {name} must be positive"):
+        point_stiffness(**{"radius": 0.01, "modulus": 1e11, name: value})
 
 
 def test_refuses_what_is_no_material():
